@@ -27,8 +27,8 @@ import damage
 from benchmarks.same_bits import differences
 from damage.errors import RunError
 from damage.history.reader import read_history
+from damage.measure.energy import ENERGY_ERROR
 from damage.measure.summary import summarise
-from damage.measure.warnings import ENERGY_ERROR
 from damage.reference.session import run_reference
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

@@ -40,7 +40,7 @@ RUNS = {
     "deformable_members": [SMALL, "--harmonic", "0.06", "0.8", "--rest", "0.1", "--bricks", "deformable", "--members",
                            "3"],
 }
-ORIGIN = "commit", "model_digest"
+ORIGIN = "commit", "model_digest", "measures_digest"
 IN_YADE = ("harmonic", "pushover", "sequence")
 
 

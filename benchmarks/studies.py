@@ -156,7 +156,7 @@ PARTS = {
     "history: begin": (HistoryWriter, ["__init__"]),
     "history: write": (HistoryWriter, ["append", "extend", "event", "snapshot", "static_stage", "flush"]),
     "history: seal": (HistoryWriter, ["finish"]),
-    "history in memory": (HistoryInMemory, ["__init__", "static_stage", "store", "finish", "history"]),
+    "history in memory": (HistoryInMemory, ["__init__", "static_stage", "flush", "finish", "history"]),
     "steps": (lanes.kernel, ["run"]),
     "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instants", "drain_events", "forces", "base_reaction"]),

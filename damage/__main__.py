@@ -15,8 +15,7 @@ import logging
 from contextlib import nullcontext, redirect_stdout
 
 import damage.commands  # noqa: F401, fills the table
-from damage.commands.examples import GROUPS, examples_of
-from damage.commands.table import COMMANDS, Silence
+from damage.commands.table import COMMANDS, GROUPS, Silence, examples_of
 from damage.errors import InputError, did_you_mean, one_line
 from damage.memory import hold_buffers
 from damage.provenance import commit

@@ -16,17 +16,16 @@ decides the values of a run."""
 DECIDES_NOTHING = {
     "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
                                  "history", "mechanics/cache.py"),
-    "words": ("provenance.py", "version.py", "run/opening.py", "run/plausible.py", "run/progress.py", "run/report.py",
-              "measure/columns.py", "motion/plausible.py", "wall/fields.py", "wall/plausible.py", "wall/as_built.py"),
+    "words": ("provenance.py", "version.py", "run/opening.py", "run/report.py",
+              "measure/columns.py", "motion/plausible.py", "fields.py", "wall/plausible.py", "wall/as_built.py"),
     "options, whose values are inputs of a run": ("run/options.py",),
     "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (
-        "cycles", "damage_index", "ground", "joints", "limits", "members", "motion", "pushed", "register", "storeys",
-        "summary", "tables", "vibration"))}
+        "cycles", "damage_index", "ground", "joints", "limits", "pushed", "register", "summary", "tables"))}
 """{why: modules and folders of the package that a run imports and that decide none of its values}."""
-MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
+MEASURES = ("units.py", "index.py", "history/reader.py", "history/schema.py", "motion/intensity.py",
             "wall/geometry.py", *(f"measure/{name}.py" for name in (
-                "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joints", "limits", "motion",
-                "pushed", "register", "storeys", "summary", "tables", "validity", "vibration")))
+                "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joints", "limits", "pushed",
+                "register", "summary", "tables")))
 """What of the package makes the numbers of tables out of a history."""
 _SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"

@@ -18,8 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.__main__ import DELEGATED  # noqa: E402, of this repository
-from damage.commands.examples import examples_of  # noqa: E402
-from damage.commands.table import COMMANDS  # noqa: E402
+from damage.commands.table import COMMANDS, examples_of  # noqa: E402
 from damage.run.options import OneLineParser, make_parser  # noqa: E402
 from damage.version import VERSION  # noqa: E402
 

@@ -99,18 +99,13 @@ def _readings(asked):
          file_arg("results", "RESULTS", "folder with the study below it"),
          output(file_arg("--markdown", "FILE", "write the document, too")))
 def _combinations(asked):
-    from paper.combinations import (
-        as_markdown,
-        conclusions,
-        judge_combinations,
-        table_of_best,
-        table_of_effects,
-    )
+    from paper import combinations
 
-    found = judge_combinations(asked.results)
+    found = combinations.judge_combinations(asked.results)
     if asked.markdown:
-        write_text(asked.markdown, as_markdown(found))
-    print("\n".join([*conclusions(found), "", *table_of_best(found), "", *table_of_effects(found)]))
+        write_text(asked.markdown, combinations.as_markdown(found))
+    print("\n".join([*combinations.conclusions(found), "", *combinations.table_of_best(found), "",
+                     *combinations.table_of_effects(found)]))
 
 
 if __name__ == "__main__":

@@ -6,8 +6,6 @@ TABLE: laws, prediction, cycles, unseen, elsewhere, about 35 minutes on one core
 again; all by default, in the reference solver.  Histories that are already in DIR are not run again.
 """
 
-import contextlib
-import io
 import math
 import sys
 from dataclasses import replace
@@ -18,25 +16,22 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from damage import Joint, Wall, brick_of_masonry, read_history
+from damage import Joint, Wall, brick_of_masonry
 from damage.laboratory.pushed import FIGURES, SPECIMENS, TESTS, read_test
 from damage.law.modes import natural_modes
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
-from damage.reference.session import BACKEND
-from damage.reference.together import run_references
-from damage.run.session import run_session
 from damage.wall import layout as layouts
 from damage.wall.file import load_wall
 from damage.wall.kinds import GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
 from damage.wall.parameters import ENERGIES, RULE, crushing_energy, softening_energies
-from paper.softening import main, print_row, print_table
+from paper.bench import BGAR, main, print_row, print_table, wall_file
+from paper.softening import softened, stiffer
 
 FIXED = ["--boundary", "fixed"]
 HELD = {"squat_tested": [], "comp2_4": FIXED, "comp2_1": FIXED, "comp2_3": FIXED}
@@ -66,11 +61,11 @@ MODULUS = MATERIALS["sarhosis-2021"].young_modulus
 
 
 class Law(NamedTuple):
-    """energies: (G_I, G_II) [J/m2], None by the rule; crushes: by the tested strength and the rule for its fracture
+    """bond: a case of `softened`; crushes: by the tested strength and the rule for its fracture
     energy; modulus: of the masonry [Pa], None as tested; scatter: coefficient of variation; of: function in place of
     `layouts.scattered`."""
 
-    energies: tuple | None = None
+    bond: str = "rule"
     crushes: bool = False
     modulus: float | None = None
     scatter: float = 0.0
@@ -102,7 +97,7 @@ def along_courses(wall, contacts, scatter, _):
 
 
 LAWS = {
-    "rule": Law(), "clay strong, 19/353 J/m²": Law((19.0, 353.0)), "head joints at 0.3": Law(of=weaker_heads),
+    "rule": Law(), "clay strong, 19/353 J/m²": Law("19/353"), "head joints at 0.3": Law(of=weaker_heads),
     "strengths scatter by 0.35": Law(scatter=SCATTER),
     "... correlated along courses": Law(scatter=SCATTER, of=along_courses),
     "crushing softens": Law(crushes=True)}
@@ -133,18 +128,13 @@ def wall_by(name, law):
     """The wall of a shipped file by a Law; an unseen one by the prediction."""
     if name in UNSEEN + ELSEWHERE:
         return tested_wall(SPECIMENS[name])
-    wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
-    energies = softening_energies(wall.joint.tensile_strength) if law.energies is None else dict(
-        zip(("mode_i_fracture_energy", "mode_ii_fracture_energy"), law.energies))
+    wall, energies = softened(load_wall(name), law.bond), {}
     if law.crushes:
         energies["compressive_strength"] = strength = 1e6 * float(
             pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name], "fm_c_MPa"])
         energies["compressive_fracture_energy"] = crushing_energy(strength)
-    joint, brick = replace(wall.joint, **energies), wall.brick
-    if law.modulus:
-        brick = brick_of_masonry(law.modulus, joint, length=brick.length, height=brick.height,
-                                 thickness=brick.thickness)
-    return replace(wall, joint=joint, brick=brick)
+    wall = replace(wall, joint=replace(wall.joint, **energies))
+    return stiffer(wall, law.modulus) if law.modulus else wall
 
 
 def run(bench, name, label, law, words, seed=1):
@@ -152,18 +142,8 @@ def run(bench, name, label, law, words, seed=1):
     words = [*words, *(HELD[name] if name in HELD else _held(name))]
     if law.scatter:
         words += ["--strength-cov", law.scatter, "--strength-seed", seed]
-    kept = "_".join([name, label, *(str(word).strip("-") for word in words)])
-    out = bench.folder / f"{''.join(c if c.isalnum() or c in '._-' else '-' for c in kept)}.h5"
-    if not (out.exists() and read_history(out).complete):
-        quiet = io.StringIO()
-        with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet), \
-                mock.patch.object(layouts, "scattered", law.of or layouts.scattered):
-            source = REPOSITORY / "walls" / f"{name}.py" if name in HELD else TESTS
-            status = run_session(BACKEND, source, lambda: wall_by(name, law), [
-                *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="after_peak")
-        if status != 0:
-            sys.exit(f"{out.stem} failed\n{quiet.getvalue()[-2000:]}")
-    return read_history(out)
+    with mock.patch.object(layouts, "scattered", law.of or layouts.scattered):
+        return bench.run(wall_by(name, law), words, name, label)
 
 
 def push_to(farthest, speed):
@@ -240,23 +220,26 @@ def push_unseen(bench, name):
     return words if pushed.capacity(history)["ended"] else push_to(ON, SPEED[True])
 
 
+def drawn(bench, name):
+    """Print a row for each of two draws of such a wall; returns the words of its push."""
+    words = push_unseen(bench, name)
+    for seed in SEEDS:
+        row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, words, seed))
+    return words
+
+
 def elsewhere(bench):
     """Pushes with two draws of walls of other laboratories by the prediction."""
     print_table(*HEADS)
     for name in ELSEWHERE:
-        words = push_unseen(bench, name)
-        for seed in SEEDS:
-            row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, words, seed))
+        drawn(bench, name)
 
 
 def unseen(bench):
     """Pushes with two draws, and cycles, of walls by the prediction in whose view nothing was chosen."""
     print_table(*HEADS)
     for name in UNSEEN:
-        words = push_unseen(bench, name)
-        for seed in SEEDS:
-            row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, words, seed))
-        farthest = float(words[1])
+        farthest = float(drawn(bench, name)[1])
         amplitudes = ",".join(f"{farthest * share / 6:.3g}" for share in (0.25, 0.5, 1, 2, 3, 4, 5, 6))
         words = ["--cyclic", amplitudes, "--cycles", 1, "--speed", ROCKING_SPEED]
         row("cycles", name, run(bench, name, "prediction", PREDICTION, words))
@@ -268,28 +251,6 @@ DRAWS = 32
 DRAWN_FAR, DRAWN_SPEED, DRAWN_STEP = 0.26, 8e-3, 0.6
 """To which drift walls are pushed with drawn strengths [%], how fast [m/s], and the share of the critical step: four
 times as fast as `prediction`, whose draws 1 and 2 are the same."""
-WALL_FILE = '''"""{name} by the prediction."""
-
-from paper.after_peak import PREDICTION, wall_by
-
-
-def wall():
-    return wall_by({name!r}, PREDICTION)
-'''
-
-
-def together(bench, runs):
-    """Histories of runs that advance eight at a time; runs: {name: [wall file, words, ...]}."""
-    paths = {name: bench.folder / f"{name}.h5" for name in runs}
-    lines = [(name, [words[0], *map(str, words[1:]), "--out", str(paths[name]), "--overwrite", "--no-pictures",
-                     "--quiet"])
-             for name, words in runs.items() if not (paths[name].exists() and read_history(paths[name]).complete)]
-    quiet = io.StringIO()
-    with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
-        failed = [name for name, status in run_references(iter(lines)) if status != 0]
-    if failed:
-        sys.exit(f"{', '.join(failed)} failed\n{quiet.getvalue()[-2000:]}")
-    return {name: read_history(path) for name, path in paths.items()}
 
 
 def scatter(bench):
@@ -297,11 +258,11 @@ def scatter(bench):
     print_table("wall", "quantity", "test", "median", "5 % quantile", "95 % quantile", "smallest", "largest",
                 "draws for the median within 5 %")
     for name in SLIDES:
-        path = bench.folder / f"{name}_prediction.py"
-        path.write_text(WALL_FILE.format(name=name))
-        step = DRAWN_STEP * natural_modes(lay_out(wall_by(name, PREDICTION)), 1).critical_time_step_s
-        histories = together(bench, {f"{name}_draw_{seed}": [
-            str(path), "--pushover", DRAWN_FAR, "--speed", DRAWN_SPEED, "--dt", f"{step:.4e}", *HELD[name],
+        wall = wall_by(name, PREDICTION)
+        path = wall_file(bench.path(name, "prediction", ending=".py"), wall)
+        step = DRAWN_STEP * natural_modes(lay_out(wall), 1).critical_time_step_s
+        histories = bench.together({f"{name}_draw_{seed}": [
+            path, "--pushover", DRAWN_FAR, "--speed", DRAWN_SPEED, "--dt", f"{step:.4e}", *HELD[name],
             "--strength-cov", SCATTER, "--strength-seed", seed] for seed in range(1, DRAWS + 1)})
         draws = [capacity_of(name, history)[0] for history in histories.values()]
         tested = read_test(SPECIMENS[name]).figures
@@ -327,10 +288,9 @@ def scatter(bench):
 # --- damage ----------------------------------------------------------------------------------------
 
 MEMBERS = 4
-BGAR = ["--record", str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"), "--window", 17.5, 20.5,
-        "--rest", 0.5]
-MOTIONS = {"0.2 s, 0.05 g": ["--harmonic", 0.2, 0.05, "--rest", 0.5], "BGAR x 1": BGAR,
-           "BGAR x 2": [*BGAR, "--scale", 2], "BGAR x 1, twice": [*BGAR, "--sequence", "1,1"]}
+RECORD = ["--record", BGAR, "--window", 17.5, 20.5, "--rest", 0.5]
+MOTIONS = {"0.2 s, 0.05 g": ["--harmonic", 0.2, 0.05, "--rest", 0.5], "BGAR x 1": RECORD,
+           "BGAR x 2": [*RECORD, "--scale", 2], "BGAR x 1, twice": [*RECORD, "--sequence", "1,1"]}
 HARD = ["--harmonic", 0.1, 0.3, "--cycles", 5, "--rest", 0.5]
 EQUAL = 1e-3
 """Coefficient of variation of strengths that are as good as equal: chance alone."""
@@ -339,33 +299,18 @@ CRUSHES = 6.2e6
 JOINTS = {"brittle": (False, EQUAL, False), "brittle, strengths scatter": (False, SCATTER, False),
           "softening": (True, EQUAL, False), "softening, strengths scatter, crushing": (True, SCATTER, True)}
 """Name -> whether the bond softens, coefficient of variation of the strengths, whether toes crush and soften."""
-SHAKEN_FILE = '''"""A wall with other joints."""
-
-from dataclasses import replace
-
-from damage.wall.file import load_wall
-from damage.wall.kinds import GROUND, HEAD
-from damage.wall.layout import lay_out
 
 
-def wall():
-    one = load_wall({path!r})
-    return replace(one, joint=replace(one.joint, **{changes!r}))
-'''
-
-
-def members(bench, wall, label, motions, number):
+def members(bench, name, label, motions, number):
     """{motion: [summary of each member]} of a wall with some of JOINTS; motions: {name: words}."""
     softens, variation, crushes = JOINTS[label]
-    path = REPOSITORY / "walls" / f"{wall}.py"
-    changes = softening_energies(load_wall(path).joint.tensile_strength) if softens else {}
+    wall = load_wall(name)
+    changes = softening_energies(wall.joint.tensile_strength) if softens else {}
     if crushes:
         changes |= {"compressive_strength": CRUSHES, "compressive_fracture_energy": crushing_energy(CRUSHES)}
-    kept = "".join(c if c.isalnum() else "-" for c in f"{wall}-{label}")
-    file = bench.folder / f"{kept}.py"
-    file.write_text(SHAKEN_FILE.format(path=str(path), changes=changes))
-    histories = together(bench, {f"{kept}_{''.join(c if c.isalnum() else '-' for c in motion)}_{seed}": [
-        str(file), *words, "--strength-cov", variation, "--strength-seed", seed]
+    path = wall_file(bench.path(name, label, ending=".py"), replace(wall, joint=replace(wall.joint, **changes)))
+    histories = bench.together({f"{name}_{label}_{motion}_{seed}": [
+        path, *words, "--strength-cov", variation, "--strength-seed", seed]
         for motion, words in motions.items() for seed in range(1, number + 1)})
     found = [summarise(history) for history in histories.values()]
     return {motion: found[k * number:(k + 1) * number] for k, motion in enumerate(motions)}

@@ -6,17 +6,14 @@ walls/symmetric.py in the reference solver, two cycles of 0.2 s and 0.075 g and 
 damping, with other masses on top.  Histories that are already in DIR are not run again.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from damage import read_history
-from damage.reference.session import run_reference
+from paper.bench import Bench, arguments, option, print_row, print_table
 
 MOTION = ["--harmonic", "0.2", "0.075", "--cycles", "2", "--rest", "3"]
 VARIANTS = {"as shipped": [], "half the step": ["--dt", "1.5e-5"], "a quarter of it": ["--dt", "0.75e-5"],
@@ -25,15 +22,6 @@ VARIANTS = {"as shipped": [], "half the step": ["--dt", "1.5e-5"], "a quarter of
             "loading beam": ["--top", "beam"]}
 LATE_S, END_S = 1.0, 3.4
 BREAKS = ("tension", "shear")
-
-
-def run(name, words, folder):
-    """The History of a variant, from `folder` if it is there."""
-    history = folder / f"{name.replace(' ', '_').replace('%', 'percent')}.h5"
-    if not (history.exists() and read_history(history).complete):
-        run_reference([str(REPOSITORY / "walls" / "symmetric.py"), *MOTION, *words, "--out", str(history),
-                       "--overwrite", "--no-pictures", "--quiet"])
-    return read_history(history)
 
 
 def frequency_hz(time_s, value):
@@ -58,19 +46,15 @@ def row_of(name, history):
             f"{above:.0%}" if len(late) >= 10 else "-", f"{(gravity_j[rest] > 0).mean():.0%}"]
 
 
-def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path("results/bouncing_caps"), metavar="DIR")
-    asked = parser.parse_args(arguments)
-    asked.out.mkdir(parents=True, exist_ok=True)
-    heads = ["variant", f"joints' breaks up to {LATE_S:g} s", f"from then to {END_S:g} s",
-             "swing of gravity's energy then [J]", "at [Hz]", "sway [mm]", "late breaks with caps above rest",
-             "of the time they are"]
-    print("| " + " | ".join(heads) + " |\n" + "| --- " * len(heads) + "|")
+def main():
+    asked = arguments(__doc__, option("--out", type=Path, default=Path("results/bouncing_caps"), metavar="DIR"))
+    bench = Bench(asked.out)
+    print_table("variant", f"joints' breaks up to {LATE_S:g} s", f"from then to {END_S:g} s",
+                "swing of gravity's energy then [J]", "at [Hz]", "sway [mm]", "late breaks with caps above rest",
+                "of the time they are")
     for name, words in VARIANTS.items():
-        print("| " + " | ".join(map(str, row_of(name, run(name, words, asked.out)))) + " |", flush=True)
-    return 0
+        print_row(*row_of(name, bench.run("symmetric", [*MOTION, *words], name)))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

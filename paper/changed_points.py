@@ -15,7 +15,10 @@ from pathlib import Path
 
 import pandas as pd
 
-ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from paper.bench import REPOSITORY, print_row, print_table
+
 STUDIES = ("harmonic", "ida", "nolintel", "sensitivity", "sequence", "crosscheck", "validation")
 MEASURES = (  # old column, new column, what it is, factor, decimals
     ("max_drift_ratio", "max_drift_ratio", "maximum drift ratio [%]", 100, 4),
@@ -32,26 +35,38 @@ def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     old, new, studies = sys.argv[1], Path(sys.argv[2]), sys.argv[3:] or STUDIES
-    lines = [line for study in studies for line in rows_of(study, read_old(old, study),
-                                                           read_new(new / f"{study}_points.csv"))]
-    if not lines:
+    rows = [row for study in studies for row in rows_of(study, read(old, study), read(new, study))]
+    if not rows:
         sys.exit(f"error: {old} and {new} have no study in common; expected STUDY_points.csv in two folders, or in the "
                  "docs/tables of a commit")
-    print("| study | quantity | points | moved by, median | most | there from, to "
-          "| old median in the new range | widest range, old, new |\n" + "| --- " * 8 + "|")
-    print(*lines, sep="\n")
+    print_table("study", "quantity", "points", "moved by, median", "most", "there from, to",
+                "old median in the new range", "widest range, old, new")
+    for row in rows:
+        print_row(*row)
+
+
+def read(version, study):
+    """Table of points of a folder or a commit by point and solver, or None where it has none."""
+    source = Path(version) / f"{study}_points.csv"
+    if not Path(version).is_dir():
+        done = subprocess.run(["git", "show", f"{version}:docs/tables/{study}_points.csv"], cwd=REPOSITORY,
+                              capture_output=True)
+        source = io.BytesIO(done.stdout) if done.returncode == 0 else None
+    if source is None or (isinstance(source, Path) and not source.exists()):
+        return None
+    return pd.read_csv(source, keep_default_na=False, na_values=[""]).set_index(["point", "solver"])
 
 
 def rows_of(study, old, new):
-    """Lines of a study's table, solver by solver; none where a version has no table."""
+    """Rows of a study's table, solver by solver; none where a version has no table."""
     if old is None or new is None:
         return
     solvers = sorted(set(new.index.get_level_values("solver")))
     for solver in solvers:
         label = study if len(solvers) == 1 else f"{study}, {solver}"
         both = [table[table.index.get_level_values("solver") == solver] for table in (old, new)]
-        for line in filter(None, (row_of(*both, *measure) for measure in MEASURES)):
-            yield f"| {label} | {line}"
+        for row in filter(None, (row_of(*both, *measure) for measure in MEASURES)):
+            yield label, *row
             label = ""
 
 
@@ -61,46 +76,28 @@ def short(point):
     return re.sub(r"_rest-[0-9.]+", "", point).replace("_", " ")
 
 
-def read_old(old, study):
-    """Table of points of a folder or a commit, or None where it has none."""
-    if Path(old).is_dir():
-        return read_new(Path(old) / f"{study}_points.csv")
-    done = subprocess.run(["git", "show", f"{old}:docs/tables/{study}_points.csv"], cwd=ROOT, capture_output=True)
-    return table_of(io.BytesIO(done.stdout)) if done.returncode == 0 else None
-
-
-def read_new(path):
-    """Table of points of a file, or None where it is not there."""
-    return table_of(path) if path.exists() else None
-
-
-def table_of(source):
-    """A table of points by point and solver."""
-    return pd.read_csv(source, keep_default_na=False, na_values=[""]).set_index(["point", "solver"])
-
-
 def row_of(old, new, old_name, new_name, label, factor, digits):
-    """A line of the table: of the points that both have and that stood in both; of ranges, those of several runs."""
+    """Cells of the points that both have and that stood in both; of ranges, those of several runs."""
     if old_name not in old or new_name not in new:
         return None
-    both = old[[old_name, f"{old_name}_min", f"{old_name}_max", "collapsed"]].set_axis(
-        ["old", "old_min", "old_max", "old_collapsed"], axis=1).join(
-            new[[new_name, f"{new_name}_min", f"{new_name}_max", "collapsed", "members"]].set_axis(
-                ["new", "new_min", "new_max", "collapsed", "members"], axis=1), how="inner")
-    both = both[(both["old_collapsed"] == 0) & (both["collapsed"] == 0)].dropna(subset=["old", "new"])
+    names = [name for which in ("old", "new") for name in (which, f"{which}_min", f"{which}_max", f"{which}_collapsed")]
+    parts = [table[[name, f"{name}_min", f"{name}_max", "collapsed"]]
+             for table, name in ((old, old_name), (new, new_name))]
+    both = pd.concat(parts, axis=1, join="inner").set_axis(names, axis=1)
+    both = both[(both["old_collapsed"] == 0) & (both["new_collapsed"] == 0)].dropna(subset=["old", "new"])
     if both.empty:
         return None
     off = (both["new"] - both["old"]).abs()
-    most, several = off.idxmax(), both[both["members"] > 1]
+    most, several = off.idxmax(), both[new.loc[both.index, "members"] > 1]
+
+    def texts(*values):
+        return ", ".join(f"{factor * value:.{digits}f}" for value in values)
+
     inside = several["old"].between(several["new_min"], several["new_max"]).sum()
-    widths = [(several[f"{which}_max"] - several[f"{which}_min"]).max() * factor for which in ("old", "new")]
-    ranges = f"{inside} of {len(several)} | {widths[0]:.{digits}f}, {widths[1]:.{digits}f}" if len(several) else "- | -"
-
-    def text_of(value):
-        return f"{factor * value:.{digits}f}"
-
-    return (f"{label} | {len(both)} | {text_of(off.median())} | {text_of(off.max())} ({short(most[0])}) | "
-            f"{text_of(both.loc[most, 'old'])}, {text_of(both.loc[most, 'new'])} | {ranges} |")
+    widths = [(several[f"{which}_max"] - several[f"{which}_min"]).max() for which in ("old", "new")]
+    ranges = (f"{inside} of {len(several)}", texts(*widths)) if len(several) else ("-", "-")
+    return (label, len(both), texts(off.median()), f"{texts(off.max())} ({short(most[0])})",
+            texts(*both.loc[most, ["old", "new"]]), *ranges)
 
 
 if __name__ == "__main__":

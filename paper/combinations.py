@@ -12,6 +12,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.measure.damage_index import CRITERIA
+from paper.criteria import page
 from paper.evidence import Evidence, comparable, exactly, gather, load_runs
 from paper.readings import SOLVER, holding
 from paper.verdict import HOLDS, UNJUDGED, judge_with, shipped_records
@@ -257,25 +258,5 @@ def in_words(one):
 
 def as_markdown(found):
     """The document: conclusions, then the tables."""
-    return "\n".join([_HEAD, "", *(f"- {line}" for line in conclusions(found)), "", _UNMET, "", "## Best combinations",
-                      "", _OF_BEST, "", *table_of_best(found), "", "## What each claim depends on", "", _OF_EFFECTS, "",
-                      *table_of_effects(found)]) + "\n"
-
-
-_HEAD = """# Readings of the paper, combined
-
-Written by `python3 -m paper combinations RESULTS --markdown docs/paper/readings.md` from the tables of
-`./run_all.sh combinations`; do not edit by hand."""
-_UNMET = """Why some claims are met by hardly any: [open points](open-points.md#claims-that-hardly-any-reading-meets).
-Other choices, one at a time: [single readings](single-readings.md). Claims and criteria: [verdict](verdict.md). The
-runs are single: a borderline claim may change with another draw of the strengths.
-
-The design (`studies/combinations.csv`) has 16 of the 32 walls that five choices of two levels make, a fraction of
-resolution V: no main effect and no interaction of two choices is mixed with another. Each wall is judged with 3 and
-with 2 cycles, so that every choice is compared on half of 32 combinations against the other half. Combinations some of
-whose runs are missing are left out."""
-_OF_BEST = """Claims met, by each criterion of slip and by any. P2a: the period of the symmetric wall is 0.2 s within
-10 %. Below the best: the best of those that meet P2a, and the default."""
-_OF_EFFECTS = f"""Share of the combinations that meet a claim, and by how many percentage points the share differs
-when a choice leaves its default; bold from {100 * DEPENDS:.0f} on. Last columns: share of the variance that the choices
-explain singly, and with their interactions of two. Claims that all or no combinations meet are left out."""
+    return page("readings.md", conclusions=[f"- {line}" for line in conclusions(found)], best=table_of_best(found),
+                effects=table_of_effects(found), depends=100 * DEPENDS)

@@ -10,13 +10,11 @@ the ten strongest of damage/data/zeerijp_20180108/components.csv, cut to their s
 settlements and a row a run, and what is there is not run again.
 """
 
-import argparse
 import csv
 import sys
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 import pandas as pd
@@ -28,7 +26,7 @@ from damage.motion.formats import read_record
 from damage.reference.settled import SettledWalls
 from damage.reference.together import run_references
 from damage.units import MILLIMETRE
-from paper.report import as_table
+from paper.bench import REPOSITORY, arguments, option, print_row, print_table
 
 WALL = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
 DATA = REPOSITORY / "damage" / "data" / "zeerijp_20180108"
@@ -112,7 +110,7 @@ def check(status, what):
 
 # --- shaking ------------------------------------------------------------------------------------------
 
-def shake(folder, cases, path):
+def shake(cases, path):
     """Run the cases that the table at `path` lacks; cases: list of (row, words), the row with a run's name."""
     done = set(pd.read_csv(path)["run"]) if path.is_file() else set()
     lines = [(row["run"], words) for row, words in cases if row["run"] not in done]
@@ -162,19 +160,13 @@ def case(folder, part, window, name, seed, before):
 
 
 def main(words):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", type=Path)
-    parser.add_argument("--windows", action="store_true")
-    parser.add_argument("--walls", type=int, default=WALLS, help="number of walls to be run")
-    parser.add_argument("--tables", action="store_true")
-    given = parser.parse_args(words)
+    given = arguments(__doc__, option("folder", nargs="?", type=Path), option("--windows", action="store_true"),
+                      option("--tables", action="store_true"), words=words)
     if given.tables:
         print_tables()
         return
     given.folder.mkdir(parents=True, exist_ok=True)
-    cases = cases_of(given.folder, settle(given.folder), given.windows)
-    shake(given.folder, [case for case in cases if case[0]["wall"] <= given.walls],
-          WINDOWS if given.windows else TABLE)
+    shake(cases_of(given.folder, settle(given.folder), given.windows), WINDOWS if given.windows else TABLE)
 
 
 # --- tables -------------------------------------------------------------------------------------------
@@ -232,7 +224,9 @@ def spread(values):
 
 
 def show(heads, rows):
-    print(as_table(heads, rows), end="\n\n")
+    print_table(*heads)
+    for row in rows:
+        print_row(*row)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,12 @@
 """Deformable bricks beside rigid ones: first periods with a triangle mesh as an independent check, and what they cost.
 
     python3 paper/deformable.py periods [WALL ...]     # of the shipped walls, by default
-    python3 paper/deformable.py brick                  # frequencies of a free brick by order
     python3 paper/deformable.py cost [WALL]            # time per step and per run, processor time
     python3 paper/deformable.py runs DIR               # the symmetric wall shaken, five members a row, as a table
 
 `runs` keeps its histories in DIR and makes only those that are missing; the table has the rows that are there.
 """
 
-import argparse
 import json
 import resource
 import subprocess
@@ -19,8 +17,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.sparse import coo_matrix, diags
-from scipy.sparse.linalg import eigsh
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -35,8 +31,9 @@ from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick
-from damage.wall.strain import brick_modes, elasticity_of
+from paper.bench import REPOSITORY, arguments, option, print_row, print_table, wall_file
+from paper.softening import softened
+from verification.triangles import Mesh
 
 WALLS = ("solid", "symmetric", "asymmetric")
 MODELS = {"rigid bricks": {}, "order 2": {"bricks": "deformable"},
@@ -44,17 +41,6 @@ MODELS = {"rigid bricks": {}, "order 2": {"bricks": "deformable"},
 CELLS = (2, 4, 8)
 STEPS = 1000
 
-
-ROOT = Path(__file__).resolve().parents[1]
-SOFTENING = """from dataclasses import replace
-
-from damage.wall.file import load_wall
-
-
-def wall():
-    wall = load_wall("symmetric")
-    return replace(wall, joint=replace(wall.joint, mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
-"""
 DEFORM, WEAKER, STRONGER = ["--bricks", "deformable"], ["0.2", "0.05"], ["0.33", "0.1"]
 RUNS = {  # name: (words, joints, harmonic motion, options), rigid ones first: times are compared with theirs
     "rigid": ("rigid", "brittle", WEAKER, []),
@@ -74,105 +60,6 @@ RUNS = {  # name: (words, joints, harmonic motion, options), rigid ones first: t
 """Runs of `runs`, in order of their importance."""
 
 
-class Mesh:
-    """Constant-strain triangles on every brick of a Layout, four on each of n_x by n_z cells of a whole brick.
-
-    A cell's edge should have two Gauss points: a mesh that is finer than the points is pressed in at each of them.
-    """
-
-    def __init__(self, layout, n_x, n_z=1):
-        self.layout, self._n_z = layout, n_z
-        bodies, brick = layout.bodies, layout.wall.brick
-        self._n_x = [max(1, round(n_x * length / brick.length)) for length in bodies.length[:layout.n_bricks]]
-        counts = [(n + 1) * (n_z + 1) + n * n_z for n in self._n_x]
-        self._first = np.append(0, np.cumsum(counts))  # node of each brick, then three coordinates a cap
-        n_caps = len(bodies) - layout.n_bricks
-        self._caps = 2 * self._first[-1] + 3 * np.arange(n_caps)
-        self.size = 2 * self._first[-1] + 3 * n_caps
-
-    def nodes(self, b):
-        """Corners of the cells of brick b, row by row, then their middles: (n, 2) from its centre [m]."""
-        length, height = self.layout.bodies.length[b], self.layout.bodies.height[b]
-        x, z = (np.linspace(-size / 2, size / 2, n + 1) for size, n in ((length, self._n_x[b]), (height, self._n_z)))
-        grids = [np.stack(np.meshgrid(a, c), axis=-1).reshape(-1, 2)
-                 for a, c in ((x, z), ((x[1:] + x[:-1]) / 2, (z[1:] + z[:-1]) / 2))]
-        return np.concatenate(grids)
-
-    def triangles(self, b):
-        """Rows of `nodes` (n, 3), counter-clockwise."""
-        n_x, n_z = self._n_x[b], self._n_z
-        i, j = (of.ravel() for of in np.meshgrid(np.arange(n_x), np.arange(n_z)))
-        below, above = j * (n_x + 1) + i, (j + 1) * (n_x + 1) + i
-        around = np.array([below, below + 1, above + 1, above])
-        middle = (n_x + 1) * (n_z + 1) + j * n_x + i
-        return np.concatenate([np.column_stack([around[k], around[(k + 1) % 4], middle]) for k in range(4)])
-
-    def matrices(self):
-        """Stiffness (sparse) and lumped masses."""
-        wall, bodies = self.layout.wall, self.layout.bodies
-        elasticity = elasticity_of(wall.brick, "stress")
-        mass, rows, columns, values = np.zeros(self.size), [], [], []
-        for b in range(self.layout.n_bricks):
-            points, triangles = self.nodes(b), self.triangles(b)
-            x, z = np.moveaxis(points[triangles], 2, 0)
-            twice = (x[:, 1] - x[:, 0]) * (z[:, 2] - z[:, 0]) - (x[:, 2] - x[:, 0]) * (z[:, 1] - z[:, 0])
-            dx, dz = (np.roll(z, -1, 1) - np.roll(z, -2, 1)) / twice[:, None], (
-                np.roll(x, -2, 1) - np.roll(x, -1, 1)) / twice[:, None]
-            strain = np.zeros((len(triangles), 3, 6))
-            strain[:, 0, :3], strain[:, 1, 3:], strain[:, 2, :3], strain[:, 2, 3:] = dx, dz, dz, dx
-            of = np.einsum("t,tsi,sr,trj->tij", twice / 2 * wall.brick.thickness, strain, elasticity, strain)
-            number = 2 * (self._first[b] + np.concatenate([triangles, triangles], axis=1)) + np.repeat([0, 1], 3)
-            rows.append(np.broadcast_to(number[:, :, None], of.shape).ravel())
-            columns.append(np.broadcast_to(number[:, None, :], of.shape).ravel())
-            values.append(of.ravel())
-            np.add.at(mass, number, np.repeat(wall.brick.density * wall.brick.thickness * twice / 6, 6).reshape(-1, 6))
-        for cap, first in enumerate(self._caps):
-            b = self.layout.n_bricks + cap
-            mass[first:first + 3] = bodies.mass[b], bodies.mass[b], bodies.inertia[b]
-        stiffness = coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-                               shape=(self.size, self.size)).tocsr()
-        contacts = self.layout.contacts
-        for along, of in ((False, contacts.normal_stiffness), (True, contacts.shear_stiffness)):
-            opening = self._relative(along)
-            stiffness = stiffness + opening.T @ diags(of * contacts.area) @ opening
-        return stiffness, mass
-
-    def _relative(self, along):
-        """Sparse (n_contacts, size): displacement of the second to the first body along the normal or the tangent."""
-        contacts, entries = self.layout.contacts, []
-        for body, sign in ((contacts.second, 1.0), (contacts.first, -1.0)):
-            for k in np.flatnonzero(body >= 0):
-                axis = int(contacts.upright[k] == along)  # of the displacement: 0 x, 1 z
-                entries += [(k, column, sign * value) for column, value in self._at(body[k], k, axis)]
-        rows, columns, values = zip(*entries)
-        return coo_matrix((values, (rows, columns)), shape=(len(contacts), self.size)).tocsr()
-
-    def _at(self, b, k, axis):
-        """(coordinate, share) of the displacement along an axis of the point of body b at contact k."""
-        bodies, contacts = self.layout.bodies, self.layout.contacts
-        place = contacts.x[k] - bodies.x[b], contacts.z[k] - bodies.z[b]
-        if b >= self.layout.n_bricks:
-            first = self._caps[b - self.layout.n_bricks]
-            return [(first + axis, 1.0), (first + 2, -place[1] if axis == 0 else place[0])]
-        cell, share = [], []
-        for at, size, n in zip(place, (bodies.length[b], bodies.height[b]), (self._n_x[b], self._n_z)):
-            there = np.clip((at / size + 0.5) * n, 0, n)
-            cell.append(min(int(there + 1e-9), n - 1))
-            share.append(there - cell[-1])
-        corners = [((0, 0), (1 - share[0]) * (1 - share[1])), ((1, 0), share[0] * (1 - share[1])),
-                   ((0, 1), (1 - share[0]) * share[1]), ((1, 1), share[0] * share[1])]
-        return [(2 * (self._first[b] + (cell[1] + j) * (self._n_x[b] + 1) + cell[0] + i) + axis, weight)
-                for (i, j), weight in corners if weight > 1e-12]
-
-    def first_period(self):
-        """[s]"""
-        stiffness, mass = self.matrices()
-        scale = diags(1 / np.sqrt(mass))
-        square, = eigsh((scale @ stiffness @ scale).tocsc(), k=1, sigma=0.0, return_eigenvectors=False,
-                        v0=np.ones(self.size))
-        return 2 * np.pi / np.sqrt(square)
-
-
 def periods(names):
     """First periods [s] by rigid bricks, both orders and triangle meshes."""
     for name in names:
@@ -183,16 +70,6 @@ def periods(names):
         for cells in CELLS:
             layout = lay_out(wall, ModelOptions(contacts="gauss", cells=cells, bricks="deformable"))
             print(f"{name}, triangles, {cells} cells a brick: {Mesh(layout, cells).first_period():.4f} s", flush=True)
-
-
-def frequencies():
-    """How far the frequencies of a free brick are above those by polynomials of order 12, by order."""
-    brick = Brick()
-    exact = brick_modes(brick, brick.length, 12, "stress").frequency[:6]
-    print("exact [Hz]", np.round(exact / (2 * np.pi), 1))
-    for order in range(2, 9):
-        above = brick_modes(brick, brick.length, order, "stress").frequency[:6] / exact - 1
-        print(f"order {order}: above by", np.round(100 * above, 2), "%")
 
 
 def cost(name):
@@ -231,7 +108,7 @@ def standing(wall, options):
 def runs(folder):
     """Make the RUNS that are missing, and print the table of those that are there."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "softening.py").write_text(SOFTENING)
+    wall_file(folder / "softening.py", softened(load_wall("symmetric"), "12.4/124"))
     missing = [name for name in RUNS if not (folder / f"{name}_seconds.json").is_file()]
     for more in ([], DEFORM) if missing else ():  # compiling does not count
         simulate("benchmarks/small_wall.py", ["0.05", "0.01"], more, folder / "warm.h5")
@@ -248,15 +125,14 @@ def simulate(wall, motion, options, out):
     """Five members of a run."""
     subprocess.run([sys.executable, "-m", "damage", "reference", wall, "--harmonic", *motion, "--rest", "1",
                     "--contacts", "gauss", *options, "--members", "5", "--no-pictures", "--quiet", "--overwrite",
-                    "--out", out.resolve()], cwd=ROOT, check=True)
+                    "--out", out.resolve()], cwd=REPOSITORY, check=True)
 
 
 def print_runs(folder):
     """Print the table of the RUNS that are in a folder, without times where FILE_seconds.json holds null."""
-    heads = ("motion", "joints", "bricks", "T0 [s]", "largest drift [%]", "DI, slip by displacement",
-             "DI, slip by shear limit", "failed contact points",
-             "length of cracks, first member [m]", "time to rigid bricks")
-    print("", "| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads), sep="\n")
+    print_table("motion", "joints", "bricks", "T0 [s]", "largest drift [%]", "DI, slip by displacement",
+                "DI, slip by shear limit", "failed contact points", "length of cracks, first member [m]",
+                "time to rigid bricks")
     rigid = {}
     for name, (bricks, joints, motion, _) in RUNS.items():
         if not (kept := folder / f"{name}_seconds.json").is_file():
@@ -264,12 +140,10 @@ def print_runs(folder):
         seconds, table = json.loads(kept.read_text()), pd.read_csv(folder / f"{name}_members.csv")
         first = rigid.setdefault((joints, *motion), seconds)
         times = "" if None in (seconds, first) else f"{seconds / first:.1f}"  # null where something else was compiled
-        cells = [f"{motion[0]} s, {motion[1]} g", joints, bricks, f"{table.eigen_period_s[0]:.4f}",
-                 _spread(100 * table.max_drift_ratio), _spread(table["max_DI"]), _spread(table["max_shear_limit_DI"]),
-                 _spread(table.tension_breaks + table.shear_breaks, "{:.0f}"),
-                 f"{psi_history(read_history(folder / f'{name}.h5')).crack_length_m.max():.1f}",
-                 times]
-        print("| " + " | ".join(cells) + " |")
+        print_row(f"{motion[0]} s, {motion[1]} g", joints, bricks, f"{table.eigen_period_s[0]:.4f}",
+                  _spread(100 * table.max_drift_ratio), _spread(table["max_DI"]), _spread(table["max_shear_limit_DI"]),
+                  _spread(table.tension_breaks + table.shear_breaks, "{:.0f}"),
+                  f"{psi_history(read_history(folder / f'{name}.h5')).crack_length_m.max():.1f}", times)
 
 
 def _spread(values, form="{:.3f}"):
@@ -284,18 +158,10 @@ def _processor_s():
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("periods", "brick", "cost", "runs"))
-    parser.add_argument("walls", nargs="*", help="walls, or the folder of `runs`")
-    asked = parser.parse_args()
-    if asked.what == "periods":
-        periods(asked.walls or WALLS)
-    elif asked.what == "brick":
-        frequencies()
-    elif asked.what == "runs":
-        runs(Path(*asked.walls))
-    else:
-        cost(*(asked.walls or ["symmetric"]))
+    asked = arguments(__doc__, option("what", choices=("periods", "cost", "runs")),
+                      option("walls", nargs="*", help="walls, or the folder of `runs`"))
+    {"periods": lambda: periods(asked.walls or WALLS), "runs": lambda: runs(Path(*asked.walls)),
+     "cost": lambda: cost(*(asked.walls or ["symmetric"]))}[asked.what]()
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@
     python3 paper/dic_field.py FILE.h5 [--every-s 0.1] [--noise-mm 0.01]
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.cracks import cracks_at, psi
 from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out
+from paper.bench import arguments, option
 
 PSI_FROM_MM = (0.02, 0.05, 0.1)
 
@@ -55,12 +55,11 @@ def levels_of(fields, measured, layout, least):
     return [describe_level(pattern, map_cracks(pattern, layout), layout, psi_from=least) for pattern in patterns]
 
 
-def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("history", type=Path, metavar="FILE.h5")
-    parser.add_argument("--every-s", type=float, default=0.1, help="time between two fields (default 0.1)")
-    parser.add_argument("--noise-mm", type=float, default=0.01, help="of a displacement (default 0.01)")
-    asked = parser.parse_args(arguments)
+def main():
+    asked = arguments(
+        __doc__, option("history", type=Path, metavar="FILE.h5"),
+        option("--every-s", type=float, default=0.1, help="time between two fields (default 0.1)"),
+        option("--noise-mm", type=float, default=0.01, help="of a displacement (default 0.01)"))
     history = read_history(asked.history)
     layout, index = lay_out(history.masonry_wall, history.model), history.index()
     fields, samples = fields_of(history, layout, asked.every_s, asked.noise_mm * MILLIMETRE)
@@ -76,8 +75,7 @@ def main(arguments=None):
         missed = np.abs([level[name][0] for level in found] - true)
         print(f"{name} in the end: {found[-1][name][0]:.4f} in the field, {true[-1]:.4f} in the simulation; of "
               f"{len(found)} fields missed by {missed.mean():.4f} in the mean, {missed.max():.4f} at most")
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,8 +1,6 @@
 """Dilatant joints as a prototype on top of the plain step: what an option for dilatancy would change.
 
-    python3 paper/dilatancy.py [TABLE ...]
-
-TABLE: pair, walls; both by default, two minutes.
+    python3 paper/dilatancy.py      # two minutes
 
 The joint law stays.  A failed contact point that has slipped by s is thicker by the integral of the dilatancy,
 
@@ -19,17 +17,15 @@ from pathlib import Path
 
 import numpy as np
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.laboratory.pushed import SPECIMENS
 from damage.mechanics.tables import Z
-from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall, softening_energies
-from paper.softening import print_row, print_table
+from paper.bench import print_row, print_table
 from verification.collapse import settled_wall
 
 DECAY = 2000.0
@@ -89,20 +85,6 @@ def integral(layout, slip, dilatancy):
     return float(sum(thickening(slip[layout.contacts.second == body], dilatancy).mean() for body in (0, 1)))
 
 
-def pair():
-    """Two bricks that slide on each other: the lift, and the integral of the dilatancy over the slip."""
-    layout = two_bricks()
-    print_table("tan ψ_0", "slip [mm]", "integral of the dilatancy [mm]", "lift [mm]", "difference", "force [kN]",
-                "N tan φ [kN]")
-    friction = GRAVITY * float(layout.bodies.mass[1:].sum()) * np.tan(layout.wall.joint.friction_angle)
-    for dilatancy in LEVELS:
-        done = push(layout, 1e-3, 5e-4, dilatancy=dilatancy)
-        slip, lift = np.abs(done.slip[layout.contacts.second == 1]).mean(), integral(layout, done.slip, dilatancy)
-        print_row(dilatancy, f"{1e3 * slip:.4f}", f"{1e3 * lift:.5f}", f"{1e3 * done.lift[-1]:.5f}",
-                  f"{100 * (done.lift[-1] / lift - 1):+.3f} %" if dilatancy else "",
-                  f"{done.force[-100:].mean() / 1e3:.4f}", f"{friction / 1e3:.4f}")
-
-
 SCATTERED = {f"softening, strengths scatter, draw {seed}": ModelOptions(strength_cov=0.35, strength_seed=seed)
              for seed in (1, 2)}
 """Joints whose crack runs in steps without dilatancy, and their ModelOptions."""
@@ -116,7 +98,7 @@ def walls():
     print_table("wall", "joints", "tan ψ_0", "top", "peak [kN]", "mean force from 0.1 to 0.2 % [kN]",
                 "to no dilatancy", "lift at 0.2 % [mm]")
     for name, label, rotates in WALLS:
-        wall, brittle = load_wall(REPOSITORY / "walls" / f"{name}.py"), label not in SCATTERED
+        wall, brittle = load_wall(name), label not in SCATTERED
         if not brittle:
             wall = replace(wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength)))
         layout = lay_out(wall, SCATTERED.get(label, ModelOptions()))
@@ -130,11 +112,5 @@ def walls():
                       f"{100 * (residual / without - 1):+.1f} %", f"{1e3 * done.lift[-1]:.2f}")
 
 
-TABLES = {table.__name__: table for table in (pair, walls)}
-
-
 if __name__ == "__main__":
-    for asked in sys.argv[1:] or TABLES:
-        if asked not in TABLES:
-            sys.exit(f"error: no table {asked}; expected one of {', '.join(TABLES)}")
-        TABLES[asked]()
+    walls()

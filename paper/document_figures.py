@@ -1,9 +1,9 @@
-"""Figures of three documents, drawn from docs/tables and, of contact points, from the layout of a small wall.
+"""Figures of four documents, drawn from docs/tables and, of contact points, from the layout of a small wall.
 
     python3 paper/document_figures.py [FOLDER]      # by default docs/pictures
 
-writes thirty_years.png (docs/paper/thirty-years.md), settled_walls.png (docs/paper/settled-walls.md) and
-model_contact_points.png (docs/model/model.md).
+writes thirty_years.png (docs/paper/thirty-years.md), settled_walls.png (docs/paper/settled-walls.md),
+after_the_peak.png (docs/validation/after-the-peak.md) and model_contact_points.png (docs/model/model.md).
 """
 
 import re
@@ -163,6 +163,60 @@ def _shares(ax, runs):
     ax.set_ylabel("runs with Ψ ≥ 1 [%]")
 
 
+# --- after the peak -----------------------------------------------------------------------------------
+
+FORCES = {"xscale": "log", "xlim": (0.6, 1.8), "xticks": (0.75, 1, 1.5)}
+DRIFTS = {"xscale": "log", "xlim": (0.11, 8), "xticks": (0.25, 1, 4)}
+COMPARED = {"peak [kN]": ("peak force", FORCES), "bilinear [kN]": ("bilinear force", FORCES),
+            "ultimate drift [%]": ("ultimate drift", DRIFTS)}
+LOADED = {"pushed": (BLUE, "o", "none", -0.14, "pushed, two draws of the joints' strengths"),
+          "cycles": (ORANGE, "s", ORANGE, 0.14, "cycles, one draw")}
+
+
+@styled
+def after_the_peak():
+    """Force and ultimate drift of the prediction over those of the test, by wall: a panel for each quantity."""
+    rows = predicted()
+    walls = rows.drop_duplicates("wall")
+    names = walls["wall"].str.removeprefix("ABRAMS_") + ", " + walls["mode"].str.replace(" and ", " + ")
+    figure, axes = grid(1, len(COMPARED), 2.6, WIDTH, sharey=True)
+    for number, (ax, (column, (words, scale))) in enumerate(zip(axes.flat, COMPARED.items())):
+        letter(ax, number, words)
+        ax.axvspan(1 / 1.15, 1.15, color=LIGHT, lw=0)
+        ax.axvline(1.0, color=DARK, lw=0.8)
+        for how, (colour, marker, face, shift, _) in LOADED.items():
+            of = rows[rows["how"] == how]
+            place = of["wall"].map(dict(zip(walls["wall"], range(len(walls))))) + shift
+            ends = of[column].str.startswith("over ")
+            ratio = of[column].str.removeprefix("over ").astype(float) / of[f"test ({column})"].astype(float)
+            for which, sign in ((~ends, marker), (ends, ">")):
+                ax.plot(ratio[which], place[which], ls="", marker=sign, ms=4, color=colour, mfc=face)
+        for place in np.flatnonzero(np.diff(walls["group"])):
+            ax.axhline(place + 0.5, color=LIGHT, lw=0.8)
+        ax.set(**scale, xticklabels=map(str, scale["xticks"]), ylim=(len(walls) - 0.5, -0.5))
+        ax.minorticks_off()
+    axes[0, 0].set_yticks(range(len(walls)), labels=names)
+    axes[0, 1].set_xlabel("prediction over test [-]; grey: within 15 %")
+    add_heading(figure, "Prediction over test for twelve walls, each with its failure in the test",
+                "above: EUCENTRE's walls, first the four known when options were chosen; below: other laboratories'")
+    handles = [Line2D([], [], color=colour, marker=marker, mfc=face, ls="", ms=4, label=words)
+               for colour, marker, face, _, words in LOADED.values()]
+    return finish(figure, [*handles, Line2D([], [], color=DARK, marker=">", mfc="none", ls="", ms=4,
+                                            label="pushed, force still over 0.8 of the peak")], 2)
+
+
+def predicted():
+    """Rows of the tables of the prediction: wall, how it was loaded, mode in the test, its group, COMPARED of both."""
+    tables = []
+    for group, name in enumerate(("", "_cycles", "_unseen", "_elsewhere")):
+        table = pd.read_csv(TABLES / "benchmarks" / f"after_peak{name}.csv", dtype=str)
+        table = table[table["law"] != "rule"].rename(columns={"test": f"test ({next(iter(COMPARED))})"})
+        cycled = name == "_cycles" or table["law"].eq("cycles")
+        tables.append(table.assign(group=max(0, group - 1), how=np.where(cycled, "cycles", "pushed"),
+                                   mode=table["test (failure (on stairs))"]))
+    return pd.concat(tables)
+
+
 # --- contact points -----------------------------------------------------------------------------------
 
 MOTION = {"a": (0.0, 0.0, 0.0), "b": (0.03, 0.05, np.radians(12.0))}
@@ -271,7 +325,7 @@ def places_of(layout, bricks, point):
 
 # --- all ----------------------------------------------------------------------------------------------
 
-FIGURES = thirty_years, settled_walls, model_contact_points
+FIGURES = thirty_years, settled_walls, after_the_peak, model_contact_points
 
 
 def main(words):

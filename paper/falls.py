@@ -9,7 +9,6 @@ The first brick has fallen once it is lower by half its height, by snapshots 10 
 interpolated.
 """
 
-import argparse
 import subprocess
 import sys
 import tempfile
@@ -20,8 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.draw import style
 from damage.errors import InputError
@@ -33,7 +31,7 @@ from damage.wall.geometry import body_corners, body_table
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Opening, Wall
-from paper.overlaps import overlaps
+from paper.bench import REPOSITORY, arguments, option
 from yade_scripts import COMMAND
 
 SECONDS, INTERVAL_S = 3.0, 0.01
@@ -41,10 +39,8 @@ SECONDS, INTERVAL_S = 3.0, 0.01
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("histories", nargs="*", metavar="FILE.h5")
-    parser.add_argument("--out", metavar="FILE.png", required=True)
-    options = parser.parse_args()
+    options = arguments(__doc__, option("histories", nargs="*", metavar="FILE.h5"),
+                        option("--out", metavar="FILE.png", required=True))
     try:
         falls = [of_history(read_history(path)) for path in options.histories] or [in_yade(), in_reference()]
     except InputError as error:
@@ -79,8 +75,8 @@ def spandrel():
 def in_yade():
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "fall.npz"
-        subprocess.run([*COMMAND, ROOT / "tests/yade_checks/fallen_wall.py", "interior", str(SECONDS), out], check=True,
-                       stdout=subprocess.DEVNULL)
+        check = REPOSITORY / "tests/yade_checks/fallen_wall.py"
+        subprocess.run([*COMMAND, check, "interior", str(SECONDS), out], check=True, stdout=subprocess.DEVNULL)
         with np.load(out) as found:
             return fall_of("yade", spandrel(), found["time_s"], found["place"], found["energy_j"])
 
@@ -115,6 +111,35 @@ def speeds(fall):
 def rests_since(fall):
     """Since when all fallen bricks are at rest [s]."""
     return fall.at[1 + np.flatnonzero(speeds(fall) > RESTS_BELOW_M_S)[-1]]
+
+
+def overlaps(history):
+    """{"bricks", "caps", "ground": largest overlap [m]} of a History over all snapshots: of two bricks, of one
+    and a cap, of either and the ground.  Rectangles overlap by the least of what they share along the normals of their
+    sides."""
+    is_cap = history.bodies["course"].to_numpy() < 0
+    found = {"bricks": 0.0, "caps": 0.0, "ground": 0.0}
+    for motion in history.displacement:
+        places = body_corners(history.bodies, motion.astype(float))
+        low, high = places.min(axis=1), places.max(axis=1)
+        found["ground"] = max(found["ground"], -low[:, 1].min())
+        for one in range(len(places)):
+            near = np.all((low[one + 1:] < high[one]) & (high[one + 1:] > low[one]), axis=1)
+            for other in one + 1 + np.flatnonzero(near):
+                what = "caps" if is_cap[one] or is_cap[other] else "bricks"
+                found[what] = max(found[what], depth(places[one], places[other]))
+    return found
+
+
+def depth(one, other):
+    """Overlap of two rectangles [m], zero where they are apart; corners: (4, 2) each."""
+    shared = np.inf
+    for corner in (one, other):
+        for side in np.diff(corner[:3], axis=0):
+            normal = np.array([-side[1], side[0]]) / np.hypot(*side)
+            here, there = one @ normal, other @ normal
+            shared = min(shared, min(here.max(), there.max()) - max(here.min(), there.min()))
+    return max(shared, 0.0)
 
 
 @style.styled

@@ -12,12 +12,10 @@ import pandas as pd
 from damage.draw.style import save_figures
 from damage.errors import InputError
 from damage.measure.columns import made_by_words
-from paper.choices_figure import choices
-from paper.crack_maps import crack_maps
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, records, residual_against_pga
 from paper.results import REFERENCE, YADE, Missing, variants
-from paper.sequence_figure import sequences
+from paper.study_figures import choices, crack_maps, sequences
 
 _SLIP_PARTS = {"displacement": "", "shear-limit": "_shear-limit"}
 """Criteria of slip that have figures of their own, and what stands for them in a file's name."""

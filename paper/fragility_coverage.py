@@ -6,7 +6,6 @@ Made-up studies of 25 walls at 4 intensities a record; medians of records scatte
 all new records that an interval holds is known, as tau is: printed is its mean over the studies, expected to be 0.90.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from scipy.special import ndtr
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.studies.new_record import new_record
+from paper.bench import arguments, option, print_row, print_table
 
 RECORDS, FACTORS, TAUS = (3, 5, 10, 20), (1.2, 1.7), (0.05, 0.1, 0.3)
 WALLS, LEVELS, BETA = 25, 4, 0.1
@@ -43,15 +43,12 @@ def coverage(n_records, factor, tau, n_studies):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--studies", type=int, default=100)
-    n_studies = parser.parse_args().studies
+    n_studies = arguments(__doc__, option("--studies", type=int, default=100)).studies
     cells = [(factor, tau) for factor in FACTORS for tau in TAUS]
-    print("| records |" + "".join(f" {factor:g}, {tau:g} |" for factor, tau in cells))
-    print("| --- " * (len(cells) + 1) + "|")
+    print_table("records", *(f"{factor:g}, {tau:g}" for factor, tau in cells))
     for n_records in RECORDS:
         found = [coverage(n_records, factor, tau, n_studies) for factor, tau in cells]
-        print(f"| {n_records} |" + "".join(f" {mean:.2f} |" for mean, _ in found), flush=True)
+        print_row(n_records, *(f"{mean:.2f}" for mean, _ in found))
         print(f"largest standard error {max(error for _, error in found):.3f}", file=sys.stderr)
 
 

@@ -2,28 +2,28 @@
 
     python3 paper/laboratory.py [--out DIR] [TABLE ...]
 
-TABLE: laws, cycles; both by default, in the reference solver, about half an hour on one core.  And yade: pushes and a
-short cycle in both solvers, half an hour or so; yade_cycles: what cycles dissipate in both.  Histories that are already
-in DIR are not run again.
+TABLE: laws, cycles; both by default, in the reference solver, about half an hour on one core.  And speed, parameters:
+brittle joints pushed with other speeds, damping and material; yade: pushes in both solvers, half an hour or so;
+yade_cycles: what cycles dissipate in both.  Histories that are already in DIR are not run again.
 """
 
+import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.laboratory.pushed import SPECIMENS, read_test
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
-from paper.softening import main, print_row, print_table
+from damage.wall.file import load_wall
+from paper.bench import HELD, Bench, main, print_row, print_table
+from paper.softening import Masonry, stiffer
 
-WALLS = {"squat_tested": (0.3, []), "comp2_1": (0.3, ["--boundary", "fixed"]),
-         "comp2_3": (0.3, ["--boundary", "fixed"]), "comp2_4": (0.3, ["--boundary", "fixed"])}
-"""Wall -> the drift to which it is pushed [%], and how it is held."""
 LAWS = {"rule, tested c and φ": "rule", "5/50, calibrated": "5/50", "11/209, clay": "11/209", "brittle": "brittle",
         "paper's joints, brittle": "paper"}
 """What a table calls a case, and what the bench does."""
@@ -56,8 +56,8 @@ HEADS = ("wall", "joints", "peak [kN]", "to the test", "secant [kN/mm]", "to the
 def laws(bench):
     """All walls by all laws, pushed over at 2 mm/s."""
     print_table(*HEADS)
-    for wall, (drift, held) in WALLS.items():
-        words = ["--pushover", drift, *held, *SLOW]
+    for wall, held in HELD.items():
+        words = ["--pushover", 0.3, *held, *SLOW]
         for label, case in LAWS.items():
             row(bench.run(wall, case, words), wall, label)
         if wall.startswith("comp"):
@@ -68,7 +68,7 @@ def cycles(bench):
     """Full cycles, one at each amplitude, at 5 mm/s, by the rule."""
     print_table("wall", "amplitude [%]", "drift [%]", "force [kN]", "dissipated [J]", "equivalent damping",
                 "DI at both ends", "DI_open", "DI_slip")
-    for wall, (_, held) in WALLS.items():
+    for wall, held in HELD.items():
         cycle_rows(wall, bench.run(wall, "rule", [*CYCLES, *held]))
 
 
@@ -82,26 +82,17 @@ def cycle_rows(label, history):
 
 
 def yade(bench):
-    """Pushes at 10 mm/s by the rule in both solvers, with YADE's fibres and damping, and a cycle of 0.05 %."""
+    """Pushes at 10 mm/s by the rule in both solvers, with YADE's fibres and damping."""
     print_table("wall", "solver", *HEADS[2:])
-    alike = ["--relaxation", "local"]
-    for wall, (_, held) in WALLS.items():
+    for wall, held in HELD.items():
         words = ["--pushover", 0.12, *held, *QUICK, "--fibres", 16]
-        for solver, history in (("reference", bench.run(wall, "rule", [*words, *alike])),
+        for solver, history in (("reference", bench.run(wall, "rule", [*words, "--relaxation", "local"])),
                                 ("YADE", bench.run_in_yade(wall, "rule", words))):
             row(history, wall, solver)
-    words = ["--cyclic", "0.05", "--cycles", 1, *QUICK, "--fibres", 16]
-    cycled = {"squat_tested, reference": bench.run("squat_tested", "rule", [*words, *alike]),
-              "squat_tested, YADE": bench.run_in_yade("squat_tested", "rule", words)}
-    print_table("wall, solver", "amplitude [%]", "drift [%]", "force [kN]", "dissipated [J]", "equivalent damping",
-                "DI at both ends", "DI_open", "DI_slip")
-    for label, history in cycled.items():
-        cycle_rows(label, history)
 
 
 IN_BOTH = {"squat_tested": ("COMP1_3", "0.05", QUICK), "small_wall": ("small wall", "0.1,0.2,0.4", [])}
 """Wall -> what a table calls it, amplitudes of its cycles [%], and their speed."""
-
 
 PERTURBED = 5
 """Runs in the reference solver whose bricks start off by 1e-9 m, as a measure of chance."""
@@ -112,7 +103,7 @@ def yade_cycles(bench):
     print_table("wall", "solver", "amplitude [%]", "force [kN]", "loop [J]", "YADE to reference",
                 "friction and fracture [J]", "YADE to reference", "of it fracture [J]")
     for wall, (label, amplitudes, speed) in IN_BOTH.items():
-        words = ["--cyclic", amplitudes, "--cycles", 1, *WALLS.get(wall, (0, ["--boundary", "fixed"]))[1], *speed,
+        words = ["--cyclic", amplitudes, "--cycles", 1, *HELD.get(wall, ["--boundary", "fixed"]), *speed,
                  "--fibres", 16]
         alike = [*words, "--relaxation", "local"]
         reference = by_cycle(bench.run(wall, "rule", alike))
@@ -141,8 +132,55 @@ def by_cycle(history):
             for cycle, both in zip(pushed.cycles_table(history).to_dict("records"), np.diff(lost, axis=0))]
 
 
-TABLES = {table.__name__: table for table in (laws, cycles, yade, yade_cycles)}
+# --- brittle joints: speed, damping and material ------------------------------------------------------
+
+FRICTION_32 = math.radians(32)
+LOADINGS = [(f"{speed:g} mm/s, local {damping}", {}, None,
+             ["--speed", speed / 1e3, "--relaxation", "local", "--damping", damping])
+            for speed, damping in ((1, 0.7), (2, 0.7), (4, 0.7), (8, 0.7), (2, 0.4), (2, 0.2))]
+LOADINGS += [(f"{speed:g} mm/s, adaptive", {}, None, ["--speed", speed / 1e3]) for speed in (1, 2, 4)]
+SQUAT = [("paper's material", {}, None, []), ("cohesion 0.21 MPa", {"cohesion": 0.21e6}, None, []),
+         ("friction 0.42", {"friction_angle": math.atan(0.42)}, None, []),
+         ("tensile strength 0.10 MPa", {"tensile_strength": 0.10e6}, None, []),
+         ("tensile strength 0.30 MPa", {"tensile_strength": 0.30e6}, None, []),
+         ("masonry modulus 3256 MPa", {}, 3256e6, []),
+         ("joint stiffness / 4", {"normal_stiffness": 3e11, "shear_stiffness": 1e11}, None, []),
+         ("strengths scatter by 30 %", {}, None, ["--strength-cov", 0.3]),
+         ("top fixed against rotation", {}, None, ["--boundary", "fixed"])]
+SQUAT_TESTED = [("tested material", {}, None, []), ("friction 0.625", {"friction_angle": FRICTION_32}, None, []),
+                ("cohesion 0.24 MPa", {"cohesion": 0.24e6}, None, []),
+                ("tensile strength 0.30 MPa", {"tensile_strength": 0.30e6}, None, []),
+                ("masonry modulus 4940 MPa", {}, 4940e6, []),
+                ("top fixed against rotation", {}, None, ["--boundary", "fixed"])]
+"""What a row is called, values of its joints, modulus of its masonry [Pa], further words."""
+
+
+def speed(bench):
+    """The squat wall by speed and damping of the push."""
+    vary(bench, "squat", ["--pushover", 0.12], LOADINGS)
+
+
+def parameters(bench):
+    """Both squat walls by their material and boundary."""
+    for name, rows in (("squat", SQUAT), ("squat_tested", SQUAT_TESTED)):
+        vary(bench, name, ["--pushover", 0.15, *SLOW], rows)
+
+
+def vary(bench, name, common, rows):
+    """Print the table of a wall pushed under one change at a time."""
+    print_table("run", "initial [kN/mm]", "secant [kN/mm]", "peak [kN]", "at drift [%]", "mode", "stair share")
+    for label, values, modulus, words in rows:
+        wall = load_wall(name)
+        wall = replace(wall, joint=replace(wall.joint, **values))
+        history = Bench.run(bench, stiffer(wall, modulus) if modulus else wall, [*common, *words], name, label)
+        found, shares = summarise(history), pushed.mode_shares(history)
+        print_row(label, f"{found['initial_stiffness_n_per_m'] / 1e6:.0f}",
+                  f"{found['secant_stiffness_n_per_m'] / 1e6:.0f}", f"{found['peak_force_n'] / 1e3:.1f}",
+                  f"{100 * found['drift_at_peak_force']:.3f}", shares["mode"], f"{shares['stair_share']:.2f}")
+
+
+TABLES = {table.__name__: table for table in (laws, cycles, speed, parameters, yade, yade_cycles)}
 
 
 if __name__ == "__main__":
-    main(TABLES, ("laws", "cycles"), "results/laboratory", __doc__)
+    main(TABLES, ("laws", "cycles"), "results/laboratory", __doc__, Masonry)

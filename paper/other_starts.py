@@ -1,25 +1,22 @@
 """Three cycles that start and end otherwise than a sine from zero, as records: the rows of docs/paper/open-points.md.
 
-    python3 paper/other_starts.py [--out DIR] [--motion PERIOD_S AMPLITUDE_G ...] [cosine] [ramp] [in-and-out]
+    python3 paper/other_starts.py [--out DIR] [cosine] [ramp] [in-and-out]
 
-Each runs on walls/symmetric.py in the reference solver, by default at the document's four motions; prints rows in
+Each runs on walls/symmetric.py in the reference solver at the document's four motions; prints rows in
 Markdown, of all motions together, then the last cycle begun in each motion and the first free one.
 Histories that are already in DIR are not run again.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 import pandas as pd
 
-from damage import read_history
 from damage.measure.summary import summarise
-from damage.reference.session import run_reference
+from paper.bench import Bench, arguments, chosen, option, print_row
 
 CYCLES, PER_PERIOD = 3, 400
 MOTIONS = ((0.33, 0.1), (0.2, 0.05), (0.2, 0.1), (1.0, 0.1))
@@ -32,39 +29,27 @@ SHAPES = {
 """Acceleration over its amplitude at a time counted in cycles."""
 
 
-def run(shape, period_s, amplitude_g, folder):
-    """The History of one motion, from `folder` if it is there."""
-    name = f"{shape}_{period_s:g}s_{amplitude_g:g}g"
-    record, history = folder / f"{name}.csv", folder / f"{name}.h5"
-    if not history.exists():
-        cycle = np.arange(CYCLES * PER_PERIOD + 1) / PER_PERIOD
-        pd.DataFrame({"time_s": np.round(cycle * period_s, 7), "acc_g": amplitude_g * SHAPES[shape](cycle)}).to_csv(
-            record, index=False)
-        run_reference([str(REPOSITORY / "walls" / "symmetric.py"), "--record", str(record), "--rest", "1",
-                       "--out", str(history), "--no-pictures"])
-    return read_history(history)
+def run(bench, shape, period_s, amplitude_g):
+    """The History of one motion."""
+    record = bench.path(shape, period_s, amplitude_g, ending=".csv")
+    cycle = np.arange(CYCLES * PER_PERIOD + 1) / PER_PERIOD
+    pd.DataFrame({"time_s": np.round(cycle * period_s, 7), "acc_g": amplitude_g * SHAPES[shape](cycle)}).to_csv(
+        record, index=False)
+    return bench.run("symmetric", ["--record", record, "--rest", "1"], shape)
 
 
-def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("shapes", nargs="*", metavar="SHAPE", help=f"of {', '.join(SHAPES)}; by default all")
-    parser.add_argument("--motion", nargs=2, type=float, action="append", metavar=("PERIOD_S", "AMPLITUDE_G"),
-                        help="instead of the four; can be given again")
-    parser.add_argument("--out", type=Path, default=Path("results/other_starts"), metavar="DIR")
-    asked = parser.parse_args(arguments)
-    if set(asked.shapes) - set(SHAPES):
-        parser.error(f"shapes {' '.join(asked.shapes)}: expected some of {', '.join(SHAPES)}")
-    asked.out.mkdir(parents=True, exist_ok=True)
-    for shape in asked.shapes or SHAPES:
-        cells, cycles = [], []
-        for motion in asked.motion or MOTIONS:
-            found = summarise(run(shape, *motion, asked.out))
-            cells.append(f"{found['max']['DI']:.3f} / {found['max_shear_limit']['DI']:.3f}")
-            cycles.append(", ".join("-" if found[name] is None else f"{found[name]:.3f}"
-                                    for name in ("last_cycle_s", "first_free_cycle_s")))
-        print(f"| {shape} | {' | '.join(cells)} | last and first free cycle [s]: {' | '.join(cycles)} |", flush=True)
-    return 0
+def main():
+    asked = arguments(
+        __doc__, option("shapes", nargs="*", metavar="SHAPE", help=f"of {', '.join(SHAPES)}; by default all"),
+        option("--out", type=Path, default=Path("results/other_starts"), metavar="DIR"))
+    bench = Bench(asked.out)
+    for shape in chosen(asked.shapes, SHAPES, "shape"):
+        found = [summarise(run(bench, shape, *motion)) for motion in MOTIONS]
+        cycles = [", ".join("-" if one[name] is None else f"{one[name]:.3f}"
+                            for name in ("last_cycle_s", "first_free_cycle_s")) for one in found]
+        cycles[0] = f"last and first free cycle [s]: {cycles[0]}"
+        print_row(shape, *(f"{one['max']['DI']:.3f} / {one['max_shear_limit']['DI']:.3f}" for one in found), *cycles)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -8,7 +8,6 @@ of P. A. Korswagen and others (2022).  `--soil` prints, without a study, the per
 soil springs.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -16,8 +15,7 @@ import numpy as np
 import pandas as pd
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from matplotlib.lines import Line2D
 
@@ -29,6 +27,7 @@ from damage.motion.intensity import response_spectrum
 from damage.studies.fragility import curve, exceeding, fragility, load_runs
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+from paper.bench import REPOSITORY, arguments, option, print_row, print_table
 
 MODELS = {("symmetric", False): ("0.6 MPa in the piers, 0.200 s, undamped (default)", BLACK, "-"),
           ("symmetric_light_slow", False): ("0.12 MPa, 0.200 s", BLUE, "--"),
@@ -53,12 +52,11 @@ STRIPS_M = (0.3, 0.5)
 
 
 def soil_table():
-    """Lines of Markdown: first periods on a fixed base and on soil springs, and by what the records' spectral
+    """Print the table of first periods on a fixed base and on soil springs, and by what the records' spectral
     acceleration there is more, or less."""
     records = [read_record(REPOSITORY / path) for path in pd.read_csv(RECORDS)["record"].unique()]
     columns = [(soil, width) for soil in SOILS_N_M3 for width in STRIPS_M]
-    lines = ["| wall | fixed base | " + " | ".join(f"{soil}, strip of {width:g} m" for soil, width in columns) + " |",
-             "| --- " * (len(columns) + 2) + "|"]
+    print_table("wall", "fixed base", *(f"{soil}, strip of {width:g} m" for soil, width in columns))
     for name in ("symmetric", "variants/symmetric_light"):
         layout = lay_out(load_wall(REPOSITORY / "walls" / f"{name}.py"))
         periods = [natural_modes(layout).period_s[0],
@@ -66,9 +64,7 @@ def soil_table():
         spectra = np.array([response_spectrum(record, periods) for record in records])
         ratios = spectra / spectra[:, :1]
         cells = [f"{period:.3f} s, {ratio.min():.2f} to {ratio.max():.2f}" for period, ratio in zip(periods, ratios.T)]
-        words = MODELS[Path(name).name, False][0].split(",")[0]
-        lines.append(f"| {words} | {periods[0]:.3f} s | {' | '.join(cells[1:])} |")
-    return lines
+        print_row(MODELS[Path(name).name, False][0].split(",")[0], f"{periods[0]:.3f} s", *cells[1:])
 
 
 def period_on_soil(layout, up, along, width):
@@ -100,17 +96,16 @@ def fits(runs):
 
 
 def table(found):
-    """Lines of Markdown."""
-    lines = ["| model | Psi over | runs | median PGV [mm/s] (90 %, records drawn anew) | dispersion | "
-             "at 10, 20, 40 mm/s [%] |", "| --- | --- | --- | --- | --- | --- |"]
+    """Print the table of the fits; what the runs, or bootstrap samples, do not determine is a dash."""
+    print_table("model", "Psi over", "runs", "median PGV [mm/s] (90 %, records drawn anew)", "dispersion",
+                "at 10, 20, 40 mm/s [%]")
     for model, by_level in found.items():
         for level, one in by_level.items():
             low, high = 1e3 * one.median_bounds("records")[:, 0]
             shares = ", ".join(f"{100 * share:.0f}" for share in one.probability(np.array([0.01, 0.02, 0.04])))
-            line = (f"| {MODELS[model][0]} | {level:g} | {one.n_exceeding} of {one.n_runs} | "
-                    f"{1e3 * one.median:.1f} ({low:.1f} to {high:.1f}) | {one.dispersion:.2f} | {shares} |")
-            lines.append(line.replace("nan", "-"))  # what the runs, or bootstrap samples, do not determine
-    return lines
+            cells = (MODELS[model][0], f"{level:g}", f"{one.n_exceeding} of {one.n_runs}",
+                     f"{1e3 * one.median:.1f} ({low:.1f} to {high:.1f})", f"{one.dispersion:.2f}", shares)
+            print_row(*(cell.replace("nan", "-") for cell in cells))
 
 
 @styled
@@ -144,18 +139,15 @@ def picture(runs, found):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path, nargs="?")
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--soil", action="store_true")
-    asked = parser.parse_args()
+    asked = arguments(__doc__, option("study", type=Path, nargs="?"), option("--out", type=Path),
+                      option("--soil", action="store_true"))
     if asked.soil:
-        print("\n".join(soil_table()))
+        soil_table()
     if asked.study is None:
         return
     runs = load_runs(asked.study)
     found = fits(runs)
-    print("\n".join(table(found)))
+    table(found)
     save_figures([("published_fragility", picture(runs, found))], asked.out or asked.study / "fragility",
                  f"study {asked.study}")
 

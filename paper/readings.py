@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from damage.errors import InputError
 from damage.measure.damage_index import CRITERIA
+from paper.criteria import page
 from paper.evidence import ANY_STEP, SOFTENS, Evidence, comparable, exactly, gather, load_runs
 from paper.verdict import DIFFERS, HOLDS, UNJUDGED, judge_with, shipped_records
 
@@ -136,14 +137,5 @@ def conclusions(found):
 
 def as_markdown(found):
     """The conclusions and the table as a document."""
-    return "\n".join([_HEAD, "", *(f"- {line}" for line in conclusions(found)), "", _CELLS, "", *table(found)]) + "\n"
-
-
-_HEAD = """# Single readings of the paper
-
-Written by `python3 -m paper readings RESULTS --markdown docs/paper/single-readings.md` from the tables of
-`./run_all.sh readings`; do not edit by hand. Choices combined: [readings](readings.md)."""
-_CELLS = """Each column is the default model with one modelling choice changed, in the reference solver. Each row is a
-claim, whose criterion is in `docs/paper/verdict.md`. A cell lists the criteria of slip by which the claim holds: d by
-displacement, a accumulated, s by the shear limit; – it differs by all; ? it cannot be judged. The runs are single: a
-borderline claim may change with another draw of the strengths."""
+    return page("single-readings.md", conclusions=[f"- {line}" for line in conclusions(found)],
+                table=table(found))

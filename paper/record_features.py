@@ -7,7 +7,6 @@ be less for each unit of the feature.  Each record at each scale counts once, as
 percentiles over samples of the 16 stations, drawn anew with both of their components.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -21,6 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.intensity import response_spectrum
 from damage.studies.fragility import load_runs
+from paper.bench import arguments, option, print_row, print_table
 
 OUTCOMES = {"maximum DI > 0.05": lambda runs: runs["max_DI"] > 0.05,
             "maximum Psi > 1": lambda runs: runs["max_psi"] > 1,
@@ -79,13 +79,10 @@ def rows(table, samples, seed=1):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path)
-    parser.add_argument("--samples", type=int, default=200)
-    asked = parser.parse_args()
-    print("| outcome | feature | beta | b |\n| --- | --- | --- | --- |")
+    asked = arguments(__doc__, option("study", type=Path), option("--samples", type=int, default=200))
+    print_table("outcome", "feature", "beta", "b")
     for row in rows(features(load_runs(asked.study)), asked.samples):
-        print("| " + " | ".join(row) + " |", flush=True)
+        print_row(*row)
 
 
 if __name__ == "__main__":

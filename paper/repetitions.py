@@ -6,7 +6,6 @@ A pair is a wall and a motion in which one event leaves Psi > 0.  Psi at rest is
 settling stage, max_psi the largest so far.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import pandas as pd
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.errors import InputError
+from paper.bench import arguments, option, print_row, print_table
 
 PUBLISHED = {2: "1.01 to 1.03", 8: "1.03 to 1.08"}
 """Medians by class of Psi before (P. A. Korswagen, dissertation, TU Delft, 2024)."""
@@ -56,13 +56,10 @@ def table(shocks):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("shocks", type=Path)
-    asked = parser.parse_args()
-    found = table(pd.read_csv(asked.shocks))
-    print("| " + " | ".join(found) + " |\n|" + " --- |" * found.shape[1])
+    found = table(pd.read_csv(arguments(__doc__, option("shocks", type=Path)).shocks))
+    print_table(*found)
     for row in found.itertuples(index=False):
-        print("| " + " | ".join(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row) + " |")
+        print_row(*(f"{value:.3g}" if isinstance(value, float) else value for value in row))
 
 
 if __name__ == "__main__":

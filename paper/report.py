@@ -7,29 +7,10 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.files import write_text
-from paper.criteria import BUILT_TO_MEET
+from paper.criteria import BUILT_TO_MEET, STATEMENTS, page
 from paper.margins import EDGE
 from paper.verdict import DIFFERS, HOLDS, IN_PART, UNJUDGED, statement_verdict
 
-STATEMENTS = {
-    "P1": "natural period of the solid wall 0.06 s",
-    "P2": "natural period of the perforated walls about 0.2 s",
-    "P3": "solid wall: slight damage only under the harmonic motions",
-    "P4": "symmetric, 0.33 s, 0.025 g: negligible damage",
-    "P5": "symmetric, 0.33 s, 0.1 g: the maximum DI is reached in the first cycle and not exceeded later",
-    "P6": "symmetric, 0.2 s, 0.025 and 0.1 g: the maximum DI grows in every cycle",
-    "P7": "asymmetric wall: similar to the symmetric",
-    "P8": "0.06 s: slight damage even at higher amplitude",
-    "P9": "0.33 and 1 s: maximum DI grows linearly with amplitude, to 0.13 and 0.10 at 0.1 g; residual negligible",
-    "P10": "0.2 s: substantially higher damage; the same DI_open and DI_slip at 0.05, 0.075, 0.1 g, DI_drift grows",
-    "P11": "residual damage only at 0.2 s: cracks at 0.05 and 0.075 g, residual drift at 0.1 g",
-    "P12": "last full cycle at 0.2 s: 0.20, 0.20, 0.24, 0.32, 0.39 s for 0.01, 0.025, 0.05, 0.075, 0.1 g",
-    "P13": "records: PGA 0.08 g (Huizinge) and 0.11 g (Zeerijp), Sa(0.2 s) close to 0.15 g, eight scale factors",
-    "P14": "Huizinge: residual DI negligible at low PGA, 0.11 at the largest; from cracks, not from drift",
-    "P15": "records: maximum DI almost linear in maximum drift; residual DI linear, then a plateau",
-    "P16": "no viscous damping: friction is the only dissipation",
-    "P17": "squat wall: stiffness and peak force very close to the test, unloading reasonable, cracks captured",
-}
 SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
 _SLIPS = {"displacement": "slip by displacement", "accumulated": "slip accumulated",
           "shear-limit": "slip by shear limit"}
@@ -186,8 +167,7 @@ def _variant(findings, source, lintel, slip):
 
 def as_markdown(findings):
     """The verdict as a document: an overview, then a section a statement with its claims."""
-    head = _HEAD.format(edge=EDGE, built=", ".join(BUILT_TO_MEET))
-    parts = [head, "\n".join(overview(findings)), "\n".join(tallies(findings))]
+    parts = []
     for statement, members in _by(findings, "claim.statement"):
         parts.append(f"## {statement}: {STATEMENTS[statement]}")
         for claim, own in _by(members, "claim"):
@@ -196,26 +176,8 @@ def as_markdown(findings):
             parts.append("\n".join(["| solver | variant | value | verdict |", "| --- | --- | --- | --- |", *(
                 f"| {source} | {variants} | {value} | {verdict} |"
                 for source, variants, value, verdict in merged(own))]))
-    return "\n\n".join(parts) + "\n"
-
-
-_HEAD = """# Verdict on the paper's statements
-
-Written by `python3 -m paper verdict RESULTS_DIR --markdown docs/paper/verdict.md` from the tables of studies; do not
-edit by hand.
-
-Paper: Sarhosis, Dais, Smyrou, Bal, Drougkas (2021), *Engineering Structures* 243, 112529,
-doi:10.1016/j.engstruct.2021.112529. Each of its statements is split into claims that a number decides. The criteria
-are in `paper/criteria.py`, each with its reason. They were fixed before the studies were run. A wall that
-collapsed differs from the paper's, which did not. `docs/paper/open-points.md` explains where and why results differ.
-The Huizinge motion is a synthetic substitute for the record.
-
-- A statement *holds* (*differs*) when all (none) of its judged claims hold; otherwise the table gives their number.
-- Three outcomes separated by strokes: slip by displacement / accumulated / by the shear limit, as defined in
-  `docs/model/model.md`.
-- *Borderline*: the verdict changes when the limit of the criterion changes by {edge:.0%} (of R²: the variance that a
-  line leaves unexplained).
-- Claims that the model was built to meet are counted separately from predictions: {built}."""
+    return page("verdict.md", overview=overview(findings), tallies=tallies(findings), claims=["\n\n".join(parts)],
+                edge=EDGE, built=", ".join(BUILT_TO_MEET))
 
 
 def overview(findings):

@@ -10,12 +10,12 @@ They are those of docs/paper/settled-walls.md:
 import sys
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import pandas as pd
 
 from damage.measure.limits import LIMITS
+from paper.bench import REPOSITORY
 from paper.cracks_before import show, spread
 
 POINTS = REPOSITORY / "docs" / "tables" / "settlement_points.csv"

@@ -2,115 +2,64 @@
 
     python3 paper/softening.py [--out DIR] [TABLE ...]
 
-TABLE: pushed, fibres, steps, damping, scatter, patterns; all of these by default, which run in the reference solver,
-about 40 minutes on one core.  And yade_pushed, yade_steps, yade_shaken: YADE beside the reference solver, about an hour
-on one core.  Histories that are already in DIR are not run again.
+TABLE: fibres, steps, damping, scatter, patterns; all of these by default, which run in the reference solver, about half
+an hour on one core.  And yade_steps, yade_shaken: YADE beside the reference solver, half an hour on one core.
+Histories that are already in DIR are not run again.
 """
 
-import argparse
-import contextlib
-import io
 import math
-import os
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from damage import read_history
 from damage.laboratory.pushed import read_test
 from damage.law.modes import natural_modes
 from damage.measure.compare import compare_joints
 from damage.measure.patterns import compare_patterns
 from damage.measure.pushed import drift_at_first_crack
 from damage.measure.summary import summarise
-from damage.reference.session import BACKEND
-from damage.run.session import run_session
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.parameters import brick_of_masonry, softening_energies
-from yade_scripts import COMMAND
+from paper.bench import REPOSITORY, Bench, main, print_row, print_table
 
-CASES = ("brittle", "5/50", "rule", "11/209")
-"""Fracture energies G_I/G_II [J/m2]: none, calibrated on the two walls that shear, by the rule, standard clay."""
-PUSHED = {"squat_tested": ("COMP1_3", ["--pushover", 0.3], None),
-          "comp2_4": ("COMP2_4", ["--pushover", 0.2, "--boundary", "fixed"], None),
-          "comp2_4, E 4.85 GPa": ("COMP2_4", ["--pushover", 0.2, "--boundary", "fixed"], 4850e6),
-          "comp2_1": ("COMP2_1", ["--pushover", 0.2, "--boundary", "fixed"], None)}
+PUSHED = {"squat_tested": ("COMP1_3", []), "comp2_4": ("COMP2_4", ["--boundary", "fixed"])}
+"""Wall -> its test, how it is held."""
 PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
 """Sarhosis et al. (2021), Table 1."""
 SLOW = ["--speed", 2e-3]
-FAST = ["--speed", 1e-2, "--dt", 1.65e-5]
-"""Five times the speed, with 0.62 of COMP2_4's critical step: a quarter of the steps."""
 MILD, HARD = ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5]), ("solid", ["--harmonic", 0.1, 0.3, "--rest", 0.5])
 SHIPPED = (0.35, 1e-6)
 MEMBERS = 10
 
 
-IN_YADE = '''"""The wall {name} with other fracture energies."""
-
-from dataclasses import replace
-
-from damage.wall.file import load_wall
-
-
-def wall():
-    one = load_wall({path!r})
-    return replace(one, joint=replace(one.joint, **{energies!r}))
-
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-
-    main(wall)
-'''
-
-
-class Bench:
-    """Runs of walls, kept in a folder."""
-
-    def __init__(self, folder):
-        self.folder = folder
+class Masonry(Bench):
+    """Runs of shipped walls with other joints."""
 
     def run(self, name, case, words, modulus=None, step=None):
-        """The History of a wall file with the fracture energies of a case; step: share of the critical one."""
-        wall = softened(load_wall(_file(name)), case)
-        if modulus:
-            sizes = {size: getattr(wall.brick, size) for size in ("length", "height", "thickness")}
-            wall = replace(wall, brick=brick_of_masonry(modulus, wall.joint, **sizes))
-        words = [*words, *_step(wall, step)]
-        label = "_".join([name, case, f"{modulus or 0:g}", *(str(word).strip("-") for word in words)])
-        out = self.folder / f"{label.replace('/', '-')}.h5"
-        if not (out.exists() and read_history(out).complete):
-            quiet = io.StringIO()
-            with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
-                status = run_session(BACKEND, _file(name), lambda: wall, [
-                    *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="softening")
-            if status != 0:
-                sys.exit(f"{label} failed\n{quiet.getvalue()[-2000:]}")
-        return read_history(out)
+        """The History of a wall file with the joints of a case (`softened`); step: share of the critical one."""
+        return super().run(*self._of(name, case, words, modulus, step))
 
     def run_in_yade(self, name, case, words, step=None):
         """The same in YADE."""
-        path = _file(name)
-        masonry = softened(load_wall(path), case)
-        joint, words = masonry.joint, [*words, *_step(masonry, step)]
-        energies = {name: getattr(joint, name) for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
-        label = "_".join(["yade", name, case, *(str(word).strip("-") for word in words)]).replace("/", "-")
-        out, wall = self.folder / f"{label}.h5", self.folder / f"{label}.py"
-        if not (out.exists() and read_history(out).complete):
-            wall.write_text(IN_YADE.format(name=name, path=str(path), energies=energies))
-            done = subprocess.run([*COMMAND, wall, *map(str, words), "--out", out, "--overwrite",
-                                   "--no-pictures"], capture_output=True, text=True,
-                                  env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
-            if done.returncode != 0:
-                sys.exit(f"{label} failed\n{done.stderr[-2000:]}")
-        return read_history(out)
+        return super().run_in_yade(*self._of(name, case, words, None, step))
+
+    @staticmethod
+    def _of(name, case, words, modulus, step):
+        wall = softened(load_wall(_file(name)), case)
+        if modulus:
+            wall = stiffer(wall, modulus)
+        return wall, [*words, *_step(wall, step)], name, case, f"{modulus or 0:g}"
+
+
+def stiffer(wall, modulus):
+    """The wall with bricks for masonry of that modulus [Pa]."""
+    sizes = {size: getattr(wall.brick, size) for size in ("length", "height", "thickness")}
+    return replace(wall, brick=brick_of_masonry(modulus, wall.joint, **sizes))
 
 
 def _step(wall, share):
@@ -129,52 +78,28 @@ def softened(wall, case):
     return replace(wall, joint=replace(wall.joint, **energies))
 
 
-def tested(specimen):
-    """Peak forces of a specimen to both sides, as text [kN]."""
-    return " / ".join(f"{force / 1e3:.1f}" for force in read_test(specimen).peak_force_n)
-
-
-def print_table(*heads):
-    print("\n| " + " | ".join(heads) + " |\n" + "| --- " * len(heads) + "|", flush=True)
-
-
-def print_row(*cells):
-    print("| " + " | ".join(map(str, cells)) + " |", flush=True)
-
-
-def pushed_row(label, case, history, measured=None):
-    summary, force = summarise(history), history.series["base_shear_n"].abs().to_numpy()
-    crack, drift = drift_at_first_crack(history), history.series["drift_ratio"].abs().to_numpy()
-    peak, fallen = int(np.argmax(force)), np.nan
+def peak_and_fall(history):
+    """|base shear| [N] and |drift ratio| (n,) of a push, the sample of the peak, and the drift at which 80 % of it is
+    left, in words [%]."""
+    force, drift = (history.series[column].abs().to_numpy() for column in ("base_shear_n", "drift_ratio"))
+    peak = int(np.argmax(force))
     below = np.flatnonzero((np.arange(len(force)) > peak) & (force < 0.8 * force[peak]))
-    if len(below):
-        fallen = 100 * drift[below[0]]
-    print_row(label, case, f"{summary['peak_force_n'] / 1e3:.1f}", f"{100 * summary['drift_at_peak_force']:.3f}",
-              f"{fallen:.3f}" if np.isfinite(fallen) else "-", f"{force[-1] / 1e3:.1f}",
-              f"{100 * crack:.4f}" if crack else "-", _percent(summary["energy_error_fraction"]), measured or "")
-
-
-PUSHED_HEADS = ("wall", "G_I/G_II [J/m²]", "peak [kN]", "at drift [%]", "80 % of it left at [%]", "at the end [kN]",
-                "first crack at [%]", "energy error [%]", "tests, peak [kN]")
-
-
-def pushed(bench):
-    """Tested walls with tested cohesion and friction, pushed over."""
-    print_table(*PUSHED_HEADS)
-    for label, (test, words, modulus) in PUSHED.items():
-        for case in CASES:
-            history = bench.run(label.split(",")[0], case, [*words, *SLOW], modulus)
-            pushed_row(label, case, history, tested(test))
+    return force, drift, peak, f"{100 * drift[below[0]]:.3f}" if len(below) else "-"
 
 
 def fibres(bench):
-    """The same by fibres."""
-    print_table(*PUSHED_HEADS[:1], "fibres", *PUSHED_HEADS[2:])
-    for name, drift in (("squat_tested", 0.1), ("comp2_4", 0.1)):
-        test, words, _ = PUSHED[name]
+    """Tested walls with tested cohesion and friction, pushed over, by fibres."""
+    print_table("wall", "fibres", "peak [kN]", "at drift [%]", "80 % of it left at [%]", "at the end [kN]",
+                "first crack at [%]", "energy error [%]", "tests, peak [kN]")
+    for name, (test, held) in PUSHED.items():
         for number in (0, 4, 8, 16):
-            history = bench.run(name, "5/50", ["--pushover", drift, *words[2:], *SLOW, "--fibres", number])
-            pushed_row(name, number or "smooth law", history, tested(test))
+            history = bench.run(name, "5/50", ["--pushover", 0.1, *held, *SLOW, "--fibres", number])
+            summary, crack = summarise(history), drift_at_first_crack(history)
+            force, *_, left = peak_and_fall(history)
+            print_row(name, number or "smooth law", f"{summary['peak_force_n'] / 1e3:.1f}",
+                      f"{100 * summary['drift_at_peak_force']:.3f}", left, f"{force[-1] / 1e3:.1f}",
+                      f"{100 * crack:.4f}" if crack else "-", f"{100 * summary['energy_error_fraction']:.4f}",
+                      " / ".join(f"{force / 1e3:.1f}" for force in read_test(test).peak_force_n))
 
 
 def numbers(history):
@@ -261,19 +186,6 @@ def _range(values):
     return f"{np.median(values):.4f} ({min(values):.4f} to {max(values):.4f})"
 
 
-def yade_pushed(bench):
-    """Tested walls pushed over in both solvers, by as many fibres and with YADE's damping; COMP2_4 fast in YADE."""
-    print_table(*PUSHED_HEADS[:1], "speed [mm/s], solver", *PUSHED_HEADS[2:])
-    for name, speed, also_yade in (("squat_tested", SLOW, True), ("comp2_4", SLOW, False), ("comp2_4", FAST, True)):
-        test, more, _ = PUSHED[name]
-        words = ["--pushover", 0.1, *more[2:], *speed, "--fibres", 16]
-        runs = {"reference": bench.run(name, "5/50", [*words, "--relaxation", "local"])}
-        if also_yade:
-            runs["YADE"] = bench.run_in_yade(name, "5/50", words)
-        for solver, history in runs.items():
-            pushed_row(name, f"{1e3 * speed[1]:g}, {solver}", history, tested(test))
-
-
 def yade_steps(bench):
     """The step that 16 fibres need in YADE, beside the reference solver's with and without its damping."""
     print_table("wall and motion", "step over the critical", "solver", "max DI", "max drift [%]",
@@ -305,27 +217,9 @@ def _file(name):
     return REPOSITORY / ("benchmarks" if name == "small_wall" else "walls") / f"{name}.py"
 
 
-def _percent(fraction):
-    return "-" if fraction is None else f"{100 * fraction:.4f}"
-
-
-USUAL = {table.__name__: table for table in (pushed, fibres, steps, damping, scatter, patterns)}
-TABLES = USUAL | {table.__name__: table for table in (yade_pushed, yade_steps, yade_shaken)}
-
-
-def main(tables, usual, folder, description):
-    """Print the tables that a command line asks for; usual: those of one that asks for none."""
-    parser = argparse.ArgumentParser(description=description.splitlines()[0])
-    parser.add_argument("tables", nargs="*", default=list(usual), metavar="TABLE", help=", ".join(tables))
-    parser.add_argument("--out", type=Path, default=Path(folder))
-    parsed = parser.parse_args()
-    unknown = [name for name in parsed.tables if name not in tables]
-    if unknown:
-        sys.exit(f"error: no table {unknown[0]}; expected one of {', '.join(tables)}")
-    parsed.out.mkdir(parents=True, exist_ok=True)
-    for name in parsed.tables:
-        tables[name](Bench(parsed.out))
+USUAL = {table.__name__: table for table in (fibres, steps, damping, scatter, patterns)}
+TABLES = USUAL | {table.__name__: table for table in (yade_steps, yade_shaken)}
 
 
 if __name__ == "__main__":
-    main(TABLES, USUAL, "results/softening", __doc__)
+    main(TABLES, USUAL, "results/softening", __doc__, Masonry)

@@ -7,10 +7,9 @@ rotation θ moves the end that is lifted sideways by h θ, to the side of the lo
 it lands there, the pier walks down the steps; on a straight crack it has no such direction.
 """
 
-import argparse
 import csv
-import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,18 +17,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from damage.history.reader import read_history
-
-ROOT = Path(__file__).resolve().parents[1]
-STRONG = """from dataclasses import replace
-
 from damage.wall.file import load_wall
+from paper.bench import BGAR, Bench, arguments, option, print_row, print_table
 
-
-def wall():
-    wall = load_wall("symmetric")
-    return replace(wall, joint=replace(wall.joint, tensile_strength=9e6, cohesion=9e6))
-"""
 LENGTH, PIER = 4.05, 1.0125  # [m]
 TWO_STEPS = [(0.0, 0.15), (0.5625, 0.15), (0.5625, 0.075), (0.675, 0.075), (0.675, 0.0), (PIER, 0.0)]
 ONE_STEP = [(LENGTH - PIER, 0.075), (3.375, 0.075), (3.375, 0.0), (LENGTH, 0.0)]
@@ -58,14 +48,12 @@ def write_cracks(path, lines):
 
 def run(folder, cracks, events):
     """The History of a wall with these cracks under so many equal events: BGAR HGE x 1.4, 45 mm/s."""
-    (folder / "strong.py").write_text(STRONG)
     write_cracks(folder / "cracks.csv", cracks)
-    subprocess.run([sys.executable, "-m", "damage", "reference", folder / "strong.py", "--cracked",
-                    folder / "cracks.csv", "--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "--scale",
-                    "1.4", "--window", "18.7", "20.9", "--rest", "0.1", "--sequence", ",".join("1" * events),
-                    "--no-pictures", "--quiet", "--overwrite", "--out", folder / "run.h5"],
-                   cwd=ROOT, check=True)
-    return read_history(folder / "run.h5")
+    wall = load_wall("symmetric")
+    wall = replace(wall, joint=replace(wall.joint, tensile_strength=9e6, cohesion=9e6))
+    motion = ["--record", BGAR, "--scale", "1.4", "--window", "18.7", "20.9", "--rest", "0.1", "--sequence",
+              ",".join("1" * events)]
+    return Bench(folder).run(wall, ["--cracked", folder / "cracks.csv", *motion])
 
 
 def offsets(history, left, right):
@@ -80,18 +68,15 @@ def offsets(history, left, right):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--events", type=int, default=4)
-    events = parser.parse_args().events
-    heads = ["cracks", "largest drift [%]", "left pier has walked [mm]", "right pier [mm]"]
-    print("| " + " | ".join(heads) + " |\n|" + " --- |" * len(heads))
+    events = arguments(__doc__, option("--events", type=int, default=4)).events
+    print_table("cracks", "largest drift [%]", "left pier has walked [mm]", "right pier [mm]")
     for name, cracks in CRACKS.items():
         with TemporaryDirectory() as folder:
             history = run(Path(folder), cracks, events)
             walked = [", ".join(f"{value:+.2f}" for value in offsets(history, *pier))
                       for pier in ((0.0, PIER), (LENGTH - PIER, LENGTH))]
             drift = 100 * history.series["drift_ratio"].abs().max()
-        print(f"| {name} | {drift:.2f} | {walked[0]} | {walked[1]} |", flush=True)
+        print_row(name, f"{drift:.2f}", *walked)
 
 
 if __name__ == "__main__":

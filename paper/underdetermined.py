@@ -7,15 +7,15 @@
 Maximum DI is by displacement / by the shear limit; in brackets the range over members, which rest 2 s in the second.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 import pandas as pd
+
+from paper.bench import REPOSITORY, arguments, option, print_row
 
 MOTIONS = ((0.33, 0.1), (0.2, 0.05), (0.2, 0.1), (1.0, 0.1))
 USUAL = {"contacts": "interior", "top": "piers", "load": "length", "cells": 2, "lintel": "elastic", "cycles": 3,
@@ -99,13 +99,12 @@ def write_study(folder):
     (folder / "more.toml").write_text("".join(grids))
 
 
-def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("studies", nargs="*", type=Path, metavar="STUDY_DIR", help="underdetermined, sensitivity, more")
-    parser.add_argument("--write", type=Path, metavar="DIR", help="write more.toml and its wall files there")
-    asked = parser.parse_args(arguments)
+def main():
+    asked = arguments(
+        __doc__, option("studies", nargs="*", type=Path, metavar="STUDY_DIR", help="underdetermined sensitivity more"),
+        option("--write", type=Path, metavar="DIR", help="write more.toml and its wall files there"))
     if bool(asked.write) == (len(asked.studies) == 3):
-        parser.error("expected the folders of three studies, or --write DIR")
+        sys.exit("error: expected the folders of three studies, or --write DIR")
     if asked.write:
         write_study(asked.write)
         return
@@ -113,7 +112,7 @@ def main(arguments=None):
     walls = ([name, f"{point['eigen_period_s'].iloc[0]:.3f}", *(cell(point, point, parts) for parts in (BOTH, *PARTS))]
              for name, point in more.groupby("point", sort=False))
     for row in (*rows(single, many), *walls, *by_cycle(asked.studies[0]), *by_cycle(asked.studies[2])):
-        print("|", " | ".join(map(str, row)), "|")
+        print_row(*row)
 
 
 if __name__ == "__main__":

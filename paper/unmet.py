@@ -11,8 +11,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from damage.measure.cycles import cycle_measures, drift_cycles
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+from paper.bench import REPOSITORY, print_row, print_table
 from paper.criteria import CYCLE_LENGTHS_S, DI_TOLERANCE, LARGEST_DI, PERFORATED_PERIOD_S, PRINTED_TOLERANCE
 
 WALL = REPOSITORY / "walls" / "symmetric.py"
@@ -107,7 +107,7 @@ def main():
     layout, period_s = lay_out(wall), first_period_s(wall)
     weight_n = GRAVITY * float(layout.bodies.mass.sum())
     height_m, friction = wall.built_height - wall.brick.height / 2, np.tan(wall.joint.friction_angle)
-    print("| claim | number | value |\n| --- | --- | --- |")
+    print_table("claim", "number", "value")
     rows = [*periods()]
     for lintel in LINTELS:
         drift, force, *indices = pushed(lintel)
@@ -115,9 +115,8 @@ def main():
             rows += slow_motion(drift, force, indices, height_m, weight_n, period_s)
         rows += last_cycle(lintel, drift, force, height_m, weight_n, period_s, friction)
     for row in sorted(rows, key=lambda row: ("P2b", "P9e", "P11c", "P12").index(row[0])):
-        print("| " + " | ".join(row) + " |")
-    return 0
+        print_row(*row)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

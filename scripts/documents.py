@@ -18,15 +18,16 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.errors import InputError
+from damage.fields import markdown as ranges_table
 from damage.files import write_text
 from damage.history.schema import TABLES, markdown
 from damage.measure import evidence
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, read_table
 from damage.measure.summary import MEASURES
-from damage.run import plausible as motions
+from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.studies.definition import load_study
 from damage.studies.members import most_members
-from damage.wall import plausible
+from damage.wall.plausible import RANGES as WALL_RANGES
 from paper import report
 from paper.verdict import judge
 from scripts import gallery, terms
@@ -95,7 +96,8 @@ def tables_of_code():
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
     return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
             **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
-            "plausible values": plausible.markdown(), "plausible motions": motions.markdown(),
+            "plausible values": ranges_table("field", WALL_RANGES),
+            "plausible motions": ranges_table("option", MOTION_RANGES),
             "the range of validity": evidence.markdown(),
             "studies that ship": table_of_studies(ROOT / "studies"),
             "gallery": gallery.markdown(), "replaced terms": terms.glossary_table().rstrip()}

@@ -22,8 +22,8 @@ import pandas as pd
 from synthetic import HUIZINGE, SEED, synthetic_record
 
 from damage.errors import InputError
+from damage.exposure.ground_motion import ZEERIJP
 from damage.exposure.places import rd_by_approximation
-from damage.exposure.residuals import ZEERIJP
 from damage.files import write_text
 from damage.motion.formats import read_record, write_csv
 from damage.motion.intensity import pga_g, response_spectrum, summary

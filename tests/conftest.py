@@ -2,8 +2,11 @@
 
 import functools
 import os
+import pty
 import re
+import select
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -13,6 +16,8 @@ import h5py
 import pytest
 
 from damage.errors import InputError
+from damage.mechanics.tables import INPUT
+from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from yade_scripts import COMMAND
 
@@ -107,6 +112,40 @@ def running(folder):
     """Command lines of the processes that name this folder."""
     lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
     return [line for line in lines if str(folder) in line]
+
+
+def total_energy(solver):
+    """Of a wall, weight included; constant but for what comes in, which is counted [J]."""
+    lifted = GRAVITY * solver.layout.bodies.mass @ solver.displacement[:, 1]
+    return solver.kinetic_energy() + solver.elastic_energy() + lifted + solver.energy[1:].sum() - solver.energy[INPUT]
+
+
+def typed(words, lines, cwd, timeout=300):
+    """Run a command in a terminal and type these lines at its IPython prompt, each when it is asked for; returns its
+    exit status and what the terminal showed, without colours."""
+    child, terminal = pty.fork()
+    if child == 0:
+        os.chdir(cwd)
+        os.environ.update(TERM="dumb", COLUMNS="200")
+        os.environ.pop("DISPLAY", None)
+        os.execvp(words[0], [str(word) for word in words])
+    shown, waiting, deadline = b"", list(enumerate(lines, start=1)), time.monotonic() + timeout
+    while True:
+        if not select.select([terminal], [], [], max(deadline - time.monotonic(), 0))[0]:
+            os.kill(child, signal.SIGKILL)
+            break
+        try:
+            data = os.read(terminal, 65536)
+        except OSError:  # the other end is closed
+            data = b""
+        if not data:
+            break
+        shown += data
+        if waiting and f"In [{waiting[0][0]}]: ".encode() in shown:
+            os.write(terminal, waiting.pop(0)[1].encode() + b"\r")
+    os.close(terminal)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    return status, re.sub(r"\x1b\[[0-9;?]*[A-Za-z]|\r", "", shown.decode(errors="replace"))
 
 
 def contents(path):

@@ -21,6 +21,6 @@ cd "$root"
 # They start a thousand times a Python, each of which would compile the modules again where bytecode is not kept.  It is
 # made before: Python 3.11 keeps half a file where a test fills the disk.
 unset PYTHONDONTWRITEBYTECODE
-"$PYTHON" -m compileall -q benchmarks damage scripts tests verification walls workflow yade_scripts
+"$PYTHON" -m compileall -q benchmarks damage scripts tests verification walls yade_scripts
 cores=$(nproc)
 exec "$PYTHON" -m pytest -q -n $((cores < 3 ? cores + 1 : 4)) --dist loadfile "$@"

@@ -11,8 +11,8 @@ from conftest import REPOSITORY
 
 # Rooms in the order of import: a room may import from those before it, not from one in its own line or after.
 ROOMS = [
-    ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.csv_table", "damage.memory",
-     "damage.provenance", "damage.start", "damage.toml_file", "damage.version"),
+    ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.csv_table", "damage.fields",
+     "damage.memory", "damage.provenance", "damage.start", "damage.toml_file", "damage.version"),
     ("damage.index", "damage.wall", "damage.motion"),
     ("damage.law",),
     ("damage.history",),

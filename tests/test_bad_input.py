@@ -68,6 +68,7 @@ IN_YADE = {
     "beyond-its-law": (["--beta", "1e-6"], "--beta"),
     "its-time-step": (["--dt", "4.6e-5"], "stable"),
     "its-view": (["--view"], "screen"),
+    "its-console": (["--console", "during"], "invalid choice: 'during'"),
 }
 
 

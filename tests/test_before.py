@@ -16,11 +16,11 @@ from damage.history.head import seal
 from damage.history.reader import read_history
 from damage.history.schema import STATE
 from damage.laboratory.crack_report import history_drawn
-from damage.measure.crack_file import read_cracks
+from damage.measure.crack_file import Surveyed, read_cracks
 from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.summary import summarise
 from damage.reference.session import run_reference
-from damage.run.before import Surveyed, with_cracks
+from damage.run.before import with_cracks
 from damage.run.options import parse_run
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from damage.export.cells import WallCells
+from damage.export.vtkhdf import WallCells
 from damage.law.modes import natural_modes
 from damage.measure.brick_stress import bricks_table, principal_stresses, stress_measures, warn_of_splitting
 from damage.measure.tables import write_run_tables

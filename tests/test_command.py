@@ -12,8 +12,7 @@ import pytest
 from conftest import REPOSITORY, one_line_error, run_command
 
 from damage.__main__ import DELEGATED, command_parser, main
-from damage.commands.examples import GROUPS
-from damage.commands.table import COMMANDS
+from damage.commands.table import COMMANDS, GROUPS
 from damage.history.reader import read_history
 from damage.run.options import make_parser
 from damage.version import VERSION

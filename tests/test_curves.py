@@ -12,8 +12,7 @@ from scipy.stats import lognorm
 from test_fragility import walls
 
 from damage.__main__ import main
-from damage.export.curves import coefficients, left_out, write_arrays, write_curves
-from damage.export.nrml import NAMESPACE, limit_state, write_nrml
+from damage.export.curves import NAMESPACE, coefficients, left_out, limit_state, write_arrays, write_curves, write_nrml
 from damage.measure.tables import write_table
 from damage.studies.fragility import Fragility, fit_all
 from damage.studies.states import State

@@ -125,7 +125,7 @@ def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
     assert subprocess.run(count, shell=True, capture_output=True, text=True).stdout.split()[0] == head.sha256
 
 
-@pytest.mark.parametrize("place", [0.01, 0.3, 0.7, 0.999])
+@pytest.mark.parametrize("place", [0.01, 0.999])
 def test_one_changed_byte_is_found(place, finished):
     data = bytearray(finished.read_bytes())
     data[int(HEAD_BYTES + place * (len(data) - HEAD_BYTES))] ^= 1
@@ -134,7 +134,7 @@ def test_one_changed_byte_is_found(place, finished):
         damage.read_history(finished)
 
 
-@pytest.mark.parametrize("change_size", [-1, -5000, 1])
+@pytest.mark.parametrize("change_size", [-1, 1])
 def test_a_file_of_another_length_is_found(change_size, finished):
     size = finished.stat().st_size + change_size
     os.truncate(finished, size)
@@ -142,7 +142,7 @@ def test_a_file_of_another_length_is_found(change_size, finished):
         damage.read_history(finished)
 
 
-@pytest.mark.parametrize("length", [0, 1, 511, 512, 700])
+@pytest.mark.parametrize("length", [0, 511, 700])
 def test_a_stump_is_refused(length, finished):
     os.truncate(finished, length)
     with pytest.raises(InputError, match=r"cannot be read as a history|were sealed"):
@@ -238,21 +238,17 @@ def put_parameter(file, name, value):
      "memory allocation failed|filter returned failure"),  # HDF5 1.10 and 1.14
     (lambda file: file["run"].attrs.__setitem__("wall", "../w"), "attribute wall of run is '../w', expected a name"),
     (replaced("static/weight_n", b"heavy"), "static/weight_n is of type object, expected float64"),
-    (replaced("bodies/x_m", np.zeros((3, 3))), r"bodies/x_m has shape \(3, 3\), expected \(bodies\)"),
     (lambda file: file["series/time_s"].resize(7, axis=0), r"series/time_s has shape \(7,\), expected \d+ samples"),
     (lambda file: [rows.resize(10**12, axis=0) for rows in file["events"].values()], "8000000000000 bytes where"),
     (lambda file: file["joints/x_m"].attrs.modify("unit", "ft"), "joints/x_m has the unit 'ft', expected m"),
     (lambda file: file["events/kind"].attrs.modify("codes", "a, b"), "events/kind has the codes 'a, b', expected ten"),
-    (lambda file: file["run"].attrs.modify("height_m", -1.0), "attribute height_m of run is -1.0, expected a length"),
     (lambda file: file["run"].attrs.modify("parameters_json", "{"), "Expecting property name"),
     (lambda file: put_parameter(file, "sequence", [1e300]), "a factor of parameter sequence = 1e[+]300: expected a"),
     (replaced("run/status", np.zeros(7, "u1")), "run/status has the codes None, expected unfinished, complete"),
     (put("series/drift_ratio", np.nan), "series/drift_ratio is nan in row 0"),
     (put("series/time_s", 1e9), "time_s is .* in row 1, expected a later time"),
-    (put("series/stage", 9), "codes need to be between"),
     (put("events/joint", 10**6), "joint is 1e\\+06 in row 0, expected 0 to 145"),
     (put("joints/length_m", 0), "length_m is 0 in row 0, expected a number above zero"),
-    (lambda file: file["run/status"].write_direct(np.array(4, "u1")), "index out of range"),
 ])
 def test_a_history_that_says_what_cannot_be_is_refused(what, complaint, finished):
     with pytest.raises(InputError, match=complaint) as caught:
@@ -287,15 +283,11 @@ def test_check_says_what_each_file_is_worth(files, finished, tmp_path, capsys):
     assert status == 1 and [one["status"] for one in json.loads(out)] == ["complete", "unfinished"]
 
 
-@pytest.mark.parametrize("command", [["index"], ["cycles"], ["plot", "--out", "x"], ["tables", "run", "--out", "x"],
-                                     ["cracks"], ["info"], ["laboratory", "--out", "x"], ["compare"]])
-def test_every_command_refuses_a_damaged_history_alike(command, finished, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("command", [["index"], ["plot", "--out", "x"], ["laboratory", "--out", "x"]])
+def test_a_command_refuses_a_damaged_history_in_one_line(command, finished, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     os.truncate(finished, 20000)
-    name, *options = command
-    words = [name, *options[:1 if name == "tables" else 0], finished, *([finished] if name == "compare" else []),
-             *options[1 if name == "tables" else 0:]]
-    assert main(list(map(str, words))) == 2
+    assert main([command[0], str(finished), *command[1:]]) == 2
     printed = capsys.readouterr()
     assert printed.out == ""
     assert re.fullmatch(r"error: \S+a\.h5 has 19488 bytes behind its head, \d+ were sealed: .*\n", printed.err)

@@ -9,7 +9,7 @@ import pytest
 from conftest import REPOSITORY
 
 from damage.__main__ import main
-from paper.document_figures import FIGURES, places_of, settled_walls, thirty_years, two_courses
+from paper.document_figures import FIGURES, after_the_peak, places_of, settled_walls, thirty_years, two_courses
 
 ROOT_DOCUMENTS = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
 DOCUMENTS = [*(REPOSITORY / name for name in ROOT_DOCUMENTS), *sorted((REPOSITORY / "docs").rglob("*.md"))]
@@ -141,6 +141,15 @@ class TestPicturesOfTables:
         shares = [line.get_ydata()[0] for line in right.get_lines() if line.get_linewidth() > 2]
         table = pd.read_csv(REPOSITORY / "docs" / "tables" / "benchmarks" / "settled_start.csv")
         assert [round(share) for share in shares] == [0, 0, *table["P(Ψ ≥ 1) [%]"]]
+
+    def test_every_prediction_is_drawn_over_its_test(self):
+        page = (REPOSITORY / "docs" / "validation" / "after-the-peak.md").read_text().partition("## Results")[0]
+        rows = re.findall(r"^\| \w+ \| (?:seed \d|cycles|prediction) \| ([\d.]+) \| ([\d.]+) \|", page, re.MULTILINE)
+        for ax in after_the_peak().axes:
+            drawn = [value for line in ax.get_lines() if line.get_marker() in "os>" for value in line.get_xdata()]
+            assert len(drawn) == len(rows) == 30
+            if "peak" in ax.get_title("left"):
+                assert sorted(drawn) == pytest.approx(sorted(float(ours) / float(test) for ours, test in rows))
 
     def test_opening_and_shear_lead_from_one_place_of_a_contact_point_to_the_other(self):
         layout, bricks, point = two_courses()

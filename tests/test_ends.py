@@ -5,11 +5,13 @@ Both bricks are 0.1125 m long, lie on each other over their whole length, and al
 
 import numpy as np
 import pytest
+from conftest import total_energy
 from numpy.testing import assert_allclose
+from test_widths import everything
 
 from damage.law.modes import natural_modes
 from damage.law.states import ENDED as ENDED_BIT
-from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, INPUT, ROTATION, X, Z
+from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, ROTATION, X, Z
 from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
@@ -44,12 +46,6 @@ def come_to_rest(wall):
 def shove(wall, speed):
     """Give the upper brick a horizontal velocity [m/s]."""
     wall.velocity = [[0, 0, 0], [speed, 0, 0]]
-
-
-def total_energy(wall):
-    """Of all that is stored and was dissipated, less what came in [J]."""
-    lifted = GRAVITY * float(wall.layout.bodies.mass @ wall.displacement[:, Z])
-    return wall.kinetic_energy() + wall.elastic_energy() + lifted + wall.energy[1:].sum() - wall.energy[INPUT]
 
 
 def ended(wall):
@@ -166,16 +162,6 @@ def test_the_cut_of_a_split_brick_ends_over_its_height():
         assert split.system.limits["failed"][cut] == state
 
 
-def as_bytes(parts):
-    return [np.ascontiguousarray(part).tobytes() for part in parts]
-
-
-def columns(system):
-    """All tables of a System but `last`, records field by field: what lies between is nothing."""
-    for table in (table for table in system if table is not system.last):
-        yield from (table,) if table.dtype.names is None else (table[name] for name in table.dtype.names)
-
-
 @pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_joints_of_walls_that_step_together_end_each_by_itself(kind, damping):
@@ -189,8 +175,7 @@ def test_joints_of_walls_that_step_together_end_each_by_itself(kind, damping):
         run_together(together, 450, 50)
         for one, other in zip(together, alone):
             other.run(450, 50)
-            assert as_bytes(one.instants().contacts.values()) == as_bytes(other.instants().contacts.values())
-            assert as_bytes(columns(one.system)) == as_bytes(columns(other.system))
+            assert everything(one) == everything(other)
     assert [ended(wall) for wall in together] == [ENDED, FAILED, ENDED, ENDED, ENDED]
     for wall in together:
         wall.displacement = wall.velocity = np.zeros((2, 3))

@@ -19,9 +19,8 @@ from damage.draw.exposure import exposure_picture
 from damage.exposure import places
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import COLUMNS, LEVELS_MM_S, Exposure
-from damage.exposure.ground_motion import GroundMotionModel, model_named, model_names
+from damage.exposure.ground_motion import GroundMotionModel, model_named, model_names, station_residuals
 from damage.exposure.models.bommer_2022 import Model
-from damage.exposure.residuals import station_residuals
 
 getcontext().prec = 30
 GARSTHUIZEN, LOPPERSUM, DELFZIJL = (53.36786, 6.71359), (53.3325, 6.7475), (53.3300, 6.9180)

@@ -12,7 +12,7 @@ from test_widths import check_widths
 import damage
 from damage.errors import InputError
 from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
-from damage.measure.storeys import storey_drifts, storeys_table
+from damage.measure.damage_index import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
 from damage.wall.as_built import describe_floors

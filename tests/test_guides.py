@@ -7,8 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
+from conftest import typed
 from numpy.testing import assert_allclose
 
 import damage
@@ -55,8 +57,9 @@ def blocks(name):
     return BLOCK.findall(guide)
 
 
-def follow(name, clone):
-    """Save and type what a guide says; returns what its commands printed."""
+def follow(name, clone, after_first=None):
+    """Save and type what a guide says; returns what its commands printed.  after_first(): called once the first file is
+    there, before any command."""
     output = ""
     for language, text in blocks(name):
         if language == "sh":
@@ -68,6 +71,8 @@ def follow(name, clone):
         else:
             first, = re.findall(r"\A# (\S+)$", text, re.MULTILINE)[:1]
             (clone / first).write_text(text, encoding="utf-8")
+            if after_first:
+                after_first = after_first()
     return output
 
 
@@ -128,8 +133,48 @@ def test_a_wall_that_was_tested(clone):
     assert 1.4 * after_peak.toe_drift(by_rule) == pytest.approx(0.0175, rel=5e-3)
 
 
+@pytest.mark.yade
+def test_a_scene_for_yade_users(clone, yade_command):
+    """The prompt as shown, typed in a terminal; the same script by YADE's own command; engines, O.save and O.load."""
+    saved = []
+    output = follow("yade-users", clone, after_first=lambda: saved.extend(typed_in_the_guide(clone)))
+    forces = np.loadtxt(clone / "force.csv", delimiter=",")
+    assert len(forces) > 80
+    assert_allclose(np.diff(forces[:, 0]), 0.01, atol=5e-5)  # each 10 ms, at the end of a step
+    by_launcher = (clone / "force.csv").read_bytes()
+    history = damage.read_history(clone / "pier.h5")
+    assert history.versions["yade_engines"] == "PyRunner(write()), VTKRecorder"
+    ground = history.joints.query("first_body < 0")
+    share = ground["length_m"] / ground["length_m"].sum()
+    joint = int(np.hypot(ground["x_m"] - 0.2, ground["z_m"]).idxmin())
+    weight = history.static["weight_n"]
+    assert_allclose(forces[-1, 1], -share[joint] * weight, rtol=0.05)  # corners of a pier carry otherwise
+    assert len(list(clone.glob("pier_boxes.*.vtu"))) > 3
+    assert f"{-weight:.3f} N on the ground" in output
+    assert re.findall(r"([\d.]+) N in \d+ contacts", output) == saved
+    status, shown = typed(["yade", "-n", *PIER_RUN, "--quiet", "--overwrite", "--console", "before"],
+                          ["run.stage, run.time, len(O.engines)", "exit"], clone)
+    assert status == 0 and "('static', 0.0, 7)" in shown and "the run follows" in shown, shown
+    assert (clone / "force.csv").read_bytes() == by_launcher
+
+
+PIER_RUN = ["pier.py", "--free-vibration", "--rest", "0", "--no-pictures", "--out", "pier.h5"]
+
+
+def typed_in_the_guide(clone):
+    """Type what the guide for YADE users shows at a terminal, and find what it shows there; the sums of forces."""
+    (text,) = re.findall(r"^```text\n(.*?)^```$", (GUIDES / "yade-users.md").read_text(), re.MULTILINE | re.DOTALL)
+    command, *_ = re.findall(r"^\$ (.*)$", text, re.MULTILINE)
+    assert PIER_RUN == command.split()[2:-1]
+    status, shown = typed(command.split(), re.findall(r"^In \[\d+\]: (.*)$", text, re.MULTILINE), clone)
+    assert status == 0, shown
+    for line in re.findall(r"^Out.*$", text, re.MULTILINE):
+        assert re.sub(r"\d+\.\d+ N'$", "", line) in shown, shown  # forces differ between machines in their last digits
+    return re.findall(r"^Out.*'([\d.]+) N'", shown, re.MULTILINE)
+
+
 def test_every_guide_is_followed_or_has_nothing_to_follow():
     followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record", "other-walls", "houses",
-                "cracked-before", "tested-wall", "from-pip"}  # the last in test_from_pip.py
+                "cracked-before", "tested-wall", "yade-users", "from-pip"}  # the last in test_from_pip.py
     for path in GUIDES.glob("*.md"):
         assert (path.stem in followed) == bool(BLOCK.search(path.read_text(encoding="utf-8"))), path.name

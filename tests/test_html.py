@@ -31,11 +31,9 @@ from paper.evidence import Point, load_runs
 
 pytest.importorskip("jinja2")
 
-from damage.html.instants import MOST_INSTANTS, MOST_POINTS, points
-from damage.html.library import plotly_code
 from damage.html.packing import quantised, unpack_arrays
-from damage.html.report import page, write_report
-from damage.html.run_part import preview, still
+from damage.html.report import page, plotly_code, write_report
+from damage.html.run_part import MOST_INSTANTS, MOST_POINTS, points, preview, still
 from damage.html.study_part import figures
 from damage.html.tables import digits_of
 
@@ -96,7 +94,7 @@ def _quick():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("damage.html.run_part.still", lambda history: "")
         patch.setattr("damage.html.run_part.preview", lambda history: "")
-        patch.setattr("damage.html.report.plotly_code", lambda: "")
+        patch.setattr("damage.html.report.plotly_code", lambda: "plotly.js (basic - minified) v0")
         yield
 
 

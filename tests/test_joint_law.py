@@ -105,12 +105,14 @@ def test_an_elastic_joint_never_breaks():
     assert states[-1].shear_stress == approx(KS * 0.5)
 
 
-def test_mirrored_shear_gives_mirrored_state():
-    path = [(-1e-6 * (1 + math.sin(k / 5)), 2e-5 * math.sin(k / 9)) for k in range(500)]
-    here, _ = follow(path)
-    there, _ = follow([(opening, -shear) for opening, shear in path])
+@pytest.mark.parametrize("law", [LAW, LAW._replace(mode_i_energy=5.0, mode_ii_energy=50.0)],
+                         ids=["brittle", "softening"])
+def test_mirrored_shear_gives_mirrored_state(law):
+    path = [(1e-6 * (math.sin(k / 5) - pull), 5e-5 * math.sin(k / 9)) for pull in (1, 0) for k in range(500)]
+    (here, _), (there, _) = follow(path, law=law), follow([(opening, -shear) for opening, shear in path], law=law)
     for a, b in zip(here, there):
         assert (a.normal_stress, a.shear_stress, a.slip) == (b.normal_stress, -b.shear_stress, -b.slip)
+    assert here[-1].broken and any(state.slip for state in here)
 
 
 def test_sliding_under_a_changing_normal_stress_balances_step_by_step():

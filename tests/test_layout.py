@@ -128,29 +128,13 @@ def test_piers_of_the_perforated_walls(shipped_wall):
 
 
 @pytest.mark.parametrize("wall", ODD_WALLS, ids=lambda w: w.name)
-class TestAnyWall:
-    def test_bricks_fill_the_wall_but_for_the_openings(self, wall):
-        layout = lay_out(wall)
-        bricks = slice(0, layout.n_bricks)
-        area = np.sum(layout.bodies.length[bricks] * layout.bodies.height[bricks])
-        holes = sum(opening.width * wall.brick.height * (above - first) for opening in wall.openings
-                    for first, above in [wall.opening_courses(opening)])
-        assert_allclose(area, wall.length * wall.built_height - holes, rtol=1e-12)
+class TestOddWall:
+    """What they cover, and how: `test_any_wall.py`."""
 
     def test_no_brick_is_longer_than_a_whole_one_or_shorter_than_a_quarter(self, wall):
         length = lay_out(wall).bodies.length[:lay_out(wall).n_bricks]
         assert length.min() > BRICK / 4 - 1e-6
         assert length.max() < BRICK * 1.25 + 1e-6
-
-    def test_bed_joints_cover_every_overlap_of_two_bricks(self, wall):
-        layout = lay_out(wall)
-        bodies, contacts, n = layout.bodies, layout.contacts, layout.n_bricks
-        left, right = bodies.x - bodies.length / 2, bodies.x + bodies.length / 2
-        overlap = np.minimum(right[:n, None], right[:n]) - np.maximum(left[:n, None], left[:n])
-        on_top = bodies.course[:n, None] == bodies.course[:n] - 1
-        base = bodies.length[:n][bodies.course[:n] == 0].sum()
-        expected = overlap[on_top & (overlap > 0)].sum() + base
-        assert_allclose(contacts.length[contacts.kind == BED].sum(), expected, rtol=1e-9)
 
     def test_cells_face_each_other(self, wall):
         layout = lay_out(wall)

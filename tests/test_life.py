@@ -13,13 +13,13 @@ from scipy import stats
 
 import damage
 from damage.__main__ import main
-from damage.draw.life import contributions_picture, life_picture
+from damage.draw.exposure import contributions_picture, life_picture
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure
+from damage.exposure.ground_motion import COMPONENTS
 from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window, write_sequence
 from damage.exposure.models.bommer_2022 import Model
-from damage.exposure.residuals import COMPONENTS
 from damage.life.comparison import by_own_curve, choices, largest_alone, readings
 from damage.life.estimate import paired, probability, share_of_motions, strata
 from damage.life.readings import READINGS, after, final_psi
@@ -31,8 +31,8 @@ from damage.life.results import (
     lives_of,
     over_time,
     write_lives,
+    write_study,
 )
-from damage.life.study import write_study
 from damage.measure.tables import shocks_table
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence

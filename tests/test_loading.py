@@ -9,10 +9,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from damage.draw.words import motion_words
 from damage.errors import InputError
-from damage.motion.drive import Drive
 from damage.motion.formats import read_record, shipped_record_path
-from damage.motion.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement, loading_from_dict
+from damage.motion.loading import (
+    EASE_S,
+    Drive,
+    FreeVibration,
+    Harmonic,
+    Loading,
+    Recorded,
+    TopDisplacement,
+    loading_from_dict,
+)
 from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, interpolated, windowed
 from damage.units import GRAVITY
 
@@ -275,6 +284,13 @@ class TestTopDisplacement:
     def test_a_push_goes_one_way(self):
         top = TopDisplacement((0.1,), cycles=0).top_displacement(np.linspace(0, 10, 1001), 1.0)
         assert np.all(np.diff(top) >= -1e-15) and top[-1] == pytest.approx(1e-3)
+
+
+def test_a_loading_without_words_of_its_own_is_called_by_its_name():
+    class Ricker(Loading):
+        name = "ricker_5hz"
+
+    assert motion_words(Ricker()) == "ricker 5hz"
 
 
 @pytest.mark.parametrize(

@@ -5,13 +5,12 @@ import pandas as pd
 import pytest
 from small_history import make_history, small_layout
 
-from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table
+from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table, upward_crossings
 from damage.measure.energy import DISSIPATED, STORED, Balance, energy_error, energy_measures, imbalance
 from damage.measure.limits import LIMITS, classes
-from damage.measure.motion import motion_measures
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.measure.vibration import upward_crossings
+from damage.motion.intensity import motion_measures
 
 STEP_S = 0.002
 MOTION, REST, SETTLING = 300, 700, 250  # samples: 0.6 s of motion, 1.4 s of rest, 0.5 s of settling

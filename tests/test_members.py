@@ -13,9 +13,8 @@ from small_history import make_history
 from damage.__main__ import main
 from damage.history.reader import read_history
 from damage.html.run_part import run_part
-from damage.measure import members
 from damage.measure.summary import summarise
-from damage.measure.tables import summary_row
+from damage.measure.tables import SHOWN, members_of, spread, summary_row, write_members
 from damage.reference.session import run_reference
 from damage.run.options import parse_run
 from damage.run.report import describe
@@ -44,7 +43,7 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
         alone = tmp_path / f"{seed}.h5"
         assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--seed", str(seed), "--out", str(alone)]) == 0
         row = summary_row(read_history(alone))
-        assert all(table[name][seed - 1] == pytest.approx(row[name], rel=1e-8) for name in members.SHOWN)
+        assert all(table[name][seed - 1] == pytest.approx(row[name], rel=1e-8) for name in SHOWN)
     assert contents(out) == contents(tmp_path / "1.h5")
     assert f"members: {tmp_path / 'run_members.csv'}" in printed and "3 members: median (min to max)" in printed
     drift = table["max_drift_ratio"]
@@ -86,12 +85,12 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
     first, second = (make_history(tmp_path / name, drift=drift) for name, drift in (("run.h5", 1e-3), ("b.h5", 2e-3)))
     for one, seed in ((first, 1), (second, 2)):
         one.parameters["seed"], one.parameters["scatter"] = seed, 0.001
-    members.write_members([first, second], out)
-    table = members.members_of(first)
+    write_members([first, second], out)
+    table = members_of(first)
     assert table["run"].to_list() == ["run_s1", "run_s2"]
-    assert members.spread(table)["max_drift_ratio"] == {"median": 1.5e-3, "min": 1e-3, "max": 2e-3}
-    assert members.members_of(make_history(out, drift=3e-3, overwrite=True)) is None
-    assert members.members_of(second) is None  # beside which there is none
+    assert spread(table)["max_drift_ratio"] == {"median": 1.5e-3, "min": 1e-3, "max": 2e-3}
+    assert members_of(make_history(out, drift=3e-3, overwrite=True)) is None
+    assert members_of(second) is None  # beside which there is none
 
 
 def test_settings_of_members():

@@ -7,7 +7,7 @@ from small_history import make_history, small_layout
 
 from damage.__main__ import main
 from damage.draw.compare import JOINTS, compare_picture, joint_agreement, run_labels
-from damage.draw.modes import modes_picture
+from damage.draw.preview import modes_picture
 from damage.law.modes import natural_modes
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall

@@ -7,9 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from conftest import total_energy
 from numpy.testing import assert_allclose
 from PIL import Image
-from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove, total_energy
+from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove
 from test_widths import ACTIONS, act, make
 
 from damage.draw.animation import write_film
@@ -31,7 +32,7 @@ from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Opening, Wall
-from paper.overlaps import corners, depth, overlaps
+from paper.falls import depth, overlaps
 
 DIAMETER = 2 * 0.01 * 0.225
 """Twice the radius of the corners: 1 % of a whole brick's length."""
@@ -210,7 +211,7 @@ def test_no_core_lies_in_another_and_no_energy_is_created(collapse):
 def test_bricks_of_the_fallen_wall_do_not_overlap_by_more_than_their_rounded_corners(collapse):
     """By the rectangles themselves, all pairs: no more than was found as the largest overlap."""
     wall, _ = collapse
-    places = corners(body_table(wall.layout), wall.displacement)
+    places = body_corners(body_table(wall.layout), wall.displacement)
     low, high = places.min(axis=1), places.max(axis=1)
     pairs = [(a, b) for a in range(len(places)) for b in range(a)
              if np.all((low[a] < high[b]) & (low[b] < high[a]))]

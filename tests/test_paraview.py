@@ -1,11 +1,7 @@
-"""Histories as VTKHDF and VTU: the layout, of one made by hand; what VTK's readers make of both solvers' (long)."""
+"""Histories as VTKHDF: the layout, of one made by hand; what VTK's readers make of both solvers' (long)."""
 
-import base64
 import json
 import sys
-import zlib
-from dataclasses import replace
-from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -16,9 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from small_history import make_history, small_layout
 from test_yade_run import SMALL_WALL
 
-from damage.export.cells import HEXAHEDRON, LINE, WallCells
-from damage.export.vtkhdf import write_vtkhdf
-from damage.export.vtu import write_vtu
+from damage.export.vtkhdf import HEXAHEDRON, LINE, WallCells, write_vtkhdf
 from damage.history.moments import STATES
 from damage.history.reader import read_history
 from yade_scripts import COMMAND
@@ -96,40 +90,14 @@ class TestVtkhdf:
         assert list(taken[[0, 4, 6, 10, 16, 20]]) == [0.0, 0.0, 0.1, 0.1, 0.2, 0.2]
 
 
-class TestVtu:
-    def test_a_file_a_snapshot_and_one_that_lists_them(self, history, tmp_path):
-        odd = replace(history, path=history.path.with_name("a<b> & \"c\" ]]>.h5"))
-        listed = ElementTree.parse(write_vtu(odd, tmp_path)).findall(".//DataSet")
-        assert [float(one.get("timestep")) for one in listed] == [0.0, 0.1, 0.2]
-        grid = ElementTree.parse(tmp_path / listed[2].get("file"))
-        array = grid.find(".//CellData/DataArray[@Name='opening_m']")
-        head, packed = array.text[:44], array.text[44:]  # 32 bytes in base 64
-        n_blocks, size, rest, n_packed = np.frombuffer(base64.b64decode(head), np.uint64)
-        data = base64.b64decode(packed)
-        assert (n_blocks, rest, n_packed) == (1, 0, len(data))
-        values = np.frombuffer(zlib.decompress(data), np.float32)
-        assert size == values.nbytes
-        assert_array_equal(values, WallCells(history).joint_fields(20)["opening_m"])
-
-
-def test_of_two_snapshots_at_one_time_the_last_counts(history, tmp_path):
-    """A run that collapses at a snapshot takes another one as its end."""
-    times = np.append(history.snapshot_time_s, history.snapshot_time_s[-1])
-    twice = replace(history, snapshot_time_s=times, displacement=history.displacement[[0, 1, 0, 2]])
-    listed = ElementTree.parse(write_vtu(twice, tmp_path)).findall(".//DataSet")
-    assert [float(one.get("timestep")) for one in listed] == [0.0, 0.1, 0.2]
-    assert listed[2].get("file") == "small_0003.vtu"
-
-
 def test_a_history_without_samples_is_refused(tmp_path):
     empty = make_history(tmp_path / "empty.h5", stages=(), snapshots={}, status="unfinished")
-    for write in (write_vtkhdf, write_vtu):
-        assert "holds no sample yet" in one_line_error(write, empty, tmp_path / "out")
+    assert "holds no sample yet" in one_line_error(write_vtkhdf, empty, tmp_path / "out")
 
 
 def test_the_command_asks_for_a_format(damage_command, history):
     done = damage_command("export", history.path)
-    assert done.returncode == 2 and "expected --vtkhdf FILE.vtkhdf or --vtk DIR of a history" in done.stderr
+    assert done.returncode == 2 and "expected --vtkhdf FILE.vtkhdf of a history" in done.stderr
 
 
 # --- VTK's own readers ------------------------------------------------------------------------------
@@ -142,7 +110,7 @@ def vtk_python():
 
 @pytest.fixture(scope="module", params=["reference", pytest.param("yade", marks=pytest.mark.yade)])
 def shaken(request, tmp_path_factory):
-    """A small wall shaken hard, by either solver, and both exports of it."""
+    """A small wall shaken hard, by either solver, and its export."""
     folder = tmp_path_factory.mktemp(request.param)
     (folder / "small.py").write_text(SMALL_WALL.format(repository=str(REPOSITORY)))
     if request.param == "yade":
@@ -152,22 +120,19 @@ def shaken(request, tmp_path_factory):
                        folder / "small.h5")
     assert done.returncode == 0, done.stdout + done.stderr
     done = run_command(sys.executable, "-m", "damage", "export", folder / "small.h5", "--vtkhdf",
-                       folder / "small.vtkhdf", "--vtk", folder)
+                       folder / "small.vtkhdf")
     assert done.returncode == 0, done.stderr
     return read_history(folder / "small.h5"), folder
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["small.vtkhdf", "small.pvd"])
-def test_vtk_reads_what_the_history_holds(vtk_python, shaken, name):
+def test_vtk_reads_what_the_history_holds(vtk_python, shaken):
     history, folder = shaken
-    samples = np.arange(len(history.series)) if name.endswith(".vtkhdf") else WallCells(history).sample_of
-    step = len(samples) // 2
-    found = json.loads(run_in(vtk_python, "read_vtk.py", folder / name, str(step)))
-    sample, n_bodies = samples[step], len(history.bodies)
+    sample, n_bodies = len(history.series) // 2, len(history.bodies)
+    found = json.loads(run_in(vtk_python, "read_vtk.py", folder / "small.vtkhdf", str(sample)))
     snapshot = WallCells(history).snapshot_of[sample]
     assert found["types"] == {str(HEXAHEDRON): n_bodies, str(LINE): len(history.joints)}
-    assert_array_equal(found["times"], history.series.time_s[samples])
+    assert_array_equal(found["times"], history.series.time_s)
     part = np.array(found["cell"]["part"])
     assert np.count_nonzero(part == 0) == np.count_nonzero(history.bodies.course >= 0)
     assert np.max(history.opening_m[sample]) > 1e-5  # there is something to be read

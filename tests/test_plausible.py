@@ -8,8 +8,9 @@ from conftest import REPOSITORY, one_line_error
 
 import damage
 from damage.__main__ import main
+from damage.fields import markdown
 from damage.motion.formats import shipped_record_path
-from damage.run import plausible as motions
+from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.run.options import parse_run
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
@@ -21,7 +22,6 @@ from damage.wall.plausible import (
     check_plausible,
     implausible,
     implausible_places,
-    markdown,
 )
 
 SOFTENING = Joint(mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6)
@@ -198,4 +198,4 @@ def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
 
 def test_the_document_has_the_ranges():
     text = (REPOSITORY / "docs/reference/ranges.md").read_text()
-    assert markdown() in text and motions.markdown() in text
+    assert markdown("field", RANGES) in text and markdown("option", MOTION_RANGES) in text

@@ -8,9 +8,9 @@ from conftest import contents, one_line_error
 from numpy.testing import assert_array_equal
 
 import damage
-from damage.draw.sequence import has_sequence, sequence_picture
+from damage.draw.run import has_sequence, sequence_picture
 from damage.draw.words import run_title
-from damage.history.values import check_parameters
+from damage.history.structure import check_parameters
 from damage.html.report import write_report
 from damage.measure.tables import shocks_table, summary_row
 from damage.motion.sequence import read_sequence

@@ -15,7 +15,7 @@ from damage.reference.session import run_reference
 from damage.run.options import parse_run
 from damage.run.schedule import base_acceleration, stages
 from damage.run.settings import SETTLE_S
-from paper.sequence_figure import sequences
+from paper.study_figures import sequences
 
 DT = 2e-5
 

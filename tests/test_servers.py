@@ -134,6 +134,7 @@ def n_open_files():
 
 FAKE_YADE = '''#!{python}
 import argparse, importlib, sys
+print(sys.argv[3:], file=sys.stderr)
 options = argparse.ArgumentParser()
 options.add_argument("-L", action="append", default=[])
 options.add_argument("words", nargs=argparse.REMAINDER)
@@ -191,8 +192,34 @@ def test_the_launcher_refuses_a_wall_that_is_not_there(system):
     """YADE prints a traceback, waits for commands and ends with status 0."""
     done = system(COMMAND[0], "walls/symetric.py", "--harmonic", "0.2", "0.05")
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == ("error: no file walls/symetric.py: expected a wall, like walls/symmetric.py; correct the "
-                           "path\n")
+    assert done.stderr == "error: no file walls/symetric.py: expected a wall, like walls/symmetric.py; correct it\n"
+
+
+@pytest.mark.parametrize(("words", "passed"), [
+    (["symmetric", "--rest", "1"], ["{root}/walls/symmetric.py", "--rest", "1"]),
+    (["-n", "-j", "2", "shop_front"],
+     ["-n", "-j", "2", "{root}/yade_scripts/wall_data.py", "{root}/walls/shop_front.toml"]),
+    (["-nx", "-f4", "w.py", "-x"], ["-nx", "-f4", "w.py", "-x"]),
+    (["-n"], ["-n"]),
+])
+def test_the_launcher_takes_names_of_walls(system, words, passed):
+    done = system(COMMAND[0], *words)
+    assert done.stderr.splitlines()[0] == str([word.format(root=REPOSITORY) for word in passed])
+
+
+@pytest.mark.parametrize(("words", "complaint"), [
+    (["-n", "-x"], "-x without a script: expected a script or a wall"),
+    (["symetric"], "symetric: expected a script, a wall's file, or the name of a wall that ships: asymmetric"),
+    (["-n", "-j"], "-j is the last word: expected a value"),
+    (["--consol", "symmetric"], "--consol: expected an option of YADE before the script"),
+    (["w.txt"], "w.txt: expected a script"),
+    (["saved.xml.gz"], "saved.xml.gz: expected a script, as YADE's command does not load a scene"),
+])
+def test_a_mistake_in_its_arguments_is_an_error(system, words, complaint):
+    """YADE's command ends with status 0, or waits at its prompt."""
+    done = system(COMMAND[0], *words)
+    assert (done.returncode, done.stdout) == (2, "") and done.stderr.startswith(f"error: {complaint}"), done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 def test_the_launcher_without_yade_says_so(system, tmp_path):

@@ -27,7 +27,6 @@ from damage.law.joint_law import (
     strength_left,
     tension_stiffness,
 )
-from damage.law.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.motion.loading import Harmonic
 from damage.reference.session import BACKEND
@@ -124,13 +123,6 @@ class TestLaw:
         for here, there in zip(soft, brittle):
             assert_allclose(here[:3], there[:3], rtol=1e-12, atol=1e-9 * FT)
             assert (here.broken, here.at_limit) == (there.broken, there.at_limit)
-
-    def test_mirrored_shear_gives_mirrored_state(self):
-        path = [(1e-6 * math.sin(k / 5), 5e-5 * math.sin(k / 9)) for k in range(500)]
-        here, _, _ = follow(path)
-        there, _, _ = follow([(opening, -shear) for opening, shear in path])
-        for a, b in zip(here, there):
-            assert (a.normal_stress, a.shear_stress, a.slip) == (b.normal_stress, -b.shear_stress, -b.slip)
 
 
 corners = st.lists(st.tuples(st.floats(-6e-6, 4e-5), st.floats(-2e-4, 2e-4)), min_size=1, max_size=6)
@@ -299,13 +291,6 @@ class TestScatter:
         assert run(tmp_path, "--perturb", 1e-5, wall=Wall("pier", 1.35, 1.2))[0] == 2
         error = capsys.readouterr().err
         assert "--perturb 1e-05" in error and "--scatter" in error and error.count("\n") == 1
-
-
-def test_the_step_of_a_softening_wall_is_stable():
-    layout = lay_out(Wall("pier", 1.35, 1.2, joint=SOFT))
-    critical = natural_modes(layout).critical_time_step_s
-    chosen = RunSettings(Harmonic(0.2, 0.05), ModelOptions(), beta_s=None).for_joint(SOFT)
-    assert choose_time_step(chosen, critical, softens=True) <= SOFTENING_STEP_FACTOR * critical
 
 
 def pushed(tmp_path, name, energies, *words):

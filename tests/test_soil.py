@@ -8,8 +8,8 @@ import pytest
 import damage
 from damage.errors import InputError
 from damage.law.modes import natural_modes
+from damage.measure.cycles import natural_period, upward_crossings
 from damage.measure.energy import energy_error_of
-from damage.measure.vibration import natural_period, upward_crossings
 from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.file import load_wall

@@ -30,10 +30,10 @@ from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import figures as study_figures
 from paper.__main__ import main
-from paper.choices_figure import choices
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
 from paper.results import Missing, load_results, variants
+from paper.study_figures import choices
 
 AMPLITUDES_G = (0.025, 0.05, 0.1)
 SCALES = (0.5, 1.0, 1.5, 2.0)

@@ -15,8 +15,7 @@ from damage.history.reader import read_history
 from damage.law.modes import natural_modes
 from damage.mechanics.tables import INPUT
 from damage.motion import loading
-from damage.motion.drive import Drive
-from damage.motion.loading import Harmonic, Loading
+from damage.motion.loading import Drive, Harmonic, Loading
 from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall

@@ -11,8 +11,7 @@ from numpy.testing import assert_allclose
 from damage.__main__ import main
 from damage.csv_table import CsvTable
 from damage.errors import InputError
-from damage.motion.foreign import FOREIGN, foreign
-from damage.motion.formats import read_record
+from damage.motion.formats import FOREIGN, foreign, read_record
 from damage.motion.intensity import pga_g, pgv_cm_s
 from damage.motion.loading import Recorded, loading_from_dict
 from damage.motion.plausible import faint_warnings, implausible_velocity

@@ -5,9 +5,9 @@ import pytest
 from small_history import as_version_2, make_history, small_layout
 
 from damage.history.reader import read_history
+from damage.measure.joints import ended_joints, offset_over_overlap, slide_limits
 from damage.measure.summary import summarise
 from damage.measure.tables import joints_table
-from damage.measure.validity import ended_joints, offset_over_overlap, slide_limits
 from damage.run.report import describe
 
 LAYOUT = small_layout()

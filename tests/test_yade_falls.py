@@ -5,8 +5,7 @@ import pytest
 from test_new_contacts import DIAMETER
 
 from damage.run.settings import RESTS_BELOW_M_S, RESTS_FOR_S
-from paper.falls import INTERVAL_S, first_fall, in_reference, in_yade, speeds
-from paper.overlaps import overlaps
+from paper.falls import INTERVAL_S, first_fall, in_reference, in_yade, overlaps, speeds
 
 pytestmark = [pytest.mark.yade, pytest.mark.long]
 

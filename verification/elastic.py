@@ -24,7 +24,7 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
 from damage.law.modes import natural_modes, stiffness_matrix
-from damage.measure.vibration import natural_period
+from damage.measure.cycles import natural_period
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

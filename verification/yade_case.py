@@ -16,7 +16,7 @@ import numpy as np
 from yade import O, PyRunner, Quaternion, Vector3
 
 from damage.law.modes import natural_modes
-from damage.measure.vibration import natural_period
+from damage.measure.cycles import natural_period
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from verification import crushing, elastic, falling, rocking, sliding, splitting

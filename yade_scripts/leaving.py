@@ -9,7 +9,6 @@ from pathlib import Path
 
 from yade import O
 
-from yade_scripts import COMMAND
 from yade_scripts.servers import close_servers
 
 
@@ -18,9 +17,7 @@ def run_and_leave(function):
     it raises."""
     status = 1
     try:
-        if close_servers() and "--quiet" not in sys.argv:
-            print(f"YADE's servers listened on all network interfaces during the first {_age_s():.1f} s; they are "
-                  f"closed. {COMMAND[0]} starts YADE without them", file=sys.stderr, flush=True)
+        close_with_a_word()
         status = function() or 0
     except Exception:
         traceback.print_exc()
@@ -34,6 +31,14 @@ def run_and_leave(function):
         shutil.rmtree(scratch, ignore_errors=True)
     # YADE's threads make an orderly exit slow and unsafe.
     os._exit(status)
+
+
+def close_with_a_word():
+    """Close YADE's servers, and say so."""
+    if close_servers() and "--quiet" not in sys.argv:
+        print(f"YADE's servers listened on all network interfaces during the first {_age_s():.1f} s; they are "
+              f"closed. {Path(__file__).resolve().parents[1] / 'yade'} starts YADE without them", file=sys.stderr,
+              flush=True)
 
 
 def _age_s():

@@ -17,8 +17,11 @@ BRICK_CELLS = 4
 """Default number of cells of a deformable brick (docs/model/yade.md)."""
 
 
-def main(make_wall):
-    """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
+def main(make_wall, engines=()):
+    """Run the wall that `make_wall()` returns with this command line's options, then leave YADE.
+
+    engines: of YADE, called at the end of each step after those that O.engines has beside a new scene's.
+    """
     path = Path(sys.argv[0])
     try:
         from yade_scripts.leaving import run_and_leave
@@ -28,10 +31,10 @@ def main(make_wall):
         print(f"error: {path} is run by YADE, not by {sys.executable}: expected yade {path} [OPTIONS], or in the "
               f"built-in solver python3 -m damage reference {path} [OPTIONS]", file=sys.stderr)
         sys.exit(EXIT_MISSING)
-    run_and_leave(lambda: _run(make_wall, path))
+    run_and_leave(lambda: _run(make_wall, path, engines))
 
 
-def _run(make_wall, path):
+def _run(make_wall, path, engines):
     """Exit status of a run of the wall of the file at `path`.
 
     Libraries are imported here, so that a missing one gives a message instead of a traceback.
@@ -40,12 +43,10 @@ def _run(make_wall, path):
         import yade
 
         from damage.provenance import shown_path
-        from damage.run.session import Backend, run_session
-        from damage.run.settings import Softening
+        from damage.run.session import reported, run_session
         from damage.wall.file import wall_of
+        from yade_scripts.opened import Scene, engines_beside, name_of, prompt
         from yade_scripts.shapes import BRICK_SHAPE
-        from yade_scripts.solver import YadeSolver
-        from yade_scripts.view import open_view
     except ImportError as error:
         if not missing_library(error):
             raise
@@ -53,14 +54,69 @@ def _run(make_wall, path):
         return EXIT_MISSING
     if "--quiet" not in sys.argv:
         print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
+
+    def run():
+        beside = engines_beside(engines)
+        if beside and "--quiet" not in sys.argv:
+            print(f"engines beside the wall's own: {', '.join(map(name_of, beside))}", flush=True)
+        return run_session(_backend(beside), path, lambda: wall_of(make_wall, path), sys.argv[1:],
+                           prog=f"yade {shown_path(path)}")
+
+    status, scene = reported(run), Scene.current
+    if scene and scene.console == "after" and scene.run:
+        prompt(scene, "after", history=scene.history)
+    return status
+
+
+def _backend(engines):
+    """The Backend of YADE with these engines beside the wall's own."""
+    import yade
+    from yade import O
+
+    from damage.run.session import Backend
+    from damage.run.settings import Softening
+    from yade_scripts.opened import Scene, name_of, prompt
+    from yade_scripts.shapes import BRICK_SHAPE
+    from yade_scripts.solver import YadeSolver
+    from yade_scripts.view import open_view
+
     versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
+    if engines:
+        versions["yade_engines"] = ", ".join(map(name_of, engines))  # they may have moved the wall
 
     def make(layout, time_step, settings):
-        return YadeSolver(layout, time_step, settings.new_contacts)
+        solver = YadeSolver(layout, time_step, settings.new_contacts)
+        Scene(layout, solver, settings.console)
+        O.engines = [*O.engines, *engines]  # at the end of a step positions and forces are of the same time
+        return solver
 
-    backend = Backend("yade", versions, make, Path(__file__).parent, _check, open_view,
-                      Softening(fibres=FIBRES, beta_s=0.0), BRICK_CELLS, keeps_state=False)
-    return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {shown_path(path)}")
+    def begins(run):
+        scene = Scene.current
+        scene.run = run
+        if scene.console == "before":
+            prompt(scene, "before", "; the run follows")
+
+    return Backend("yade", versions, make, Path(__file__).parent, _check, open_view,
+                   Softening(fibres=FIBRES, beta_s=0.0), BRICK_CELLS, keeps_state=False, begins=begins)
+
+
+def open_wall(wall, engines, options):
+    """Implementation of `yade_scripts.open_scene`."""
+    from damage.provenance import shown_path
+    from damage.run.options import parse_run, words_of
+    from damage.wall.file import load_wall, wall_path
+    from damage.wall.parameters import Wall
+    from yade_scripts.leaving import close_with_a_word
+    from yade_scripts.opened import engines_beside, open_scene
+
+    close_with_a_word()
+    words = words_of({"pictures": False, "quiet": True} | options, "yade", "open_scene")
+    file = "" if isinstance(wall, Wall) else wall_path(wall)
+    settings = parse_run(words, prog=f"yade, open_scene of {shown_path(file) if file else wall.name}:", solver="yade")
+    if settings.members > 1 or settings.console or settings.view or settings.pictures:
+        raise InputError("open_scene with members, console, view or pictures: expected options of the wall and its "
+                         "motion; leave them out: YADE's prompt follows the script")
+    return open_scene(_backend(engines_beside(engines)), settings, file, load_wall(file) if file else wall)
 
 
 def _check(settings):

@@ -2,6 +2,7 @@
 
 A step integrates first and then computes the forces, so that at its end positions and forces are of the same time.
 There a Python engine logs failures, updates the failed joints, takes samples and sets the field of the next step.
+Engines of a user follow it.
 """
 
 import builtins
@@ -9,6 +10,7 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3
 
+from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
@@ -26,6 +28,14 @@ LOOSE = 0.4e-3
 """Opening or offset of a joint [m] from which collisions are enabled: corner spheres and faces are 0.5 mm apart."""
 
 
+LOOK = """
+if hasattr(__builtins__, "masonry_solver"):
+    masonry_solver.look()
+else:
+    masonry_look.dead = True
+    print("a saved wall: YADE's own laws go on; no failed bond becomes a dry joint from now on")
+"""
+"""Command of the engine at the end of each step; of a scene that O.load brought into another process."""
 ON_FACE = 1e-2
 """Shear displacement of a joint [m] up to which all its tips are on their faces."""
 
@@ -48,8 +58,10 @@ class YadeSolver(Solver):
         self._events, self._known, self._armed = [], ((), None), False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
+        self._tags, self._advancing = O.tags, False  # of this scene, which O.load and O.reset replace
         builtins.masonry_solver = self  # for the command of the engine
-        O.engines = [self.model.newton, *O.engines[:-1], PyRunner(command="masonry_solver.look()", iterPeriod=1)]
+        O.engines = [self.model.newton, *O.engines[:-1],
+                     PyRunner(command=LOOK, iterPeriod=1, label="masonry_look")]
         self.model.newton.warnNoForceReset = False  # forces are reset, but after their integration
         O.step()  # computes the initial forces; without a field nothing moves
 
@@ -130,16 +142,30 @@ class YadeSolver(Solver):
         self._sample_steps, self._on_samples = sample_steps, on_samples
         if on_samples and self.clock == 0:
             self._observe()
-        O.run(n_steps, True)
+        self._check_scene()
+        self._advancing = True
+        try:
+            O.run(n_steps, True)
+        finally:
+            self._advancing = False
         if self._raised:
             raise self._raised
         return ()
+
+    def _check_scene(self):
+        """Raise RunError where this wall's scene was replaced."""
+        self._tags["masonry"] = f"{id(self)} {self.clock}"
+        if not O.tags.has_key("masonry") or O.tags["masonry"] != self._tags["masonry"]:
+            raise RunError("the wall's scene was replaced, by O.load or O.reset: expected it as it was built; start "
+                           "again, and load saved scenes in another process")
 
     # --- one step -------------------------------------------------------------------------------
 
     def look(self):
         """Command of the engine at the end of each step: log failures, update joints, take samples, set the field."""
         self.clock += 1
+        if not self._advancing:
+            self._check_scene()
         if self._support_velocity.any():
             self._supports += self.time_step * self._support_velocity
             self._set_support_velocities()
@@ -158,6 +184,8 @@ class YadeSolver(Solver):
         except Exception as error:  # YADE would print all of it, and raise another
             self._raised = error
             O.pause()
+            if not self._advancing:  # by O.run of a script, which sees nothing else
+                raise
 
     def _set_field(self):
         """Set the acceleration of all masses in the next step, in the frame of the base."""

@@ -29,7 +29,7 @@ from damage.studies.records import record_of
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
-_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.progress
+_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.session.Progress
 
 
 def work(connection, parent, lock):

@@ -2,5 +2,5 @@
 
 from importlib import import_module
 
-for _name in ("first_steps", "walls", "motions", "address", "histories", "laboratory", "studies", "fragility"):
+for _name in ("walls", "address", "histories", "studies"):
     import_module(f"damage.commands.{_name}")

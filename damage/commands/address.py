@@ -3,7 +3,7 @@
 import sys
 
 from damage.commands.table import JSON, arg, command, file_arg, group, out, output, save, show
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.files import write_text
 from damage.run.options import WALLS_ARE_CODE, file_path, number_from
 
@@ -84,13 +84,12 @@ def _exposure(asked):
 def _life(asked):
     from damage.batch.command import run_study
     from damage.exposure.lives import Choices, Draws
-    from damage.life.study import write_study
+    from damage.life.results import write_study
 
     exposure = _exposure_of(asked)
     Draws(exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
         1)  # says what is wrong before anything is written
-    print(*(f"warning: {warning}" for warning in exposure.warnings), sep="\n", end="\n" * bool(exposure.warnings),
-          file=sys.stderr)
+    warn(*exposure.warnings)
     place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
         dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
     address = place | {
@@ -115,7 +114,7 @@ def _life(asked):
          output(file_arg("--markdown", "FILE", "write the text, too")),
          out("folder for the tables (default: figures in FOLDER)", required=False))
 def _lives(asked):
-    from damage.draw.life import contributions_picture, life_picture
+    from damage.draw.exposure import contributions_picture, life_picture
     from damage.html.report import Words, write_report
     from damage.life.comparison import largest_alone
     from damage.life.results import (

@@ -1,4 +1,4 @@
-"""Commands about histories: numbers, pictures, tables, reports."""
+"""Commands about histories, and the tests and cracks that they are compared with."""
 
 from damage.commands.table import (
     DAMAGE,
@@ -20,7 +20,8 @@ from damage.commands.table import (
 from damage.errors import InputError, warn
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
-from damage.run.options import number_from
+from damage.provenance import shown_path
+from damage.run.options import WALLS_ARE_CODE, number_from
 from damage.units import MILLIMETRE
 
 
@@ -94,23 +95,17 @@ def _animate(asked):
          file_arg("source", "FILE.h5|STUDY_DIR", "a history, or the folder of a study, as results/quick"),
          output(
              file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
-             file_arg("--vtk", "DIR", "of a history: a VTU file a snapshot and a PVD file that lists them, for any "
-                      "ParaView"),
              file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
              file_arg("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)")))
 def _export(asked):
     from damage.export.study import write_netcdf, write_parquet
     from damage.export.vtkhdf import write_vtkhdf
-    from damage.export.vtu import write_vtu
 
-    if not (asked.vtkhdf or asked.vtk or asked.parquet or asked.netcdf):
-        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf or --vtk DIR of a history, --parquet "
-                         "DIR or --netcdf FILE.nc of a study; give one")
-    history = read_history(asked.source) if asked.vtkhdf or asked.vtk else None
+    if not (asked.vtkhdf or asked.parquet or asked.netcdf):
+        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf of a history, --parquet DIR or "
+                         "--netcdf FILE.nc of a study; give one")
     if asked.vtkhdf:
-        print(write_vtkhdf(history, asked.vtkhdf))
-    if asked.vtk:
-        print(write_vtu(history, asked.vtk))
+        print(write_vtkhdf(read_history(asked.source), asked.vtkhdf))
     if asked.parquet:
         print(*write_parquet(asked.source, asked.parquet), sep="\n")
     if asked.netcdf:
@@ -159,3 +154,36 @@ def _report(asked):
     from damage.html.report import Words, write_report
 
     print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text)))
+
+
+@command("pushed laboratory walls beside their tests", HISTORIES, out("folder for the pictures"))
+def _laboratory(asked):
+    from damage.laboratory.pictures import save
+
+    print(*save(map(read_history, asked.histories), asked.out), sep="\n")
+
+
+@command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
+         file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
+         group("a history", arg("--at", metavar="MOMENT,...", help="max, end, times [s] (default max,end)")),
+         group("a crack file or a DIC field",
+               file_arg("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
+               file_arg("--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"),
+               arg("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="of a crack file: how far from "
+                   "a joint a crack may be drawn (default: half a brick's height)"),
+               arg("--margin-mm", type=number_from(0, 1000), metavar="MM",
+                   help="of a field: how far inside a brick's edges points count (default 10)")),
+         threshold("opening, slip and width"), PSI_FROM, DRIFT_LIMIT,
+         output(file_arg("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file")),
+         out("folder for a picture of each load level, or moment", required=False), JSON)
+def _cracks(asked):
+    from damage.laboratory.crack_report import crack_report, describe
+
+    report, drawn = crack_report(**{name: value for name, value in vars(asked).items()
+                                    if name not in ("command", "json", "version", "quiet")})
+    if asked.out:
+        from damage.laboratory.crack_picture import crack_pictures
+
+        save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
+              f"cracks of {shown_path(asked.source or asked.dic)}")
+    show(asked, report, describe)

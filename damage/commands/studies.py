@@ -1,7 +1,9 @@
-"""Commands about studies and what they write."""
+"""Commands about studies: what they write, fragility."""
 
-from damage.commands.table import arg, command, file_arg, out
+from damage.commands.table import arg, command, file_arg, group, out, output, save
+from damage.errors import InputError
 from damage.files import json_text
+from damage.provenance import shown_path
 from damage.run.options import number_from
 
 
@@ -32,3 +34,103 @@ def _dictionary(asked):
     from damage.export.dictionary import write_dictionary
 
     print(*write_dictionary(asked.out), sep="\n")
+
+
+@command("probabilities of exceeding levels of damage, from a study with scattered strengths",
+         file_arg("study", "STUDY_DIR", "folder of a study, as results/fragility"),
+         group(
+             "intensity and damage",
+             arg("--intensity", metavar="COLUMN", help="column of summary.csv with a number above zero in "
+                  "every run (default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"),
+             arg("--state", action="append", dest="states", metavar="STATE", help="damage state, a column of "
+                 'summary.csv and the level that it exceeds, as "moderate: max_psi > 2"; may be repeated (default: '
+                 "those of the study file, else levels of DI, crack width and Psi)"),
+             arg("--at", type=number_from(1e-12, 1e12), nargs="+", metavar="X", help="also print the probability at "
+                  "these intensities, with its intervals"),
+             arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
+                 help="bootstrap samples (default 500)")),
+         group(
+             "comparison",
+             arg("--leave-one-out", action="store_true", help="compare each record with the curves of all others"),
+             file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
+             arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock")),
+         out("folder for tables and pictures"),
+         output(file_arg("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
+                         "coefficients with units, arrays")))
+def _fragility(asked):
+    from damage.measure.columns import made_by_words
+    from damage.studies.fragility import STATES, load_runs
+    from damage.studies.states import leading, parse_state, study_choices
+
+    clash = [name for name in ("export", "at", "leave_one_out", "unseen") if getattr(asked, name)]
+    if asked.after_damage and clash:
+        raise InputError(f"--{clash[0].replace('_', '-')} with --after-damage: expected one of them; leave one out")
+    chosen = study_choices(asked.study)
+    states = tuple(map(parse_state, asked.states or chosen["states"])) or STATES
+    runs = load_runs(asked.study)
+    intensity = asked.intensity or chosen["intensity"] or leading(runs)
+    draw = _fragility_after_damage if asked.after_damage else _fragility_curves
+    figures = draw(asked, runs, intensity, states)
+    save(figures, asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
+
+
+def _fragility_after_damage(asked, runs, intensity, states):
+    """Tables of `--after-damage`; returns its figures."""
+    from damage.measure.tables import write_table
+    from damage.studies.after_damage import load_shocks, table_after_damage
+    from damage.studies.fragility_picture import picture_after_damage
+
+    shocks = load_shocks(runs, asked.study, states)
+    table = table_after_damage(shocks, intensity, asked.replicates, states)
+    print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
+    print(write_table(table, asked.out / f"fragility_after_damage_{intensity}.csv"))
+    drawn = {} if asked.states is None else {"states": states}
+    return [(f"fragility_after_damage_{wall}_{intensity}", picture_after_damage(
+        wall, of_wall, table[table["wall"] == wall], intensity, **drawn)) for wall, of_wall in shocks.groupby("wall")]
+
+
+def _fragility_curves(asked, runs, intensity, states):
+    """Tables and exports of fragility curves; returns their figures."""
+    from damage.measure.columns import slip_criteria
+    from damage.measure.tables import write_table
+    from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table, in_words, load_runs
+    from damage.studies.fragility_picture import fragility_pictures
+    from damage.studies.left_out import beside_unseen, leave_one_out, scores
+
+    periods = _periods(runs, intensity) if asked.export else {}
+    fits = fit_all(runs, intensity, asked.replicates, states)
+    print(in_words(fits))
+    print(write_table(fragility_table(fits, intensity).assign(slip=" or ".join(slip_criteria(runs))),
+                      asked.out / f"fragility_{intensity}.csv"))
+    tables = {"efficiency": efficiency_table(runs, states, intensity)}
+    if asked.at:
+        tables[f"fragility_{intensity}_at"] = at_intensities(fits, asked.at)
+    compared = {"left_out": lambda: leave_one_out(runs, states)} if asked.leave_one_out else {}
+    if asked.unseen:
+        compared["unseen"] = lambda: beside_unseen(runs, load_runs(asked.unseen), states)
+    for name, compare in compared.items():
+        table = compare()
+        print(write_table(table, asked.out / f"{name}.csv"))
+        tables[f"{name}_scores"] = scores(table)
+    for name, table in tables.items():
+        print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
+        print(write_table(table, asked.out / f"{name}.csv"))
+    if asked.export:
+        from damage.export.curves import left_out, write_curves
+
+        print(*write_curves(fits, asked.export, periods), sep="\n")
+        print(*left_out(fits), sep="\n", end="\n" if left_out(fits) else "")
+    return fragility_pictures(runs, fits, intensity)
+
+
+def _periods(runs, intensity):
+    """{wall: first period [s]} where files name it, of the spectral acceleration there, else {}."""
+    from pandas import to_numeric
+
+    if intensity != "sa_eigen_period_g":
+        return {}
+    if "eigen_period_s" not in runs or not (to_numeric(runs["eigen_period_s"], errors="coerce") > 0).all():
+        raise InputError("--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the period "
+                         "that NRML names; expected a number above zero; choose another intensity, as --intensity "
+                         "pga_g, or run the study again")
+    return runs.groupby("wall")["eigen_period_s"].median()

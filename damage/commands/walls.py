@@ -1,12 +1,23 @@
-"""Commands about a wall before it is run."""
+"""Commands before a run: first steps, walls, motions."""
 
+import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, command, file_arg, group, out, save
-from damage.errors import warn
+from damage.commands.table import JSON, arg, command, file_arg, group, out, output, save, show
+from damage.errors import InputError, warn
 from damage.files import json_text
+from damage.motion.loading import PERIODS_S
 from damage.provenance import shown_path
-from damage.run.options import WALLS_ARE_CODE, add_accept, add_model_options, model_of
+from damage.run.options import (
+    WALLS_ARE_CODE,
+    add_accept,
+    add_model_options,
+    add_preparation,
+    model_of,
+    number_from,
+    recorded,
+)
+from damage.start import missing_library
 
 
 @command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", JSON)
@@ -30,7 +41,7 @@ def _modes(asked):
     layout = lay_out(_plausible_wall(asked), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
-        from damage.draw.modes import modes_picture
+        from damage.draw.preview import modes_picture
 
         save([("modes", modes_picture(layout, modes))], asked.out)
     periods = [float(period) for period in modes.period_s]
@@ -84,3 +95,69 @@ def _wall_schema(asked):
     from damage.wall.data import wall_schema
 
     print(json_text(wall_schema(), indent=1))
+
+
+@command("a first run, in half a minute: the façade that ships under a harmonic motion, with pictures and a report",
+         file_arg("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
+         arg("--overwrite", action="store_true", help="replace what a demo before has left there"))
+def _demo(asked):
+    from damage.reference.session import run_reference
+
+    history = asked.out / "symmetric.h5"
+    status = run_reference(["symmetric", "--harmonic", "0.2", "0.05", "--rest", "1", "--out", str(history),
+                            *["--overwrite"] * asked.overwrite])
+    if status:
+        return status
+    try:
+        from damage.html.report import write_report
+
+        print(f"report: {write_report([history])}")
+    except ImportError as error:  # of the extra masonry-damage[report]
+        print(f"no report: {missing_library(error) or error}")
+    print("next: python3 -m damage new-wall my_wall.py, and its first lines say how to run it")
+    return 0
+
+
+@command("write a wall file to change: a copy of a wall that ships, under the name of the file; FILE.toml is data and "
+         "never executed",
+         file_arg("file", "FILE.py|FILE.toml"),
+         arg("--from", dest="source", metavar="NAME", default="symmetric", help="the wall that is copied (default "
+              "symmetric); an unknown one lists all"))
+def _new_wall(asked):
+    from damage.wall.new import new_wall
+
+    path = new_wall(asked.file, asked.source)
+    print(f"{path}: change its numbers, then: python3 -m damage reference {path} --harmonic 0.2 0.05")
+
+
+@command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
+         "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
+         "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
+         "ships, as BGAR_HGE"), group("preparation of the record", add_preparation, arg(
+             "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (of `modes`): "
+             "also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
+         JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
+def _record(asked):
+    from damage.motion.intensity import describe, motion_summary
+    from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
+
+    loading = recorded(asked)
+    if asked.period is not None:
+        loading = loading.for_period(asked.period)
+    found = motion_summary(loading, asked.period)
+    warn(*implausible_motion(loading), *filter(None, (
+        implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))),
+         *faint_warnings(found["pga_g"]))
+    if asked.plot:
+        _plot_motion(loading, found, asked.plot)
+    show(asked, found, describe)
+
+
+def _plot_motion(loading, found, path):
+    """Write the picture of a motion; its path goes to stderr: stdout may be JSON."""
+    from damage.draw.motion import motion_picture
+    from damage.draw.style import save_png
+
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--plot {path}: expected a name that ends in .png; give it one")
+    print(f"picture: {save_png(motion_picture(loading, found), path, f'motion {loading.name}')}", file=sys.stderr)

@@ -13,14 +13,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from damage.draw import style
+from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import choose_sample, is_moving
+from damage.history.moments import choose_sample
+from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import principal_stresses
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
 from damage.measure.limits import bound
+from damage.measure.tables import shocks_table
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners, kinds_of_bodies
 
@@ -366,11 +369,60 @@ def save_all(history, folder):
     heap is included where bricks were followed beyond the collapse, that of stresses where bricks are deformable, that
     of the events where there are several.
     """
-    from damage.draw.sequence import has_sequence, sequence_picture
-
     still = () if is_moving(history.series).any() else ("hysteresis",)
     always = {name: draw for name, draw in PICTURES.items() if name not in still}
     chosen = always | ({"heap": heap_picture} if has_heap(history) else {}) | (
         {} if history.stress_pa is None else {"stress_max": stress_picture}) | (
         {"sequence": sequence_picture} if has_sequence(history) else {})
     return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))
+
+
+def has_sequence(history):
+    """Whether a History has more than one event."""
+    return len(history.series) > 0 and history.series["shock"].iloc[-1] > 1
+
+
+@style.styled
+def sequence_picture(history):
+    """Figure over time: base acceleration; below, a step an event: Psi and DI, largest and residual; largest offset of
+    the joints at rest; newly failed contact points."""
+    table, series = shocks_table(history), history.series
+    figure, (base, psi, index, offset, failed) = style.new_figure(2.0 * style.COLUMN_WIDTH, 5, sharex=True)
+    base.plot(series["time_s"], series["base_acceleration_x_m_s2"] / GRAVITY, color=style.BLACK, lw=0.4)
+    base.set_ylabel("base [g]")
+    letter(base, 0, f"{len(table)} events")
+    for number, (ax, name, label) in enumerate(((psi, "psi", r"$\Psi$ [-]"), (index, "DI", "DI [-]")), 1):
+        largest = _steps(ax, table, f"max_{name}", style.MEDIUM, "--")
+        residual = _steps(ax, table, f"residual_{name}", style.BLACK)
+        ax.set_ylabel(label)
+        letter(ax, number, {"psi": "Psi of the cracks", "DI": "damage index"}[name])
+    largest.set_label("largest in the event")
+    residual.set_label("at rest after it")
+    after = _steps(offset, table, "offset_after_mm", style.BLUE)
+    after.set_label("largest offset at rest")
+    offset.set_ylabel("offset [mm]")
+    letter(offset, 3, "offset of the joints")
+    bars = failed.bar(table["start_s"], table["newly_failed"], width=(table["end_s"] - table["start_s"]), align="edge",
+                      color=style.ORANGE, edgecolor="white", lw=0.3, label="newly failed")
+    failed.set_ylabel("contact points")
+    failed.set_xlabel("time [s]")
+    letter(failed, 4, f"newly failed contact points, {int(table['newly_failed'].sum())} in all")
+    for ax in (psi, index, offset, failed):
+        from_zero(ax)
+    for ax in (base, psi, index, offset, failed):
+        ax.margins(x=0)
+        for start in table["start_s"]:
+            ax.axvline(start, color="0.88", lw=0.4, zorder=0)
+    marks = [ax.axvline(history.collapsed_at_s, color=style.VERMILLION, lw=1, ls="--", label="collapse")
+             for ax in (psi,) if history.collapsed_at_s is not None]
+    style.add_title(figure, history)
+    figure.align_ylabels()
+    style.legend_below(figure, [largest, residual, after, bars, *marks], columns=2)
+    return figure
+
+
+def _steps(ax, table, column, colour, line="-"):
+    """Draw a value an event, constant from its start to its end; returns the line."""
+    values = table[column].to_numpy(float)
+    times = np.append(table["start_s"], table["end_s"].iloc[-1])
+    return ax.plot(times, np.append(values, values[-1:]), ls=line, drawstyle="steps-post", color=colour)[0]

@@ -2,7 +2,7 @@
 
 import re
 
-from damage.motion.loading import AtRest, FreeVibration, Harmonic, TopDisplacement
+from damage.motion.loading import AtRest, FreeVibration, Harmonic, RecordedMotion, TopDisplacement
 
 EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp", "1"), "BZN1": ("Zeerijp", "2"),
           "BLOP": ("Zeerijp", "3"), **dict.fromkeys(("BOWW", "BWIR", "BAPP", "G010", "G040", "G080", "G100", "G130",
@@ -77,7 +77,7 @@ def wall_words(name):
 
 
 def motion_words(loading):
-    """Text: a `damage.motion.loading.Loading`.
+    """Text: a `damage.motion.loading.Loading`; the name of one that has no words here.
 
     >>> motion_words(Harmonic(0.2, 0.05))
     'harmonic motion of 0.2 s and 0.05 g, three cycles'
@@ -97,7 +97,7 @@ def motion_words(loading):
         return f"free vibration in its first mode from {1e3 * loading.top_velocity_m_s:g} mm/s at the top"
     if isinstance(loading, TopDisplacement):
         return _top_words(loading)
-    return _record_words(loading)
+    return _record_words(loading) if isinstance(loading, RecordedMotion) else loading.name.replace("_", " ")
 
 
 def _top_words(loading):

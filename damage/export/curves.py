@@ -1,9 +1,11 @@
-"""Fragility curves for other tools: NRML, a CSV of coefficients with their units, arrays of damage states.
+"""Fragility curves for other tools: NRML 0.5, a CSV of coefficients with their units, arrays of damage states.
 
 A step, whose dispersion the data do not give, is no lognormal curve and is not written as one: the CSV bounds its
-median, the discrete NRML and the arrays rise in a straight line between the bounds, and the continuous NRML leaves it
-out.
+median, the discrete NRML (probabilities at levels of intensity) and the arrays rise in a straight line between the
+bounds, and the continuous NRML (mean and standard deviation of a lognormal distribution, `logncdf`) leaves it out.
 
+The NRML is that of the OpenQuake engine, `openquake/risklib/read_nrml.py` and the manual's chapter on fragility models:
+https://docs.openquake.org/oq-engine/master/manual/
 The arrays are in the layout of GEM's Vulnerability Modellers' ToolKit (`openquake.vmtk.postprocessor`, what its
 analyses return, https://github.com/GEMScienceTools/oq-vmtk): `intensities` (n,), `poes` (n, n_states), `medians`,
 `betas_total` and `damage_thresholds` (n_states,), so that its `get_vulnerability_function(poes, consequences,
@@ -11,15 +13,119 @@ intensities)` takes them; `medians` and `betas_total` of a step are NaN.
 """
 
 import io
+import re
 from pathlib import Path
+from xml.etree import ElementTree as Xml
 
 import numpy as np
 import pandas as pd
 
-from damage.export.nrml import fitted, has_name, levels, probability, write_nrml
 from damage.files import whole_or_nothing
 from damage.measure.tables import write_table
 from damage.studies.states import unit_of
+
+NAMESPACE = "http://openquake.org/xmlns/nrml/0.5"
+CM_PER_M = 100
+_Z = np.linspace(-4.0, 4.0, 33)
+"""Where a curve has its levels, in dispersions from the median: from 0.00003 to 0.99997."""
+_TYPES = {"pga_g": ("PGA", 1), "pgv_m_s": ("PGV", CM_PER_M), "sa_0.2_s_g": ("SA(0.2)", 1),
+          "sa_eigen_period_g": ("SA({:.4g})", 1), "avg_sa_g": ("AvgSA", 1), "arias_m_s": ("IA", 1)}
+"""OpenQuake's names of columns of summary.csv, and the factor to its unit."""
+
+
+def has_name(intensity):
+    """Whether OpenQuake has a name for an intensity, a column of summary.csv."""
+    return intensity in _TYPES
+
+
+def measure_type(intensity, eigen_period_s):
+    """OpenQuake's name of an intensity that has one, and the factor to its unit: g, of PGV cm/s, of the Arias intensity
+    m/s; eigen_period_s: of the wall, for sa_eigen_period_g.
+
+    >>> measure_type("pgv_m_s", 0.2), measure_type("sa_eigen_period_g", 0.2003)
+    (('PGV', 100), ('SA(0.2003)', 1))
+    """
+    name, factor = _TYPES[intensity]
+    return name.format(eigen_period_s), factor
+
+
+def limit_state(fit):
+    """Name of the limit state of a Fragility, of letters that OpenQuake takes, as max_DI_over_0p02 or its own."""
+    return re.sub(r"\W+", "_", fit.name) or f"{fit.measure}_over_{fit.level:g}".replace(".", "p").replace("-", "m")
+
+
+def fitted(fits):
+    """Those of a list of Fragility that have a curve or a step."""
+    return [fit for fit in fits if np.isfinite(fit.median)]
+
+
+def probability(fit, x):
+    """P(exceeded) at intensities; of a step the straight line between the intensities that bound its median."""
+    return np.interp(x, fit.step, (0.0, 1.0)) if fit.step else fit.probability(x)
+
+
+def levels(fits):
+    """Intensities from where the first of the curves begins to where the last has come to its end, increasing (n,)."""
+    x = np.concatenate([fit.step or fit.median * np.exp(fit.dispersion * _Z) for fit in fits])
+    return np.unique([float(f"{value:.9g}") for value in x])
+
+
+def write_nrml(wall, fits, path, kind, eigen_period_s=np.nan):
+    """Write the curves of one wall and measure as NRML, whole or not at all; returns the path, None where no level has
+    a curve of this kind.
+
+    fits: Fragility of a measure's levels, ascending; kind: "continuous" or "discrete".
+    """
+    curves = [fit for fit in fitted(fits) if kind == "discrete" or not fit.step]
+    if not curves:
+        return None
+    name, factor = measure_type(curves[0].intensity, eigen_period_s)
+    root = Xml.Element("nrml", xmlns=NAMESPACE)
+    model = Xml.SubElement(root, "fragilityModel", id=f"{wall}_{curves[0].measure}", assetCategory="building",
+                           lossCategory="structural")
+    Xml.SubElement(model, "description").text = _description(wall, fits, name, kind)
+    Xml.SubElement(model, "limitStates").text = " ".join(map(limit_state, curves))
+    function = Xml.SubElement(model, "fragilityFunction", id=wall, format=kind)
+    (_continuous if kind == "continuous" else _discrete)(function, curves, name, factor)
+    Xml.indent(root)
+    with whole_or_nothing(path) as unfinished:
+        Xml.ElementTree(root).write(unfinished, encoding="utf-8", xml_declaration=True)
+    return Path(path)
+
+
+def _continuous(function, curves, name, factor):
+    """Mean and standard deviation of the intensity itself, as OpenQuake wants them, not of its logarithm."""
+    x = factor * levels(curves)
+    function.set("shape", "logncdf")
+    Xml.SubElement(function, "imls", imt=name, minIML=_text(x[0]), maxIML=_text(x[-1]))
+    for fit in curves:
+        mean = factor * fit.median * np.exp(fit.dispersion**2 / 2)
+        Xml.SubElement(function, "params", ls=limit_state(fit), mean=repr(float(mean)),
+                       stddev=repr(float(mean * np.sqrt(np.expm1(fit.dispersion**2)))))
+
+
+def _discrete(function, curves, name, factor):
+    x = levels(curves)
+    Xml.SubElement(function, "imls", imt=name).text = " ".join(map(_text, factor * x))
+    for fit in curves:
+        Xml.SubElement(function, "poes", ls=limit_state(fit)).text = " ".join(map(_text, probability(fit, x)))
+
+
+def _text(value):
+    return f"{value:.9g}"
+
+
+def _description(wall, fits, name, kind):
+    """What the curves are of, and what they leave out."""
+    one, without = fits[0], [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)]
+    steps = [f"{fit.level:g}" for fit in fits if fit.step]
+    lines = [f"Wall {wall}: probability that {one.measure} exceeds a level, by {name}; {one.n_runs} runs in "
+             f"{one.n_records} records; masonry-damage."]
+    lines += [f"No curve for {', '.join(without)}."] if without else []
+    lines += [f"A step for {', '.join(steps)}: the data bound its median and give no dispersion; "
+              + ("a straight line between the bounds." if kind == "discrete" else "left out, see the discrete model.")
+              ] if steps else []
+    return " ".join(lines)
 
 
 def write_curves(fits, folder, eigen_period_s):

@@ -23,7 +23,7 @@ def study_tables(folder):
     paths = {name: Path(folder) / "tables" / file for name, (file, _) in TABLES.items()}
     if not all(path.is_file() for path in paths.values()):
         raise InputError(f"{folder} holds no tables/summary.csv and tables/points.csv; expected the folder of a study, "
-                         "run one with ./run_all.sh, or give a history with --vtkhdf or --vtk")
+                         "run one with ./run_all.sh, or give a history with --vtkhdf")
     return {name: _tidy(read_table(path), TABLES[name][1]) for name, path in paths.items()}
 
 

@@ -3,18 +3,41 @@
 The grid is stored once.  Every sample of the history is a step: joints, index and series as they were then, bodies as
 in the snapshot nearest to it, whose time is `snapshot_time_s`; nothing is interpolated.  The layout is that of
 Kitware's VTKHDF 2.2: https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html
+
+Bricks are hexahedra, joints are lines.  The points lie where they are at rest and `displacement_m` says how far they
+have moved: ParaView's filter Warp By Vector shows the moved wall, magnified as one likes.  Every brick has eight points
+of its own and every contact point two, the ends of its tributary length on the front face, so that a joint can open:
+
+        3 ---- 2         z          4 to 7 in front, at y = -thickness/2, 0 to 3 behind;
+        |      |         |          the joints' lines are in front
+        0 ---- 1         o--- x     cells: all bodies of the history, then all its contact points
 """
 
 import io
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import h5py
 import numpy as np
+import pandas as pd
 
-from damage.export.cells import WallCells
+from damage.errors import InputError
 from damage.files import whole_or_nothing
+from damage.history.moments import joint_states, nearest_snapshot, support_motion
+from damage.history.reader import History
+from damage.measure.brick_stress import principal_stresses
+from damage.wall.geometry import body_corners, joint_segments, tributary_ends
+from damage.wall.kinds import rows
 
 VERSION = 2, 2
+HEXAHEDRON, LINE = 12, 3
+"""VTK's codes of the cells."""
+PARTS = ("brick", "cap", "bed joint", "head joint", "cut of a brick")
+"""What the codes of the cells' `part` stand for."""
+SERIES = ("drift_ratio", "top_displacement_m", "base_acceleration_x_m_s2", "base_acceleration_z_m_s2", "base_shear_n",
+          "top_force_n")
+"""Columns of the history's series that go along, one number a time, with the index and its components."""
 
 
 def write_vtkhdf(history, path):
@@ -74,3 +97,140 @@ def _keep(root, steps, kind, blocks, block_of_step, make):
                                     chunks=values.shape, compression="gzip", compression_opts=1, shuffle=True)
                 steps[f"{kind}Offsets/{name}"] = np.asarray(block_of_step, np.int64) * rows
             root[f"{kind}/{name}"][place * rows:(place + 1) * rows] = values
+
+
+@dataclass(frozen=True)
+class WallCells:
+    """The cells of a history's wall, and what is known of them at its samples; n_cells = n_bodies + n_joints.
+
+    Raises InputError where the history holds no sample.
+    """
+
+    history: History
+
+    def __post_init__(self):
+        if len(self.history.series) == 0:
+            raise InputError(f"{self.history.path} holds no sample yet ({self.history.status}); expected one or more, "
+                             "let the run continue")
+
+    @property
+    def time_s(self):
+        """Of the samples, (n_times,) [s]."""
+        return self.history.series["time_s"].to_numpy()
+
+    @cached_property
+    def points(self):
+        """Points at rest, (n_points, 3) [m]: eight a body, then two a contact point."""
+        half = self.history.masonry_wall.brick.thickness / 2
+        corners = body_corners(self.history.bodies, self._at_rest)
+        bodies = np.concatenate([_at(corners, half), _at(corners, -half)], axis=1)
+        return np.concatenate([bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)])
+
+    @property
+    def connectivity(self):
+        """Points of every cell, one after the other: those of `points` in their order."""
+        return np.arange(len(self.points))
+
+    @cached_property
+    def types(self):
+        """VTK's code of every cell, (n_cells,)."""
+        return self._joined(HEXAHEDRON, LINE).astype(np.uint8)
+
+    @property
+    def offsets(self):
+        """Where each cell begins in the connectivity, and the end of the last: (n_cells + 1,)."""
+        return np.concatenate([[0], np.cumsum(np.where(self.types == HEXAHEDRON, 8, 2))])
+
+    @cached_property
+    def fixed(self):
+        """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint, rows of the history's
+        tables, -1 in cells that are none; course; length_m; elastic."""
+        bodies, joints = self.history.bodies, self.history.joints
+        course, kinds = bodies["course"].to_numpy(), joints["kind"].map({"bed": 2, "head": 3, "brick": 4})
+        return {
+            "part": self._joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
+            "body": self._joined(np.arange(len(bodies)), -1), "joint": self._joined(-1, np.arange(len(joints))),
+            "course": self._joined(course, -1),
+            "length_m": self._joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),
+            "elastic": self._joined(0, joints["elastic"].to_numpy()).astype(np.int8)}
+
+    @cached_property
+    def snapshot_of(self):
+        """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then drawn at rest."""
+        found = [nearest_snapshot(self.history, time) for time in self.time_s]
+        return np.array([-1 if one is None else one for one in found])
+
+    def displacement(self, snapshot):
+        """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
+        motion, bodies, joints = self._motion(snapshot), self.history.bodies, self.history.joints
+        moved = _at(body_corners(bodies, motion) - body_corners(bodies, self._at_rest), 0.0)
+        supports = support_motion(self.history, None if snapshot < 0 else snapshot)
+        ends = _at(joint_segments(joints, bodies, motion, supports=supports)
+                   - joint_segments(joints, bodies, self._at_rest), 0.0)
+        return np.concatenate([np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]).astype(np.float32)
+
+    def rotation(self, snapshot):
+        """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean of its bodies'."""
+        of_bodies = self._motion(snapshot)[:, 2]
+        supports = support_motion(self.history, None if snapshot < 0 else snapshot).motion[:, 2]
+        joints, rotation = self.history.joints, np.concatenate([of_bodies, supports])
+        first, second = (rotation[np.minimum(rows(joints[name], len(of_bodies)), len(rotation) - 1)]
+                         for name in ("first_body", "second_body"))
+        return np.concatenate([of_bodies, (first + second) / 2]).astype(np.float32)
+
+    def body_fields(self, snapshot):
+        """{name: (n_cells, ...)} of the bodies in a snapshot: `rotation` as rotation_rad, and `brick_fields`."""
+        return {"rotation_rad": self.rotation(snapshot), **self.brick_fields(snapshot)}
+
+    def brick_fields(self, snapshot):
+        """{name: (n_cells, 3) or (n_cells,)} of the bricks in a snapshot, 0 in joints: stress_pa at the centre (along
+        x, along z, shear) and its principal stresses; empty where bricks are rigid; -1: zero."""
+        if self.history.stress_pa is None:
+            return {}
+        stress = self.history.stress_pa[max(snapshot, 0), :, 0] * float(snapshot >= 0)
+        principal = principal_stresses(stress)[0]
+        fields = {"stress_pa": stress, "max_principal_stress_pa": principal[:, 0],
+                  "min_principal_stress_pa": principal[:, 1]}
+        n_joints = len(self.history.joints)
+        return {name: np.concatenate([values, np.zeros((n_joints, *values.shape[1:]))]).astype(np.float32)
+                for name, values in fields.items()}
+
+    def joint_fields(self, sample):
+        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m (not of
+        a history without), crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
+        at_shear_limit."""
+        history, slip = self.history, "displacement"
+        metres = {"opening_m": history.opening_m[sample], "accumulated_slip_m": history.slip_m[sample]}
+        if history.offset_m is not None:
+            metres["offset_m"] = history.offset_m[sample]
+        metres["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
+        codes = {"broken": history.broken[sample], "at_shear_limit": history.at_limit[sample]}
+        return {
+            **{name: self._joined(0.0, values).astype(np.float32) for name, values in metres.items()},
+            "state": self._joined(-1, joint_states(history, sample, slip)).astype(np.int8),
+            **{name: self._joined(0, values).astype(np.int8) for name, values in codes.items()}}
+
+    @cached_property
+    def numbers(self):
+        """A DataFrame with a row a sample: DI and its components, those of SERIES, snapshot_time_s, NaN where none."""
+        index = self.history.index().drop(columns=["time_s", "drift_over_limit"])
+        series = self.history.series[list(SERIES)].reset_index(drop=True)
+        taken = np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
+        return pd.concat([index, series], axis=1).assign(snapshot_time_s=taken)
+
+    @property
+    def _at_rest(self):
+        return np.zeros((len(self.history.bodies), 3))
+
+    def _motion(self, snapshot):
+        return self._at_rest if snapshot < 0 else self.history.displacement[snapshot].astype(float)
+
+    def _joined(self, of_bodies, of_joints):
+        """One array for all cells of values of the bodies and of the joints, arrays or numbers."""
+        return np.concatenate([np.broadcast_to(values, len(table)) for values, table in (
+            (of_bodies, self.history.bodies), (of_joints, self.history.joints))])
+
+
+def _at(points, y):
+    """Points (..., 2) of the wall's plane as (..., 3) at a depth y [m]."""
+    return np.stack([points[..., 0], np.full(points.shape[:-1], y), points[..., 1]], axis=-1)

@@ -22,9 +22,8 @@ from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError, did_you_mean
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import Exposure
-from damage.exposure.ground_motion import model_named
+from damage.exposure.ground_motion import COMPONENTS, model_named
 from damage.exposure.places import at, at_rd
-from damage.exposure.residuals import COMPONENTS
 from damage.files import is_there, write_text
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Recorded

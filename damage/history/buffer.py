@@ -11,9 +11,17 @@ CHUNK = 120
 
 
 class Buffer:
-    """Buffer of a run's `append` or `extend`, `event` and `snapshot`; subclasses define `store`."""
+    """What a run writes to: call `append` or `extend`, `event` and `snapshot` as it goes, `finish` at the end.
 
-    def __init__(self, layout):
+    sinks: where it goes, none to keep nothing: a file (`damage.history.writer.File`), memory
+    (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {group: arrays in the order of its
+    columns}; the arrays of frames are used again.
+    path: of the history's file, should it have one; where: the history is, in words.
+    """
+
+    def __init__(self, layout, *sinks):
+        self._sinks = sinks
+        self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
         # Of series, frames and ground whole columns, of the other groups rows in the order of theirs.
         self._rows = {"events": [], "snapshots": []}
         self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
@@ -63,11 +71,35 @@ class Buffer:
         self._rows["snapshots"].append((time_s, np.array(displacement, "f4"),
                                         *([] if stress_pa is None else [np.array(stress_pa, "f4")])))
 
+    def static_stage(self, **values):
+        """Store the results of the static stage; keys are those of STATIC."""
+        for sink in self._sinks:
+            sink.static_stage(values)
+        self.flush()
+
     def keep_state(self, state):
         """Keep the state of the solver at the end of the run, bytes (n,), where the history has a file."""
+        for sink in self._sinks:
+            sink.keep_state(state)
+
+    def history(self, path=None):
+        """The History of a finished run with a sink in memory, equal to that of `read_history`; raises the same
+        InputError.
+
+        path: of the file, where it has another name by now.
+        """
+        return self._sinks[-1].history(path or self.path)
+
+    def finish(self, status, collapsed_at_s=None):
+        """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
+        if any(sink.is_torn for sink in self._sinks):
+            return
+        self.flush()
+        for sink in self._sinks:
+            sink.finish(status, collapsed_at_s)
 
     def flush(self):
-        """Store what is buffered."""
+        """Store what is buffered, on the disk, too."""
         columns = {group: [np.asarray(values, column.dtype)
                            for values, column in zip(zip(*rows), schema.GROWING[group].values())]
                    for group, rows in self._rows.items() if rows}
@@ -75,13 +107,10 @@ class Buffer:
             columns["series"] = [column[:self._count].copy() for column in self._series.values()]
             columns["ground"] = [column[:self._count].copy() for column in self._ground.values()]
             columns["frames"] = [column[:self._count] for column in self._frames.values()]
-        self.store(columns)
+        for sink in self._sinks:
+            sink.store(columns)
         for rows in self._rows.values():
             rows.clear()
         for column in self._frames.values():
             column[:self._count] = 0
         self._count = 0
-
-    def store(self, columns):
-        """Store rows, {group: arrays in the order of its columns}; the buffer reuses the arrays of frames."""
-        raise NotImplementedError

@@ -3,6 +3,7 @@
 Most contact points are intact most of the time, so a chunk of samples stores the active ones only.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -10,64 +11,62 @@ import numpy as np
 from damage.history import schema
 from damage.history.buffer import Buffer
 from damage.history.reader import any_bit, checked, history_of, read_history
-from damage.history.writer import HistoryWriter, layout_tables, run_attributes
+from damage.history.writer import File, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
 """Size [bytes] beyond which a history continues in its file: eight runs share a process."""
 
 
-class HistoryInMemory(Buffer):
-    """Replaces a HistoryWriter.  `history()` returns the History of a finished run; a run that fails, is interrupted or
-    grows too large leaves the same file as a HistoryWriter."""
+class Memory:
+    """Sink of a Buffer: the history in memory.
 
-    def __init__(self, path, layout, **made):
-        super().__init__(layout)
-        self.path, self._layout, self._made = path, layout, made
-        self._values, self._parts, self._n_bytes, self._writer = {}, [], 0, None
-        self._attributes = run_attributes(layout, made["solver"], made["parameters"], made["versions"])
+    new_file: makes the File in which it continues where the run fails, is interrupted or grows too large; None where
+    there is a file beside it, which is kept alone then.
+    """
+
+    def __init__(self, path, layout, attributes, new_file=None):
+        self.path, self.where = path, f"in memory, and in {path} should the run fail"
+        self._layout, self._attributes, self._new_file = layout, attributes, new_file
+        self._values, self._parts, self._n_bytes, self._file = {}, [], 0, None
 
     @property
-    def where(self):
-        """Where the history is, in words."""
-        return f"in memory, and in {self.path} should the run fail"
+    def is_torn(self):
+        return self._file is not None and self._file.is_torn
 
-    def static_stage(self, **values):
-        """Keep the results of the static stage; keys are those of STATIC."""
+    def static_stage(self, values):
         self._values = values
 
+    def keep_state(self, state):
+        """Not in memory."""
+
     def store(self, columns):
+        if self._file is not None:
+            self._file.store(columns)
         if self._parts is None:
-            self._writer.store(columns)
             return
         part = columns | {"frames": [_Part.of(column) for column in columns.get("frames", [])]}
         self._parts.append(part)
         self._n_bytes += sum(array.nbytes for arrays in part.values() for array in arrays)
         if self._n_bytes > MOST_BYTES:
-            self._write()
+            self._outgrow()
 
-    def finish(self, status, collapsed_at_s=None):
-        """As of a HistoryWriter."""
-        self.flush()
-        if status != "complete" and self._writer is None:
-            self._write()
-        if self._writer is not None:
-            self._writer.finish(status, collapsed_at_s)
+    def finish(self, status, collapsed_at_s):
+        if status != "complete" and self._file is None and self._new_file:
+            self._outgrow()
+        if self._file is not None:
+            self._file.finish(status, collapsed_at_s)
         self._status, self._collapsed_at_s = status, collapsed_at_s
 
-    def _write(self):
+    def _outgrow(self):
         """Continue in a file."""
-        self._writer = HistoryWriter(self.path, self._layout, **self._made)
-        self._writer.static_stage(**self._values)
-        for part in self._parts:
-            self._writer.store(part | {"frames": [rows.dense(self._layout.n_joints) for rows in part["frames"]]})
+        if self._new_file:
+            self._file = self._new_file()
+            self._file.static_stage(self._values)
+            for part in self._parts:
+                self._file.store(part | {"frames": [rows.dense(self._layout.n_joints) for rows in part["frames"]]})
         self._parts = None
 
-    def history(self, path=None):
-        """The History, equal to that of `read_history`; raises the same InputError.
-
-        path: of the file, where it has another name by now.
-        """
-        path = path or self.path
+    def history(self, path):
         if self._parts is None:
             return read_history(path)
         values = {f"{group}/{name}": values for group, columns in layout_tables(self._layout).items()
@@ -110,45 +109,21 @@ class HistoryInMemory(Buffer):
         return joints, frames
 
 
-class HistoryKept(HistoryInMemory):
+class HistoryInMemory(Buffer):
+    """Replaces a HistoryWriter: a run that fails, is interrupted or grows too large leaves the same file as that."""
+
+    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
+        attributes = run_attributes(layout, solver, parameters, versions)
+        super().__init__(layout, Memory(path, layout, attributes, partial(
+            File, path, layout, attributes, versions, overwrite)))
+
+
+class HistoryKept(Buffer):
     """Replaces a HistoryWriter and writes its file, but returns the History without reading it."""
 
-    def __init__(self, path, layout, **made):
-        super().__init__(path, layout, **made)
-        self._writer = HistoryWriter(path, layout, **made)
-        self._attributes = self._writer.attributes
-
-    @property
-    def where(self):
-        """Where the history is, in words."""
-        return self._writer.where
-
-    def static_stage(self, **values):
-        """As of a HistoryWriter."""
-        super().static_stage(**values)
-        self._writer.static_stage(**values)
-
-    def keep_state(self, state):
-        self._writer.keep_state(state)
-
-    def flush(self):
-        """Write what is buffered and make it safe."""
-        super().flush()
-        self._writer.flush()
-
-    def store(self, columns):
-        self._writer.store(columns)
-        if self._parts is not None:
-            super().store(columns)
-
-    def finish(self, status, collapsed_at_s=None):
-        """As of a HistoryWriter."""
-        if not self._writer.is_torn:
-            super().finish(status, collapsed_at_s)
-
-    def _write(self):
-        """Keep the file alone."""
-        self._parts = None
+    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
+        attributes = run_attributes(layout, solver, parameters, versions)
+        super().__init__(layout, File(path, layout, attributes, versions, overwrite), Memory(path, layout, attributes))
 
 
 class _Part(NamedTuple):

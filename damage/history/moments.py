@@ -14,17 +14,6 @@ BREAKS = ("tension", "shear")
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
 
 
-def is_moving(series):
-    """Flags (n_times,) of the samples outside the settlement and settling stages, whose damping is not part of the
-    model."""
-    return ~series["stage"].isin(("settling", "settlement"))
-
-
-def moving(series):
-    """Samples of a series outside the settlement and settling stages."""
-    return series[is_moving(series)]
-
-
 def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it."""
     n_times = len(history.series)

@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +16,6 @@ from damage.checks import check_choice, check_file, record_from
 from damage.errors import InputError
 from damage.history.apart import apart, bounded
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
-from damage.history.moments import moving
 from damage.history.schema import (
     CODES,
     EVENTS,
@@ -24,14 +24,14 @@ from damage.history.schema import (
     STAGES,
     STATUS,
     TABLES,
+    moving,
     tables_of,
 )
-from damage.history.shown import as_html, in_a_line
-from damage.history.structure import check_structure
-from damage.history.values import check_parameters, check_values
+from damage.history.structure import check_parameters, check_structure, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.motion.loading import loading_from_dict
+from damage.units import rounded
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from damage.wall.plan import plan_of
@@ -444,3 +444,39 @@ def _columns(values, group, n_rows=None):
 def _decode(frame, column, names):
     frame[column] = pd.Categorical.from_codes(frame[column].astype(int), categories=names)
     return frame
+
+
+def in_a_line(history):
+    """One line on a History, its `repr`."""
+    return (f"<History {history.wall}, {history.loading.name}, {history.solver} solver: {how_it_ended(history)}, "
+            f"{_samples(history)}>")
+
+
+def as_html(history):
+    """A History as HTML for notebooks: a table with its wall, motion, end, index and largest drift."""
+    rows = [("wall", history.wall), ("motion", history.loading.name), ("solver", history.solver),
+            ("run", f"{how_it_ended(history)}, {_samples(history)}")]
+    if len(history.series):
+        index, drift = history.index()["DI"], history.series["drift_ratio"].abs().max()
+        residual = f", residual {index.iloc[-1]:.3f}" if history.complete else ""
+        rows += [("damage index", f"maximum {index.max():.3f}{residual}"),
+                 ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
+                 ("failures", f"{_failures(history)} of {len(history.joints)} contact points")]
+    cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
+    return f"<table><caption>History</caption>{cells}</table>"
+
+
+def how_it_ended(history):
+    """The status, and when the wall collapsed, where it did."""
+    fell = history.collapsed_at_s
+    return history.status if fell is None else f"{history.status}, collapsed at {fell:.3f} s"
+
+
+def _samples(history):
+    time_s = history.series["time_s"]
+    return f"{len(time_s)} samples" + (f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else "")
+
+
+def _failures(history):
+    """Contact points whose bond has failed."""
+    return int(history.states.broken[-1].sum())

@@ -147,6 +147,17 @@ RUN = {"status": Column("code", "unfinished (running or killed), complete, inter
        "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
 
 
+def is_moving(series):
+    """Flags (n_times,) of the samples outside the settlement and settling stages, whose damping is not part of the
+    model."""
+    return ~series["stage"].isin(("settling", "settlement"))
+
+
+def moving(series):
+    """Samples of a series outside the settlement and settling stages."""
+    return series[is_moving(series)]
+
+
 def markdown(columns):
     """Markdown table with a row for each of {name: Column}; names that share a row are separated by commas."""
     return "\n".join(["| name | unit | meaning |", "| --- | --- | --- |", *(

@@ -34,26 +34,19 @@ _LEVEL = 2  # of gzip
 _LEFT_OPEN = []  # writers whose file could not be written: closing it would write again, and tear what is whole
 
 
-class HistoryWriter(Buffer):
-    """Write one run.  Call `append`, `event` and `snapshot` as it goes, `finish` at the end.
+class File:
+    """Sink of a Buffer: the file of one run.
 
-    path: of the new file; an existing one raises InputError unless `overwrite`.
-    layout: damage.wall.layout.Layout; parameters: dictionary fit for JSON of everything that defines the run, with its
-    `command` where it is not that of this process.
-    solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model", the digest of the
-    model's code, where they are known.
     Raises WriteError where the disk is full or refuses data: the file stays unfinished, as of the last flush.  HDF5
     cannot close in order then: end the process by os._exit.
     """
 
-    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
-        super().__init__(layout)
-        self.path = Path(path)
-        self.attributes = run_attributes(layout, solver, parameters, versions)
+    def __init__(self, path, layout, attributes, versions, overwrite=False):
+        self.path, self.where = Path(path), str(path)
         with self._writing():
             self._file = _create_file(self.path, overwrite)
-            write_head(self.path, Head(**head_of(solver, versions)))
-            _write_run(self._file, self.attributes)
+            write_head(self.path, Head(**head_of(attributes["solver"], versions)))
+            _write_run(self._file, attributes)
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout)
@@ -62,35 +55,22 @@ class HistoryWriter(Buffer):
             self._state.attrs["unit"] = schema.STATE_COLUMN.unit
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file
             self._lock = _lock(self.path, fcntl.LOCK_SH)
-        self.flush()
-
-    @property
-    def where(self):
-        """Where the history is, in words."""
-        return str(self.path)
+            self._file.flush()
 
     @property
     def is_torn(self):
         """Whether writing has failed; nothing is written from then on."""
         return self in _LEFT_OPEN
 
-    def static_stage(self, **values):
-        """Store the results of the static stage; keys are those of STATIC."""
+    def static_stage(self, values):
         with self._writing():
             for name, value in values.items():
                 self._file["static"][name][()] = value
-        self.flush()
 
     def keep_state(self, state):
         with self._writing():
             self._state.resize(len(state), axis=0)
             self._state[:] = state
-
-    def flush(self):
-        """Write the buffer to the disk."""
-        super().flush()
-        with self._writing():
-            self._file.flush()
 
     def store(self, columns):
         with self._writing():
@@ -98,12 +78,9 @@ class HistoryWriter(Buffer):
                 for dataset, rows in zip(self._growing[group], arrays):
                     _extend(dataset, rows)
                     dataset.flush()
+            self._file.flush()
 
-    def finish(self, status, collapsed_at_s=None):
-        """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
-        if self.is_torn:
-            return
-        self.flush()
+    def finish(self, status, collapsed_at_s):
         with self._writing():
             if collapsed_at_s is not None:
                 self._file["run/collapsed_at_s"][()] = collapsed_at_s
@@ -122,6 +99,21 @@ class HistoryWriter(Buffer):
             said = re.search(r"error message = '([^']*)'", str(error))
             raise WriteError(f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}): what was "
                              "flushed is kept, unfinished; make room, and run it again") from error
+
+
+class HistoryWriter(Buffer):
+    """Buffer of a run that writes its file.
+
+    path: of the new file; an existing one raises InputError unless `overwrite`.
+    layout: damage.wall.layout.Layout; parameters: dictionary fit for JSON of everything that defines the run, with its
+    `command` where it is not that of this process.
+    solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model", the digest of the
+    model's code, where they are known.
+    """
+
+    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
+        attributes = run_attributes(layout, solver, parameters, versions)
+        super().__init__(layout, File(path, layout, attributes, versions, overwrite))
 
 
 def check_output(path, overwrite=False):

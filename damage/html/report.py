@@ -12,7 +12,6 @@ from damage.errors import InputError
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.html.charts import over_time, states_legend
-from damage.html.library import PAGE, plotly_code, plotly_version
 from damage.html.run_part import run_part
 from damage.html.study_part import documents, figures, runs_of, studies_below, study_part
 from damage.html.tables import energy_balance, measures, parameters, versions
@@ -20,6 +19,27 @@ from damage.index import THRESHOLD
 from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
+
+PAGE = Path(__file__).parent / "page"
+"""The template of the page, its style, its program and the code of plotly.js that draws: `plotly-basic.min.js` is its
+partial bundle `basic` as its makers publish it (MIT licence, beside it): `npm pack plotly.js-basic-dist-min@4.1.1`.
+The whole library, which the Python package plotly ships, makes reports 2 MB larger and takes twice as long to draw."""
+
+
+@cache
+def plotly_code():
+    """The code of plotly.js, text."""
+    return (PAGE / "plotly-basic.min.js").read_text(encoding="utf-8")
+
+
+def plotly_version():
+    """Version of plotly.js, from its code.
+
+    >>> plotly_version()
+    '4.1.1'
+    """
+    return re.search(r"plotly\.js \(basic - minified\) v([\d.]+)", plotly_code())[1]
+
 
 LETTERS = "ABCDEF"
 """Letters of runs side by side, whose number is limited to these."""

@@ -3,23 +3,28 @@
 import numpy as np
 
 from damage.draw.preview import wall_preview
-from damage.draw.run import ENERGIES, has_heap, heap_picture, stress_picture, wall_picture
-from damage.draw.sequence import has_sequence, sequence_picture
+from damage.draw.run import (
+    ENERGIES,
+    has_heap,
+    has_sequence,
+    heap_picture,
+    sequence_picture,
+    stress_picture,
+    wall_picture,
+)
 from damage.draw.style import BODY_COLOURS, drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
-from damage.history.moments import STATES, is_moving, joint_states, nearest_snapshot, support_motion
-from damage.html.instants import instants, points
+from damage.history.moments import STATES, joint_states, nearest_snapshot, support_motion
+from damage.history.schema import is_moving
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import has_stresses
 from damage.measure.energy import energy_groups
 from damage.measure.evidence import QUANTITIES, describe
-from damage.measure.members import in_words as members_in_words
-from damage.measure.members import members_of, spread
 from damage.measure.summary import summarise
-from damage.measure.tables import summary_row
+from damage.measure.tables import members_in_words, members_of, spread, summary_row
 from damage.units import GRAVITY, rounded
 from damage.wall.geometry import cuts_of_lintels, kinds_of_bodies, tributary_ends
 
@@ -212,3 +217,50 @@ def in_words(part):
         "energy": f"Energies over time: supplied {summary['input_energy_j']:.3g} J at the end, friction took "
                   f"{summary['friction_energy_j']:.3g} J, fracture {summary['fracture_energy_j']:.3g} J, damping "
                   f"before settling {summary['damping_energy_j']:.3g} J."}
+
+
+MOST_INSTANTS = 300
+"""Instants of the moving picture of a run, the special ones aside."""
+MOST_POINTS = 6000
+"""Points of a line over time; of a longer run the smallest and largest of each stretch are kept."""
+
+
+def instants(history, index):
+    """Samples of a History that its moving picture shows, rising: snapshots, evenly chosen, and the special ones.
+
+    index: `History.index` of it.
+    """
+    time_s = history.series["time_s"].to_numpy()
+    at_snapshots = np.searchsorted(time_s, history.snapshot_time_s).clip(0, len(time_s) - 1)
+    every = at_snapshots if len(at_snapshots) else np.arange(len(time_s))
+    chosen = every[np.linspace(0, len(every) - 1, min(len(every), MOST_INSTANTS)).round().astype(int)]
+    return np.unique(np.concatenate([chosen, special_samples(history, index)]))
+
+
+def special_samples(history, index):
+    """Samples of a History with an extreme value, of the first failure, the collapse, the first and the last one."""
+    series, time_s = history.series, history.series["time_s"].to_numpy()
+    drift = np.nan_to_num(series["drift_ratio"].to_numpy())
+    found = [0, len(time_s) - 1, *(int(np.argmax(index[name])) for name in COMPONENTS), int(np.argmax(drift)),
+             int(np.argmin(drift)), int(np.argmax(np.abs(np.nan_to_num(series["base_shear_n"])))),
+             *(int(np.argmax(np.abs(field).max(axis=1)))
+               for field in (history.opening_m, history.slip_by("displacement")))]
+    moments = [history.collapsed_at_s, *history.events["time_s"][history.events["time_s"] >= 0][:1]]
+    found += [int(np.argmin(np.abs(time_s - moment))) for moment in moments if moment is not None]
+    return np.array(found)
+
+
+def points(lines, needed):
+    """Samples that lines over time are drawn from, rising: all, or extremes of stretches, and those needed.
+
+    lines: (n_lines, n_times); needed: samples.
+    """
+    n_times = lines.shape[1]
+    if n_times <= MOST_POINTS:
+        return np.arange(n_times)
+    stretches = max(MOST_POINTS // (2 * len(lines)), 1)
+    edges = np.linspace(0, n_times, stretches + 1).astype(int)
+    lines = np.nan_to_num(lines)
+    extremes = [first + pick(lines[:, first:last], axis=1) for first, last in zip(edges, edges[1:])
+                for pick in (np.argmin, np.argmax)]
+    return np.unique(np.concatenate([*extremes, needed]))

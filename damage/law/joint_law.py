@@ -43,7 +43,10 @@ GONE = 0.01
 
 
 class Material(NamedTuple):
-    """Parameters common to all contact points of a wall; friction: tan(phi) [-], equal before and after failure."""
+    """Parameters common to all contact points of a wall; friction: tan(phi) [-], equal before and after failure.
+
+    A field that is added has a default that changes nothing (CONTRIBUTING.md).
+    """
 
     friction: float
 

@@ -4,6 +4,7 @@
 lives of one point and different seeds are counted together.
 """
 
+import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,8 +19,41 @@ from damage.life.comparison import OUTCOMES, POPULATION, VISIBLE, choices, in_wo
 from damage.life.estimate import probability
 from damage.life.others import head, note_of, of_point, read_lives
 from damage.measure.tables import write_table
+from damage.provenance import shown_path
 from damage.studies.definition import FROM, load_study
 from damage.studies.records import read_records
+from damage.wall.file import wall_path
+
+NAME = "lives.toml"
+POINT, LARGEST = "life", "life_largest"
+
+
+def write_study(folder, wall, address, options, lives):
+    """Write the addresses' files and the study's into a folder; returns the study's path.
+
+    wall: its file or the name of one that ships; address: {key of `damage.exposure.lives.KEYS`: value}, None where not
+    given; options: of each run, {name: value}; lives: their number.
+    """
+    folder = Path(folder)
+    address = {name: value for name, value in address.items() if value is not None}
+    runs = []
+    for point, more in ((POINT, {}), (LARGEST, {"largest_alone": True})):
+        write_text(folder / f"{point}.address.toml", _toml(address | more))
+        runs.append({"id": point, "wall": str(Path(wall_path(wall)).resolve()),
+                     "options": {"address": str((folder / f"{point}.address.toml").resolve()), **options},
+                     "lives": lives})
+    text = [f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage life",
+            'name = "lives"', 'pictures = "none"', 'conclusion = "python3 -m damage lives"']
+    for run in runs:
+        words = ", ".join(f"{name} = {json.dumps(value)}" for name, value in run.pop("options").items())
+        text += ["", "[[runs]]", *_toml(run).splitlines(), f"options = {{ {words} }}"]
+    return write_text(folder / NAME, "\n".join(text) + "\n")
+
+
+def _toml(table):
+    """A flat table as TOML; JSON's numbers, words and lists are TOML's."""
+    return "".join(f"{name} = {json.dumps(value)}\n" for name, value in table.items())
+
 
 COLUMNS = {
     "point": Column("", "of the study"), "seed": Column("1", "seed of the address's file"),

@@ -14,9 +14,9 @@ import pandas as pd
 from damage.errors import InputError
 from damage.history.moments import BREAKS, STATES, state_codes
 from damage.index import THRESHOLD
+from damage.measure.cycles import NOISE, upward_crossings
 from damage.measure.patterns import common_slip, compare_patterns, describe_patterns
 from damage.measure.summary import summarise
-from damage.measure.vibration import NOISE, upward_crossings
 
 DIVERGED = 0.01  # share of the peak drift [-]: two runs have diverged where their drifts differ by more
 

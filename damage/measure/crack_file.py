@@ -5,8 +5,10 @@ next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, t
 tension all opening, shear all slip; mixed and unknown leave both open, which is NaN here.
 """
 
+import hashlib
 from dataclasses import dataclass
 from math import isnan, nan
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -241,3 +243,22 @@ def patterns_of(history, samples, threshold=THRESHOLD):
     drift = history.series["drift_ratio"].to_numpy()
     return [pattern_of(cracks_at(history, sample, threshold), number, drift[sample], threshold)
             for number, sample in enumerate(samples, start=1)]
+
+
+@dataclass(frozen=True)
+class Surveyed:
+    """Cracks of a file in the format of docs/reference/crack-format.md, at its last load level; file: name without
+    its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m];
+    tolerance_m: how far from a joint a crack may be drawn [m], None for half a brick's height."""
+
+    file: str
+    sha256: str
+    stretches: tuple[tuple[float, ...], ...]
+    tolerance_m: float | None = None
+
+    @classmethod
+    def read(cls, path, tolerance_m=None):
+        """The cracks of a file; raises InputError."""
+        last = read_cracks(path)[-1].stretches
+        return cls(Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest(),
+                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())), tolerance_m)

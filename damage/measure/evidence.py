@@ -9,7 +9,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import NamedTuple
 
-from damage.measure.warnings import ENERGY_ERROR
+from damage.measure.energy import ENERGY_ERROR
 from damage.units import MILLIMETRE
 
 PLACE = "docs/model/validity.md"

@@ -13,7 +13,7 @@ from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.register import measure
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
-from damage.wall.layout import CAP_HEIGHT
+from damage.wall.kinds import CAP_HEIGHT
 
 CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn",
                  "dissipated_j", "equivalent_damping", *(f"{name}_at_max" for name in COMPONENTS),

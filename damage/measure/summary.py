@@ -2,29 +2,18 @@
 
 from damage.errors import InputError
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
-from damage.measure import (
-    brick_stress,
-    cracks,
-    cycles,
-    damage_index,
-    energy,
-    ground,
-    joints,
-    limits,
-    pushed,
-    vibration,
-)
+from damage.measure import brick_stress, cracks, cycles, damage_index, energy, ground, joints, limits, pushed
 from damage.measure.columns import PARAMETERS, RUN, each
 from damage.measure.cracks import PSI_FROM
 from damage.measure.evidence import evidence_for, facts, outside
-from damage.measure.motion import motion_measures, record_unit
 from damage.measure.register import measures_in
 from damage.measure.warnings import warnings_of
+from damage.motion.intensity import motion_measures, record_unit
 from damage.units import MILLIMETRE
 from damage.wall.lintels import elastic_share
 
 _MODULES = {
-    "Index, drift": [damage_index], "Forces": [pushed], "Cycles and period": [cycles, vibration],
+    "Index, drift": [damage_index], "Forces": [pushed], "Cycles and period": [cycles],
     "Cracks": [cracks, joints, brick_stress], "Ground": [ground], "Energy": [energy],
     "Classes by published limits": [limits]}
 REGISTER = {section: [one for module in modules for one in measures_in(module)] for section, modules in

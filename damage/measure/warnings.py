@@ -4,21 +4,13 @@ import numpy as np
 
 from damage.errors import Warned
 from damage.measure.brick_stress import warn_of_splitting
-from damage.measure.energy import balance_error
-from damage.measure.joints import with_bond
-from damage.measure.validity import ended_joints, offset_over_overlap
+from damage.measure.energy import ENERGY_ERROR, balance_error
+from damage.measure.joints import ended_joints, offset_over_overlap, with_bond
 from damage.wall.as_built import warn_of_courses
 from damage.wall.lintels import elastic_share, warn_of_share
 
 AT_REST = 1e-5
 """Unbalanced force ratio below which the static stage has converged [-]."""
-ENERGY_ERROR, ENERGY_FAILURE = 0.01, 1.0
-"""Energy balance errors [-] above which a run has a warning, and above which it has failed.
-
-In the runs of `docs/tables` walls that stand have errors up to 0.021 in YADE and 0.0042 in the reference solver, those
-that collapse up to 0.25 and 0.016.  The first limit is above all walls that stand in the reference solver, the second
-is the entire input.
-"""
 
 
 def warnings_of(history):

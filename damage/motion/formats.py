@@ -15,11 +15,8 @@ import numpy as np
 from damage.checks import check_choice, check_file, check_path
 from damage.errors import InputError, did_you_mean
 from damage.files import DATA, is_there, text_lines, write_text
-from damage.motion.at2 import is_at2, read_at2
-from damage.motion.columns import UNITS_M_S2, read_columns
-from damage.motion.foreign import foreign
+from damage.motion.columns import UNITS_M_S2, as_float, bad_line, check_step, is_number, numbers, read_columns, units_in
 from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
-from damage.motion.time_axis import check_step
 
 MOST_MB, MOST_LINES = 50, 2 * MOST_SAMPLES
 """Size of a record's file, and lines of one that is text."""
@@ -292,3 +289,116 @@ def _content(path) -> bytes:
     if not data.strip():
         raise InputError(f"{path}: empty; expected a record file (CSV, AT2 or miniSEED)")
     return data
+
+
+_OBSPY = "read it with ObsPy (obspy.read) and write time and acceleration as CSV"
+_GMPROCESS = "read it with gmprocess and write time and acceleration as CSV"
+
+FOREIGN = (
+    ("COSMOS", rb"[^\r\n]*\(Format v\d", _GMPROCESS),
+    ("SMC (USGS)", rb"[0-9*] (?:UN)?CORRECTED ACCELEROGRAM", _GMPROCESS),
+    ("USC", rb"[^\r\n]*FILE +\d+ OF UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM  \w+ +[\d.]+ COMP", _GMPROCESS),
+    ("GeoNet V1A/V2A", rb"(?:Unc|C)orrected accelerogram[^\r\n]*GNS Science", _GMPROCESS),
+    ("CSMIP (V1, V2, V3), RENADIC", rb"(?i:(?:un)?corrected accelerogram|response and fourier amplitude)", _GMPROCESS),
+    ("BHRC (Iran)", rb"\* ?VOL", _GMPROCESS),
+    ("K-NET, KiK-net", rb"Origin Time  ", _OBSPY),
+    ("ESM, ITACA (DYNA)", rb"EVENT_NAME:", "cut its 64 header lines (tail -n +65), give --unit cm_s2 and "
+     "its SAMPLING_INTERVAL_S as --sample-step"),
+    ("AFAD, NSMN (Turkey)", rb"STRONG GROUND MOTION RECORDS? OF TURK", _GMPROCESS),
+    ("UNAM (Mexico)", rb"\*{20}[*\s]*INSTITUTO DE INGENIERIA", _GMPROCESS),
+    ("SLIST or TSPAIR", rb"TIMESERIES \w", "read it with ObsPy (obspy.read), divide counts by the sensitivity, and "
+     "write time and acceleration as CSV"),
+    ("GSE2 or IMS1", rb"(?:WID[12]|XW01|BEGIN (?:GSE2|IMS1)|DATA_TYPE WAVEFORM)", _OBSPY),
+    ("SAC", rb"(?s:.{304}(?:[\x06\x07]\0\0\0|\0\0\0[\x06\x07])|\s*-?\d+\.\d+(?:\s+-?\d+\.\d+)*\s+-12345\.)", _OBSPY),
+    ("Kinemetrics EVT", rb"KMI", _OBSPY),
+    ("SEG-Y", rb"C 1 CLIENT|\xc3\x40\xf1", _OBSPY),
+    ("HDF5, as ASDF", rb"\x89HDF", "read it with the program that wrote it, and write time and acceleration as CSV"),
+    ("MATLAB", rb"MATLAB \d", "read it with scipy.io.loadmat, and write time and acceleration as CSV"),
+    ("NumPy", rb"\x93NUMPY", "read it with numpy.load, and write time and acceleration as CSV"),
+    ("spreadsheet or ZIP", rb"PK\x03\x04|\xd0\xcf\x11\xe0", "unpack it, or save the sheet as CSV"),
+    ("gzip", rb"\x1f\x8b", "unpack it with gunzip"),
+    ("PDF", rb"%PDF", "it is a document; fetch the record"),
+    ("web page", rb"\s*<(?i:!doctype html|html)", "the download was answered by a page; log in, and fetch it anew"),
+    ("XML, as StationXML or QuakeML", rb"\s*<\?xml", "it is no waveform; give the record beside it"),
+)
+"""(format, how a file begins, what to do with it); docs/guides/own-record.md has a row for each."""
+
+_KNOWN = [(name, re.compile(begins), correction) for name, begins, correction in FOREIGN]
+
+
+def foreign(data: bytes) -> tuple[str, str] | None:
+    """The format of a file's bytes, where it is one of FOREIGN, and what to do with it.
+
+    >>> foreign(b"Origin Time       2018/01/24 19:51:00")[0]
+    'K-NET, KiK-net'
+    """
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    return next(((name, correction) for name, begins, correction in _KNOWN if begins.match(data)), None)
+
+
+MOST_HEADER = 12
+"""Lines of a header: PEER writes four, files that are made of PEER's have up to seven."""
+
+_STEP = r"(?P<step>[-+]?(?:\d+(?:[.,]\d+)?\.?|[.,]\d+)(?:[edED][-+]?\d+)?)"
+_COUNT = r"(?P<count>\d{1,12})"
+_COUNT_AND_STEP = [re.compile(pattern, re.IGNORECASE) for pattern in (
+    rf"\bNPTS\s*[=:]\s*{_COUNT}\b.*?\bDT\s*[=:]\s*{_STEP}", rf"\bDT\s*[=:]\s*{_STEP}.*?\bNPTS\s*[=:]\s*{_COUNT}\b",
+    rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+NPTS\s*,?\s*DT\b", rf"^\s*{_STEP}[\s,]+{_COUNT}[\s,]+DT\s*,?\s*NPTS\b")]
+_QUANTITY = re.compile(r"\bACC|\bVEL|\bDISP|\bUNIT", re.IGNORECASE)
+_NOT_ACCELERATION = re.compile(r"\bVEL|\bDISP", re.IGNORECASE)
+
+
+def is_at2(lines: list[str]) -> bool:
+    """Whether a text begins as an AT2 file."""
+    return any(count_and_step(line) for line in lines[:MOST_HEADER] if not line.lstrip().startswith("#"))
+
+
+def read_at2(path, lines: list[str], unit=None) -> Record:
+    """The record of an AT2 file's lines; unit: one of UNITS_M_S2 where the header does not name g."""
+    head = next((k for k, line in enumerate(lines[:MOST_HEADER]) if count_and_step(line)), None)
+    if head is None:
+        raise bad_line(path, 4, [*lines[3:4], ""][0], "gives no NPTS and DT",
+                       "a PEER AT2 header such as NPTS= 4000, DT= .0050 SEC")
+    count, step_s = count_and_step(lines[head])
+    taken, words = _unit(path, lines[:head] or [""], unit)
+    if count > MOST_SAMPLES:
+        raise InputError(f"{path}: {count} samples; expected up to {MOST_SAMPLES}, cut the record")
+    check_step(path, step_s)
+    values = []
+    for number, line in enumerate(lines[head + 1:], head + 2):
+        if len(values) < count or any(map(is_number, line.split())):  # not a last line "END"
+            values += numbers(path, number, line)
+    if len(values) != count:
+        raise InputError(f"{path}: {len(values)} values; expected the NPTS = {count} of line {head + 1}, fetch it anew")
+    with np.errstate(over="ignore"):  # an infinite sample is refused with its number
+        return Record(Path(path).stem, step_s, np.array(values) * UNITS_M_S2[taken], "", str(path), unit=words)
+
+
+def _unit(path, head: list[str], given) -> tuple[str, str]:
+    """(unit, words that say it and where it was named) by the last line of a header that names a quantity, the third
+    where none does."""
+    index = next((k for k in range(len(head) - 1, min(1, len(head) - 1), -1) if _QUANTITY.search(head[k])),
+                 min(2, len(head) - 1))
+    line = head[index]
+    named = {*units_in(line)}
+    if _NOT_ACCELERATION.search(line) or len(named) > 1:
+        raise bad_line(path, index + 1, line, "is another quantity" if len(named) < 2 else "names two units",
+                       "ACCELERATION IN UNITS OF G, give the record's AT2 file")
+    if given and named and UNITS_M_S2[given] != UNITS_M_S2[min(named)]:
+        raise bad_line(path, index + 1, line, f"names {min(named)}, --unit {given}", "the same; leave --unit out")
+    if given:
+        return given, f"{given} (--unit)"
+    if named != {"g"}:
+        raise bad_line(path, index + 1, line, "does not name g", "ACCELERATION TIME SERIES IN UNITS OF G there, or "
+                       f"--unit {'|'.join(UNITS_M_S2)}")
+    return "g", f"g (line {index + 1})"
+
+
+def count_and_step(line: str) -> tuple[int, float] | None:
+    """NPTS and DT [s] of a header line in either of PEER's orders, or None.
+
+    >>> [count_and_step(line) for line in ("NPTS=  400, DT= 0,005 SEC", "DT= .0050, NPTS= 400", "400 .005 NPTS, DT")]
+    [(400, 0.005), (400, 0.005), (400, 0.005)]
+    """
+    found = next(filter(None, (pattern.search(line) for pattern in _COUNT_AND_STEP)), None)
+    return found and (int(found["count"]), as_float(found["step"].replace(",", ".").rstrip(".") or "0"))

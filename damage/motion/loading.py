@@ -6,6 +6,7 @@ makes the record again.
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,13 +14,62 @@ from typing import ClassVar
 
 import numpy as np
 
-from damage.checks import check_choice, check_positive, check_range, check_whole, record_from
+from damage.checks import check_positive, check_range, record_from
 from damage.errors import InputError
+from damage.fields import check_fields, choice, plausible, quantity, text
 from damage.motion import record as prepare
-from damage.motion.drive import Drive
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.record import Record
 from damage.units import GRAVITY
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Prescribed motion of a wall; None where the loading prescribes nothing.
+
+    base: time_s (n,) -> (n, 2), acceleration along x and z of the frame in which the wall and all supports are
+        computed [m/s2];
+    supports: time_s (n,), x_m (k,) -> (n, k, 3), displacement in that frame of the supports whose reference points
+        stand at x_m [m, m, rad];
+    top: time_s (n,), height_m -> (n,), horizontal displacement of the bodies that carry the top, at that height [m];
+    top_rotates: whether these may rotate while they are moved; top_stiffness: of a rotational spring between each of
+        them and what moves it [N m/rad];
+    first_mode_m_s: velocity of the top in the first mode at time zero [m/s];
+    local_damping: Cundall's, of a quasi-static loading [-]; None of a dynamic one.
+    """
+
+    base: Callable | None = None
+    supports: Callable | None = None
+    top: Callable | None = None
+    top_rotates: bool = True
+    top_stiffness: float = 0.0
+    first_mode_m_s: float = 0.0
+    local_damping: float | None = None
+
+    @property
+    def quasi_static(self):
+        """Whether the loading is so slow that the wall stays in equilibrium."""
+        return self.local_damping is not None
+
+    def top_velocities(self, interval_s, n, height_m):
+        """Velocity of the top in the first n intervals (n,) [m/s], None where the top is free."""
+        return None if self.top is None else _mean(self.top(_edges(interval_s, n), height_m), interval_s)
+
+    def support_velocities(self, interval_s, n, x_m):
+        """Velocities of supports at x_m (k,) in the first n intervals (n, k, 3) [m/s, m/s, rad/s], None where they
+        rest."""
+        return None if self.supports is None else _mean(self.supports(_edges(interval_s, n), np.asarray(x_m)),
+                                                        interval_s)
+
+
+def _edges(interval_s, n):
+    return np.arange(n + 1) * interval_s
+
+
+def _mean(displacement, interval_s):
+    """Mean velocity in every interval: constant within it, it leads to the displacement at its end."""
+    return np.diff(displacement, axis=0) / interval_s
+
 
 PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
 """Of a base motion: least and largest period of a harmonic one [s], peak [g], cycles."""
@@ -73,14 +123,14 @@ class Harmonic(Loading):
     period_s [s]; amplitude_g [g]; cycles: how many.
     """
 
-    period_s: float
-    amplitude_g: float
-    cycles: int = 3
+    period_s: float = quantity("s", *PERIODS_S, (0.01, 10), "machines; a hundred times the period of a house's wall",
+                               others={"ms": 1e-3}, called="harmonic period [s]")
+    amplitude_g: float = quantity("g", 0, HIGHEST_G, (1e-4, 2), "times the largest factor of `--sequence`: traffic; "
+                                  "strong shaking tables", called="harmonic amplitude [g]", others={
+                                      "%": 0.01, "m/s2": 1 / GRAVITY, "cm/s2": 0.01 / GRAVITY})
+    cycles: int = quantity("1", 1, MOST_CYCLES, whole=True, default=3, called="cycles")
 
-    def __post_init__(self):
-        check_range("harmonic period [s]", self.period_s, *PERIODS_S)
-        check_range("harmonic amplitude [g]", self.amplitude_g, 0, HIGHEST_G)
-        check_whole("cycles", self.cycles, 1, MOST_CYCLES)
+    __post_init__ = check_fields
 
     @property
     def name(self) -> str:
@@ -152,7 +202,8 @@ class Recorded(Loading):
     """
 
     record: Record
-    scale: float = 1.0
+    scale: float = text(default=1.0, usual=plausible(0.01, 100, "", "without its sign; the records of studies that "
+                                                     "ship get up to 10", others={"%": 0.01}))
     window_s: tuple[float, float] | None = None
     vertical: Record | None = None
     baseline_order: int | None = None
@@ -357,15 +408,16 @@ class TopDisplacement(Loading):
         machine that moves it [N m/rad], of each body that carries the top; 0: free.
     """
 
-    amplitudes_pct: tuple[float, ...]
-    cycles: int = 2
-    boundary: str = "cantilever"
-    speed_m_s: float = 5e-3
-    local_damping: float = 0.7
-    top_rotation: float = 0.0
+    amplitudes_pct: tuple[float, ...] = text(usual=plausible(
+        1e-4, 20, "%", "a joint stays elastic; slender piers topple"))
+    cycles: int = quantity("1", 0, 1000, whole=True, default=2, called="cycles")
+    boundary: str = choice(BOUNDARIES, default="cantilever", called="boundary")
+    speed_m_s: float = quantity("m/s", *SPEEDS_M_S, default=5e-3, called="speed [m/s]")
+    local_damping: float = quantity("1", 0, 0.7, default=0.7, called="local damping")  # beyond, steps are unstable
+    top_rotation: float = quantity("N m/rad", 0, 1e12, default=0.0, called="--top-rotation [N m/rad]")
 
     def __post_init__(self):
-        check_range("--top-rotation [N m/rad]", self.top_rotation, 0, 1e12)
+        check_fields(self)
         if self.top_rotation and self.boundary == "fixed":
             raise InputError(f"--top-rotation {self.top_rotation:g} with --boundary fixed: expected a top that may "
                              "rotate; leave one of them out")
@@ -373,12 +425,8 @@ class TopDisplacement(Loading):
             raise InputError("no drift to push the top to; expected one or more [%]; give some")
         for drift in self.amplitudes_pct:
             check_range("drift [%]", drift, *DRIFTS_PCT)
-        check_whole("cycles", self.cycles, 0, 1000)
         if len(self.amplitudes_pct) > 1000:
             raise InputError(f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give fewer")
-        check_choice("boundary", self.boundary, BOUNDARIES)
-        check_range("speed [m/s]", self.speed_m_s, *SPEEDS_M_S)
-        check_range("local damping", self.local_damping, 0, 0.7)  # beyond it steps are not stable
 
     @property
     def name(self) -> str:

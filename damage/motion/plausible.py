@@ -1,4 +1,17 @@
-"""Which peaks a base motion can have, to find records and amplitudes in a wrong unit."""
+"""Which motions and pushes a run can have, to find records, amplitudes and factors in a wrong unit.
+
+The loading refuses what cannot be computed; the ranges here, and those that its fields say, are narrower.  Of a motion
+zero is refused, too, as a wall at rest is no result; a factor of a sequence may be zero, a pause.
+"""
+
+from damage.fields import message_of, ranges_of
+from damage.motion.loading import Harmonic, Recorded, TopDisplacement
+from damage.motion.sequence import Event
+
+RANGES = dict(zip(("--harmonic PERIOD_S", "--harmonic AMPLITUDE_G", "--scale", "--sequence", "--pushover, --cyclic"),
+                  (of for kind in (Harmonic, Recorded, Event, TopDisplacement) for of in ranges_of(kind).values()),
+                  strict=True))
+"""{option: Range}, as their fields say."""
 
 HIGHEST_PLAUSIBLE_G = 5.0
 """More than any recorded ground motion: 4.1 g, the vector sum at station IWTH25 (KiK-net) in the Iwate-Miyagi
@@ -46,3 +59,25 @@ def faint_warnings(peak_g):
         return []
     return [f"a base motion with a peak of {peak_g:.3g} g, expected {LOWEST_PLAUSIBLE_G:g} g or more, as weaker ones "
             "are not felt: g where cm/s2 (gal) is expected makes it 981 times too small"]
+
+
+def implausible_motion(loading, factors=(1.0,)):
+    """What is implausible of a Loading and the factors on it, a list of str.
+
+    >>> implausible_motion(Harmonic(0.2, 20.0))
+    ['--harmonic AMPLITUDE_G = 20 g, expected 0.0001 to 2 g: 20 % is 20e-2 g, 20 cm/s2 is 0.02039 g']
+    >>> implausible_motion(Harmonic(0.2, 0.1), (1.0, 0.0))
+    []
+    """
+    largest = max(map(abs, factors))
+    given = [("--sequence", factor) for factor in factors]
+    if isinstance(loading, Harmonic):
+        given += [("--harmonic PERIOD_S", loading.period_s), ("--harmonic AMPLITUDE_G", loading.amplitude_g * largest)]
+    if isinstance(loading, Recorded):
+        given += [("--scale", loading.scale)]
+    if isinstance(loading, TopDisplacement):
+        given += [("--pushover, --cyclic", drift_pct) for drift_pct in loading.amplitudes_pct]
+    found = [message_of(name, value, RANGES[name]) for name, value in given]
+    if isinstance(loading, Recorded) and loading.scale and loading.peak_g * largest == 0:
+        found.append(f"{loading.name}: the base stands still, expected a motion")
+    return list(dict.fromkeys(filter(None, found)))

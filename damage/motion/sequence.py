@@ -7,6 +7,7 @@ import numpy as np
 
 from damage.csv_table import CsvTable
 from damage.errors import InputError
+from damage.fields import plausible, text
 from damage.files import is_there, shipped_path
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Loading, Recorded
@@ -22,7 +23,8 @@ class Event:
     """One event: a motion, the factor on it [-], and the time of free vibration that follows [s]."""
 
     loading: Loading
-    factor: float
+    factor: float = text(usual=plausible(0.01, 100, "", "each factor, without its sign; 0 is a pause", zero=True,
+                                         others={"%": 0.01}))
     rest_s: float
 
 

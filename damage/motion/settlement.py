@@ -8,7 +8,7 @@ import numpy as np
 from damage.checks import check_range
 from damage.csv_table import CsvTable
 from damage.errors import InputError
-from damage.motion.drive import Drive
+from damage.motion.loading import Drive
 
 PROFILES = ("hogging", "sagging", "tilt", "knick")
 DISTORTIONS = (1e-7, 0.02)

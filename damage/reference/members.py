@@ -9,7 +9,7 @@ from pathlib import Path
 from damage.errors import warn
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.measure.energy import balance_error
-from damage.measure.members import members_path, write_members
+from damage.measure.tables import members_path, write_members
 from damage.measure.warnings import energy_warnings
 from damage.reference.ensembles import Ensemble
 from damage.reference.lanes import MOST_LANES
@@ -23,7 +23,7 @@ def run_members(backend, wall_file, make_wall, settings):
     """Run all members of a run, up to eight at a time; returns the exit status.
 
     settings: RunSettings; other arguments as of `damage.run.session.run_session`.  The history of the first member is
-    the file of the run, with the table of all members beside it (`damage.measure.members`).  Histories of other members
+    the file of the run, with the table of all members beside it (`damage.measure.tables`).  Histories of other members
     are discarded, unless they failed or were interrupted: then they are in FILE_sSEED.h5.  After an
     interruption the table is of the members that had ended.  The exit status is that of
     the first member where it failed, else the largest of all.

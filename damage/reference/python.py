@@ -8,9 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
-from damage.errors import InputError, RunWarning, did_you_mean, heard
+from damage.errors import InputError, RunWarning, heard
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
@@ -19,7 +17,7 @@ from damage.motion.loading import Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
 from damage.reference.session import BACKEND, PROG
-from damage.run.options import free_name, make_parser, parse_run, pictures_folder
+from damage.run.options import free_name, parse_run, pictures_folder, words_of
 from damage.run.session import EXIT_INTERRUPTED, attended, prepare, simulate
 from damage.run.turns import take_turns
 from damage.wall.file import load_wall, wall_path
@@ -76,7 +74,7 @@ def _asked(wall, motion, options):
     if not (motion is None or is_record or is_loading):
         raise InputError(f"motion = {motion!r}: expected a record's path or name, a Loading, or None with options like "
                          "harmonic=(0.2, 0.05)")
-    words = _words(options | ({"record": motion} if is_record else {}))
+    words = words_of(DEFAULTS | options | ({"record": motion} if is_record else {}), BACKEND.name, "damage.run")
     file = "" if isinstance(wall, Wall) else wall_path(wall)
     # the command line is complete unless Python objects are among the arguments
     prog = f"{PROG} {shown_path(wall)}" if file and not is_loading else f"damage.run, {getattr(wall, 'name', wall)}:"
@@ -98,27 +96,3 @@ def _driven_by(loading, settings):
     if settings.sequence != (1.0,) and loading.drive.base is None:
         raise InputError(f"sequence with the motion {loading.name}: expected a harmonic or recorded one; leave it out")
     return replace(settings, loading=loading, command=f"{settings.command} driven by {loading.name}")
-
-
-def _words(options):
-    """Command line, a list of words, for options by their names in Python; raises InputError for an unknown name."""
-    actions = {action.dest: action for action in make_parser("", BACKEND.name)._actions if action.dest != "help"}
-    unknown = [name for name in options if name not in actions]
-    if unknown:
-        raise InputError(f"damage.run({unknown[0]}=...): expected one of {', '.join(actions)}"
-                         f"{did_you_mean(unknown[0], actions)}")
-    return [word for name, value in (DEFAULTS | options).items() for word in _option(actions[name], name, value)]
-
-
-def _option(action, name, value):
-    """Words of one option on the command line; none where its value is None or the default of a flag."""
-    if value is None:
-        return []
-    option = action.option_strings[0]
-    if action.nargs == 0:
-        if not isinstance(value, bool):
-            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
-        return [option] if value is action.const else []
-    values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
-    words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
-    return [option, *words] if action.nargs else [option, ",".join(words)]

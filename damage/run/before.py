@@ -1,11 +1,9 @@
 """What a wall went through before a run: the state at the end of another run, and cracks that were surveyed."""
 
-import hashlib
 import io
 import zipfile
 import zlib
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -16,9 +14,7 @@ from damage.history.reader import read_history
 from damage.history.schema import STATE
 from damage.history.structure import stored_bytes
 from damage.history.writer import layout_tables
-from damage.measure.crack_file import read_cracks
 from damage.measure.crack_mapping import cracked_joints
-from damage.measure.cracks import ENDS
 
 KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j"
 """Of the Instants at the first run's time zero, from which displacements and energies count."""
@@ -132,25 +128,6 @@ def with_zero(state, zero):
 LEAST_FREED = 0.7
 """Length of the joints that lose their bond over that of the surveyed cracks [-] below which a run warns: lines along
 joints, a little off, keep nearly all; straight ones across bricks had 0.3 to 0.6."""
-
-
-@dataclass(frozen=True)
-class Surveyed:
-    """Cracks of a file in the format of docs/reference/crack-format.md, at its last load level; file: name without
-    its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m];
-    tolerance_m: how far from a joint a crack may be drawn [m], None for half a brick's height."""
-
-    file: str
-    sha256: str
-    stretches: tuple[tuple[float, ...], ...]
-    tolerance_m: float | None = None
-
-    @classmethod
-    def read(cls, path, tolerance_m=None):
-        """The cracks of a file; raises InputError."""
-        last = read_cracks(path)[-1].stretches
-        return cls(Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest(),
-                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())), tolerance_m)
 
 
 def with_cracks(layout, cracks):

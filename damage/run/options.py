@@ -10,9 +10,13 @@ from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
 
+import numpy as np
+
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
+from damage.fields import option_of
+from damage.measure.crack_file import Surveyed
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
@@ -20,16 +24,7 @@ from damage.motion.record import aligned_with
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
-from damage.run.before import Surveyed
-from damage.run.settings import (
-    AFTER_FALL_S,
-    RELAXATIONS,
-    SCATTER,
-    SOFTENING_BETA_S,
-    STEPS,
-    RunSettings,
-    rayleigh_factors,
-)
+from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
@@ -39,8 +34,8 @@ USUAL_DISTORTION = 1 / 500
 _EXAMPLES = {
     "reference": ("python3 -m damage reference symmetric --harmonic 0.2 0.05 --members 8",
                   "python3 -m damage reference my_wall.toml --record record.csv --window 17 27 --out run.h5"),
-    "yade": ("./yade walls/symmetric.py --harmonic 0.2 0.05",
-             "./yade walls/solid.py --pushover 0.1 --boundary fixed --out pushed.h5")}
+    "yade": ("./yade symmetric --harmonic 0.2 0.05 --console",
+             "./yade solid --pushover 0.1 --boundary fixed --out pushed.h5")}
 
 BY_FILE = "file"
 """Of --unit: the unit that the file names; for tables whose cells may not be empty."""
@@ -108,17 +103,10 @@ def parse_run(arguments, prog, solver):
     parsed = make_parser(prog, solver).parse_args(arguments)
     life = _life_of(parsed)
     alpha_1_s, beta_s = _damping(parsed)
-    return RunSettings(
-        **_motion(parsed), life=life, settlement=settlement_of(parsed),
-        continued=getattr(parsed, "continue") and str(getattr(parsed, "continue")),
-        cracked=_surveyed(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
-        alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
-        perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
-        past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
-        after_fall=getattr(parsed, "after_fall", False), accept_implausible=parsed.accept_implausible,
-        step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
-        pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
-        command=f"{prog} {shown_command(arguments)}".strip(), model=_model(parsed))
+    return RunSettings(**_fields_of(RunSettings, parsed) | _motion(parsed) | {
+        "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": _model(parsed),
+        "continued": getattr(parsed, "continue") and str(getattr(parsed, "continue")), "alpha_1_s": alpha_1_s,
+        "beta_s": beta_s, "command": f"{prog} {shown_command(arguments)}".strip()})
 
 
 @lru_cache(maxsize=4)  # a study asks for one for each of its runs
@@ -135,6 +123,31 @@ def make_parser(prog, solver):
     _add_model(parser.add_argument_group("model"), solver)
     _add_run(parser.add_argument_group("run"), solver)
     return parser
+
+
+def words_of(options, solver, call):
+    """Command line, a list of words, for options of a solver by their names in Python; call: the function that took
+    them.  Raises InputError for an unknown name."""
+    actions = {action.dest: action for action in make_parser("", solver)._actions if action.dest != "help"}
+    unknown = [name for name in options if name not in actions]
+    if unknown:
+        raise InputError(f"{call}({unknown[0]}=...): expected one of {', '.join(actions)}"
+                         f"{did_you_mean(unknown[0], actions)}")
+    return [word for name, value in options.items() for word in _option(actions[name], name, value)]
+
+
+def _option(action, name, value):
+    """Words of one option on the command line; none where its value is None or the default of a flag."""
+    if value is None:
+        return []
+    option = action.option_strings[0]
+    if action.nargs == 0:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
+        return [option] if value is action.const else []
+    values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
+    words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
+    return [option, *words] if action.nargs else [option, ",".join(words)]
 
 
 def _add_motion(group):
@@ -249,48 +262,52 @@ def settlement_of(parsed):
 def add_model_options(group, names):
     """Add the named fields of ModelOptions to a parser, or a group of one."""
     for one in fields(ModelOptions):
-        metavar, text = one.metadata["metavar"], one.metadata["help"]
-        usual = one.default if isinstance(one.default, str) else f"{one.default:g}"
         if one.name in names:
-            group.add_argument(f"--{one.name.replace('_', '-')}", default=one.default, type=type(one.default),
-                               choices=one.metadata["choices"], metavar=metavar,
-                               help=f"{text} (default {usual})")
+            usual = one.default if isinstance(one.default, str) else f"{one.default:g}"
+            _add_field(group, one, default=one.default, help=f"{one.metadata['help']} (default {usual})")
+
+
+def _add_field(group, one, **more):
+    """Add the option of a field to a parser, or a group of one."""
+    kind = float if one.default is None else type(one.default)
+    group.add_argument(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
+                       **{"help": one.metadata["help"],
+                          "default": None if None in one.metadata["words"] else one.default} | more)
+
+
+def _add_settings(group, *names):
+    """Add the named fields of RunSettings to a group of a parser."""
+    for one in fields(RunSettings):
+        if one.name in names:
+            _add_field(group, one)
+
+
+def _fields_of(kind, parsed):
+    """{name: value} of the fields of a record for which options were offered."""
+    given = ((one.name, (one.metadata.get("option") or one.name).replace("-", "_")) for one in fields(kind))
+    return {name: getattr(parsed, option) for name, option in given if option in parsed}
 
 
 def model_of(parsed):
     """The ModelOptions of parsed options, defaults where an option was not offered."""
-    return ModelOptions(**{one.name: getattr(parsed, one.name) for one in fields(ModelOptions) if one.name in parsed})
+    return ModelOptions(**_fields_of(ModelOptions, parsed))
 
 
-def _face(word):
-    """The type of --joints, which had a second choice until version 0.2."""
-    if word != "face":
-        raise argparse.ArgumentTypeError(f"{word}: expected face; joints between the centres of cells were removed in "
-                                         "version 0.2, version 0.1 has them; leave the option out")
-    return word
+_NO_EFFECT = {"reference": ("--step", ("fast", "plain"), "there is one time step"),
+              "yade": ("--joints", ("face",), "joints keep their face's normal")}
+"""{solver: (option, its values, why it has no effect any more)}."""
 
 
 def _add_model(group, solver):
     add_model_options(group, [one.name for one in fields(ModelOptions)])
-    if solver == "yade":
-        group.add_argument("--joints", default="face", type=_face, metavar="face",
-                           help="joints keep their face's normal: since version 0.2 the only choice")
-    group.add_argument("--beta", type=float, metavar="S", help="stiffness-proportional damping (default 0, and "
-                       f"{SOFTENING_BETA_S:g} where joints soften)")
+    _add_settings(group, "beta_s")
     if solver == "reference":
         group.add_argument("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
                            help="mass- and stiffness-proportional damping with this ratio at two frequencies")
         group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
                            help="damping of the static stage and of a pushed top: adaptive (default), or "
                            "local as in YADE")
-    group.add_argument("--perturb", type=float, default=0.0, metavar="M",
-                       help="random offsets of the bricks, for ensembles (default 0)")
-    group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
-                       "for ensembles: coefficient of variation (default 0)")
-    group.add_argument("--seed", type=int, default=0, help="seed of the random offsets and of the scatter (default 0)")
-    group.add_argument("--members", type=int, default=1, metavar="N", help="reference solver: N runs with strengths "
-                       f"that scatter by --scatter (default {SCATTER:g}), seeds from --seed (default 1) on; prints the "
-                       "median and range of what is measured, and keeps the history of the first")
+    _add_settings(group, "perturb_m", "scatter", "seed", "members")
     add_accept(group)
 
 
@@ -304,9 +321,7 @@ def _add_run(group, solver):
     group.add_argument("--out", type=file_path, metavar="FILE.h5", help="history file "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
-    group.add_argument("--rest", type=float, default=2.0, metavar="S",
-                       help="free vibration after the motion (default 2)")
-    group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
+    _add_settings(group, "rest_s", "time_step_s")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
     free = "fall freely" if solver == "reference" else "collide with sharper corners; half a height's fall ends the run"
@@ -314,13 +329,13 @@ def _add_run(group, solver):
                        f"come to rest; the run ends with the first fallen brick (default: they {free})")
     group.add_argument("--after-fall", action="store_true", help="with --new-contacts: follow the bricks until the "
                        f"wall rests, {AFTER_FALL_S:g} s at most (default: end with the first fallen brick)")
-    if solver == "reference":
-        group.add_argument("--step", choices=STEPS, default=STEPS[0], help="of no effect since there is one time step; "
-                           "accepted in this version")
+    option, choices, why = _NO_EFFECT[solver]
+    group.add_argument(option, choices=choices, help=f"of no effect since {why}; accepted in this version")
     if solver == "yade":
-        group.add_argument("--past-collapse", type=float, default=0.0, metavar="S",
-                           help="follow the bricks for so long after the first one fell (default 0)")
+        _add_settings(group, "past_collapse_s")
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
+        group.add_argument("--console", nargs="?", const="after", choices=("before", "after"), help="YADE's prompt "
+                           "before or after (default) the run, with O, wall, run, scene, and history after it")
 
 
 _LONGEST_STEM = 200  # bytes; a character has up to four

@@ -9,25 +9,6 @@ from damage.run.options import parse_run
 from damage.run.settings import Softening
 
 
-class Unwritten:
-    """Takes what a run gives to its HistoryWriter, and keeps nothing."""
-
-    def static_stage(self, **values):
-        """Ignore what is known of the static stage."""
-
-    def extend(self, *samples):
-        """Ignore samples."""
-
-    def snapshot(self, *values):
-        """Ignore a snapshot."""
-
-    def event(self, *values):
-        """Ignore an event."""
-
-    def keep_state(self, packed):
-        """Ignore the solver's state."""
-
-
 def earlier_runs(settings, layout, backend, model, time_step):
     """RunSettings of all runs that `settings` continues, the first one first.
 

@@ -2,9 +2,8 @@
 
 from damage.errors import InputError, one_line, warn
 from damage.measure.evidence import describe as describe_evidence
-from damage.measure.members import describe_spread, members_of, spread
 from damage.measure.summary import summarise
-from damage.measure.tables import shocks_table
+from damage.measure.tables import describe_spread, members_of, shocks_table, spread
 from damage.run.options import pictures_folder
 from damage.units import rounded
 from damage.wall.lintels import ElasticShare, describe_share

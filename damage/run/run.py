@@ -9,7 +9,6 @@ from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
-from damage.run.base import BaseMotion
 from damage.run.before import as_bytes, with_zero, zero_of
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
@@ -23,7 +22,15 @@ from damage.run.settings import (
     SETTLED_BELOW,
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
-from damage.run.watch import fastest_fallen, have_fallen, have_left, index_now, lowest_places, unbalanced_force
+from damage.run.watch import (
+    BaseMotion,
+    fastest_fallen,
+    have_fallen,
+    have_left,
+    index_now,
+    lowest_places,
+    unbalanced_force,
+)
 from damage.units import GRAVITY
 from damage.wall.strain import stress_by_modes
 
@@ -35,9 +42,10 @@ class Run:
     a run does not know whether it is alone.
 
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
-    writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt); settled:
-    where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the end of
-    another run (`damage.run.before.read_state`, or `end_state`), which this one continues in place of the static stage.
+    writer: a Buffer of a history; keep_going(run, time_s): called now and then, returns False to stop (an interrupt);
+    settled: where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the
+    end of another run (`damage.run.before.read_state`, or `end_state`), which this one continues in place of the static
+    stage.
     stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
     """
 

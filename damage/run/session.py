@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stdout
@@ -12,11 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from damage.errors import InputError, RunError, WriteError, warn
+from damage.history.buffer import Buffer
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.law.modes import Modes, natural_modes
+from damage.measure.energy import ENERGY_FAILURE
 from damage.measure.evidence import evidence_for, facts, outside
-from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
@@ -25,8 +27,7 @@ from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.opening import opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
-from damage.run.progress import Progress
-from damage.run.repeat import Unwritten, earlier_runs
+from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import (
@@ -56,7 +57,7 @@ class Backend:
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
     keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
-    it runs one wall only.
+    it runs one wall only; begins(run): called with the Run before its first step.
     """
 
     name: str
@@ -69,6 +70,7 @@ class Backend:
     brick_cells: int = 0
     keeps_state: bool = True
     run_members: Callable | None = None
+    begins: Callable = lambda run: None
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
@@ -160,7 +162,7 @@ class Prepared:
     layout: Layout
     modes: Modes
     time_step: float
-    writer: HistoryWriter
+    writer: Buffer
     state: dict | None = None
     earlier: tuple[RunSettings, ...] = ()
 
@@ -274,8 +276,10 @@ def _all_runs(prepared, solver, keep_going, settled):
     state, first_mode = prepared.state, prepared.modes.shape[0]
     for settings in (*prepared.earlier, prepared.settings):
         last = settings is prepared.settings
-        run = Run(prepared.layout, settings, solver, prepared.writer if last else Unwritten(), keep_going,
-                  settled, state)
+        run = Run(prepared.layout, settings, solver, prepared.writer if last else Buffer(prepared.layout),
+                  keep_going, settled, state)
+        if last:
+            prepared.backend.begins(run)
         finished = yield from run.settle_under_gravity()
         if finished:
             run.start(first_mode)
@@ -308,3 +312,46 @@ class _Interrupts:
 
     def _ask(self, *_):
         self.asked = True
+
+
+class Progress:
+    """Rewrites one line on a terminal; prints one every few seconds into a log."""
+
+    def __init__(self, label, stream=None):
+        self.label = label
+        self.stream = stream or sys.stderr
+        self.live = self.stream.isatty()
+        self.shown, self.shown_any = time.monotonic(), False
+        self.started = None  # when the first stage after the static one began
+
+    def show(self, simulated_s, run):
+        """Show the stage and the index of a Run, at most twice a second (every ten seconds in a log)."""
+        now, stage = time.monotonic(), run.stage
+        if stage != "static" and self.started is None:
+            self.started = now
+        if now - self.shown < (0.5 if self.live else 10.0):
+            return
+        self.shown, self.shown_any = now, True
+        line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
+        if stage != "static":
+            line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
+                    f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left")
+        self._write(f"\r{line}\033[K" if self.live else f"{line}\n")
+
+    def _left(self, now, simulated_s, total_s):
+        if simulated_s < 0.01 * total_s:
+            return "--:--"
+        left = int((now - self.started) * max(0.0, total_s / simulated_s - 1))
+        return f"{left // 60}:{left % 60:02d}"
+
+    def close(self):
+        """End the live line."""
+        if self.live and self.shown_any:
+            self._write("\n")
+
+    def _write(self, text):
+        try:
+            self.stream.write(text)
+            self.stream.flush()
+        except OSError:  # no room for a log, or nobody looks any more: that ends no run
+            pass

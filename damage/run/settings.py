@@ -6,17 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.checks import check_range, check_whole
+from damage.checks import check_range
 from damage.errors import InputError
+from damage.fields import check_fields, option_of, quantity
 from damage.index import THRESHOLD
+from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
-from damage.motion.plausible import implausible_peak, implausible_velocity
+from damage.motion.plausible import implausible_motion, implausible_peak, implausible_velocity
 from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
-from damage.run.before import Surveyed
-from damage.run.plausible import implausible_motion
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
@@ -41,8 +41,6 @@ AFTER_FALL_S = 10.0
 RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
 """Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still vibrate."""
 RELAXATIONS = ("adaptive", "local")
-STEPS = ("fast", "plain")
-"""Implementations of the reference solver's time step; both give the same bits."""
 OFFSETS_BELOW = 20
 """A bond opens by up to six times the bricks' offsets [m] in a wall of thousands of them; they stay so much below
 f_t / k_n."""
@@ -71,7 +69,7 @@ class RunSettings:
 
     settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it needs a support below
     each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
-    (damage.run.before) along which joints have no bond, or None; sequence: factors of the motion, an event each;
+    along which joints have no bond, or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
     life: what the events were drawn from (`damage.exposure.lives`), or None;
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
@@ -82,9 +80,10 @@ class RunSettings:
     by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
     bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case,
     but with sharper corners); after_fall: follow them until they rest; accept_implausible: do not check whether the
-    wall and the motion are plausible; step: one of STEPS; out: history file, None for a name of its own below
+    wall and the motion are plausible; out: history file, None for a name of its own below
     `results/`;
-    quiet: print warnings and errors only; command: what asked for it.
+    quiet: print warnings and errors only; console: when YADE's prompt comes, "before" or "after" the run, or None;
+    command: what asked for it.
     """
 
     loading: object
@@ -95,25 +94,35 @@ class RunSettings:
     sequence: tuple[float, ...] = (1.0,)
     events: tuple[Event, ...] = ()
     life: dict | None = None
-    rest_s: float = 2.0
-    time_step_s: float | None = None
+    rest_s: float = quantity("s", 0, LONGEST_S, default=2.0, option="rest", metavar="S",
+                             help="free vibration after the motion (default 2)")
+    time_step_s: float | None = quantity("s", 1e-9, 1, default=None, option="dt", metavar="S",
+                                         help="time step (default: from the wall)")
     alpha_1_s: float = 0.0
-    beta_s: float | None = 0.0
+    beta_s: float | None = quantity("s", 0, 1, words=(None,), default=0.0, option="beta", metavar="S", help="stiffness"
+                                    f"-proportional damping (default 0, and {SOFTENING_BETA_S:g} where joints soften)")
     relaxation: str = "local"
-    perturb_m: float = 0.0
-    scatter: float = 0.0
-    seed: int = 0
-    members: int = 1
-    past_collapse_s: float = 0.0
+    perturb_m: float = quantity("m", 0, THRESHOLD, default=0.0, option="perturb", metavar="M",  # more is a crack
+                                help="random offsets of the bricks, for ensembles (default 0)")
+    scatter: float = quantity("1", 0, MOST_SCATTER, default=0.0, metavar="COV", help="scatter of the joints' "
+                              "strengths, for ensembles: coefficient of variation (default 0)")
+    seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, help="seed of the random offsets and of the scatter "
+                         "(default 0)")
+    members: int = quantity("1", 1, MOST_MEMBERS, whole=True, default=1, metavar="N", help="reference solver: N runs "
+                            f"with strengths that scatter by --scatter (default {SCATTER:g}), seeds from --seed "
+                            "(default 1) on; prints the median and range of what is measured, and keeps the history of "
+                            "the first")
+    past_collapse_s: float = quantity("s", 0, LONGEST_S, default=0.0, option="past-collapse", metavar="S",
+                                      help="follow the bricks for so long after the first one fell (default 0)")
     new_contacts: bool = False
     after_fall: bool = False
     accept_implausible: bool = False
-    step: str = "fast"
     out: Path | None = None
     overwrite: bool = False
     pictures: bool = True
     quiet: bool = False
     view: bool = False
+    console: str | None = None
     command: str = ""
 
     def __post_init__(self):
@@ -124,23 +133,15 @@ class RunSettings:
             raise InputError("--sequence without a factor: expected factors of the motion, like 1,0.5,0.4")
         for factor in self.sequence:
             check_range("a factor of --sequence", factor, -MOST_SCALE, MOST_SCALE)
-        for rest_s in (self.rest_s, *(event.rest_s for event in self.events)):
-            check_range("--rest [s]", rest_s, 0, LONGEST_S)
-        if self.beta_s is not None:
-            check_range("--beta [s]", self.beta_s, 0, 1)
-        check_range("--perturb [m]", self.perturb_m, 0, THRESHOLD)  # more is a visible crack by itself
-        check_range("--scatter", self.scatter, 0, MOST_SCATTER)
-        check_whole("--seed", self.seed, 0, MOST_SEED)
-        check_whole("--members", self.members, 1, MOST_MEMBERS)
-        check_range("--past-collapse [s]", self.past_collapse_s, 0, LONGEST_S)
+        check_fields(self, lambda _, one: option_of(one, unit=True))
+        for event in self.events:
+            check_range("--rest [s]", event.rest_s, 0, LONGEST_S)
         if self.after_fall and self.past_collapse_s > 0:
             raise InputError(f"--after-fall with --past-collapse {self.past_collapse_s:g}: expected one of them, since "
                              "both say how long bricks are followed; leave one out")
         if self.new_contacts and self.model.bricks == "deformable":
             raise InputError("--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give one of "
                              "the two")
-        if self.time_step_s is not None:
-            check_range("--dt [s]", self.time_step_s, 1e-9, 1)
         self._check_motion()
 
     def _check_past(self):

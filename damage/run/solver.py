@@ -128,4 +128,4 @@ class Solver(Protocol):
 
     def drain_events(self):
         """Events since the last call, tuples (step since `start`, joint, kind, normal stress, shear stress, opening,
-        slip) as `HistoryWriter.event` takes them."""
+        slip) as `Buffer.event` of a history takes them."""

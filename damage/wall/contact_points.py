@@ -16,8 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damage.wall.compliance import contact_stiffness
-from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
+from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, contact_stiffness
 from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
 from damage.wall.split import cuts_of
 

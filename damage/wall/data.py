@@ -151,7 +151,7 @@ def _object(kind, special, *more):
 
 
 def _schema_of(said):
-    """Schema of a field by its metadata (`damage.wall.fields`)."""
+    """Schema of a field by its metadata (`damage.fields`)."""
     if said["choices"]:
         return {"enum": list(said["choices"])}
     words = [{"const": word} for word in said["words"]]

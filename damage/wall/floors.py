@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.errors import InputError
-from damage.wall.fields import check_fields, choice, quantity
+from damage.fields import check_fields, choice, quantity
 
 KINDS_OF_FLOORS = ("timber", "concrete")
 SLAB_COURSE = -2

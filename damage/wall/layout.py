@@ -18,7 +18,7 @@ from damage.units import GRAVITY
 from damage.wall.contact_points import PLACES, TINY, Contacts, make_contacts, scattered, segments_of
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.floors import SLAB_COURSE, with_timber_floors
-from damage.wall.kinds import CAP, CUT
+from damage.wall.kinds import CAP, CAP_HEIGHT, CUT
 from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, mass_per_length
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
@@ -29,7 +29,6 @@ from damage.wall.strain import Strain, strain_of
 
 MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
-CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
 
 
 @dataclass(frozen=True)

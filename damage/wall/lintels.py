@@ -22,7 +22,7 @@ import numpy as np
 
 from damage.checks import check_range
 from damage.errors import InputError
-from damage.wall.fields import MODULI, check_fields, choice, quantity
+from damage.fields import MODULI, check_fields, choice, quantity
 
 LINTEL_COURSE, ARCH_COURSE = -3, -4
 """`course` of the segments of a beam and of the bricks of an arch, beside -1 of a top mass and -2 of a slab."""

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass, fields
 
 from damage.checks import check_range, check_whole
 from damage.errors import InputError
-from damage.wall.fields import check_fields, choice, quantity, text
+from damage.fields import check_fields, choice, option_of, quantity, text
 from damage.wall.lintels import KINDS_OF_LINTELS
 from damage.wall.parameters import MOST_BRICKS, MOST_SEED
 
@@ -18,12 +18,6 @@ _KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
 """Of lintels that are whole by their name."""
 _OF_MODES = ("brick_order", "plane", "brick_mass", "brick_damping")
 _OF_SOIL = ("soil_shear", "footing", "soil_velocity")
-
-
-def _option(_, one, unit=True):
-    """The option of a field, with its unit."""
-    return f"--{one.name.replace('_', '-')}" + f" [{one.metadata['unit']}]" * bool(
-        unit and one.metadata["unit"] not in (None, "1"))
 
 
 @dataclass(frozen=True)
@@ -102,7 +96,7 @@ class ModelOptions:
                                     "1")
 
     def __post_init__(self):
-        check_fields(self, _option)
+        check_fields(self, lambda _, one: option_of(one, unit=True))
         object.__setattr__(self, "lintel", _lintel_word(self.lintel))
         if self.contacts == "gauss" and self.cells % 2:
             raise InputError(f"--contacts gauss with --cells {self.cells}: expected an even number, since Gauss points "
@@ -110,7 +104,7 @@ class ModelOptions:
         object.__setattr__(self, "soil", _soil_word(self.soil))
         for one in fields(self):
             if one.name in _OF_SOIL and self.soil == "rigid" and getattr(self, one.name) != one.default:
-                raise InputError(f"{_option(self, one, unit=False)} {getattr(self, one.name):g} without --soil: "
+                raise InputError(f"{option_of(one)} {getattr(self, one.name):g} without --soil: "
                                  "expected the soil's stiffness [N/m3], too; give both, or leave it out")
         if self.brick_cells % 2:
             raise InputError(f"--brick-cells {self.brick_cells}: expected an even number, since bricks lie on two "
@@ -124,7 +118,7 @@ class ModelOptions:
         """InputError where one of these options is given."""
         for one in fields(self):
             if one.name in names and getattr(self, one.name) != one.default:
-                raise InputError(f"{_option(self, one, unit=False)} = {getattr(self, one.name)!r} {problem}")
+                raise InputError(f"{option_of(one)} = {getattr(self, one.name)!r} {problem}")
 
     @property
     def deforms(self):

@@ -6,8 +6,8 @@ import re
 
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
+from damage.fields import short
 from damage.files import write_text
-from damage.wall.fields import short
 from damage.wall.file import load_wall, shipped_walls
 
 _OF_YADE = {"sys", "pathlib"}

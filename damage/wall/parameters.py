@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass, field, replace
 
 from damage.checks import check_range, record_from
 from damage.errors import InputError
+from damage.fields import MODULI, check_fields, choice, implausible_fields, quantity
 from damage.units import GRAVITY
-from damage.wall.fields import MODULI, check_fields, choice, implausible_fields, quantity
 from damage.wall.floors import Floor, check_floors
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
 from damage.wall.plan import check_bearing, check_outline, plan_of

@@ -9,7 +9,7 @@ joints or without precompression: no wrong unit turns another value into zero.
 import numpy as np
 
 from damage.errors import InputError
-from damage.wall.fields import implausible_fields, message_of, plausible, ranges_of, short
+from damage.fields import implausible_fields, message_of, plausible, ranges_of
 from damage.wall.floors import Floor
 from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
@@ -90,16 +90,3 @@ def _share_off(ends, wall):
         low, high = (wall.brick.height * course for course in wall.opening_courses(opening))
         off |= ((x > opening.left + reach) & (x < opening.right - reach) & (z > low + reach) & (z < high - reach))
     return float(length @ off.mean(axis=1) / length.sum())
-
-
-def markdown():
-    """The ranges as a table of the documents."""
-    return rows("field", RANGES)
-
-
-def rows(what, ranges):
-    """{name: Range} as a table of the documents; what: the heading of the names."""
-    lines = (f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} | {one.why} |"
-             for name, one in ranges.items())
-    return "\n".join([f"| {what} | from | to | unit | or 0 | near the limits |",
-                      "| --- | --- | --- | --- | --- | --- |", *lines])

@@ -24,15 +24,14 @@ so that the brick is a chain of short beams along its length.  Across its height
 into the bed joints.  Half of the shear compliance 1/G is in the cuts and head joints, half in the bed joints: a uniform
 shear stress shears a wall by tau / G, of which the cells' rotation makes either half visible.
 
-A cut takes its share of the brick's compliance over from the head joints (`damage.wall.compliance`).
+A cut takes its share of the brick's compliance over from the head joints (`damage.wall.kinds`).
 """
 
 from dataclasses import fields, replace
 
 import numpy as np
 
-from damage.wall.compliance import lumped_stiffness
-from damage.wall.kinds import CAP, CUT, GROUND
+from damage.wall.kinds import CAP, CUT, GROUND, lumped_stiffness
 
 CUT_POINTS = 4
 """Contact points of a cut that splits: bending stiffness 15/16 of the section's, 4/5 of its strength in tension."""

@@ -1,7 +1,7 @@
 """The readers that damaged files are given to: for each the undamaged files, how they are damaged, how they are read.
 
-Wall files in Python are no data and may do anything, and histories are written by this program alone and sealed
-(`tests/test_damaged_history.py`): they are not among them.
+Wall files in Python are no data and may do anything, and histories and tables of runs are written by this program alone
+(`tests/test_damaged_history.py`, `test_columns.py`): they are not among them.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,6 @@ import damage
 from damage.files import DATA
 from damage.laboratory import dic
 from damage.measure import crack_file
-from damage.measure.columns import read_table
 from damage.measure.crack_mapping import map_cracks
 from damage.motion.formats import read_record, shipped_record_path
 from damage.studies.definition import load_study
@@ -136,5 +135,4 @@ READERS = {
     "wall": Reader(_of(_files("walls/*.toml"), TEXT, 1e6), load_wall, ".toml"),
     "cracks": Reader(_of(_cracks, TEXT, 5e7), _map, ".csv"),
     "dic": Reader(_of(_field, TEXT, 5e7), _measure, ".csv"),
-    "table": Reader(_of(_files("docs/tables/*.csv"), TEXT, 5e7), read_table, ".csv"),
 }

@@ -1,33 +1,13 @@
-"""What VTK's own readers find in a VTKHDF or a PVD file, as JSON: python read_vtk.py FILE STEP.
+"""What VTK's own readers find in a VTKHDF file, as JSON: python read_vtk.py FILE STEP.
 
 steps; counts of cells by VTK's type; the bounds of the points; points, point, cell and field arrays at the step.
 """
 
 import json
 import sys
-from pathlib import Path
-from xml.etree import ElementTree
 
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
-
-
-def grid_of_vtkhdf(path, step):
-    reader = vtk.vtkHDFReader()
-    reader.SetFileName(path)
-    reader.UpdateInformation()
-    times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
-    reader.UpdateTimeStep(times[step])
-    return list(times), reader.GetOutputDataObject(0)
-
-
-def grid_of_pvd(path, step):
-    listed = ElementTree.parse(path).findall(".//DataSet")
-    reader = vtk.vtkXMLUnstructuredGridReader()
-    reader.SetFileName(str(Path(path).parent / listed[step].get("file")))
-    reader.Update()
-    assert reader.GetErrorCode() == 0
-    return [float(one.get("timestep")) for one in listed], reader.GetOutput()
 
 
 def arrays_of(data):
@@ -35,7 +15,12 @@ def arrays_of(data):
 
 
 path, step = sys.argv[1], int(sys.argv[2])
-times, grid = (grid_of_vtkhdf if path.endswith(".vtkhdf") else grid_of_pvd)(path, step)
+reader = vtk.vtkHDFReader()
+reader.SetFileName(path)
+reader.UpdateInformation()
+times = list(reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()))
+reader.UpdateTimeStep(times[step])
+grid = reader.GetOutputDataObject(0)
 types = [grid.GetCellType(k) for k in range(grid.GetNumberOfCells())]
 print(json.dumps({
     "times": times, "types": {code: types.count(code) for code in set(types)},

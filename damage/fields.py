@@ -54,14 +54,22 @@ def choice(choices, *, default=MISSING, **more):
 def text(*, default=MISSING, **more):
     """A field of a word that its record checks.
 
-    more: of an option its help, for people; metavar; tag: what a history's file is called where the option is not the
+    more: called: its name in messages, where that is not RECORD.FIELD; of an option its help, for people; metavar;
+    option: its name, where that is not the field's; tag: what a history's file is called where the option is not the
     default, a template of the options; seed: it only draws one of many alike.
     """
-    return field(default=default, metadata={"help": "", "metavar": None, "choices": None, "tag": None, "seed": False,
-                                            "unit": None, "words": (), "usual": None, **more})
+    return field(default=default, metadata={
+        "help": "", "metavar": None, "choices": None, "tag": None, "seed": False, "unit": None, "words": (),
+        "usual": None, "called": None, "option": None, **more})
 
 
-def check_fields(record, name=lambda record, one: f"{type(record).__name__}.{one.name}"):
+def option_of(one, unit=False):
+    """The option of a field, without its unit or with it where it has one."""
+    name = one.metadata["option"] or one.name.replace("_", "-")
+    return f"--{name}" + f" [{one.metadata['unit']}]" * bool(unit and one.metadata["unit"] not in (None, "1"))
+
+
+def check_fields(record, name=lambda record, one: one.metadata["called"] or f"{type(record).__name__}.{one.name}"):
     """Raise InputError where a field of a record is not what it says; name: of a field in the message."""
     for one in fields(record):
         value = getattr(record, one.name)
@@ -135,3 +143,11 @@ def _in_si(value, size):
     if math.isclose(size, 10.0**exponent) and "e" not in short(value):
         return f"{short(value)}e{exponent}"
     return f"{value * size:.4g}"
+
+
+def markdown(what, ranges):
+    """{name: Range} as a table of the documents; what: the heading of the names."""
+    lines = (f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} | {one.why} |"
+             for name, one in ranges.items())
+    return "\n".join([f"| {what} | from | to | unit | or 0 | near the limits |",
+                      "| --- | --- | --- | --- | --- | --- |", *lines])

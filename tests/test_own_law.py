@@ -1,0 +1,78 @@
+"""A joint law of one's own, as CONTRIBUTING.md says to add it, in a copy of the repository and in both solvers."""
+
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+from test_guides import clone  # noqa: F401
+
+from damage.law.joint_law import Material
+
+SHORT_STAGES = """#!{python}
+import runpy, sys
+sys.path.insert(0, "")
+from damage.run import settings
+settings.RAMP_S = settings.HOLD_S = settings.SETTLE_S = 0.02
+sys.argv[:] = sys.argv[2:]
+runpy.run_module("damage", run_name="__main__", alter_sys=True)
+"""
+READ = """
+import json, math, sys
+sys.path.insert(0, "")
+import damage
+found = []
+for solver in "reference", "yade":
+    history = damage.read_history(f"{solver}.h5")
+    breaks = history.events.query("kind == 'shear'")
+    found.append({"shear_n": float(history.series["base_shear_n"].iloc[-20:].mean()),
+                  "weight_n": float(history.bodies["mass_kg"].sum() * damage.units.GRAVITY),
+                  "friction_j": float(history.series["friction_energy_j"].iloc[-1]),
+                  "cohesion_pa": float((breaks["shear_stress_pa"].abs()
+                                        + breaks["normal_stress_pa"] * math.tan(math.radians(32))).min())})
+print(json.dumps(found))
+"""
+KEPT = 0.8  # of the walk's wall
+
+
+def test_what_is_added_to_the_material_has_a_default():
+    """Else every call with the friction alone, as tests have it, breaks."""
+    assert set(Material._fields) - set(Material._field_defaults) == {"friction"}
+
+
+@pytest.fixture(scope="module")
+def walked(clone, yade_command):  # noqa: F811
+    """A copy in which the walk was followed: its commands run in plain Python, since compiling takes a minute."""
+    section = (REPOSITORY / "CONTRIBUTING.md").read_text().partition("## A joint law")[2].partition("\n## ")[0]
+    steps = re.findall(r"^```(diff|python|sh)\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
+    assert [kind for kind, _ in steps] == ["diff", "python", "sh"]
+    names = re.findall(r"`(law\.diff|kept\.py)`", section)
+    (clone / names[0]).write_text(steps[0][1])
+    (clone / "kept.py").write_text(steps[1][1])
+    program = clone.parent / "bin" / "python3"
+    program.write_text(SHORT_STAGES.format(python=sys.executable))
+    applied = re.search(r"`(git apply law\.diff)`", section)[1]
+    done = subprocess.run(["bash", "-euc", f"{applied}\n{steps[2][1]}"], cwd=clone, capture_output=True, text=True,
+                          env={**os.environ, "PATH": f"{program.parent}:{os.environ['PATH']}", "PYTHONPATH": "",
+                               "NUMBA_DISABLE_JIT": "1"})
+    assert done.returncode == 0, done.stdout + done.stderr
+    read = subprocess.run([sys.executable, "-c", READ], cwd=clone, capture_output=True, text=True, check=True)
+    return done.stdout, *json.loads(read.stdout)
+
+
+@pytest.mark.yade
+def test_both_solvers_end_with_the_friction_that_is_kept(walked):
+    printed, reference, yade = walked
+    assert "verdict: within the tolerances" in printed
+    by_hand = KEPT * math.tan(math.radians(32)) * reference["weight_n"]
+    assert_allclose([reference["shear_n"], yade["shear_n"]], by_hand, rtol=5e-3)
+    assert_allclose(yade["shear_n"], reference["shear_n"], rtol=1e-3)
+    assert_allclose(yade["friction_j"], reference["friction_j"], rtol=5e-3)
+    assert f"{by_hand / 1e3:.2f} kN" in (REPOSITORY / "CONTRIBUTING.md").read_text()
+    # A bond fails by its cohesion and all of its friction: only what slides has less.
+    assert_allclose(reference["cohesion_pa"], 0.24e6, rtol=0.05)
