@@ -203,8 +203,8 @@ def _add_push(group):
 
 def _add_settlement(group):
     group.add_argument("--settle", type=file_path, metavar=f"{'|'.join(PROFILES)}|FILE.csv",
-                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m of a "
-                       "file; without a motion the run ends then")
+                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m, or "
+                       "levels x_m,height_m,date, of a file; without a motion the run ends then")
     group.add_argument("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection "
                        f"over half the wall's length, or the angle of tilt and knick (default "
                        f"1/{1 / USUAL_DISTORTION:g})")
@@ -216,7 +216,7 @@ def _add_before(group):
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
                        "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
     group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
-                       "crack of --cracked may be drawn (default: half a brick's height)")
+                       "crack of --cracked may be drawn (default: half a brick's length)")
 
 
 def _surveyed(parsed):
