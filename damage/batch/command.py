@@ -65,9 +65,9 @@ def parse(words):
     parser.add_argument("--out", type=file_path, metavar="DIR", help="where everything goes (default results/NAME)")
     parser.add_argument("--solver", default="reference", choices=("yade", "reference", "both"), help="what simulates "
                         "(default reference)")
-    parser.add_argument("--keep", default="all", choices=KEEP, help="histories: all (default); summary: those of "
-                        "each point's first run, and what failed; patterns: these, and of every run openings, offsets and "
-                        "displacements at rest, some kB each")
+    parser.add_argument("--keep", default="all", choices=KEEP, help="histories: all (default); summary: those "
+                        "of each point's first run, and what failed; patterns: these, and of every run openings, "
+                        "offsets and displacements at rest, some kB each")
     parser.add_argument("--run", metavar="ID", help="make the history of this run alone, which was not kept")
     parser.add_argument("--dry-run", action="store_true", help="make nothing: say what there is to do, expected time "
                         "and disk")

@@ -51,9 +51,9 @@ Cost = namedtuple("Cost", "seconds n_bytes")
 class Plan:
     """What is left of a Study in its folder, with its time and size.
 
-    there: {StudyRun: names of its runs that are there}; left: StudyRuns; costs: {StudyRun: Cost of one run}; scale: Cost
-    of factors on these; runs: fewest and most to make; seconds: (least, most) that is expected; once_s: of compiling;
-    by: what the time is from, in words.
+    there: {StudyRun: names of its runs that are there}; left: StudyRuns; costs: {StudyRun: Cost of one run}; scale:
+    Cost of factors on these; runs: fewest and most to make; seconds: (least, most) that is expected; once_s: of
+    compiling; by: what the time is from, in words.
     """
 
     def __init__(self, study, folder, jobs, remake=False):

@@ -1,9 +1,9 @@
 """What twins say of a claim: shares of walls by cause, but-for, widths, and where there is no answer.
 
 A world is a draw and whether the ground settled, whose probability is a prior.  What stands there is `both` where it
-settled, else `earthquakes`; without the earthquakes it were `settlement`, else `none`.  In the second table each world has
-the weight of its likeness to the survey, too (`damage.claim.likeness`).  Intervals are of 95 %, Wilson's, with the effective
-number of draws (sum W)^2 / sum W^2, where W is the weight of both worlds of a draw.
+settled, else `earthquakes`; without the earthquakes it were `settlement`, else `none`.  In the second table each world
+has the weight of its likeness to the survey, too (`damage.claim.likeness`).  Intervals are of 95 %, Wilson's, with the
+effective number of draws (sum W)^2 / sum W^2, where W is the weight of both worlds of a draw.
 """
 
 from typing import NamedTuple
@@ -54,8 +54,8 @@ def effective(weight):
 
 
 def share(hits, weight):
-    """{share, low, high, draws}: share of weights (2, n) with a hit, its interval, and the effective number; None without
-    any weight."""
+    """{share, low, high, draws}: share of weights (2, n) with a hit, its interval, and the effective number; None
+    without any weight."""
     total = weight.sum()
     if total == 0:
         return {"share": None, "low": None, "high": None, "draws": 0.0}
@@ -82,8 +82,8 @@ def table(worlds):
 
 
 def widths(worlds):
-    """Widest crack [mm] of worlds that stand: {before, added, left: [5, 50, 95 %]}, None without a weight; before: without
-    the earthquakes."""
+    """Widest crack [mm] of worlds that stand: {before, added, left: [5, 50, 95 %]}, None without a weight; before:
+    without the earthquakes."""
     stands = np.isfinite(worlds.width["now"]) & np.isfinite(worlds.width["without_earthquakes"])
     weight = np.where(stands, worlds.weight, 0.0)
     left, before = (np.where(stands, worlds.width[case], 0.0) for case in ("now", "without_earthquakes"))
@@ -117,8 +117,8 @@ def verdict(tables):
 def reasons(survey, tables_draws, strange):
     """Why there is no answer, a list of (code, value); empty where there is one.
 
-    survey: as dictionary (`Survey.as_dict`); tables_draws: smallest effective number of the second table; strange: share
-    of draws that are less strange.
+    survey: as dictionary (`Survey.as_dict`); tables_draws: smallest effective number of the second table; strange:
+    share of draws that are less strange.
     """
     widest_mm, limit_mm = survey["max_width_mm"], THRESHOLD / MILLIMETRE
     off = 1 - survey["share_on_joints"]

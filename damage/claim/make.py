@@ -60,7 +60,8 @@ def make_claim(claim, out, jobs):
         if status != 0:
             return status
         twins = read_twins(out, layout)
-        numbers = numbers_of(twins, survey, layout, claim.exposure, _chosen(claim), _ground(claim), _evidence(out, study))
+        numbers = numbers_of(twins, survey, layout, claim.exposure, _chosen(claim), _ground(claim),
+                             _evidence(out, study))
         write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
         place = write_text(out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS))
         if enough(numbers):

@@ -1,6 +1,6 @@
 """Every number of the sheet, as one table that JSON holds."""
 
-import datetime as dt
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -64,7 +64,8 @@ def answers(twins, survey, wall):
 
 
 def enough(numbers):
-    """Whether the intervals of the first table are narrow enough, and the second has draws enough, for no more to help."""
+    """Whether the intervals of the first table are narrow enough, and the second has draws enough, for no more to
+    help."""
     rows = [row for of in numbers["all_draws"].values() for row in of.values()]
     narrow = all(row["share"] is None or (row["high"] - row["low"]) / 2 <= ENOUGH for row in rows)
     return narrow and not any(one["why"] == "draws" for one in numbers["no_answer"])
@@ -101,7 +102,8 @@ def by_event(twins):
 
 
 def at_the_end(twins):
-    """Psi and widest crack [mm] after all events by what acted: 5, 50, 95 % of the walls that stand, and how many fell."""
+    """Psi and widest crack [mm] after all events by what acted: 5, 50, 95 % of the walls that stand, and how many
+    fell."""
     found = {}
     for name, psi in twins.psi.items():
         stands = ~twins.fell[name]
@@ -115,13 +117,13 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
     """Every number of the sheet, fit for JSON.
 
     wall: Layout; exposure: damage.exposure.exposure.Exposure; choices: of `damage.exposure.lives.Choices`, how motions
-    are chosen; settlement: {"profile", "distortion"} that was given, {"drawn": profiles, "distortion": bounds} otherwise;
-    evidence: {quantity: judgement} of `damage.measure.evidence`.
+    are chosen; settlement: {"profile", "distortion"} that was given, {"drawn": profiles, "distortion": bounds}
+    otherwise; evidence: {quantity: judgement} of `damage.measure.evidence`.
     """
     events = twins.events[SHAKEN]
     offsets = survey.table["offset"].notna().any() if len(survey.table) else False
     return {
-        "house": wall.wall.name, "date": dt.date.today().isoformat(), "shaking": shaking(exposure, twins),
+        "house": wall.wall.name, "date": f"{datetime.now(UTC):%Y-%m-%d}", "shaking": shaking(exposure, twins),
         "survey": survey.as_dict() | {"offsets_known": bool(offsets)}, "settlement": settlement, "choices": choices,
         "visible_from_mm": THRESHOLD / MILLIMETRE, "priors": list(PRIORS), "questions": list(BUT_FOR),
         **answers(twins, survey, wall), "at_the_end": at_the_end(twins), "by_event": by_event(twins),

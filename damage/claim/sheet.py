@@ -1,6 +1,6 @@
 """The sheet of a claim: one A4 page of HTML, in English or Dutch, of the numbers of `damage.claim.numbers`."""
 
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +8,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from damage.claim.answer import BUT_FOR, LEAST_DRAWS, MOST_OFF_JOINTS, ROWS, STRANGEST
-from damage.claim.words import PROFILES, QUANTITIES, WORDS, number
+from damage.claim.words import number, words
 from damage.index import THRESHOLD
 from damage.measure.cracks import cracked, ends_of
 from damage.provenance import commit
@@ -25,19 +25,17 @@ _PERCENT = "strange", "off_joints"
 
 def sheet(numbers, wall, survey, twins, language, json_name):
     """The text of the sheet; numbers: of `numbers_of`; wall: Layout; survey: Survey; json_name: file of all numbers."""
-    def words(key, **values):
-        return WORDS[language][key].format(**values)
+    say, shown = partial(words, language), partial(number, language)
 
-    def shown(value, digits=2):
-        return "-" if value is None else number(value, digits, language)
+    def ranges(three):
+        return "-" if three is None else say("range", least=shown(three[0]), middle=shown(three[1]),
+                                             most=shown(three[2]))
 
     return _environment().get_template("sheet.html").render(
-        numbers=numbers, words=words, shown=shown, language=language, cell=lambda row: _cell(row, shown),
-        answer=_answer(numbers, words, shown), why=_why(numbers, words, shown), rows=ROWS, but_for=BUT_FOR,
-        ranges=lambda three: "-" if three is None else
-        f"{shown(three[1])} ({shown(three[0])} {'tot' if language == 'nl' else 'to'} {shown(three[2])})",
-        pictures=_pictures(numbers, wall, survey, twins, words, shown), taken=_taken(numbers, words, shown, language),
-        evidence=_evidence(numbers["evidence"], words, language), json_name=json_name,
+        numbers=numbers, words=say, shown=shown, language=language, cell=_cell, ranges=ranges,
+        answer=_answer(numbers, say), why=_why(numbers, say, shown), rows=ROWS, but_for=BUT_FOR,
+        pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
+        evidence=_evidence(numbers["evidence"], say), json_name=json_name,
         software=f"masonry-damage {VERSION}, commit {commit()}")
 
 
@@ -47,72 +45,71 @@ def _environment():
                        lstrip_blocks=True)
 
 
-def _cell(row, shown):
+def _cell(row):
     """A share of 100 with its interval."""
     return "-" if row["share"] is None else (
         f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})")
 
 
-def _answer(numbers, words, shown):
+def _answer(numbers, say):
     """Sentences of the verdict, a list."""
     found = []
     for name in BUT_FOR:
         shares = [100 * one[name]["share"] for one in numbers["like_survey"].values() if one[name]["share"] is not None]
         ranges = f"{round(min(shares))}-{round(max(shares))}" if shares else "-"
-        found.append(words(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
+        found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
     return found
 
 
-def _why(numbers, words, shown):
+def _why(numbers, say, shown):
     """Sentences on why there is no answer, a list that is empty where there is one."""
-    return [words(f"why_{one['why']}", value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
-                  limit=shown(_LIMITS[one["why"]])) for one in numbers["no_answer"]]
+    return [say(f"why_{one['why']}", value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
+                limit=shown(_LIMITS[one["why"]])) for one in numbers["no_answer"]]
 
 
-def _taken(numbers, words, shown, language):
+def _taken(numbers, say, shown):
     """Sentences on what was taken, a list."""
     given, survey = numbers["settlement"], numbers["survey"]
-    drawn = given.get("drawn")
-    profile = given.get("profile")
-    profile = PROFILES.get(profile, profile) if language == "nl" else profile
-    if drawn:
-        ground = words("settled_drawn", least=round(1 / given["distortion"][0]), most=round(1 / given["distortion"][1]))
-    elif given.get("distortion"):
-        ground = words("settled_given", profile=profile, distortion=round(1 / given["distortion"]))
+    if "drawn" in given:
+        least, most = (round(1 / one) for one in given["distortion"])
+        ground = say("settled_drawn", least=least, most=most)
+    elif given["distortion"]:
+        ground = say("settled_given", profile=say(f"profile_{given['profile']}"),
+                     distortion=round(1 / given["distortion"]))
     else:
-        ground = words("settled_file", profile=profile)
+        ground = say("settled_file", profile=given["profile"])
     return [
-        ground, words("draws", n=numbers["draws"], events=shown(numbers["events_per_draw"]),
-                      above=shown(numbers["choices"]["above_mm_s"]), kernel=shown(numbers["kernel"]),
-                      fell=f"{numbers['fell']['earthquakes']}, {numbers['fell']['both']}"),
-        words("widths_used"), words("detection", limit=shown(survey["detection_limit_mm"]),
-                                    error=shown(survey["width_error_mm"])),
-        words("offsets_yes" if survey["offsets_known"] else "offsets_no")]
+        ground, say("draws", n=numbers["draws"], events=shown(numbers["events_per_draw"]),
+                    above=shown(numbers["choices"]["above_mm_s"]), kernel=shown(numbers["kernel"]),
+                    fell=f"{numbers['fell']['earthquakes']}, {numbers['fell']['both']}"),
+        say("widths_used"), say("detection", limit=shown(survey["detection_limit_mm"]),
+                                error=shown(survey["width_error_mm"])),
+        say("offsets_yes" if survey["offsets_known"] else "offsets_no")]
 
 
-def _evidence(evidence, words, language):
+def _evidence(evidence, say):
     """The sentence on evidence."""
-    outside = [QUANTITIES[name] if language == "nl" else name for name, one in evidence.items() if one["inside"] is False]
+    outside = [say(f"quantity {name}") for name, one in evidence.items() if one["inside"] is False]
     known = sum(one["inside"] is not None for one in evidence.values())
-    return words("outside", found=len(outside), known=known, names=", ".join(outside)) if outside else \
-        words("inside", known=known)
+    return say("outside", found=len(outside), known=known, names=", ".join(outside)) if outside else \
+        say("inside", known=known)
 
 
 # --- pictures ------------------------------------------------------------------------------------
 
-def _pictures(numbers, wall, survey, twins, words, shown):
+def _pictures(numbers, wall, survey, twins, say, shown):
     """(SVG, caption) of the survey and of the nearest computed walls."""
     of = numbers["survey"]
-    caption = words("survey_is", cracks=of["cracks"], length=shown(of["crack_length_m"]),
+    caption = say("survey_is", cracks=of["cracks"], length=shown(of["crack_length_m"]),
                     width=shown(of["max_width_mm"]), share=round(100 * of["share_on_joints"]))
     parts = survey.pattern.stretches
-    found = [(front(wall, ends_of(parts), parts["width_m"].to_numpy(float), "#b00", words("survey")),
-              f"{words('survey')}: {caption}")]
+    found = [(front(wall, ends_of(parts), parts["width_m"].to_numpy(float), "#b00", say("survey")),
+              f"{say('survey')}: {caption}")]
     for one in numbers["nearest"]:
         k = int(np.flatnonzero(twins.numbers == one["life"])[0])
         width = np.hypot(twins.opening_m[one["state"]][k], twins.offset_m[one["state"]][k])
         seen = cracked(width, survey.detection_limit_m)
-        text = words("nearest", cause=words(f"cause_{one['state']}"), distance=shown(one["distance"]))
+        text = say("nearest", cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
         found.append((front(wall, twins.ends[seen], width[seen], "#046", text), text))
     return found
 

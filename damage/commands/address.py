@@ -72,8 +72,8 @@ def _lives_options(within, strong):
             arg("--seed", type=number_from(0, 2**31, int), default=0, metavar="N", help="of the draws (default 0)"),
             arg("--above", type=number_from(0.01, 1000), default=8.0, metavar="MM_S", help="PGV from which an event "
                 "is part of a life (default 8); the largest always is"),
-            arg("--within", type=number_from(0.1, 1000), default=within, metavar="KM", help="stations whose records are "
-                f"used (default {within:g} km from the epicentre)"),
+            arg("--within", type=number_from(0.1, 1000), default=within, metavar="KM", help="stations whose records "
+                f"are used (default {within:g} km from the epicentre)"),
             arg("--scale-to", default="pgv", metavar="pgv|sa", help="what records are scaled to: the drawn PGV "
                 "(default), or the spectral acceleration at 0.2 s that it implies"),
             arg("--strong", nargs=2, type=float, default=strong, metavar="SHARE", help="shares of the Arias "
@@ -116,14 +116,16 @@ def _life(asked):
                       *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])])
 
 
-@command("a claim: the same front with and without the earthquakes, with and without settlement, beside a survey of its "
-         "cracks; one sheet that prints on A4, and every number as JSON; the same command continues",
+@command("a claim: the same front with and without the earthquakes, with and without settlement, beside a survey of "
+         "its cracks; one sheet that prints on A4, and every number as JSON; the same command continues",
          file_arg("wall", "HOUSE.toml", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
-         group("survey", file_arg("--cracks", "SURVEY.csv", "its cracks (docs/reference/crack-format.md)", required=True)),
+         group("survey", file_arg("--cracks", "SURVEY.csv", "its cracks (docs/reference/crack-format.md)",
+                                  required=True)),
          *_lives_options(3.5, (0.05, 0.15)),
-         group("lives", arg("--draws", type=number_from(2, 10000, int), metavar="N", help="draws (default: 48, then more, "
-                            "up to 400, until the intervals are narrow and enough draws resemble the survey)")),
-         group("runs", file_arg("--levels", "LEVELS.csv", "instead of --settle: levels x_m, height_m, date of a course")),
+         group("lives", arg("--draws", type=number_from(2, 10000, int), metavar="N", help="draws (default: 48, then "
+                            "more, up to 400, until the intervals are narrow and enough draws resemble the survey)")),
+         group("runs", file_arg("--levels", "LEVELS.csv", "instead of --settle: levels of a course, with columns x_m, "
+                                "height_m, date")),
          output(arg("--language", choices=("en", "nl"), default="en", help="of the sheet (default en)")),
          out("folder for the sheet, its numbers and the runs"))
 def _claim(asked):
@@ -132,8 +134,8 @@ def _claim(asked):
     from damage.claim.make import Claim, make_claim
 
     if asked.levels and (asked.settle or asked.distortion):
-        raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; leave "
-                         "the other out")
+        raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; "
+                         "leave the other out")
     if asked.distortion and not asked.settle:
         raise InputError("--distortion belongs to --settle; give both")
     settle = asked.levels or asked.settle

@@ -88,11 +88,12 @@ class Choices:
             for share in strong:
                 check_range("strong", share, 0, 0.49)
             object.__setattr__(self, "strong", strong)
-        self._check_ground()
+        if (self.settle, self.distortion) != (None, None):
+            for name, value in zip(("settle", "distortion"), self._checked_ground()):
+                object.__setattr__(self, name, value)
 
-    def _check_ground(self):
-        if self.settle is None and self.distortion is None:
-            return
+    def _checked_ground(self):
+        """Profiles and bounds as tuples; InputError where they are none."""
         settle, bounds = (tuple(one) if isinstance(one, list | tuple) else () for one in (self.settle, self.distortion))
         if not settle or len(bounds) != 2:
             raise InputError(f"settle = {self.settle!r}, distortion = {self.distortion!r}: expected profiles and two "
@@ -103,8 +104,7 @@ class Choices:
             check_range("distortion", bound, *DISTORTIONS)
         if bounds[0] > bounds[1]:
             raise InputError(f"distortion = {list(bounds)}: expected the smaller one first; exchange them")
-        object.__setattr__(self, "settle", settle)
-        object.__setattr__(self, "distortion", tuple(map(float, bounds)))
+        return settle, tuple(map(float, bounds))
 
 
 @dataclass(frozen=True)
@@ -144,8 +144,8 @@ class Draws:
         return largest if self.choices.largest_alone else (pgv >= self.choices.above_mm_s) | largest
 
     def settlement(self, number):
-        """The Settlement before the first event of a life, by its number from 1; None where none is drawn.  Its draws are
-        apart from those of the motions."""
+        """The Settlement before the first event of a life, by its number from 1; None where none is drawn.  Its draws
+        are apart from those of the motions."""
         if self.choices.settle is None:
             return None
         rng = np.random.default_rng([self.choices.seed, number, _GROUND])

@@ -242,8 +242,8 @@ def settlement_of(parsed):
     """The Settlement of parsed options, None without one."""
     drawn = parsed.life is not None and read_address(parsed.address).settlement(parsed.life)
     if drawn and parsed.settle is not None:
-        raise InputError(f"--settle {parsed.settle} and {parsed.address}, whose lives draw the settlement: expected one "
-                         "of them; leave --settle or the key settle out")
+        raise InputError(f"--settle {parsed.settle} and {parsed.address}, whose lives draw the settlement: expected "
+                         "one of them; leave --settle or the key settle out")
     if parsed.settle is None:
         if parsed.distortion is not None:
             raise InputError("--distortion belongs to --settle; give both")
