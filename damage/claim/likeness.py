@@ -81,13 +81,15 @@ def strangeness(distance):
     return float(np.sort(distance)[:NEAREST].mean())
 
 
-def strange_share(survey_distance, seen, error_m, known_m, probability):
-    """Share of draws [-] that are less strange among the others than a survey is among all.
+def pairwise(seen, error_m, known_m):
+    """Distances (n, n) of all rows of Seen from one another, each once as the survey; infinite of one from itself."""
+    found = np.array([distances(seen.at([k]), seen, error_m, known_m) for k in range(len(seen.area))])
+    np.fill_diagonal(found, np.inf)
+    return found
 
-    survey_distance: (n,) of all rows of Seen; probability: (n,) of each row.
-    """
-    own = []
-    for k in range(len(seen.area)):
-        others = np.arange(len(seen.area)) != k
-        own.append(strangeness(distances(seen.at([k]), seen.at(others), error_m, known_m)))
-    return float(probability[np.array(own) < strangeness(survey_distance)].sum() / probability.sum())
+
+def strange_share(away, pairs):
+    """Share of patterns [-] that are less strange among the others than a survey is among all; away: (n,) distances of
+    the survey; pairs: of `pairwise`."""
+    own = np.array([strangeness(row) for row in pairs])
+    return float(np.mean(own < strangeness(away))) if len(away) > NEAREST else 1.0

@@ -1,6 +1,7 @@
 """Every number of the sheet, as one table that JSON holds."""
 
 from datetime import UTC, datetime
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,12 +12,13 @@ from damage.claim.likeness import (
     Seen,
     distances,
     kernel,
+    pairwise,
     seen_of,
     strange_share,
     strangeness,
     surveyed,
 )
-from damage.claim.twins import BOTH, SHAKEN
+from damage.claim.twins import SHAKEN
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
 
@@ -25,40 +27,50 @@ ENOUGH = 0.1
 """Half-width of the widest interval of the first table up to which no more draws are asked for [-]."""
 
 
-def likeness_of(twins, survey, wall):
-    """(distances (2, n) of STATES, weights (2, n), share of draws that are less strange than the survey [-]).
+class Likeness(NamedTuple):
+    """Of a survey and twins: away: distances (2, n) of STATES; weight: (2, n); strange: share of visible patterns that
+    are less strange than the survey [-]."""
 
-    survey: damage.measure.survey.Survey on the Layout wall.
-    """
+    away: np.ndarray
+    weight: np.ndarray
+    strange: float
+
+
+def likeness_of(twins, survey, wall):
+    """The Likeness of a damage.measure.survey.Survey on the Layout wall."""
     mine, known = surveyed(survey, wall)
     seen = [seen_of(survey, twins.opening_m[name], twins.offset_m[name], wall) for name in STATES]
     away = np.array([distances(mine, one, survey.width_error_m, known) for one in seen])
-    stands = np.array([~twins.fell[name] for name in STATES])
-    every, standing = Seen(*map(np.concatenate, zip(*seen))), stands.ravel()
-    shown = standing & (every.length.sum(axis=1) > 0)  # a wall without visible cracks files no claim
-    probability = np.repeat([PRIORS[1], 1 - PRIORS[1]], len(twins))
-    if shown.sum() < 2:
-        return away, kernel(away, stands), 1.0
-    strange = strange_share(away.ravel()[shown], every.at(shown), survey.width_error_m, known, probability[shown])
-    return away, kernel(away, stands), strange
+    shown = claimed(twins, seen)
+    pairs = pairwise(Seen(*map(np.concatenate, zip(*seen))).at(shown.ravel()), survey.width_error_m, known)
+    return Likeness(away, kernel(away, standing(twins)), strange_share(away[shown], pairs))
 
 
-def answers(twins, survey, wall):
-    """What twins say with a Survey on a Layout: tables, widths, likeness, verdict and reasons for no answer."""
-    away, like, strange = likeness_of(twins, survey, wall)
-    first, second, wide = {}, {}, {}
-    for prior in PRIORS:
-        worlds = worlds_of(twins, prior, like)
-        first[str(prior)], second[str(prior)] = table(worlds_of(twins, prior)), table(worlds)
-        wide[str(prior)] = {"all": widths(worlds_of(twins, prior)), "like_survey": widths(worlds)}
-    number = {str(prior): effective(worlds_of(twins, prior, like).weight) for prior in PRIORS}
+def standing(twins):
+    """Whether walls stand, (2, n) of STATES."""
+    return np.array([~twins.fell[name] for name in STATES])
+
+
+def claimed(twins, seen):
+    """Whether walls stand with visible cracks (2, n), of Seen of STATES: others are in no claim."""
+    return standing(twins) & np.array([one.length.sum(axis=1) > 0 for one in seen])
+
+
+def answers(twins, likeness, survey):
+    """What twins say by the Likeness of a survey: tables, widths, verdict and reasons for no answer; survey: as of
+    `Survey.as_dict`."""
+    away, like, strange = likeness
+    first, second, wide, number = {}, {}, {}, {}
+    for prior in map(str, PRIORS):
+        every, worlds = worlds_of(twins, float(prior)), worlds_of(twins, float(prior), like)
+        first[prior], second[prior], number[prior] = table(every), table(worlds), effective(worlds.weight)
+        wide[prior] = {"all_draws": widths(every), "like_survey": widths(worlds)}
     nearest = np.argsort(np.where(like.ravel() > 0, away.ravel(), np.inf), kind="stable")[:SHOWN_NEAREST]
     return {
         "draws": len(twins), "kernel": KERNEL, "all_draws": first, "like_survey": second,
         "effective_draws": number, "crack_width_mm": wide, "stranger_than": strange,
         "strangeness": strangeness(away.ravel()), "verdict": verdict(second),
-        "no_answer": [{"why": why, "value": value}
-                      for why, value in reasons(survey.as_dict(), min(number.values()), strange)],
+        "no_answer": [{"why": why, "value": value} for why, value in reasons(survey, min(number.values()), strange)],
         "nearest": [{"life": int(twins.numbers[place % len(twins)]), "state": STATES[place // len(twins)],
                      "distance": float(away.ravel()[place])} for place in nearest]}
 
@@ -126,9 +138,8 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
         "house": wall.wall.name, "date": f"{datetime.now(UTC):%Y-%m-%d}", "shaking": shaking(exposure, twins),
         "survey": survey.as_dict() | {"offsets_known": bool(offsets)}, "settlement": settlement, "choices": choices,
         "visible_from_mm": THRESHOLD / MILLIMETRE, "priors": list(PRIORS), "questions": list(BUT_FOR),
-        **answers(twins, survey, wall), "at_the_end": at_the_end(twins), "by_event": by_event(twins),
+        **answers(twins, likeness_of(twins, survey, wall), survey.as_dict()),
+        "at_the_end": at_the_end(twins), "by_event": by_event(twins),
         "events_per_draw": float(len(events) / events["life"].nunique()),
         "fell": {name: int(twins.fell[name].sum()) for name in STATES},
-        "settlements": {name: [float(one) for one in np.quantile(twins.settlement[name].astype(float), (0, 0.5, 1))]
-                        for name in ("distortion",) if twins.settlement[name].notna().all()},
-        "points": [BOTH, SHAKEN], "evidence": evidence}
+        "evidence": evidence}

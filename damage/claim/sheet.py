@@ -28,8 +28,8 @@ def sheet(numbers, wall, survey, twins, language, json_name):
     say, shown = partial(words, language), partial(number, language)
 
     def ranges(three):
-        return "-" if three is None else say("range", least=shown(three[0]), middle=shown(three[1]),
-                                             most=shown(three[2]))
+        least, middle, most = (shown(round(value, 2) + 0.0) for value in three) if three else "-" * 3
+        return say("range", least=least, middle=middle, most=most) if three else "-"
 
     return _environment().get_template("sheet.html").render(
         numbers=numbers, words=say, shown=shown, language=language, cell=_cell, ranges=ranges,
