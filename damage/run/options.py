@@ -242,10 +242,14 @@ def fraction(word):
 
 def settlement_of(parsed):
     """The Settlement of parsed options, None without one."""
+    drawn = parsed.life is not None and read_address(parsed.address).settlement(parsed.life)
+    if drawn and parsed.settle is not None:
+        raise InputError(f"--settle {parsed.settle} and {parsed.address}, whose lives draw the settlement: expected "
+                         "one of them; leave --settle or the key settle out")
     if parsed.settle is None:
         if parsed.distortion is not None:
             raise InputError("--distortion belongs to --settle; give both")
-        return None
+        return drawn or None
     if str(parsed.settle) in PROFILES:
         given = parsed.distortion
         return Settlement(str(parsed.settle), USUAL_DISTORTION if given is None else given)
