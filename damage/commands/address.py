@@ -162,6 +162,17 @@ def _claim(asked):
         asked.out, asked.jobs or os.cpu_count())
 
 
+@command("a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step; it listens on the "
+         "loopback interface alone and writes below --out only (needs Flask: python3-flask)",
+         arg("--port", type=number_from(0, 65535, int), default=0, metavar="N", help="of the page (default: a free one)"),
+         arg("--no-browser", dest="opened", action="store_false", help="print the page's address, open no browser"),
+         out("folder of the claim"))
+def _app(asked):
+    from damage.app.server import serve
+
+    serve(asked.out, asked.port, asked.opened)
+
+
 @command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "
          "the contribution of each; tables, pictures and one HTML report, in the folder",
          file_arg("results", "FOLDER", "folder of a study with lives"),
