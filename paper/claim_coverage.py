@@ -2,12 +2,12 @@
 
     python3 paper/claim_coverage.py CLAIM... [--asked-of CLAIM] [--offsets] [--rows ROWS.csv]
 
-CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by both causes (B), by the
-earthquakes alone (E), and by the settlement alone (S), where the earthquakes of the address did not occur.  A surveyor sees
-cracks from 0.1 mm on, each crack's width within 0.05 mm, rounded to 0.05 mm, and misses one, a narrow one rather;
---offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no claim.  The sheet answers
-from all other draws: the claim's own draw is left out.  --asked-of: from the draws of another wall, whose joints the
-cracks are laid on.
+CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by both causes (B), by
+the earthquakes alone (E), and by the settlement alone (S), where the earthquakes of the address did not occur.  A
+surveyor sees cracks from 0.1 mm on, each crack's width within 0.05 mm, rounded to 0.05 mm, and misses one, a narrow one
+rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no claim.  The
+sheet answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of another wall, whose
+joints the cracks are laid on.
 
 Prints a table: claims; answers, and those that are wrong; for each prior of settlement the share of claims, weighted by
 that prior, whose true widths lie in the 90 % intervals; then the same for the draws alone, whatever their number.

@@ -109,8 +109,8 @@ def verdict(tables):
     for name in BUT_FOR:
         rows = [one[name] for one in tables.values()]
         known = all(row["share"] is not None for row in rows)
-        found[name] = "yes" if known and all(row["low"] >= SURE for row in rows) else \
-            "no" if known and all(row["high"] <= 1 - SURE for row in rows) else "open"
+        found[name] = "yes" if known and all(row["low"] >= SURE - 1e-9 for row in rows) else \
+            "no" if known and all(row["high"] <= 1 - SURE + 1e-9 for row in rows) else "open"
     return found
 
 

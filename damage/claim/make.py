@@ -50,7 +50,7 @@ def make_claim(claim, out, jobs):
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
     choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
-    layout = _layout(claim.wall)
+    layout = layout_of(claim.wall)
     survey = read_survey(claim.survey, layout)
     warn(*claim.exposure.warnings, *survey.notes)
     _state_time(claim, out, jobs, steps)
@@ -70,7 +70,8 @@ def make_claim(claim, out, jobs):
     return 0
 
 
-def _layout(wall):
+def layout_of(wall):
+    """Layout of a claim's wall: its file, or the name of one that ships."""
     return lay_out(load_wall(wall_path(wall)), ModelOptions(supports="bricks"))
 
 

@@ -145,6 +145,7 @@ def _claim(asked):
     import os
 
     from damage.claim.make import Claim, make_claim
+    from damage.run.options import parse_run
 
     if asked.levels and (asked.settle or asked.distortion):
         raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; "
@@ -154,11 +155,12 @@ def _claim(asked):
     settle = asked.levels or asked.settle
     if settle and is_there(settle):
         settle = str(Path(settle).resolve())
-    settlement = {"settle": settle, "distortion": asked.distortion}
+    settlement = {name: value for name, value in (("settle", settle), ("distortion", asked.distortion)) if value}
+    parse_run([word for name, value in settlement.items() for word in (f"--{name}", value)], "", "reference")
     return make_claim(
         Claim(asked.wall, _address_of(asked), _exposure_of(asked), asked.cracks,
               {"rest": asked.rest, "strength-cov": asked.strength_cov},
-              {name: value for name, value in settlement.items() if value is not None}, asked.draws, asked.language),
+              settlement, asked.draws, asked.language),
         asked.out, asked.jobs or os.cpu_count())
 
 

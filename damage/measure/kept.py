@@ -73,11 +73,11 @@ def read_patterns(path):
     """The Patterns of a file; raises InputError."""
     path = check_file(path, "the patterns of a run (.npz)", MOST_MB)
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as archive:
             found = Patterns(*(archive[name] for name in Patterns._fields))
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: cannot be read as the patterns of a run ({one_line(error)}); delete it, and the "
-                         "same study makes it again") from error
+        raise InputError(f"{path}: cannot be read as the patterns of a run ({one_line(error)}): "
+                         "expected what --keep patterns wrote; delete it, and the same study makes it again") from error
     n, k = len(found.moment), len(found.joints)
     if not found.opening_m.shape == found.offset_m.shape == (n, k) or n == 0 or found.displacement.shape[:1] != (n,):
         raise InputError(f"{path}: opening, offset and displacement of other shapes than {n} moments and {k} contact "
