@@ -22,7 +22,7 @@ from scipy.stats import binomtest, ks_2samp
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from damage.reference.together import run_references
+from damage.reference.session import run_references
 
 import damage
 from damage.history.in_memory import HistoryInMemory

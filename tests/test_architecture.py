@@ -23,6 +23,7 @@ ROOMS = [
     ("damage.life",),
     ("damage.html", "damage.export"),
     ("damage.batch",),
+    ("damage.claim",),
     ("damage.commands",),
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),

@@ -147,12 +147,17 @@ def _export_wall(asked):
         print(path)
 
 
-@command("compare a history with another, or an ensemble", file_arg("first", "A.h5"),
-         file_arg("others", "B.h5", "of several the median counts", nargs="+"), JSON,
+@command("compare a history with another, an ensemble, or the survey of a real wall", file_arg("first", "A.h5"),
+         file_arg("others", "B.h5|SURVEY.csv", "of several histories the median counts; a crack file is compared with "
+                  "the end of each history", nargs="+"), JSON,
          out("folder for a picture of drift and joints", required=False))
 def _compare(asked):
     from damage.measure.compare import compare, describe
 
+    paths = asked.first, *asked.others
+    if surveys := [path for path in paths if path.suffix.lower() == ".csv"]:
+        _compare_survey(asked, surveys, [path for path in paths if path not in surveys])
+        return
     first, others = read_history(asked.first), [read_history(path) for path in asked.others]
     result = compare(first, others)
     if asked.out:
@@ -162,6 +167,21 @@ def _compare(asked):
         save([("compare", compare_picture(first, others[0]))], asked.out,
               "\n".join(map(origin, (first, others[0]))))
     show(asked, result, describe)
+
+
+def _compare_survey(asked, surveys, paths):
+    from damage.measure.survey import beside, describe_beside, read_survey
+    from damage.wall.layout import lay_out
+
+    if len(surveys) > 1 or not paths or asked.out:
+        raise InputError(f"compare with {surveys[0]}: expected one survey, histories beside it, and no --out; "
+                         "correct it")
+    found = []
+    for history in map(read_history, paths):
+        layout = lay_out(history.masonry_wall, history.model)
+        found.append({"run": str(history.path)} | beside(
+            read_survey(surveys[0], layout), history.opening_m[-1], history.slip_by("displacement")[-1], layout))
+    show(asked, found, lambda found: "\n".join(line for one in found for line in (one["run"], *describe_beside(one))))
 
 
 @command("tables of histories as CSV: of one run over time, or one row per run",

@@ -32,7 +32,7 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
-from damage.run.opening import opening_lines, record_lines, sequence_lines
+from damage.run.opening import event_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
@@ -287,8 +287,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
              code="softening_step")
     made_by = versions(backend.code) | backend.versions
     state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *record_lines(settings),
-          *sequence_lines(settings), sep="\n", flush=True)
+    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
+          *record_lines(settings), *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "repeats": 0, "repeated_for": None,
                   "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
