@@ -81,6 +81,13 @@ class File:
                     _copy(dataset, file[dataset.name], count)
             self._file.flush()
 
+    def discard(self):
+        """Close the file and delete it."""
+        with self._writing():
+            self._file.close()
+            self._lock.close()
+            self.path.unlink()
+
     def keep_state(self, state):
         with self._writing():
             self._state.resize(len(state), axis=0)

@@ -9,7 +9,8 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
@@ -31,18 +32,13 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
-from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed
-from damage.run.opening import kept_lines, opening_lines, record_lines, sequence_lines
+from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
+from damage.run.opening import event_lines, kept_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
-from damage.run.schedule import (
-    check_size,
-    check_top,
-    choose_time_step,
-    deformable_warnings,
-    softening_warnings,
-)
+from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
+from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import as_they_end, run_each, take_turns
 from damage.start import is_of_output
@@ -179,7 +175,7 @@ def _run_members(backend, wall_file, make_wall, settings):
 
 
 def _ended_member(prepared, out):
-    """(row of the table of members, doubts on its energy, History), the last two of which the first member and the
+    """(row of the table of members, warnings of its energy, History), the last two of which the first member and the
     others lack; out: path of the first one's history."""
     history, path = prepared.writer.history(), prepared.writer.path
     row = member_row(history, out)
@@ -203,7 +199,7 @@ def _report_members(settings, statuses, ended, out):
         return max(statuses[0], EXIT_INTERRUPTED * (worst == EXIT_INTERRUPTED))
     in_order = [ended[number] for number in sorted(ended)]
     print(f"members: {write_table(pd.DataFrame([row for row, *_ in in_order]), members_path(out))}")
-    warn(*(text for _, doubts, _ in in_order for text in doubts))
+    warn(*(text for _, cautions, _ in in_order for text in cautions))
     report(ended[0][2], pictures=settings.pictures)
     if len(ended) < settings.members:
         print(f"{len(ended)} of {settings.members} members ended: median and range are of these")
@@ -228,7 +224,9 @@ def _run_to_its_pictures(prepared, show):
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
     state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it goes on, None
-    of a run that begins; checkpoints: what writes them, None where there is no file."""
+    of a run that begins; checkpoints: what writes them, None where there is no file; repeats: (RunSettings, time step)
+    of runs that follow until one is accepted (`damage.run.scheme`); parameters: of the history, write(parameters=...):
+    makes another."""
 
     backend: Backend
     settings: RunSettings
@@ -239,6 +237,23 @@ class Prepared:
     state: dict | None = None
     resumed: dict | None = None
     checkpoints: Checkpoints | None = None
+    repeats: tuple[tuple[RunSettings, float], ...] = ()
+    parameters: dict = field(default_factory=dict)
+    write: Callable | None = None
+
+    def repeated(self, reason):
+        """The Prepared run that follows one that was not accepted, by a RunError; its history begins anew."""
+        code = getattr(reason, "code", FAILURE)
+        skipped = len(self.repeats) - 1 if code == DROP else 0
+        (settings, time_step), *others = self.repeats[skipped:]
+        parameters = self.parameters | settings.as_dict() | {
+            "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": code}
+        print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
+        if self.checkpoints:
+            self.checkpoints.remove()
+        self.writer.begin_again(partial(self.write, parameters=parameters))
+        return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters,
+                       resumed=None)
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -263,27 +278,31 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
+    options = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]), fastest_decay(layout))
+    ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     _warn_of(backend, settings, wall, time_step, modes.critical_time_step_s)
     made_by = versions(backend.code) | backend.versions
     state = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
-          *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n", flush=True)
+    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
+          *record_lines(settings), *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n",
+          flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
-                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
-                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
+                  "time_step_s": time_step, **so_far,
+                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
+                  "pier_stress_pa": layout.pier_stress,
+                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
+                                     settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
-    writer, tables = None, None
+    write, writer, tables = partial(write, out, layout, solver=backend.name, versions=made_by,
+                                    overwrite=settings.overwrite), None, None
     if settings.resumed:
         writer, tables = resumed(out, layout, parameters, made_by["model"], _like(backend, settings, layout, time_step))
-    writer = writer or write(out, layout, solver=backend.name, parameters=parameters, versions=made_by,
-                             overwrite=settings.overwrite)
+    writer = writer or write(parameters=parameters)
     print(f"history: {writer.where}", flush=True)
     return Prepared(backend, settings, layout, modes, time_step, writer, state, tables,
-                    _checkpoints(backend, settings, writer))
+                    _checkpoints(backend, settings, writer), tuple(repeats), parameters, write)
 
 
 def _check_out(out, settings):
@@ -308,6 +327,7 @@ def _checkpoints(backend, settings, writer):
 def _warn_of(backend, settings, wall, time_step, critical_s):
     """Warn of choices that do not suit this wall; time_step, critical_s [s]."""
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
+    warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
     if isinstance(settings.loading, Recorded) and not settings.events:
@@ -353,8 +373,17 @@ def attended(label, show=None, quiet=False, runs=1):
 
 
 def simulate(prepared, keep_going, settled=None):
-    """Run all stages of a Prepared run; the history is closed and marked however this ends.  A generator for
-    `take_turns`, which returns the exit status; settled: as of Run."""
+    """Run all stages of a Prepared run, until one is accepted; the history is closed and marked however this ends.  A
+    generator for `take_turns`, which returns the exit status; settled: as of Run."""
+    while prepared.repeats:
+        try:
+            return (yield from _simulate(prepared, keep_going, settled))
+        except RunError as reason:
+            prepared, settled = prepared.repeated(reason), None
+    return (yield from _simulate(prepared, keep_going, settled))
+
+
+def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
@@ -372,14 +401,20 @@ def simulate(prepared, keep_going, settled=None):
         if collapsed is not None and collapsed <= 0 and prepared.settings.settlement:
             raise RunError(f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s before "
                            "time zero; expected a wall that stands; give a smaller --distortion")
+        if finished:
+            check_energy(prepared.settings, run.energy_error)
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
         if finished and prepared.checkpoints and not run.has_kept_its_end:
             prepared.checkpoints.remove()
+    except RunError:
+        status = None if prepared.repeats else status  # its history begins again
+        raise
     finally:
-        writer.finish(status, collapsed)
+        if status is not None:
+            writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
 
 
