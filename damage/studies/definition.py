@@ -47,8 +47,8 @@ from damage.wall.file import shipped_walls
 
 PATH_OPTIONS = ("--record", "--vertical", "--across", "--cracked", "--settle", "--address", "--continue")
 """Options that name a file; --settle may name a profile instead.  So does --sequence, where it ends in .csv."""
-RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view",
-                    "--console", "--help", "-h")
+RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--console",
+                    "--checkpoint", "--resume", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 SOLVERS = ("yade", "reference")
