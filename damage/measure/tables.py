@@ -21,13 +21,12 @@ from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import bricks_table, has_stresses
 from damage.measure.columns import read_table, slip_criteria
-from damage.measure.cracks import psi_history
-from damage.measure.cycles import cycles_table, index_by_all
+from damage.measure.cycles import cycles_table, index_by_all, shocks_table
 from damage.measure.damage_index import storeys_table
 from damage.measure.summary import flat_summary
 from damage.motion.intensity import APPLIED, motion_measures
 from damage.provenance import measures_digest
-from damage.units import GRAVITY, MILLIMETRE, rounded
+from damage.units import GRAVITY, rounded
 
 
 def summary_row(history, run="", point=""):
@@ -89,39 +88,6 @@ def index_table(history):
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
     others = index_by_all(history).drop(columns=list(COMPONENTS))
     return table.join(others).assign(slip=history.judged_by("displacement"))
-
-
-def shocks_table(history):
-    """Table of the events of a History, a DataFrame, a row for each event of its sequence.
-
-    motion, factor: name of the motion, factor on it; start_s, end_s; max_...: maxima during the event of drift ratio,
-    index by each slip criterion, crack width and Psi; residual_...: values at the last sample of its settling stage,
-    None without one; offset_before_mm, offset_after_mm: largest offset at its start and end; newly_failed: contact
-    points whose bonds failed in it.
-    """
-    index, rows = index_by_all(history), []
-    cracks = psi_history(history)
-    cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
-    offset, failed = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE, \
-        history.states.broken.sum(axis=1)
-    last = None  # sample before the event
-    for event, members in history.series.groupby("shock"):
-        settled = members["stage"].iloc[-1] == "settling"
-        end = members.index[-1]
-        row = {"shock": event, "motion": history.event_loadings[event - 1].name,
-               "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
-               "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
-               "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
-        mine = index.join(cracks).loc[members.index]
-        for name in mine:
-            row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
-        before = (0.0, np.nan_to_num(history.static.get("broken_joints", 0))) if last is None else \
-            (offset[last], failed[last])
-        row |= {"offset_before_mm": before[0], "offset_after_mm": offset[end],
-                "newly_failed": int(failed[end] - before[1])}
-        rows.append(row)
-        last = end
-    return pd.DataFrame(rows).assign(slip=history.judged_by("displacement"))
 
 
 def events_table(history):
@@ -220,14 +186,10 @@ def members_path(path):
     return Path(path).with_name(f"{Path(path).stem}_members.csv")
 
 
-def write_members(histories, path):
-    """Write the table of members beside the history file at `path`; returns the table's path.
-
-    histories: Histories of all members, that of `path` first.
-    """
+def member_row(history, path):
+    """Row of a member's History in the table of members beside the history file at `path`."""
     point = Path(path).stem
-    rows = [summary_row(history, run=f"{point}_s{history.parameters['seed']}", point=point) for history in histories]
-    return write_table(pd.DataFrame(rows), members_path(path))
+    return summary_row(history, run=f"{point}_s{history.parameters['seed']}", point=point)
 
 
 def members_of(history):

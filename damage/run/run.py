@@ -399,7 +399,7 @@ class Run:
     def _energies(self, now, motion):
         """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
         while the wall settles or is pushed; in any other stage there is none."""
-        zero, mass = self._zero, self.layout.bodies.mass
+        zero, mass = self._zero, self.layout.weighing
         energies = {
             "kinetic_energy_j": now.kinetic_j, "elastic_energy_j": now.elastic_j - zero.elastic_j,
             "gravity_energy_j": GRAVITY * np.array([mass @ one[:, 1] for one in motion]),

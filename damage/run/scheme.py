@@ -36,7 +36,8 @@ def is_shown(settings, wall):
     openings, bricks that stay whole, shaken by a record or harmonically."""
     model = {name: getattr(settings.model, name) for name in _FREE}
     return (wall.joint.softens and len(wall.openings) > 0 and not wall.brick.splits
-            and wall.joint.compressive_strength is None and isinstance(settings.loading, Harmonic | Recorded)
+            and wall.joint.compressive_strength is None
+            and not wall.restraints and isinstance(settings.loading, Harmonic | Recorded)
             and settings.model in [replace(shown, **model) for shown in _SHOWN]
             and not settings.new_contacts and "local" not in (settings.relaxation, settings.settling))
 
@@ -55,6 +56,9 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
     explicit = explicit, choose_time_step(explicit, critical_s, wall.joint.softens, decay_1_s)
     if settings.mass_scaling == NONE:
         return (explicit,)
+    if wall.restraints:
+        raise InputError("--mass-scaling selective of a wall with restraints: expected one without; leave "
+                         "--mass-scaling out")
     if not critical_s < step_s <= MOST_SCALED_STEP_S:
         raise InputError(f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the "
                          f"critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give "

@@ -8,7 +8,7 @@ import numpy as np
 
 from damage.checks import check_range
 from damage.errors import InputError
-from damage.fields import check_fields, choice, option_of, quantity
+from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
 from damage.index import THRESHOLD
 from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
@@ -18,7 +18,6 @@ from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
 
 SAMPLE_S = 2e-3
@@ -77,7 +76,8 @@ class RunSettings:
     each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
     along which joints have no bond, or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
-    life: what the events were drawn from (`damage.exposure.lives`), or None;
+    life: what the events were drawn from (`damage.exposure.lives`), or None; event: the one event at an address whose
+    motion `loading` is, or None;
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
     solver;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
@@ -101,6 +101,7 @@ class RunSettings:
     sequence: tuple[float, ...] = (1.0,)
     events: tuple[Event, ...] = ()
     life: dict | None = None
+    event: dict | None = None
     rest_s: float = quantity("s", 0, LONGEST_S, default=2.0, option="rest", metavar="S",
                              help="free vibration after the motion (default 2)")
     time_step_s: float | None = quantity("s", 1e-9, 1, default=None, option="dt", metavar="S",
@@ -278,7 +279,7 @@ class RunSettings:
                 "continued": self.continued and Path(self.continued).name,
                 "cracked": self.cracked and asdict(self.cracked),
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
-                **({"life": self.life} if self.life else {}),
+                **({"life": self.life} if self.life else {}), **({"event": self.event} if self.event else {}),
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
                 "beta_s": self.beta_s, "mass_scaling": self.mass_scaling, "relaxation": self.relaxation,
                 "settling": self.settles, "perturb_m": self.perturb_m,

@@ -94,7 +94,9 @@ def unbalanced_force(layout, on_bodies, in_contacts):
 
     on_bodies: forces of the contacts, (n_bodies, 3) [N, N, N m]; in_contacts: (n_contacts,) [N].
     """
-    resultant = np.hypot(on_bodies[:, 0], on_bodies[:, 1] - GRAVITY * layout.bodies.mass)
+    held = layout.held
+    resultant = np.hypot(np.where(held[:, 0], 0.0, on_bodies[:, 0]),
+                         np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass))
     return float(resultant.mean() / in_contacts.mean())
 
 
