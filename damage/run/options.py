@@ -149,7 +149,12 @@ def _option(action, name, value):
             raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return [option] if value is action.const else []
     if isinstance(action, argparse._AppendAction):
-        return [word for one in value for word in (option, *map(str, one))]
+        try:
+            rows = np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
+        except (TypeError, ValueError):
+            raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these; "
+                             "correct it") from None
+        return [word for one in rows for word in (option, *map(str, one))]
     values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
     words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
     return [option, *words] if action.nargs else [option, ",".join(words)]
