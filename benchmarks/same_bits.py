@@ -99,7 +99,8 @@ def compare(old, new, tolerance):
               + (f"; new: {', '.join(more)}" if more else ""), *found, sep="\n  ")
         different |= bool(found)
     for table in [] if old.is_file() else sorted(old.glob("*.csv")):  # of members
-        same = members(table).equals(members(new / table.name))
+        first, second = members(table), members(new / table.name)
+        same = second is not None and first.equals(second.reindex(columns=first.columns))
         print(f"{table.name}: {'equal' if same else 'differs'}")
         different |= not same
     return int(different)

@@ -9,8 +9,7 @@ import sys
 from pathlib import Path
 
 from damage.history.reader import read_history
-from damage.reference.session import BACKEND
-from damage.reference.together import run_references
+from damage.reference.session import BACKEND, run_references
 from damage.run.session import run_session
 from damage.wall.file import load_wall, wall_path
 from damage.wall.parameters import Wall

@@ -23,8 +23,8 @@ from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.measure.cracks import psi_history
 from damage.motion.formats import read_record
+from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
-from damage.reference.together import run_references
 from damage.units import MILLIMETRE
 from paper.bench import REPOSITORY, arguments, option, print_row, print_table
 

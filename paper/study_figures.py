@@ -8,7 +8,7 @@ from damage.draw import panels
 from damage.draw.run import draw_wall, joint_handles
 from damage.draw.style import BLACK, BLUE, GREEN, LIGHT, MEDIUM, VERMILLION, styled
 from damage.draw.wall import wall_shape
-from damage.measure.tables import shocks_table
+from damage.measure.cycles import shocks_table
 from damage.motion.loading import Harmonic
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL

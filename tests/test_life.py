@@ -33,10 +33,10 @@ from damage.life.results import (
     write_lives,
     write_study,
 )
-from damage.measure.tables import shocks_table
+from damage.measure.cycles import shocks_table
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence
-from damage.reference.together import run_references
+from damage.reference.session import run_references
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records

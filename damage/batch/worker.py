@@ -21,8 +21,8 @@ from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
+from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
-from damage.reference.together import run_references
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from damage.studies.records import record_of
 

@@ -21,9 +21,9 @@ from damage.history.moments import choose_sample, sample_at
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import principal_stresses
+from damage.measure.cycles import shocks_table
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
 from damage.measure.limits import bound
-from damage.measure.tables import shocks_table
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners, kinds_of_bodies
 

@@ -102,8 +102,8 @@ class _Announcement(event.Listener):
 
 event.register("numba:compile", _Announcement())
 KERNEL = Package(Path(__file__).parent, (
-    "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "strain",
-    "step"),
+    "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "scaling",
+    "strain", "step"),
     [Path(module.__file__) for module in (joint_law, kinds, kinematics, states)])
 compiled, inlined, entry = KERNEL.compiled, KERNEL.inlined, KERNEL.entry
 

@@ -15,7 +15,7 @@ import numpy as np
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
-from damage.fields import option_of
+from damage.fields import MOST_SEED, option_of
 from damage.measure.crack_file import Surveyed
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
@@ -24,10 +24,9 @@ from damage.motion.record import aligned_with
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
-from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
+from damage.run.settings import AFTER_FALL_S, MASS_SCALING, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500
@@ -303,6 +302,11 @@ def _add_model(group, solver):
         group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
                            help="damping of the static stage and of a pushed top: adaptive (default), or "
                            "local as in YADE")
+        group.add_argument("--settling", choices=RELAXATIONS, help="damping of settling stages (default: local, as in "
+                           "YADE, and adaptive with mass scaling)")
+        group.add_argument("--mass-scaling", choices=MASS_SCALING, help="selective: steps of up to 2e-4 s by masses "
+                           "that grow with the stiffness of the intact wall; a run that is not accepted is repeated in "
+                           "smaller steps (default: by the wall and its motion, docs/validation/mass-scaling.md)")
     _add_settings(group, "perturb_m", "scatter", "seed", "members")
     add_accept(group)
 

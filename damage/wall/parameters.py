@@ -10,16 +10,15 @@ from dataclasses import asdict, dataclass, field, replace
 
 from damage.checks import check_range, record_from
 from damage.errors import InputError
-from damage.fields import MODULI, check_fields, choice, implausible_fields, quantity
+from damage.fields import MODULI, MOST_BRICKS, check_fields, choice, implausible_fields, quantity
 from damage.units import GRAVITY
 from damage.wall.floors import Floor, check_floors
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
 from damage.wall.plan import check_bearing, check_outline, plan_of
 
-LONGEST_M, LONGEST_NAME, MOST_BRICKS, MOST_PARTS = 1000.0, 100, 20_000, 1000
-"""What a wall may have: length and height [m], characters of its name, bricks; openings, floors, or points of the
-outline: each is compared with all others."""
-MOST_SEED = 2**32 - 1
+LONGEST_M, LONGEST_NAME, MOST_PARTS = 1000.0, 100, 1000
+"""What a wall may have: length and height [m], characters of its name; openings, floors, or points of the outline:
+each is compared with all others."""
 
 
 @dataclass(frozen=True)
