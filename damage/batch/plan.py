@@ -21,8 +21,9 @@ from damage.batch.tasks import company_of
 from damage.law.modes import natural_modes
 from damage.mechanics.compiled import is_cached
 from damage.reference.ensembles import LEAST_LANES
-from damage.run.schedule import choose_time_step, sample_steps
-from damage.run.settings import HOLD_S, RAMP_S, Softening
+from damage.run.schedule import sample_steps
+from damage.run.scheme import schemes
+from damage.run.settings import HOLD_S, RAMP_S, SELECTIVE, Softening
 from damage.studies.members import most_members
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -35,8 +36,9 @@ MEASURED_AT = Speed(2.6, 1.25)
 RUN = {"alone": (0.75, 1.5), "together": (0.25, 2.0), "yade": (5.0, 1.0)}
 """Of a run: seconds besides its steps (layout, periods, history, tables), and its steps' time over that of a wall at
 rest."""
-DEFORMABLE = 16.0
-"""Time of a step and contact point with deformable bricks over that with rigid ones, in a run that is alone."""
+DEFORMABLE, SCALED = 16.0, 2.0
+"""Time of a step and contact point with deformable bricks over that with rigid ones, in a run that is alone; and of one
+with mass scaling, samples included, over that of an explicit one."""
 PICTURES_S, BATCH_S, COMPILING_S, PYTHON_S = 4.5, 4.5, 25.0, 0.0114
 """Seconds of the pictures of a run; of starting a batch and of the study's tables; of compiling; and of
 `speed.python_seconds`."""
@@ -48,33 +50,49 @@ BYTES_A_CONTACT_AND_SAMPLE = 1.15
 Cost = namedtuple("Cost", "seconds n_bytes")
 
 
+class Plan:
+    """What is left of a Study in its folder, with its time and size.
+
+    there: {StudyRun: names of its runs that are there}; left: StudyRuns; costs: {StudyRun: Cost of one run}; scale:
+    Cost of factors on these; runs: fewest and most to make; seconds: (least, most) that is expected; once_s: of
+    compiling; by: what the time is from, in words.
+    """
+
+    def __init__(self, study, folder, jobs, remake=False):
+        """remake: runs of another version are made again."""
+        ways = ways_of(study.runs, jobs)
+        machine, how = machine_speed()
+        self.costs = {run: estimate(run, ways[run], machine) for run in study.runs}
+        self.there = _there(study, folder, remake)
+        self.left = [run for run in study.runs if not self.there[run]]
+        self.scale, by = scales(self.costs, self.there, ways, folder)
+        counts = [{run: run.members for run in self.left}, {run: most_members(run) for run in self.left}]
+        self.runs = [sum(count.values()) for count in counts]
+        times = [seconds_of(study, count, self.costs, self.scale.seconds, jobs, machine) for count in counts]
+        compiles = not is_cached() and any(run.solver == "reference" for run in self.left)
+        unsure = UNMEASURED if compiles or how is UNKNOWN else 1.0
+        self.once_s = COMPILING_S * python_seconds() / PYTHON_S if compiles else 0.0
+        self.seconds = (times[0] + self.once_s) * LEAST / unsure, (times[1] + self.once_s) * MOST * unsure
+        self.by = f"{how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
+
+
 def print_plan(study, folder, jobs, remake=False):
     """Print the plan of a Study in its folder; remake: runs of another version are made again."""
-    ways = ways_of(study.runs, jobs)
-    machine, how = machine_speed()
-    costs = {run: estimate(run, ways[run], machine) for run in study.runs}
-    there = _there(study, folder, remake)
-    left = [run for run in study.runs if not there[run]]
-    scale, by = scales(costs, there, ways, folder)
+    plan = Plan(study, folder, jobs, remake)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
     for run in study.runs:
-        state = f"there, {len(there[run])} runs" if run.is_ensemble else "there"
-        print(f"  {run.id:60s}  {state if there[run] else _planned(run, costs[run], scale)}")
-    counts = [{run: run.members for run in left}, {run: most_members(run) for run in left}]
-    least, most = (sum(count.values()) for count in counts)
-    times = [seconds_of(study, count, costs, scale.seconds, jobs, machine) for count in counts]
-    compiles = not is_cached() and any(run.solver == "reference" for run in left)
-    unsure = UNMEASURED if compiles or how is UNKNOWN else 1.0
-    once_s = COMPILING_S * python_seconds() / PYTHON_S if compiles else 0.0
-    n_bytes = sum(most_members(run) * costs[run].n_bytes for run in left) * scale.n_bytes
-    print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; runs to make: "
+        state = f"there, {len(plan.there[run])} runs" if run.is_ensemble else "there"
+        print(f"  {run.id:60s}  {state if plan.there[run] else _planned(run, plan.costs[run], plan.scale)}")
+    least, most = plan.runs
+    on = next(path for path in (folder, *folder.parents) if path.is_dir())
+    n_bytes = sum(most_members(run) * plan.costs[run].n_bytes for run in plan.left) * plan.scale.n_bytes
+    print(f"points: {len(study.runs)}, {len(study.runs) - len(plan.left)} there; runs to make: "
           f"{'up to ' if most != least else ''}{most}\n"
-          f"expected: {duration((times[0] + once_s) * LEAST / unsure)} to "
-          f"{duration((times[1] + once_s) * MOST * unsure)} with {jobs} at a time, where nothing else runs; "
-          f"{n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
-          f"{free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
-          f"by {how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
-          + (f"; with compiling the solver once, about {duration(once_s)}" if compiles else ""), flush=True)
+          f"expected: {duration(plan.seconds[0])} to {duration(plan.seconds[1])} with {jobs} at a time, where nothing "
+          f"else runs; {n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
+          f"{free_bytes(on) / 1e9:.3g} GB free\n"
+          f"by {plan.by}"
+          + (f"; with compiling the solver once, about {duration(plan.once_s)}" if plan.once_s else ""), flush=True)
 
 
 def _there(study, folder, remake):
@@ -134,26 +152,28 @@ def _planned(run, cost, scale):
 def estimate(run, way, machine):
     """Cost of one run of a StudyRun; way: of `ways_of`; machine: a Speed."""
     settings = run.settings(ROOT)
-    softens, n_joints, critical_s, height = _wall(str(ROOT / run.wall), replace(settings.model, strength_seed=0))
-    settings = settings.for_joint(load_wall(ROOT / run.wall).joint, Softening())
-    loading, step_s = settings.loading, choose_time_step(settings, critical_s, softens)
+    wall, n_joints, *times, height = _wall(str(ROOT / run.wall), replace(settings.model, strength_seed=0))
+    (settings, step_s), *_ = schemes(settings.for_joint(wall.joint, Softening()), wall, *times)
+    loading = settings.loading
     shaken_s = loading.length_s(height) if loading.drive.quasi_static else settings.duration_s
     steps = (RAMP_S + HOLD_S + shaken_s) / step_s
-    samples = shaken_s / step_s / sample_steps(step_s)
+    samples = shaken_s / step_s / sample_steps(step_s, settings.mass_scaling)
     besides_s, factor = RUN[way]
     ns = {"together": machine.together_ns, "alone": machine.alone_ns, "yade": YADE_NS}[way]
     if settings.model.deforms:  # none step together
         ns, factor = DEFORMABLE * machine.alone_ns, RUN["alone"][1]
+    if settings.mass_scaling == SELECTIVE:
+        factor *= SCALED
     return Cost(besides_s * machine.alone_ns / MEASURED_AT.alone_ns + factor * steps * n_joints * ns * 1e-9,
                 samples * n_joints * BYTES_A_CONTACT_AND_SAMPLE)
 
 
 @cache
 def _wall(path, model):
-    """(whether its joints soften, contact points, critical time step [s], height of what is pushed [m]) of a wall."""
+    """(damage.Wall, contact points, critical time step and period [s], height of what is pushed [m]) of a file."""
     layout = lay_out(load_wall(path), model)
-    return (layout.wall.joint.softens, layout.n_joints, natural_modes(layout).critical_time_step_s,
-            layout.pushed_height)
+    modes = natural_modes(layout)
+    return (layout.wall, layout.n_joints, modes.critical_time_step_s, float(modes.period_s[0]), layout.pushed_height)
 
 
 def scales(costs, there, ways, folder):
@@ -189,8 +209,3 @@ def duration(seconds):
     '1:02:05'
     """
     return str(timedelta(seconds=round(seconds)))
-
-
-def _existing(folder):
-    """The folder, or the first above it that is there."""
-    return next(path for path in (folder, *folder.parents) if path.is_dir())

@@ -61,14 +61,19 @@ def kinematic_matrix(layout, directions):
                       shape=(len(contacts), coordinates * len(bodies))).tocsr()
 
 
-def stiffness_matrix(layout):
-    """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]."""
+def joint_stiffness(layout, factors=(1.0, 1.0)):
+    """Sparse stiffness of all contact points [N/m, N, N m], times factors across and along each."""
     contacts = layout.contacts
     normals = contact_normals(contacts)
     across = kinematic_matrix(layout, normals)
     along = kinematic_matrix(layout, normals[:, ::-1])
-    joints = (across.T @ diags(contacts.normal_stiffness * contacts.area) @ across
-              + along.T @ diags(contacts.shear_stiffness * contacts.area) @ along)
+    return (across.T @ diags(factors[0] * (contacts.normal_stiffness * contacts.area)) @ across
+            + along.T @ diags(factors[1] * (contacts.shear_stiffness * contacts.area)) @ along)
+
+
+def stiffness_matrix(layout):
+    """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]."""
+    joints = joint_stiffness(layout)
     if layout.wall.restraints:
         top = top_of(layout.wall)
         joints = joints + _of_bearing(layout, top.at_rest if top and top.stiffness else 0.0)
@@ -103,18 +108,23 @@ def static_displacement(layout):
     return moved.reshape(weight.shape)
 
 
+def elastic_key(layout):
+    """All that masses and stiffnesses of a layout's intact wall depend on, a tuple of bytes."""
+    bodies, contacts = layout.bodies, layout.contacts
+    strain = () if layout.strain is None else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
+    return tuple(values.tobytes() for values in (
+        bodies.x, bodies.z, bodies.mass, bodies.inertia, contacts.kind, contacts.first, contacts.second, contacts.x,
+        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies,
+        *strain))
+
+
 def natural_modes(layout, n_modes=6):
     """The `n_modes` longest natural periods, their shapes, and 2 / omega_max.
 
     Those of the last walls are kept: members of an ensemble differ by their strengths alone, which modes do not know.
     Raises InputError of a wall that has none in the numbers of this machine.
     """
-    bodies, contacts = layout.bodies, layout.contacts
-    strain = () if layout.strain is None else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
-    asked = n_modes, layout.wall.restraints, *(values.tobytes() for values in (
-        bodies.x, bodies.z, bodies.mass, bodies.inertia, contacts.kind, contacts.first, contacts.second, contacts.x,
-        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies,
-        *strain))
+    asked = n_modes, layout.wall.restraints, *elastic_key(layout)
     if asked not in _KEPT:
         while len(_KEPT) >= _MOST_KEPT:
             del _KEPT[next(iter(_KEPT))]

@@ -46,7 +46,8 @@ def summary_row(history, run="", point=""):
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
     row |= _motion_columns(history) | asdict(history.model) | {"joints": history.joint_normals}
     row |= {name: history.parameters.get(name) for name in (
-        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "time_step_s", "eigen_period_s")}
+        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
+        "repeated_for", "eigen_period_s")}
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0
             for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
@@ -175,6 +176,11 @@ SHOWN = {"max_DI": ("maximum DI", 1.0, "", None), "residual_DI": ("residual DI",
 decimals in place of significant digits."""
 
 
+def repeated(table):
+    """How many runs of a table were repeated in smaller steps (`damage.run.scheme`)."""
+    return int((table.reindex(columns=["repeats"])["repeats"] > 0).sum())
+
+
 def members_path(path):
     """Path of the table of members beside the history file at `path`."""
     return Path(path).with_name(f"{Path(path).stem}_members.csv")
@@ -204,19 +210,20 @@ def members_of(history):
 def spread(table):
     """Median and range over the members of a table, a plain dictionary.
 
-    count: number of members; collapsed: how many of them collapsed; and for each column of SHOWN that has values
-    {"median", "min", "max"}.
+    count: number of members; collapsed, repeated: how many of them collapsed, or were repeated in smaller steps; and
+    for each column of SHOWN that has values {"median", "min", "max"}.
     """
     values = {name: table[name].dropna().astype(float) for name in SHOWN}
-    return {"count": len(table), "collapsed": int(table["collapsed_at_s"].notna().sum())} | {
+    return {"count": len(table), "collapsed": int(table["collapsed_at_s"].notna().sum()),
+            "repeated": repeated(table)} | {
         name: {"median": float(one.median()), "min": float(one.min()), "max": float(one.max())}
         for name, one in values.items() if len(one)}
 
 
 def describe_spread(spread):
     """The result of `spread` as text, a list of lines."""
-    fallen = f", {spread['collapsed']} of them collapsed" if spread["collapsed"] else ""
-    return [f"{spread['count']} members{fallen}: median (min to max)",
+    of_them = "".join(f", {spread[name]} of them {name}" for name in ("collapsed", "repeated") if spread.get(name))
+    return [f"{spread['count']} members{of_them}: median (min to max)",
             *(f"  {SHOWN[name][0]:14s}{members_in_words(spread, name)}" for name in SHOWN if name in spread)]
 
 

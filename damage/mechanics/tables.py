@@ -8,6 +8,7 @@ What differs between walls is in arrays (rows, fields, W), the wall last, of one
 of these arrays.
 """
 
+from collections import namedtuple
 from typing import NamedTuple
 
 import numba
@@ -98,7 +99,9 @@ READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
 displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
 
-class System(NamedTuple):
+class System(namedtuple("System", (
+        "place velocity force mass inverse_mass trig interfaces limits contacts strengths states readings "
+        "energy events values n_events relaxation last turning bearings radiation"))):
     """Tables of one wall.
 
     place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last, strain modes behind the rigid
@@ -121,30 +124,12 @@ class System(NamedTuple):
         along the interface [s], and their resultant in the last step [N, N m]
     """
 
-    place: np.ndarray
-    velocity: np.ndarray
-    force: np.ndarray
-    mass: np.ndarray
-    inverse_mass: np.ndarray
-    trig: np.ndarray
-    interfaces: np.ndarray
-    limits: np.ndarray
-    contacts: np.ndarray
-    strengths: np.ndarray
-    states: np.ndarray
-    readings: np.ndarray
-    energy: np.ndarray
-    events: np.ndarray
-    values: np.ndarray
-    n_events: np.ndarray
-    relaxation: np.ndarray
-    last: np.ndarray
-    turning: np.ndarray
-    bearings: np.ndarray
-    radiation: np.ndarray
+    __slots__ = ()
 
 
-class Tables(NamedTuple):
+class Tables(namedtuple("Tables", (
+        "bodies inertia interfaces limits contacts strengths states readings energy events values n_events "
+        "relaxation last turning bearings radiation bench sums others used lines first second every"))):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows, fields, W).
 
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of each coordinate;
@@ -159,31 +144,7 @@ class Tables(NamedTuple):
     vector.
     """
 
-    bodies: np.ndarray
-    inertia: np.ndarray
-    interfaces: np.ndarray
-    limits: np.ndarray
-    contacts: np.ndarray
-    strengths: np.ndarray
-    states: np.ndarray
-    readings: np.ndarray
-    energy: np.ndarray
-    events: np.ndarray
-    values: np.ndarray
-    n_events: np.ndarray
-    relaxation: np.ndarray
-    last: np.ndarray
-    turning: np.ndarray
-    bearings: np.ndarray
-    radiation: np.ndarray
-    bench: np.ndarray
-    sums: np.ndarray
-    others: np.ndarray
-    used: np.ndarray
-    lines: np.ndarray
-    first: np.ndarray
-    second: np.ndarray
-    every: np.ndarray
+    __slots__ = ()
 
 
 SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
@@ -302,6 +263,25 @@ class Strain(NamedTuple):
     damping: np.ndarray
     shapes: np.ndarray
     rows: np.ndarray
+
+
+class Matrix(NamedTuple):
+    """Mass matrix of selective mass scaling as a block factor L D L', its nodes in the order of elimination; a node has
+    three coordinates of a body.
+
+    body, first: (nodes,) row of its body and its first coordinate; start: (nodes + 1,) first block of each column of L;
+    below: (blocks,) node of each block's row; lower: (blocks, 9) these blocks; diagonal, inverse: (nodes, 9) blocks of
+    D, zero where massless and prescribed, and of its inverse; room: (nodes, 6, W) work array.
+    """
+
+    body: np.ndarray
+    first: np.ndarray
+    start: np.ndarray
+    below: np.ndarray
+    lower: np.ndarray
+    diagonal: np.ndarray
+    inverse: np.ndarray
+    room: np.ndarray
 
 
 class Law(NamedTuple):

@@ -25,7 +25,7 @@ from damage.run.session import (
     simulate,
     with_errors_reported,
 )
-from damage.run.settings import Softening
+from damage.run.settings import SELECTIVE, Softening
 from damage.run.turns import as_they_end
 from damage.wall.file import load_wall, wall_path
 
@@ -34,7 +34,8 @@ PROG = "python3 -m damage reference"
 
 def _make(layout, time_step, settings):
     """The ReferenceSolver of a Layout and RunSettings."""
-    return ReferenceSolver(layout, time_step, new_contacts=settings.new_contacts)
+    return ReferenceSolver(layout, time_step, beta=settings.beta_s, new_contacts=settings.new_contacts,
+                           scaled=settings.mass_scaling == SELECTIVE)
 
 
 BACKEND = Backend("reference", {"numba": numba.__version__}, _make, Path(__file__).parent, softening=Softening(),

@@ -14,7 +14,8 @@ from damage.history.reader import read_history
 from damage.history.schema import STATE
 from damage.history.structure import stored_bytes
 from damage.history.writer import layout_tables
-from damage.measure.crack_mapping import cracked_joints
+from damage.measure.crack_paths import crack_paths
+from damage.measure.survey import check_share
 
 KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j"
 """Of the Instants at the first run's time zero, from which displacements and energies count."""
@@ -125,44 +126,26 @@ def with_zero(state, zero):
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------
 
-LEAST_FREED = 0.7
-"""Length of the joints that lose their bond over that of the surveyed cracks [-] below which a run warns: lines along
-joints, a little off, keep nearly all; straight ones across bricks had 0.3 to 0.6."""
-
-
 def with_cracks(layout, cracks):
     """The layout whose contact points along Surveyed cracks have no bond: they carry compression and friction alone.
 
-    A contact point is cracked where a crack runs along at least half of its tributary length.  Elastic ones stay as
-    they are, with a warning; what the survey comes to is printed, with a warning where that is little.  Raises
-    InputError where no crack lies on a joint.
+    Straight lines become the nearest paths along joints (`damage.measure.crack_paths`).  Elastic contact points stay as
+    they are, with a warning; what the survey comes to is printed.  Raises InputError where less than half of it lies on
+    joints.
     """
-    ends, contacts = np.reshape(cracks.stretches, (-1, 2, 2)), layout.contacts
-    found, on_joints_m = cracked_joints(ends, layout, cracks.tolerance_m)
-    if len(found) == 0:
-        raise InputError(f"--cracked {cracks.file}: none of its cracks runs along a joint of wall {layout.wall.name}; "
-                         "expected places on this wall, x from its left end and z from its base [m]; look at them")
-    if elastic := int(contacts.elastic[found].sum()):
-        warn(f"--cracked {cracks.file}: {elastic} of {len(found)} contact points are elastic by --lintel and stay so")
+    contacts = layout.contacts
+    paths = crack_paths(np.reshape(cracks.stretches, (-1, 2, 2)), layout, cracks.tolerance_m)
+    check_share(paths, f"--cracked {cracks.file}", layout)
     failed = np.zeros(len(contacts), bool)
-    failed[found] = True
+    failed[paths.table["joint"]] = True
+    if elastic := int(contacts.elastic[failed].sum()):
+        warn(f"--cracked {cracks.file}: {elastic} of {failed.sum()} contact points are elastic by --lintel and stay so")
     failed &= ~contacts.elastic
-    _describe_survey(cracks.file, float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum()), on_joints_m, failed, layout)
+    print(f"cracks of {cracks.file}: {paths.drawn_m:.2f} m, {100 * paths.share:.0f} % of it on joints up to "
+          f"{1e3 * paths.apart_m:.0f} mm away; {failed.sum()} of {layout.n_joints} contact points "
+          f"({contacts.length[failed].sum():.2f} m) start without bond; widths are not used")
     fibres = layout.fibres and _without_bond(layout.fibres, failed[layout.fibres.contact])
     return replace(layout, contacts=_without_bond(contacts, failed), fibres=fibres)
-
-
-def _describe_survey(file, surveyed_m, on_joints_m, failed, layout):
-    """Print what of surveyed cracks [m] runs along joints, and which of these have no bond (failed, (n_contacts,));
-    warn where that is little."""
-    freed_m = float(layout.contacts.length[failed].sum())
-    print(f"cracks of {file}: {surveyed_m:.2f} m, {on_joints_m:.2f} m of them ({100 * on_joints_m / surveyed_m:.0f} %) "
-          f"along joints; {failed.sum()} of {layout.n_joints} contact points ({freed_m:.2f} m) start without bond; "
-          "widths are not used")
-    if freed_m < LEAST_FREED * surveyed_m:
-        warn(f"--cracked {file}: joints of {freed_m:.2f} m lose their bond for {surveyed_m:.2f} m of surveyed cracks: "
-             "the wall starts less cracked than surveyed; expected cracks that are drawn along the "
-             "joints, bed by bed and head by head; draw them so, or give a larger --tolerance-mm")
 
 
 def _without_bond(table, failed):

@@ -10,7 +10,7 @@ from damage.wall.lintels import describe_share, elastic_share
 MEGA, TONNE = 1e6, 1e3
 
 
-def opening_lines(layout, loading, modes, time_step):
+def opening_lines(layout, loading, modes, time_step, mass_scaling="none"):
     """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
     wall, plan, options = layout.wall, layout.plan, layout.options
     lintels = describe_lintels(plan)
@@ -28,7 +28,8 @@ def opening_lines(layout, loading, modes, time_step):
         f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
         f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}",
         f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
-        f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
+        f"({time_step / modes.critical_time_step_s:.2f} of the critical"
+        f"{'' if mass_scaling == 'none' else f', {mass_scaling} mass scaling'})",
         f"motion: {loading.name}",
         *describe_sampling(loading)]
 
@@ -50,6 +51,16 @@ def sequence_lines(settings):
     records = {event.loading.record.name for event in settings.events}
     return [f"sequence: {len(settings.events)} events of {len(records)} records, peak {settings.peak_g:.3g} g; the "
             "motion above is the strongest of them"]
+
+
+def event_lines(settings):
+    """A line about the event at an address whose motion RunSettings have, none where there is none."""
+    if not (event := settings.event):
+        return []
+    pgv = f"{event['pgv_mm_s']:.3g} mm/s" + (", its median there" if event["life"] is None else
+                                             f", drawn in life {event['life']}")
+    return [f"event of {event['time_utc']} UTC, M {event['magnitude']:g} at {event['place']}: PGV of {pgv}; record "
+            f"{event['record']} x {event['scale']:.3g}, {event['start_s']:g} to {event['end_s']:g} s"]
 
 
 def record_lines(settings):

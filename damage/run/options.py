@@ -169,6 +169,8 @@ def _add_motion(group):
 def _add_life(group):
     group.add_argument("--address", type=file_path, metavar="ADDRESS.toml", help="where, and how motions are chosen "
                        "(docs/guides/address.md)")
+    group.add_argument("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a "
+                       "life: a record scaled to its median PGV at the address; with --life to the PGV drawn there")
     group.add_argument("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it "
                        "motions are drawn and, where --strength-cov is given, the joints' strengths")
 
@@ -204,8 +206,8 @@ def _add_push(group):
 
 def _add_settlement(group):
     group.add_argument("--settle", type=file_path, metavar=f"{'|'.join(PROFILES)}|FILE.csv",
-                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m of a "
-                       "file; without a motion the run ends then")
+                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m, or "
+                       "levels x_m,height_m,date, of a file; without a motion the run ends then")
     group.add_argument("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection "
                        f"over half the wall's length, or the angle of tilt and knick (default "
                        f"1/{1 / USUAL_DISTORTION:g})")
@@ -217,7 +219,7 @@ def _add_before(group):
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
                        "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
     group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
-                       "crack of --cracked may be drawn (default: half a brick's height)")
+                       "crack of --cracked may be drawn (default: half a brick's length)")
 
 
 def _surveyed(parsed):
@@ -241,10 +243,14 @@ def fraction(word):
 
 def settlement_of(parsed):
     """The Settlement of parsed options, None without one."""
+    drawn = parsed.life is not None and read_address(parsed.address).settlement(parsed.life)
+    if drawn and parsed.settle is not None:
+        raise InputError(f"--settle {parsed.settle} and {parsed.address}, whose lives draw the settlement: expected "
+                         "one of them; leave --settle or the key settle out")
     if parsed.settle is None:
         if parsed.distortion is not None:
             raise InputError("--distortion belongs to --settle; give both")
-        return None
+        return drawn or None
     if str(parsed.settle) in PROFILES:
         given = parsed.distortion
         return Settlement(str(parsed.settle), USUAL_DISTORTION if given is None else given)
@@ -266,7 +272,7 @@ def add_model_options(group, names):
 
 def _add_field(group, one, **more):
     """Add the option of a field to a parser, or a group of one."""
-    kind = float if one.default is None else type(one.default)
+    kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
     group.add_argument(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
                        **{"help": one.metadata["help"],
                           "default": None if None in one.metadata["words"] else one.default} | more)
@@ -304,6 +310,7 @@ def _add_model(group, solver):
         group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
                            help="damping of the static stage and of a pushed top: adaptive (default), or "
                            "local as in YADE")
+        _add_settings(group, "settling", "mass_scaling")
     _add_settings(group, "perturb_m", "scatter", "seed", "members")
     add_accept(group)
 
@@ -347,6 +354,8 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
 
 def _motion(parsed):
     """The fields of RunSettings that are about the motion."""
+    if parsed.event is not None:
+        return _event(parsed)
     if parsed.life is not None:
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
@@ -360,22 +369,32 @@ def _motion(parsed):
     return _events(events)
 
 
+def _event(parsed):
+    """The fields of RunSettings that are about --event: the motion of a record, scaled."""
+    draws = read_address(parsed.address)
+    table = draws.event(parsed.event, parsed.life)
+    (motion,), (row,) = events_of(table, parsed.rest), table.to_dict("records")
+    return {"loading": replace(motion.loading, scale=motion.factor), "sequence": (1.0,),
+            "event": row | {"life": parsed.life, **draws.as_dict()}}
+
+
 def _events(events):
     return {"loading": strongest(events).loading, "sequence": tuple(event.factor for event in events), "events": events}
 
 
 def _life_of(parsed):
-    """What decides the life of parsed options, fit for JSON; None without one.  Raises InputError where an option does
-    not go with it."""
-    if (parsed.address is None) != (parsed.life is None):
-        raise InputError("--address ADDRESS.toml and --life N: expected both; give the other one, too")
-    if parsed.life is None:
+    """What decides the life of parsed options, fit for JSON; None without one, or for one event.  Raises InputError
+    where an option does not go with it."""
+    asked = "event" if parsed.event is not None else "life"
+    if (parsed.address is None) != (getattr(parsed, asked) is None):
+        raise InputError("--address ADDRESS.toml and --life N, or --event DATE: expected both; give the other one, too")
+    if parsed.address is None:
         return None
     others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
-        raise InputError(f"--life and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
+        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
                          "motions; leave the other out")
-    return {"number": parsed.life, **read_address(parsed.address).as_dict()}
+    return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
 
 
 def _model(parsed):

@@ -9,7 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SETTLE_S
+from damage.run.settings import (
+    LOCAL_DAMPING,
+    LONGEST_S,
+    MOST_STATES,
+    MOST_STEPS,
+    NONE,
+    SAMPLE_S,
+    SELECTIVE,
+    SETTLE_S,
+)
 from damage.run.solver import NO_MOTION
 from damage.wall.restraints import top_of
 
@@ -71,7 +80,7 @@ def softening_warnings(settings, time_step, critical_s, softening):
     """What of a run's step and damping is outside of what softening joints were shown to need in a solver, by its
     Softening: a list of lines."""
     found = []
-    if time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
+    if settings.mass_scaling != SELECTIVE and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
         found.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
                     f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
     if settings.beta_s < softening.beta_s and not settings.loading.drive.quasi_static:
@@ -96,13 +105,14 @@ def deformable_warnings(model, wall):
     return found
 
 
-def sample_steps(time_step):
+def sample_steps(time_step, mass_scaling=NONE):
     """Steps between two samples, nearest to SAMPLE_S; time_step [s].
 
-    >>> sample_steps(3e-5)
-    70
+    >>> sample_steps(3e-5), sample_steps(4e-4, "selective")
+    (70, 5)
     """
-    return JOINT_STEPS * max(1, round(SAMPLE_S / time_step / JOINT_STEPS))
+    multiple = 1 if mass_scaling == SELECTIVE else JOINT_STEPS
+    return multiple * max(1, round(SAMPLE_S / time_step / multiple))
 
 
 def stages(settings, layout, time_step, sample_steps):
@@ -143,7 +153,7 @@ def zero_step(stages):
 
 def check_size(settings, layout, time_step):
     """Raise InputError of a run that is longer than can be, before anything is made for it; time_step [s]."""
-    loading, interval = settings.loading, sample_steps(time_step)
+    loading, interval = settings.loading, sample_steps(time_step, settings.mass_scaling)
     length_s = loading.length_s(layout.pushed_height) if loading.drive.quasi_static else settings.duration_s
     length_s += settlement_s(settings, layout)
     if length_s > LONGEST_S:

@@ -9,7 +9,8 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
@@ -31,18 +32,13 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
-from damage.run.opening import opening_lines, record_lines, sequence_lines
+from damage.run.opening import event_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
-from damage.run.schedule import (
-    check_size,
-    check_top,
-    choose_time_step,
-    deformable_warnings,
-    softening_warnings,
-)
+from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
+from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import as_they_end, run_each, take_turns
 from damage.start import is_of_output
@@ -178,7 +174,7 @@ def _run_members(backend, wall_file, make_wall, settings):
 
 
 def _ended_member(prepared, out):
-    """(row of the table of members, doubts on its energy, History), the last two of which the first member and the
+    """(row of the table of members, warnings of its energy, History), the last two of which the first member and the
     others lack; out: path of the first one's history."""
     history, path = prepared.writer.history(), prepared.writer.path
     row = member_row(history, out)
@@ -202,7 +198,7 @@ def _report_members(settings, statuses, ended, out):
         return max(statuses[0], EXIT_INTERRUPTED * (worst == EXIT_INTERRUPTED))
     in_order = [ended[number] for number in sorted(ended)]
     print(f"members: {write_table(pd.DataFrame([row for row, *_ in in_order]), members_path(out))}")
-    warn(*(text for _, doubts, _ in in_order for text in doubts))
+    warn(*(text for _, cautions, _ in in_order for text in cautions))
     report(ended[0][2], pictures=settings.pictures)
     if len(ended) < settings.members:
         print(f"{len(ended)} of {settings.members} members ended: median and range are of these")
@@ -224,7 +220,9 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first."""
+    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first;
+    repeats: (RunSettings, time step) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of
+    the history, write(parameters=...): makes another."""
 
     backend: Backend
     settings: RunSettings
@@ -234,6 +232,20 @@ class Prepared:
     writer: Buffer
     state: dict | None = None
     earlier: tuple[RunSettings, ...] = ()
+    repeats: tuple[tuple[RunSettings, float], ...] = ()
+    parameters: dict = field(default_factory=dict)
+    write: Callable | None = None
+
+    def repeated(self, reason):
+        """The Prepared run that follows one that was not accepted, by a RunError; its history begins anew."""
+        code = getattr(reason, "code", FAILURE)
+        skipped = len(self.repeats) - 1 if code == DROP else 0
+        (settings, time_step), *others = self.repeats[skipped:]
+        parameters = self.parameters | settings.as_dict() | {
+            "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": code}
+        print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
+        self.writer.begin_again(partial(self.write, parameters=parameters))
+        return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters)
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -260,10 +272,12 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
+    (settings, time_step), *repeats = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]),
+                                              fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
+    warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
     if isinstance(settings.loading, Recorded) and not settings.events:
@@ -273,18 +287,20 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
              code="softening_step")
     made_by = versions(backend.code) | backend.versions
     state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
-          *sequence_lines(settings), sep="\n", flush=True)
+    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
+          *record_lines(settings), *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
-                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
+                  "time_step_s": time_step, "repeats": 0, "repeated_for": None,
+                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
+                  "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
                                      settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
-    writer = write(out, layout, solver=backend.name, parameters=parameters,
-                   versions=made_by, overwrite=settings.overwrite)
+    write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
+    writer = write(parameters=parameters)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier, tuple(repeats), parameters,
+                    write)
 
 
 def _past(backend, settings, layout, model, time_step):
@@ -319,8 +335,17 @@ def attended(label, show=None, quiet=False, runs=1):
 
 
 def simulate(prepared, keep_going, settled=None):
-    """Run all stages of a Prepared run; the history is closed and marked however this ends.  A generator for
-    `take_turns`, which returns the exit status; settled: as of Run."""
+    """Run all stages of a Prepared run, until one is accepted; the history is closed and marked however this ends.  A
+    generator for `take_turns`, which returns the exit status; settled: as of Run."""
+    while prepared.repeats:
+        try:
+            return (yield from _simulate(prepared, keep_going, settled))
+        except RunError as reason:
+            prepared, settled = prepared.repeated(reason), None
+    return (yield from _simulate(prepared, keep_going, settled))
+
+
+def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
@@ -332,12 +357,18 @@ def simulate(prepared, keep_going, settled=None):
         if collapsed is not None and collapsed <= 0 and prepared.settings.settlement:
             raise RunError(f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s before "
                            "time zero; expected a wall that stands; give a smaller --distortion")
+        if finished:
+            check_energy(prepared.settings, run.energy_error)
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
+    except RunError:
+        status = None if prepared.repeats else status  # its history begins again
+        raise
     finally:
-        writer.finish(status, collapsed)
+        if status is not None:
+            writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
 
 
