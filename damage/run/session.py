@@ -83,9 +83,9 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     return reported(lambda: _run(backend, wall_file, make_wall, arguments, prog))
 
 
-def reported(work, of=""):
+def reported(work):
     """The exit status of `work()`, which returns one; its errors are printed, in one line where they are no fault of
-    this software, with the words `of` before it.  A WriteError ends this process."""
+    this software.  A WriteError ends this process."""
     try:
         return work()
     except SystemExit as exit_:  # --help
@@ -94,11 +94,11 @@ def reported(work, of=""):
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except Exception as error:
-        return report_error(error, of)
+        return report_error(error)
 
 
-def report_error(error, of):
-    """Print an error, as `reported` does; returns the exit status."""
+def report_error(error, of=""):
+    """Print an error, as `reported` does, with the words `of` before it; returns the exit status."""
     if isinstance(error, WriteError):
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
