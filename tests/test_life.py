@@ -14,6 +14,7 @@ from scipy import stats
 import damage
 from damage.__main__ import main
 from damage.draw.exposure import contributions_picture, life_picture
+from damage.errors import InputError
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure
@@ -37,6 +38,7 @@ from damage.measure.tables import shocks_table
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence
 from damage.reference.together import run_references
+from damage.run.opening import event_lines
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records
@@ -143,6 +145,40 @@ class TestAddress:
     def test_what_is_wrong_is_said_in_one_line(self, tmp_path, text, message):
         (tmp_path / "a.toml").write_text(text)
         assert message in one_line_error(read_address, tmp_path / "a.toml")
+
+    def test_one_event_of_the_catalogue(self, exposure):
+        """Its median PGV, or the one drawn in a life, by a record within the rule."""
+        draws = Draws(exposure, Choices())
+        (median,) = draws.event("2012-08-16").itertuples()
+        k = list(exposure.catalogue.id).index(median.id)
+        assert median.magnitude == 3.6 and median.pgv_mm_s == exposure.median_mm_s[k]
+        row = next(row for row in draws.components.itertuples() if row.record == median.record)
+        assert median.scale == pytest.approx(median.pgv_mm_s / row.pgv_mm_s)
+        others = median.pgv_mm_s / draws.components["pgv_mm_s"]
+        assert abs(np.log(median.scale)) == pytest.approx(np.abs(np.log(others)).min())
+        life = draws.life(3)
+        (drawn,) = draws.event("2012-08-16T20:30", 3).itertuples(index=False)
+        assert tuple(drawn) == tuple(life[life["id"] == median.id].itertuples(index=False))[0]
+        with pytest.raises(InputError, match="--event 2023-01-01: no event then in .* whose last is of 2014-12-30"):
+            draws.event("2023-01-01")
+        with pytest.raises(InputError, match="--event 2006: no event then"):
+            draws.event("2006")
+
+    def test_a_run_of_one_event_is_that_of_its_record(self, tmp_path):
+        path = tmp_path / "here.toml"
+        path.write_text("latitude = 53.36786\nlongitude = 6.71359\n")
+        settings = parse_run(["--address", str(path), "--event", "2006-08-08"], "", "reference")
+        event = settings.event
+        same = parse_run(["--record", event["record"], "--scale", repr(event["scale"]), "--window",
+                          str(event["start_s"]), str(event["end_s"])], "", "reference")
+        assert settings.loading.as_dict() == same.loading.as_dict() and settings.sequence == (1.0,)
+        assert settings.as_dict()["event"]["time_utc"] == "2006-08-08T05:04:00" and "life" not in settings.as_dict()
+        (said,) = event_lines(settings)
+        assert said.startswith("event of 2006-08-08T05:04:00 UTC, M 3.5 at Westeremden: PGV of 19.6 mm/s, its median")
+        for words in (["--event", "2006-08-08"], ["--address", str(path)],
+                      ["--address", str(path), "--event", "2006-08-08", "--scale", "2"]):
+            with pytest.raises(InputError, match="--event"):
+                parse_run(words, "", "reference")
 
     def test_options_that_do_not_go_with_a_life(self, tmp_path):
         (tmp_path / "a.toml").write_text(ADDRESS)

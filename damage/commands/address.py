@@ -53,6 +53,19 @@ def _exposure(asked):
     show(asked, exposure.as_dict(), describe)
 
 
+@command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has after it; "
+         "the file is text, of https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
+         file_arg("later", "FILE", "text of an FDSN event service, or CSV"),
+         file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
+         out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"))
+def _catalogue(asked):
+    from damage.exposure.catalogue import SHIPPED, with_later, write_catalogue
+
+    joined, notes = with_later(asked.later, asked.catalogue or SHIPPED)
+    print(*notes, f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d} to "
+          f"{joined.end:%Y-%m-%d}", sep="\n")
+
+
 def _address_of(asked):
     """Keys of `damage.exposure.lives.KEYS` of parsed options, None where not given."""
     place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
@@ -149,6 +162,17 @@ def _claim(asked):
               {"rest": asked.rest, "strength-cov": asked.strength_cov},
               settlement, asked.draws, asked.language),
         asked.out, asked.jobs or os.cpu_count())
+
+
+@command("a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step; it listens on the "
+         "loopback interface alone and writes below --out only (needs Flask: python3-flask)",
+         arg("--port", type=number_from(0, 65535, int), default=0, metavar="N", help="of the page (default: a free one)"),
+         arg("--no-browser", dest="opened", action="store_false", help="print the page's address, open no browser"),
+         out("folder of the claim"))
+def _app(asked):
+    from damage.app.server import serve
+
+    serve(asked.out, asked.port, asked.opened)
 
 
 @command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "

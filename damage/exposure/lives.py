@@ -170,6 +170,31 @@ class Draws:
                          pgv[k], row.record, sign[k] * factor, row.start_s, row.end_s])
         return pd.DataFrame(rows, columns=COLUMNS)
 
+    def event(self, date, number=None):
+        """Table of one row, as of `life`, of the event of a date, such as 2012-08-16 or more of its time; of several
+        the one of the largest median.
+
+        number: of the life whose motion it is; None for the median PGV, by the component whose factor is nearest to 1.
+        """
+        events = self.exposure.catalogue
+        times = [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time]
+        found = [k for k, time in enumerate(times) if time.startswith(date)] if len(date) >= len("2012-08-16") else []
+        if not found:
+            raise InputError(f"--event {date}: no event then in {events.source}, whose last is of {times[-1]}; expected "
+                             "a day or a time (UTC) of one, like 2012-08-16 or 2018-01-08T14:00:52; look at "
+                             "python3 -m damage exposure, or give a later catalogue")
+        k = max(found, key=self.exposure.median_mm_s.__getitem__)
+        pgv, sign = self.exposure.median_mm_s[k], 1.0
+        if number is None:
+            pick = int(np.argmin(np.abs(np.log(self._fitting(pgv)[1]))))
+            row, factor = self._component(pgv, pick=pick)
+        else:
+            pgvs, share, signs = self.pgv(number)
+            pgv, sign = pgvs[k], signs[k]
+            row, factor = self._component(pgv, share[k])
+        return pd.DataFrame([[times[k], events.magnitude[k], events.place[k], events.id[k], pgv, row.record,
+                              sign * factor, row.start_s, row.end_s]], columns=COLUMNS)
+
     @cached_property
     def components(self):
         """The components that may be used, with their windows: a DataFrame."""
@@ -190,16 +215,21 @@ class Draws:
         sa = self.components["sa_0.2_s_g"].to_numpy()
         return sa / np.exp(np.mean(np.log(sa / pgv)))
 
-    def _component(self, pgv_mm_s, share):
-        """(row of `components`, factor) at a share of those that may be scaled to a PGV."""
+    def _component(self, pgv_mm_s, share=None, pick=None):
+        """(row of `components`, factor) at a share of those that may be scaled to a PGV, or the one at an index."""
+        fit, factor = self._fitting(pgv_mm_s)
+        which = int(share * len(fit)) if pick is None else pick
+        return next(self.components.iloc[[fit[which]]].itertuples()), factor[which]
+
+    def _fitting(self, pgv_mm_s):
+        """Indices and factors of `components` that may be scaled to a PGV."""
         factor = pgv_mm_s / self._unit_pgv
         fit = np.flatnonzero((factor >= FACTORS[0]) & (factor <= FACTORS[1]))
         if len(fit) == 0:
             raise InputError(f"no suitable record for a PGV of {pgv_mm_s:.3g} mm/s: expected a component within "
                              f"{self.choices.within_km:g} km that a factor of {FACTORS[0]:g} to {FACTORS[1]:g} brings "
                              "there; give more stations, or a larger threshold")
-        which = fit[int(share * len(fit))]
-        return next(self.components.iloc[[which]].itertuples()), factor[which]
+        return fit, factor[fit]
 
     def as_dict(self):
         """What decides the lives, fit for JSON."""

@@ -135,7 +135,7 @@ _UNITS = ("_s", "_g", "_m", "_pa")
 
 def check_parameters(parameters):
     """Raise InputError unless the parameters of a run consist of tables, numbers and text, as a run writes them."""
-    optional = dict.fromkeys(("settlement", "cracked", "life"), (dict, type(None)))
+    optional = dict.fromkeys(("settlement", "cracked", "life", "event"), (dict, type(None)))
     kinds = optional | {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list,
                         "events": list, "motions": list}
     numbers = (float, int)

@@ -52,6 +52,16 @@ def sequence_lines(settings):
             "motion above is the strongest of them"]
 
 
+def event_lines(settings):
+    """A line about the event at an address whose motion RunSettings have, none where there is none."""
+    if not (event := settings.event):
+        return []
+    pgv = f"{event['pgv_mm_s']:.3g} mm/s" + (", its median there" if event["life"] is None else
+                                             f", drawn in life {event['life']}")
+    return [f"event of {event['time_utc']} UTC, M {event['magnitude']:g} at {event['place']}: PGV of {pgv}; record "
+            f"{event['record']} x {event['scale']:.3g}, {event['start_s']:g} to {event['end_s']:g} s"]
+
+
 def record_lines(settings):
     """Lines that say which unit the records of RunSettings were taken to be in, none where there is no record."""
     units = {}

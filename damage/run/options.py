@@ -170,6 +170,8 @@ def _add_motion(group):
 def _add_life(group):
     group.add_argument("--address", type=file_path, metavar="ADDRESS.toml", help="where, and how motions are chosen "
                        "(docs/guides/address.md)")
+    group.add_argument("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a "
+                       "life: a record scaled to its median PGV at the address; with --life to the PGV drawn there")
     group.add_argument("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it "
                        "motions are drawn and, where --strength-cov is given, the joints' strengths")
 
@@ -350,6 +352,8 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
 
 def _motion(parsed):
     """The fields of RunSettings that are about the motion."""
+    if parsed.event is not None:
+        return _event(parsed)
     if parsed.life is not None:
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
@@ -363,22 +367,32 @@ def _motion(parsed):
     return _events(events)
 
 
+def _event(parsed):
+    """The fields of RunSettings that are about --event: the motion of a record, scaled."""
+    draws = read_address(parsed.address)
+    table = draws.event(parsed.event, parsed.life)
+    (motion,), (row,) = events_of(table, parsed.rest), table.to_dict("records")
+    return {"loading": replace(motion.loading, scale=motion.factor), "sequence": (1.0,),
+            "event": row | {"life": parsed.life, **draws.as_dict()}}
+
+
 def _events(events):
     return {"loading": strongest(events).loading, "sequence": tuple(event.factor for event in events), "events": events}
 
 
 def _life_of(parsed):
-    """What decides the life of parsed options, fit for JSON; None without one.  Raises InputError where an option does
-    not go with it."""
-    if (parsed.address is None) != (parsed.life is None):
-        raise InputError("--address ADDRESS.toml and --life N: expected both; give the other one, too")
-    if parsed.life is None:
+    """What decides the life of parsed options, fit for JSON; None without one, or for one event.  Raises InputError
+    where an option does not go with it."""
+    asked = "event" if parsed.event is not None else "life"
+    if (parsed.address is None) != (getattr(parsed, asked) is None):
+        raise InputError("--address ADDRESS.toml and --life N, or --event DATE: expected both; give the other one, too")
+    if parsed.address is None:
         return None
     others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
-        raise InputError(f"--life and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
+        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
                          "motions; leave the other out")
-    return {"number": parsed.life, **read_address(parsed.address).as_dict()}
+    return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
 
 
 def _model(parsed):

@@ -25,7 +25,7 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
-from damage.run.opening import opening_lines, record_lines, sequence_lines
+from damage.run.opening import event_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
@@ -204,7 +204,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
              code="softening_step")
     made_by = versions(backend.code) | backend.versions
     state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
+    print(*opening_lines(layout, settings.loading, modes, time_step), *event_lines(settings), *record_lines(settings),
           *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,

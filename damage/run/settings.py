@@ -71,7 +71,8 @@ class RunSettings:
     each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
     along which joints have no bond, or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
-    life: what the events were drawn from (`damage.exposure.lives`), or None;
+    life: what the events were drawn from (`damage.exposure.lives`), or None; event: the one event at an address whose
+    motion `loading` is, or None;
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
     solver;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
@@ -94,6 +95,7 @@ class RunSettings:
     sequence: tuple[float, ...] = (1.0,)
     events: tuple[Event, ...] = ()
     life: dict | None = None
+    event: dict | None = None
     rest_s: float = quantity("s", 0, LONGEST_S, default=2.0, option="rest", metavar="S",
                              help="free vibration after the motion (default 2)")
     time_step_s: float | None = quantity("s", 1e-9, 1, default=None, option="dt", metavar="S",
@@ -250,7 +252,7 @@ class RunSettings:
                 "continued": self.continued and Path(self.continued).name,
                 "cracked": self.cracked and asdict(self.cracked),
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
-                **({"life": self.life} if self.life else {}),
+                **({"life": self.life} if self.life else {}), **({"event": self.event} if self.event else {}),
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
                 "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,

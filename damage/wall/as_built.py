@@ -68,7 +68,8 @@ def warn_of_courses(plan):
 def describe_floors(plan):
     """Lines on the floors of a Plan, upwards: kind, level and length as laid, mass."""
     return [f"{floor.kind} floor at {above * plan.wall.brick.height:.4g} m, x = {left:.4g} to {right:.4g} m: "
-            f"{floor.mass / 1e3:.3g} t"
+            f"{floor.mass / 1e3:.3g} t" + (f" ({floor.mass_per_area:g} kg/m2 over {floor.tributary_width:g} m)"
+                                           if floor.mass_per_area else "")
             for floor, left, right, _, above in sorted(plan.floors, key=lambda place: place.floor.level)]
 
 

@@ -139,6 +139,7 @@ def wall_schema():
         "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)}, _object(Lintel, {})]},
         "brick": _object(Brick, {}), "joint": _object(Joint, {}, FRICTION)}
     special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
+    special["floors"]["items"]["anyOf"] = [{"required": ["mass"]}, {"required": ["mass_per_area", "tributary_width"]}]
     return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")
 
 

@@ -269,6 +269,7 @@ class Wall:
             object.__setattr__(self, name, _records(f"Wall.{name}", getattr(self, name), kind))
         object.__setattr__(self, "outline", _points("Wall.outline", self.outline))
         check_fields(self)
+        object.__setattr__(self, "floors", tuple(floor.on(self) for floor in self.floors))
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
                              "half a brick by one course; make it larger")
@@ -324,6 +325,10 @@ class Wall:
         """All parameters as a plain dictionary, for files and tables; without outline, floors and lintels of its own
         where it has none."""
         table = {name: value for name, value in asdict(self).items() if value or name not in ("outline", "floors")}
+        for floor in table.get("floors", ()):
+            for name in ("mass_per_area", "tributary_width"):  # older versions do not know them
+                if floor[name] is None:
+                    del floor[name]
         for part, of in ((table, self), *zip(table["openings"], self.openings)):
             lintel = part.pop("lintel")
             if lintel is not None and (of is not self or (self.openings and self.lintel.is_body)):
