@@ -89,6 +89,9 @@ def said_first(history, warnings=()):
     if history.collapsed_at_s is not None:
         lines.append(f"collapsed at {history.collapsed_at_s:.3f} s: maxima are those until the run's end, "
                      "residuals the state then")
+    if history.parameters.get("repeats"):
+        lines.append(f"repeated {history.parameters['repeats']} times in smaller steps, last for its "
+                     f"{history.parameters['repeated_for']} (docs/validation/mass-scaling.md)")
     return [*lines, *warnings]
 
 
