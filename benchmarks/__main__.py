@@ -37,7 +37,7 @@ PIECES = {
     "memory": None,
 }
 RUN = ("walls/symmetric.py", "--harmonic", "0.2", "0.05", "--rest", "0.1", "--no-pictures", "--overwrite", "--quiet")
-EIGHT = ("from damage.reference.together import run_references; import sys; words, out = sys.argv[2:], sys.argv[1]; "
+EIGHT = ("from damage.reference.session import run_references; import sys; words, out = sys.argv[2:], sys.argv[1]; "
          "list(run_references((str(k), [*words, '--out', f'{out}/{k}.h5']) for k in range(8)))")
 
 

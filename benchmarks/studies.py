@@ -31,8 +31,9 @@ from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
-from damage.reference import lanes, together
-from damage.reference.session import run_reference
+from damage.reference import lanes
+from damage.reference import session as of_reference
+from damage.reference.session import run_reference, run_references
 from damage.reference.solver import ReferenceSolver
 from damage.run import session
 from damage.run.run import Run
@@ -110,7 +111,7 @@ def one_after_another(folder, asked):
 def in_lanes(folder, asked, in_memory=()):
     """As `damage/batch/worker.py` runs a group; in_memory: names of those whose histories are not kept."""
     histories = {name: HistoryInMemory if name in in_memory else HistoryKept for name in asked}
-    for _ in together.run_references(asked.items(), histories):
+    for _ in run_references(asked.items(), histories):
         pass
     for number, name in enumerate(asked):
         history = histories.pop(name).history()
@@ -161,7 +162,7 @@ PARTS = {
     "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instants", "drain_events", "forces", "base_reaction"]),
     "samples": (Run, ["take_samples"]),
-    "stages": (session, ["take_turns"]), "stages and turns": (together, ["as_they_end"]),
+    "stages": (session, ["take_turns"]), "stages and turns": (of_reference, ["as_they_end"]),
     "summary": (session, ["report"]), "reading": (sys.modules[__name__], ["read_history"]),
     "tables": (sys.modules[__name__], ["write_run_tables", "summary_row", "record_of"]),
 }

@@ -11,6 +11,9 @@ from typing import NamedTuple
 from damage.checks import check_choice, check_not_negative, check_range, check_whole
 from damage.errors import InputError
 
+MOST_BRICKS = 20_000
+"""Of a wall."""
+MOST_SEED = 2**32 - 1
 MODULI = {"GPa": 1e9, "MPa": 1e6}
 _OTHERS = {"m": {"mm": 1e-3, "cm": 1e-2}, "Pa": {"MPa": 1e6, "kPa": 1e3}, "Pa/m": {"N/mm3": 1e9, "MPa/m": 1e6},
            "J/m2": {"N/mm": 1e3}, "kg/m3": {"t/m3": 1e3, "kN/m3": 1e3 / 9.81, "N/m3": 1 / 9.81}, "kg": {"t": 1e3},

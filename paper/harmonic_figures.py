@@ -14,6 +14,8 @@ from damage.measure.cycles import drift_cycles
 from damage.measure.damage_index import CRITERIA
 from damage.motion.loading import Harmonic
 from damage.units import GRAVITY
+from paper.criteria import AMPLITUDES_G
+from paper.printed import cycle_length_s, largest_di, star, star_handles
 from paper.results import REFERENCE, Missing
 
 EVOLUTION = ((0.33, 0.025), (0.33, 0.1), (0.2, 0.025), (0.2, 0.1))
@@ -107,7 +109,8 @@ def _draw_band(ax, results, point, value, until_s=np.inf):
 
 @styled
 def against_amplitude(results, variant, slip="displacement"):
-    """Figure 8: left maximum, right residual index and components against amplitude, a row a period."""
+    """Figure 8: left maximum, right residual index and components against amplitude, a row a period; with what the
+    paper's text prints of them."""
     periods = np.unique(variant.points["motion_period_s"])
     figure, axes = panels.grid(len(periods), 2, 1.55, sharex=True, sharey="row")
     collapsed = False
@@ -116,13 +119,16 @@ def against_amplitude(results, variant, slip="displacement"):
             panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'}, {period_s:g} s")
             reference, yade = (_at(points, period_s) for points in (variant.reference, variant.yade))
             collapsed |= panels.draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
+        star(row[0], AMPLITUDES_G[-1], largest_di(variant, period_s))
         row[0].set_ylabel("damage index [-]")
         panels.from_zero(row[0], panels.NOTHING)
+    printed = [period_s for period_s in periods if largest_di(variant, period_s) is not None]
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
     panels.add_heading(figure, f"Damage index against amplitude: {variant.title}",
                        panels.slip_label(variant.points, slip), panels.scale_note(axes[:, 0]))
-    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed), columns=7)
+    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed)
+                         + star_handles(printed), columns=7)
 
 
 @styled
@@ -143,6 +149,9 @@ def drifts(results, variant):
         panels.letter(ax, number, f"{amplitude_g:g} g")
         for _, point in _at(points, period_s, amplitude_g).iterrows():
             marked |= _draw_drift(ax, results, point)
+        if (paper_s := cycle_length_s(variant, amplitude_g)) is not None and ax.get_title(loc="right"):
+            ax.set_title(f"{ax.get_title(loc='right')}, paper {paper_s:.2f} s", loc="right", color=VERMILLION,
+                         fontsize=7)
         ax.set_ylabel("drift ratio [%]")
         ax.ticklabel_format(axis="y", style="plain", useOffset=False)
         ax.margins(x=0)

@@ -17,6 +17,7 @@ from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.units import GRAVITY
+from paper.printed import largest_residual, record_values, star, star_handles
 from paper.results import Missing
 
 SPECTRUM_PERIODS_S = np.geomspace(0.02, 2.0, 120)
@@ -40,10 +41,13 @@ def records(results, points):
         row[0].plot(motion.time_s, motion.acceleration_m_s2 / GRAVITY, color=BLACK, lw=0.6)
         row[0].set_ylabel("acceleration [g]")
         row[0].margins(x=0)
-        panels.letter(row[0], 2 * number, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g")
+        paper_pga_g, paper_sa_g = record_values(name)
+        panels.letter(row[0], 2 * number, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g" + (
+            f" (paper {paper_pga_g:.2f})" if paper_pga_g else ""))
         panels.letter(row[1], 2 * number + 1, "response spectra")
         for scale in np.unique(of_record["scale"]):
             row[1].plot(SPECTRUM_PERIODS_S, scale * response_spectrum(motion, SPECTRUM_PERIODS_S), color=colours[scale])
+        star(row[1], WALL_PERIOD_S, paper_sa_g)
         row[1].axvline(WALL_PERIOD_S, color=MEDIUM, ls=":", lw=0.8)
         row[1].set(xscale="log", ylabel="Sa (5 %) [g]", xlim=(0.02, 2.0))
         row[1].set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1, 2], labels=["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"])
@@ -56,6 +60,7 @@ def records(results, points):
                        *notes)
     handles = [Line2D([], [], color=colours[scale], label=f"× {scale:g}") for scale in scales]
     handles.append(Line2D([], [], color=MEDIUM, ls=":", lw=0.8, label=f"{WALL_PERIOD_S:g} s"))
+    handles += star_handles([name for name in names if record_values(name)[1]])
     return panels.finish(figure, handles, columns=9)
 
 
@@ -87,13 +92,16 @@ def residual_against_pga(variant, slip="displacement"):
         panels.letter(ax, number, panels.record_label(name))
         reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
         collapsed |= panels.draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
+        star(ax, *largest_residual(variant, name))
         ax.set_ylabel("residual damage index [-]")
     axes[0, 0].set_xlim(left=0)  # of all panels, once all is drawn
     panels.from_zero(axes[0, 0], panels.NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
     panels.add_heading(figure, f"Residual damage index against PGA: {variant.title}",
                        panels.slip_label(variant.points, slip), _synthetic_note(names))
-    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed), columns=7)
+    printed = [name for name in names if largest_residual(variant, name)[1] is not None]
+    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed)
+                         + star_handles(printed), columns=7)
 
 
 @styled

@@ -18,6 +18,7 @@ from damage.measure.tables import index_table
 from damage.wall.model_options import USUAL_MODEL
 
 NEEDED = ("point", "solver", "wall", "members")
+RUN = ("run", "point", "solver")
 MODEL = USUAL_MODEL | {"cycles": None}
 """Columns that say how a point was modelled, whichever solver did it, and what an empty cell stands for."""
 REFERENCE, YADE = "reference", "yade"
@@ -69,7 +70,7 @@ class Results:
         """Name of a point's first run."""
         names = self.members(point)
         if not names:
-            raise Missing(f"summary.csv has no run of point {point['point']}")
+            raise Missing(f"no summary.csv has a run of point {point['point']}; it needs the study's own folder")
         return names[0]
 
     def history(self, point):
@@ -119,15 +120,18 @@ class Variant:
 
 
 def load_results(folder, records=Path("records")):
-    """Read the tables of every study below a folder, itself included; records: of `Results`."""
+    """Read the tables of every study below a folder, itself included, or else those that are kept in it as
+    STUDY_points.csv, of points alone, as in docs/tables; records: of `Results`."""
     folder = Path(folder)
-    paths = sorted(folder.rglob("tables/points.csv"))
-    if not paths:
+    paths = {path.parents[1]: path for path in sorted(folder.rglob("tables/points.csv"))}
+    kept = {} if paths else {path.with_name(path.name.removesuffix("_points.csv")): path
+                             for path in sorted(folder.glob("*_points.csv"))}
+    if not (paths or kept):
         raise InputError(f"{folder} holds no */tables/points.csv; expected a folder with the results of studies, "
                          "run one with ./run_all.sh")
-    tables = [pd.concat([read_table(path.with_name(name), needed).assign(folder=path.parents[1]) for path in paths],
-                        ignore_index=True)
-              for name, needed in (("points.csv", NEEDED), ("summary.csv", ("run", "point", "solver")))]
+    points = [read_table(path, NEEDED).assign(folder=study) for study, path in (paths | kept).items()]
+    runs = [read_table(path.with_name("summary.csv"), RUN).assign(folder=study) for study, path in paths.items()]
+    tables = [pd.concat(some, ignore_index=True) for some in (points, runs or [pd.DataFrame(columns=[*RUN, "folder"])])]
     for table in tables:
         check_names(table, folder)
     return Results(*tables, Path(records))

@@ -8,7 +8,7 @@ from damage.draw import panels
 from damage.draw.run import draw_wall, joint_handles
 from damage.draw.style import BLACK, BLUE, GREEN, LIGHT, MEDIUM, VERMILLION, styled
 from damage.draw.wall import wall_shape
-from damage.measure.tables import shocks_table
+from damage.measure.cycles import shocks_table
 from damage.motion.loading import Harmonic
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL
@@ -69,7 +69,10 @@ def sequences(results, points):
     """
     figure, axes = panels.grid(-(-len(points) // 2), 2, 1.9, sharex=False)
     for number, (ax, (_, point)) in enumerate(zip(axes.flat, points.iterrows())):
-        tables = pd.concat([shocks_table(history) for history in results.histories(point)])
+        histories = results.histories(point)
+        if not histories:
+            raise Missing(f"no history of point {point['point']}: shocks are in none of the tables")
+        tables = pd.concat(map(shocks_table, histories))
         factors = list(tables.groupby("shock")["factor"].first())
         text = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
         panels.letter(ax, number, f"{panels.motion_label(point)}, {text}")

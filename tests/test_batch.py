@@ -396,13 +396,12 @@ class TestOneRunAgain:
     NAME = "drawn_reference_s2"
 
     @pytest.fixture
-    def once_more(self, tmp_path, monkeypatch):
+    def once_more(self, tmp_path):
         """Makes the run again, by a history made by hand; returns the exit status."""
-        def simulate(task, lock):
+        def simulate(task):
             make_history(task.history, drift=simulate.drift)
             return 0
 
-        monkeypatch.setattr(again, "simulate", simulate)
         batches = Batches(tmp_path)
         path = batches.study(DRAWN % 3)
         simulate.drift = 1e-4
@@ -412,7 +411,7 @@ class TestOneRunAgain:
         with open(tmp_path / NAME, "a") as file:
             file.write(line_of({"inputs": read_records(tmp_path).points["drawn_reference"]} | record))
         return SimpleNamespace(simulate=simulate, make=lambda: again.make_again(
-            self.NAME, load_study(path, "reference", REPOSITORY), Results(tmp_path), -1))
+            self.NAME, load_study(path, "reference", REPOSITORY), Results(tmp_path), simulate))
 
     def test_equal_values_are_reported_and_the_history_stays(self, once_more, tmp_path, capsys):
         assert once_more.make() == 0

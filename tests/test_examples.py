@@ -1,5 +1,7 @@
 """The examples: short, and they do what they say, in the reference solver on small walls."""
 
+import json
+import re
 import shutil
 import sys
 
@@ -9,6 +11,7 @@ from numpy.testing import assert_allclose
 
 import damage
 from examples.opened_length import opened_length
+from scripts.notebook import run_cells
 
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 SMALL_WALL = REPOSITORY / "benchmarks" / "small_wall.py"
@@ -61,3 +64,25 @@ def test_scattered_strengths_give_a_range(tmp_path):
     assert len(list(tmp_path.glob("small_strength-*.h5"))) == 5
     median, least, most = (float(word) for word in largest.replace(",", "").split() if word[0].isdigit())
     assert 0 < least < median < most < 1
+
+
+def test_the_notebook_holds_what_its_cells_show():
+    """The same kinds of outputs, words and, within what other machines differ by, numbers."""
+    path = REPOSITORY / "examples" / "thesis_figures.ipynb"
+    kept = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    made = run_cells([cell | {"outputs": []} if "outputs" in cell else cell for cell in kept], path.parent)
+    assert path.stat().st_size < 300_000 and sum(len(cell.get("outputs", ())) for cell in kept) >= 7
+    for old, new in zip(kept, made, strict=True):
+        for one, other in zip(old.get("outputs", ()), new.get("outputs", ()), strict=True):
+            kinds = [{*of.get("data", ()), of["output_type"]} for of in (one, other)]
+            assert kinds[0] == kinds[1]
+            words, numbers = zip(*map(words_and_numbers, (one, other)))
+            assert words[0] == words[1]
+            assert_allclose(*numbers, rtol=0.05, atol=0.02)
+
+
+def words_and_numbers(output):
+    """The text of an output without its numbers, and these."""
+    text = "".join(output.get("text", output.get("data", {}).get("text/plain", ())))
+    number = r"\d+(?:\.\d+)?"
+    return re.sub(rf"\s*{number}", " #", text), [float(one) for one in re.findall(number, text)]

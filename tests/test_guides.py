@@ -84,6 +84,7 @@ def test_the_first_wall_and_what_it_left(clone):
     worst = damage.read_history(clone / "first.h5").index()["DI"].max()
     assert f"maximum DI {worst:.4f}" in output
     assert (clone / "first_tables_index.csv").is_file()
+    assert (clone / "three_moments.png").stat().st_size > 10_000
 
 
 def test_a_wall_and_a_study_of_ones_own(clone):
@@ -108,6 +109,10 @@ def test_a_wall_that_was_cracked_before(clone):
 
 def test_other_kinds_of_walls(clone):
     assert follow("other-walls", clone).count("mode 1: ") == 1
+
+
+def test_a_wall_for_other_programs(clone):
+    assert follow("other-programs", clone).split() == ["opensees_symmetric.py", "symmetric.dat"]
 
 
 def test_walls_of_houses(clone):

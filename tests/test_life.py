@@ -19,10 +19,10 @@ from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS
-from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window, write_sequence
+from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window
 from damage.exposure.models.bommer_2022 import Model
 from damage.life.comparison import by_own_curve, choices, largest_alone, readings
-from damage.life.estimate import paired, probability, share_of_motions, strata
+from damage.life.estimate import paired, probability, strata
 from damage.life.readings import READINGS, after, final_psi
 from damage.life.results import (
     Lives,
@@ -34,10 +34,10 @@ from damage.life.results import (
     write_lives,
     write_study,
 )
-from damage.measure.tables import shocks_table
+from damage.measure.cycles import shocks_table
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence
-from damage.reference.together import run_references
+from damage.reference.session import run_references
 from damage.run.opening import event_lines
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
@@ -94,6 +94,14 @@ class TestDraws:
         assert np.abs(lives["scale"]).to_numpy() * of["pgv_mm_s"].to_numpy() == pytest.approx(lives["pgv_mm_s"])
         assert list(lives["start_s"]) == list(of["start_s"]) and lives["record"].nunique() == 10
 
+    def test_the_largest_of_all_directions_is_that_of_both_components(self, exposure):
+        largest = Exposure(exposure.place, exposure.catalogue, Model("MAX"))
+        table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
+        life = draws(largest).life(1)
+        assert np.abs(life["scale"]).to_numpy() * table.loc[life["record"], "pgv_rotd100_mm_s"].to_numpy() == \
+            pytest.approx(life["pgv_mm_s"])
+        assert (table["pgv_rotd100_mm_s"] > table["pgv_mm_s"] * (1 - 1e-3)).all()
+
     def test_scaling_to_the_spectral_acceleration(self, exposure):
         """Every record reaches Sa(0.2 s) = PGV times the geometric mean of Sa / PGV of the records."""
         table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
@@ -129,7 +137,8 @@ class TestDraws:
 
     def test_events_are_those_of_the_sequence_file(self, exposure, tmp_path):
         life = draws(exposure, above_mm_s=3.0).life(1)
-        of_file = read_sequence(write_sequence(life, tmp_path / "life.csv"), 0.5)
+        life[["record", "scale", "start_s", "end_s"]].to_csv(tmp_path / "life.csv", index=False)
+        of_file = read_sequence(tmp_path / "life.csv", 0.5)
         assert [(one.factor, one.rest_s, one.loading.as_dict()) for one in events_of(life, 0.5)] == [
             (one.factor, one.rest_s, one.loading.as_dict()) for one in of_file]
 
@@ -396,13 +405,6 @@ class TestEstimate:
     def test_pairs(self):
         mean, low, high = paired([2.0, 3.0, 4.0, 5.0], [1.0, 1.0, 1.0, 1.0])
         assert (mean, high - mean) == pytest.approx((2.5, 1.959964 * np.sqrt(5 / 3) / 2)) and low < mean
-
-    def test_share_of_motions(self):
-        """Equal outcomes: all by motions; outcome = motion + wall with deviations 2 and 1: 4/5."""
-        rng = np.random.default_rng(2)
-        motion, walls = rng.normal(0, 2, 20000), rng.normal(0, 1, (2, 20000))
-        assert share_of_motions(motion, motion) == pytest.approx(1.0)
-        assert share_of_motions(*(motion + walls)) == pytest.approx(0.8, abs=0.02)
 
 
 class TestResults:

@@ -69,9 +69,9 @@ class Boxes:
         n = max(1, round(duration / self.time_step))
         field = np.zeros((1, n + 1, 3))
         field[..., 2] = self.gravity
-        step.run(step.ADVANCE, ONE, self._tables, self._law, None, self.loose, np.array([[self.time_step, 0, 0, 0, 0]]),
-                 field, np.zeros(1, int), np.array([n]), np.ones(1, int), self._stiffness, self._samples,
-                 np.zeros(1, int))
+        step.run(step.ADVANCE, ONE, self._tables, self._law, None, self.loose, None,
+                 np.array([[self.time_step, 0, 0, 0, 0]]), field, np.zeros(1, int), np.array([n]), np.ones(1, int),
+                 self._stiffness, self._samples, np.zeros(1, int))
         self.time += n * self.time_step
         return self
 

@@ -1,7 +1,9 @@
 """Members of a single run: how many, what is kept, what is printed; and the digits of what is printed."""
 
+import io
 import json
 import re
+import time
 from contextlib import contextmanager
 
 import numpy as np
@@ -14,11 +16,12 @@ from damage.__main__ import main
 from damage.history.reader import read_history
 from damage.html.run_part import run_part
 from damage.measure.summary import summarise
-from damage.measure.tables import SHOWN, members_of, spread, summary_row, write_members
+from damage.measure.tables import SHOWN, member_row, members_of, members_path, spread, summary_row, write_table
 from damage.reference.session import run_reference
+from damage.run import session
 from damage.run.options import parse_run
 from damage.run.report import describe
-from damage.run.session import Backend, run_session
+from damage.run.session import Backend, Progress, run_session
 from damage.units import rounded
 
 TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
@@ -63,14 +66,11 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
 
 def test_an_interruption_keeps_the_members_that_had_ended(tiny, tmp_path, capsys, monkeypatch):
     """Of nine the first eight, which stepped together."""
-    groups = []
-
     @contextmanager
     def attended(*words, **options):
-        groups.append(words)
-        yield lambda run, time_s: len(groups) == 1
+        yield lambda run, time_s: run.settings.seed <= 8
 
-    monkeypatch.setattr("damage.reference.members.attended", attended)
+    monkeypatch.setattr("damage.run.session.attended", attended)
     out = tmp_path / "run.h5"
     assert run_reference([tiny, *SHAKEN, "--members", "9", "--out", str(out)]) == 130
     printed = capsys.readouterr()
@@ -85,7 +85,7 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
     first, second = (make_history(tmp_path / name, drift=drift) for name, drift in (("run.h5", 1e-3), ("b.h5", 2e-3)))
     for one, seed in ((first, 1), (second, 2)):
         one.parameters["seed"], one.parameters["scatter"] = seed, 0.001
-    write_members([first, second], out)
+    write_table(pd.DataFrame([member_row(one, out) for one in (first, second)]), members_path(out))
     table = members_of(first)
     assert table["run"].to_list() == ["run_s1", "run_s2"]
     assert spread(table)["max_drift_ratio"] == {"median": 1.5e-3, "min": 1e-3, "max": 2e-3}
@@ -119,20 +119,43 @@ def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_pat
 
 
 def test_a_member_that_fails_is_named_and_the_others_are_reported(tiny, tmp_path, capsys, monkeypatch):
-    from damage.reference import members as of_reference
-
     def simulate(prepared, *more):
         if prepared.settings.seed == 2:
             raise MemoryError
         return (yield from simulate_as_before(prepared, *more))
 
-    simulate_as_before = of_reference.simulate
-    monkeypatch.setattr(of_reference, "simulate", simulate)
+    simulate_as_before = session.simulate
+    monkeypatch.setattr(session, "simulate", simulate)
     assert run_reference([tiny, *SHAKEN, "--members", "3", "--out", str(tmp_path / "run.h5")]) == 1
     printed = capsys.readouterr()
     assert without_progress(printed.err).startswith("error: member of seed 2: out of memory")
     assert "2 of 3 members ended: median and range are of these" in printed.out
     assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == ["run_s1", "run_s3"]
+
+
+def test_the_time_left_is_of_all_members(monkeypatch):
+    """Three runs of 10 s of motion, one after the other in pairs, a second of work for each of motion."""
+    clock, stream = [100.0], io.StringIO()
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
+    progress = Progress("wall, 3 members", stream, runs=3)
+    one, two, three = (Run() for _ in range(3))
+
+    def left_after(work_s, run, simulated_s):
+        clock[0] += work_s
+        progress.show(simulated_s, run)
+        return stream.getvalue().splitlines()[-1].split()[-2]
+
+    progress.show(0.0, one)
+    assert left_after(10, one, 5.0) == "0:50"  # 5 of 30 s of motion in 10 s
+    assert left_after(10, two, 10.0) == "0:20"
+    assert left_after(10, one, 10.0) == "0:15"  # as where it collapsed and ended
+    assert left_after(10, three, 4.0) == "0:10"
+
+
+class Run:
+    """Of `damage.run.run.Run` what Progress asks for."""
+
+    stage, duration_s, index = "motion", 10.0, 0.0
 
 
 def test_the_screen_shows_no_more_digits_than_are_known(tmp_path):

@@ -12,7 +12,8 @@ from damage.draw.run import has_sequence, sequence_picture
 from damage.draw.words import run_title
 from damage.history.structure import check_parameters
 from damage.html.report import write_report
-from damage.measure.tables import shocks_table, summary_row
+from damage.measure.cycles import shocks_table
+from damage.measure.tables import summary_row
 from damage.motion.sequence import read_sequence
 from damage.reference.session import run_reference
 from damage.run.opening import sequence_lines

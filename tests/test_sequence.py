@@ -9,8 +9,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import damage
 from damage.errors import InputError
+from damage.measure.cycles import shocks_table
 from damage.measure.energy import energy_error
-from damage.measure.tables import shocks_table, write_run_tables
+from damage.measure.tables import write_run_tables
 from damage.reference.session import run_reference
 from damage.run.options import parse_run
 from damage.run.schedule import base_acceleration, stages

@@ -1,16 +1,20 @@
 """Figures of studies: what is drawn is what the tables hold, and what cannot be drawn is said."""
 
 import re
+import shutil
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 import small_history
+from conftest import REPOSITORY
 from matplotlib.colors import to_rgba
 from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 from small_history import make_history
 
+from damage.commands.table import COMMANDS as of_package
 from damage.draw.panels import (
     NOTHING,
     describe_members,
@@ -23,17 +27,19 @@ from damage.draw.panels import (
 )
 from damage.draw.style import BLACK, BLUE, VERMILLION
 from damage.errors import InputError
+from damage.files import shipped_files
 from damage.measure.tables import index_table, write_table
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import figures as study_figures
+from paper.__main__ import COMMANDS as of_paper
 from paper.__main__ import main
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
 from paper.results import Missing, load_results, variants
-from paper.study_figures import choices
+from paper.study_figures import choices, sequences
 
 AMPLITUDES_G = (0.025, 0.05, 0.1)
 SCALES = (0.5, 1.0, 1.5, 2.0)
@@ -435,6 +441,77 @@ class TestChoices:
     def test_without_a_default_there_is_no_figure(self):
         with pytest.raises(Missing, match="default point"):
             choices(pd.DataFrame([point_row("p", "reference", 1.0, motion_period_s=1.0, amplitude_g=0.1, cycles=2)]))
+
+
+def stars(figure):
+    """{start of the panel's title: (x, y)} of the values of the paper's text."""
+    return {ax.get_title(loc="left")[:3]: tuple(map(float, (*line.get_xdata(), *line.get_ydata())))
+            for ax in figure.axes for line in ax.lines if line.get_marker() == "*"}
+
+
+class TestPaper:
+    """What the paper's text prints stands beside our values, of the wall and the records that it is about."""
+
+    def test_of_the_symmetric_wall_alone(self, results, harmonic, ida):
+        assert stars(against_amplitude(results, harmonic)) == {}
+        assert stars(residual_against_pga(ida)) == {} and "paper" not in text(drifts(results, harmonic))
+
+    def test_index_cycle_residual_and_record(self, results, harmonic, ida):
+        harmonic, ida = (replace(one, wall="symmetric") for one in (harmonic, ida))
+        figure = against_amplitude(results, harmonic)
+        assert stars(figure) == {"(c)": (0.1, 0.13)} and "printed in the paper's text" in text(figure)
+        said = text(drifts(results, harmonic))
+        assert [said.count(f", paper {s} s") for s in ("0.20", "0.24", "0.39")] == [1, 1, 1]
+        assert stars(residual_against_pga(ida)) == {"(a)": (0.16, 0.11)}
+        figure = records(results, ida.points)
+        assert stars(figure) == {"(b)": (0.2, 0.15), "(d)": (0.2, 0.15)}
+        assert "(paper 0.08)" in text(figure) and "PGA 0.111 g (paper 0.11)" in text(figure)
+
+
+class TestKeptTables:
+    """Tables of points alone, as in docs/tables."""
+
+    def test_what_needs_no_history_is_drawn_and_the_rest_named(self, folder, tmp_path, monkeypatch):
+        for study in ("harmonic", "ida"):
+            shutil.copy(folder / study / "tables" / "points.csv", tmp_path / f"{study}_points.csv")
+        results = load_results(tmp_path)
+        assert len(results.points) == len(load_results(folder).points) and len(results.runs) == 0
+        monkeypatch.setattr(study_figures, "save_figures", lambda pairs, folder, made: [pairs[0][1]])
+        made = dict(study_figures.make_figures(results, tmp_path))
+        missing = {name.split("_")[0] for name, of in made.items() if isinstance(of, str)}
+        assert missing == {"fig07", "fig09", "fig10", "cracks"} and all(
+            "it needs the study's own folder" in of for of in made.values() if isinstance(of, str))
+        _, y, *_ = medians(panel(made["fig11_residual_small"][0], "Zeerijp"), BLACK)
+        kept = results.points[(results.points["record"] == "BGAR_HGE") & (results.points["solver"] == "reference")]
+        assert_allclose(y, kept["residual_DI"])
+
+    def test_sequences_need_histories(self, results):
+        with pytest.raises(Missing, match="no history of point p"):
+            sequences(type(results)(results.points, results.runs.iloc[:0]), pd.DataFrame([
+                point_row("p", "reference", 1.0, folder=results.points["folder"].iloc[0], shocks=3)]))
+
+    def test_the_tables_that_ship_draw_figures_8_11_and_12(self):
+        results = load_results(REPOSITORY / "docs" / "tables")
+        names = [name for name, _ in study_figures._figures(results)]
+        assert {"fig08_amplitude_symmetric", "fig11_residual_symmetric", "fig12_drift_asymmetric"} <= {*names}
+        points = results.of_studies(("ida", "crosscheck"), results.points["record"].notna() & (
+            results.points["shocks"] == 1))
+        variant = next(one for one in variants(points) if one.wall == "symmetric")
+        figure = residual_against_pga(variant)
+        assert len(variant.reference) == 16 and len(variant.yade) and stars(figure) == {"(a)": (0.16, 0.11)}
+
+
+def test_the_table_of_figures_names_commands_and_studies_that_are_there():
+    page = (REPOSITORY / "docs" / "paper" / "figures.md").read_text(encoding="utf-8")
+    commands = [words.split() for words in re.findall(r"`(python3 [^`]+|\./run_all\.sh [^`]+)`", page)]
+    assert {words[1] for words in commands if words[0] == "./run_all.sh"} - {"STUDY"} <= shipped_files(
+        "studies", ".toml").keys()
+    for words in (words[1:] for words in commands if words[0] == "python3"):
+        if words[0] == "-m":
+            assert words[2] in {"damage": of_package, "paper": of_paper}[words[1]]
+        else:
+            assert (REPOSITORY / words[0]).is_file()
+    assert sum(line.startswith("| ") for line in page.splitlines()) == 16  # the table's rows, with its head
 
 
 class TestCommand:

@@ -13,10 +13,9 @@ import pytest
 from conftest import REPOSITORY, contents, without_progress
 
 from damage.history.reader import read_history
-from damage.reference import ensembles, lanes, settled, together
-from damage.reference.session import run_reference
+from damage.reference import ensembles, lanes, session, settled
+from damage.reference.session import run_reference, run_references
 from damage.reference.settled import SettledWalls, State
-from damage.reference.together import run_references
 from damage.reference.wall import ReferenceWall
 from damage.run.run import LOOK_STEPS
 from damage.wall.layout import lay_out
@@ -30,8 +29,8 @@ OTHERS = {3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
           6: (*SHAKEN, "--cells", "3")}  # cannot be in a batch with the others
 PROGRAM = '''
 import sys
+from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls, State
-from damage.reference.together import run_references
 from damage.reference.wall import ReferenceWall
 from damage.run.run import LOOK_STEPS
 from damage.wall.layout import lay_out
@@ -163,8 +162,8 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
     def make_none(layout, time_step, _settings):
         raise MemoryError
 
-    simulate_as_before = together.simulate
-    monkeypatch.setattr(together, "simulate", simulate)
+    simulate_as_before = session.simulate
+    monkeypatch.setattr(session, "simulate", simulate)
     monkeypatch.setattr(ensembles, "LEAST_LANES", 2)
     asked = lines(tiny, tmp_path / "together")
     asked["m2"] += ["--dt", "0.1"]

@@ -6,25 +6,23 @@ import pandas as pd
 
 from damage.batch.folder import ROOT
 from damage.batch.outdated import other_versions
-from damage.batch.pool import Pool
 from damage.batch.tasks import Task
 from damage.errors import InputError, warn
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY
 from damage.measure.register import names
 from damage.measure.tables import summary_row
-from damage.start import EXIT_INTERRUPTED
 from damage.studies.inputs import inputs_of
 from damage.studies.members import most_members
 
 _NAMED = 5  # columns that a message names
 
 
-def make_again(name, study, results, lock):
+def make_again(name, study, results, simulate):
     """Make the history of one run of a study, which is not there; returns the exit status: 1 where the run fails, or
     its values are not those of its record.  Raises InputError where it would not be the same run.
 
-    results: `damage.batch.outdated.Results` of its folder; lock: descriptor of the folder's lock.
+    results: `damage.batch.outdated.Results` of its folder; simulate(Task): does it, returns the exit status.
     """
     run, number = _find(name, study)
     history = results.folder / "runs" / f"{name}.h5"
@@ -40,7 +38,7 @@ def make_again(name, study, results, lock):
     if row is None:
         warn(f"--run {name}: no record of it in {results.folder}: its values are not compared")
     warn(*(f"--run {name}: {warning}" for warning in other_versions(row, run.solver)))
-    status = simulate(Task(results.folder, run, number, True), lock)
+    status = simulate(Task(results.folder, run, number, True))
     if status != 0 or row is None:
         return status
     differing = differing_columns(row, summary_row(read_history(history), run=name, point=run.point))
@@ -63,13 +61,6 @@ def _find(name, study):
         raise InputError(f"--run {name}: no run of the study {study.name} with this solver; expected a name from the "
                          "column run of tables/summary.csv")
     return found[0]
-
-
-def simulate(task, lock):
-    """Do one task; returns the exit status."""
-    pool = Pool(1, lock, task.folder, lambda line: print(line, flush=True))
-    pool.run([task])
-    return EXIT_INTERRUPTED if pool.interrupted else 1 if pool.failed or pool.short else 0
 
 
 def differing_columns(row, new):

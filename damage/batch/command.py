@@ -7,6 +7,7 @@ import sys
 import time
 from argparse import ArgumentTypeError
 from contextlib import chdir
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -140,7 +141,7 @@ def _one_study(asked, path):
     try:
         with chdir(ROOT):
             if asked.run:
-                return again.make_again(asked.run, study, Results(folder), lock)
+                return again.make_again(asked.run, study, Results(folder), partial(_simulate, lock))
             return Batch(study, runs, folder, asked, lock).run()
     except OSError as error:
         if error.filename is None:
@@ -149,6 +150,13 @@ def _one_study(asked, path):
                          "continues from here") from error
     finally:
         os.close(lock)
+
+
+def _simulate(lock, task):
+    """Do one task; returns the exit status."""
+    pool = Pool(1, lock, task.folder, say)
+    pool.run([task])
+    return EXIT_INTERRUPTED if pool.interrupted else 1 if pool.failed or pool.short else 0
 
 
 class Batch:

@@ -11,6 +11,7 @@ import re
 import shutil
 from collections import defaultdict
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from damage.batch.folder import ROOT
 from damage.errors import InputError
@@ -18,13 +19,12 @@ from damage.files import write_text
 from damage.history.head import read_head
 from damage.measure.kept import ENDING, FOLDER
 from damage.provenance import measures_digest, model_digest
-from damage.reference.session import BACKEND
 from damage.studies.definition import names_file
 from damage.studies.inputs import as_json, differences, inputs_of
 from damage.studies.records import NAME, OLDER_NOTE, is_of_today, key_of, point_line, point_of, read_records
 from damage.studies.tables import histories_in, refuse_other_measures
 
-CODE = {"reference": BACKEND.code, "yade": ROOT / "yade_scripts"}
+CODE = {"reference": Path(__file__).parents[1] / "reference", "yade": ROOT / "yade_scripts"}
 """Where each solver's own code lies; an installed package is without YADE's."""
 FIRST_TABLES = "index", "events", "joints", "cycles"
 """Of the first run of a point; of sequences shocks, too."""

@@ -21,8 +21,9 @@ from damage.batch.tasks import company_of
 from damage.law.modes import natural_modes
 from damage.mechanics.compiled import is_cached
 from damage.reference.ensembles import LEAST_LANES
-from damage.run.schedule import choose_time_step, sample_steps
-from damage.run.settings import HOLD_S, RAMP_S, Softening
+from damage.run.schedule import sample_steps
+from damage.run.scheme import schemes
+from damage.run.settings import HOLD_S, RAMP_S, SELECTIVE, Softening
 from damage.studies.members import most_members
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -35,8 +36,9 @@ MEASURED_AT = Speed(2.6, 1.25)
 RUN = {"alone": (0.75, 1.5), "together": (0.25, 2.0), "yade": (5.0, 1.0)}
 """Of a run: seconds besides its steps (layout, periods, history, tables), and its steps' time over that of a wall at
 rest."""
-DEFORMABLE = 16.0
-"""Time of a step and contact point with deformable bricks over that with rigid ones, in a run that is alone."""
+DEFORMABLE, SCALED = 16.0, 2.0
+"""Time of a step and contact point with deformable bricks over that with rigid ones, in a run that is alone; and of one
+with mass scaling, samples included, over that of an explicit one."""
 PICTURES_S, BATCH_S, COMPILING_S, PYTHON_S = 4.5, 4.5, 25.0, 0.0114
 """Seconds of the pictures of a run; of starting a batch and of the study's tables; of compiling; and of
 `speed.python_seconds`."""
@@ -82,12 +84,13 @@ def print_plan(study, folder, jobs, remake=False):
         state = f"there, {len(plan.there[run])} runs" if run.is_ensemble else "there"
         print(f"  {run.id:60s}  {state if plan.there[run] else _planned(run, plan.costs[run], plan.scale)}")
     least, most = plan.runs
+    on = next(path for path in (folder, *folder.parents) if path.is_dir())
     n_bytes = sum(most_members(run) * plan.costs[run].n_bytes for run in plan.left) * plan.scale.n_bytes
     print(f"points: {len(study.runs)}, {len(study.runs) - len(plan.left)} there; runs to make: "
           f"{'up to ' if most != least else ''}{most}\n"
           f"expected: {duration(plan.seconds[0])} to {duration(plan.seconds[1])} with {jobs} at a time, where nothing "
           f"else runs; {n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
-          f"{free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
+          f"{free_bytes(on) / 1e9:.3g} GB free\n"
           f"by {plan.by}"
           + (f"; with compiling the solver once, about {duration(plan.once_s)}" if plan.once_s else ""), flush=True)
 
@@ -149,26 +152,28 @@ def _planned(run, cost, scale):
 def estimate(run, way, machine):
     """Cost of one run of a StudyRun; way: of `ways_of`; machine: a Speed."""
     settings = run.settings(ROOT)
-    softens, n_joints, critical_s, height = _wall(str(ROOT / run.wall), replace(settings.model, strength_seed=0))
-    settings = settings.for_joint(load_wall(ROOT / run.wall).joint, Softening())
-    loading, step_s = settings.loading, choose_time_step(settings, critical_s, softens)
+    wall, n_joints, *times, height = _wall(str(ROOT / run.wall), replace(settings.model, strength_seed=0))
+    (settings, step_s), *_ = schemes(settings.for_joint(wall.joint, Softening()), wall, *times)
+    loading = settings.loading
     shaken_s = loading.length_s(height) if loading.drive.quasi_static else settings.duration_s
     steps = (RAMP_S + HOLD_S + shaken_s) / step_s
-    samples = shaken_s / step_s / sample_steps(step_s)
+    samples = shaken_s / step_s / sample_steps(step_s, settings.mass_scaling)
     besides_s, factor = RUN[way]
     ns = {"together": machine.together_ns, "alone": machine.alone_ns, "yade": YADE_NS}[way]
     if settings.model.deforms:  # none step together
         ns, factor = DEFORMABLE * machine.alone_ns, RUN["alone"][1]
+    if settings.mass_scaling == SELECTIVE:
+        factor *= SCALED
     return Cost(besides_s * machine.alone_ns / MEASURED_AT.alone_ns + factor * steps * n_joints * ns * 1e-9,
                 samples * n_joints * BYTES_A_CONTACT_AND_SAMPLE)
 
 
 @cache
 def _wall(path, model):
-    """(whether its joints soften, contact points, critical time step [s], height of what is pushed [m]) of a wall."""
+    """(damage.Wall, contact points, critical time step and period [s], height of what is pushed [m]) of a file."""
     layout = lay_out(load_wall(path), model)
-    return (layout.wall.joint.softens, layout.n_joints, natural_modes(layout).critical_time_step_s,
-            layout.pushed_height)
+    modes = natural_modes(layout)
+    return (layout.wall, layout.n_joints, modes.critical_time_step_s, float(modes.period_s[0]), layout.pushed_height)
 
 
 def scales(costs, there, ways, folder):
@@ -204,8 +209,3 @@ def duration(seconds):
     '1:02:05'
     """
     return str(timedelta(seconds=round(seconds)))
-
-
-def _existing(folder):
-    """The folder, or the first above it that is there."""
-    return next(path for path in (folder, *folder.parents) if path.is_dir())

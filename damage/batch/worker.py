@@ -22,8 +22,8 @@ from damage.history.reader import read_history
 from damage.measure.kept import patterns_of, write_patterns
 from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
+from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
-from damage.reference.together import run_references
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from damage.studies.records import record_of
 

@@ -1,5 +1,7 @@
 """Commands about histories, and the tests and cracks that they are compared with."""
 
+from dataclasses import fields
+
 from damage.commands.table import (
     DAMAGE,
     DRIFT_LIMIT,
@@ -17,12 +19,18 @@ from damage.commands.table import (
     show,
     threshold,
 )
+from damage.commands.walls import plausible_wall
 from damage.errors import InputError, warn
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.provenance import shown_path
-from damage.run.options import WALLS_ARE_CODE, number_from
+from damage.run.options import WALLS_ARE_CODE, add_accept, add_model_options, model_of, number_from
 from damage.units import MILLIMETRE
+from damage.wall.model_options import ModelOptions
+
+MODEL = tuple(one.name for one in fields(ModelOptions) if one.name not in (
+    "fibres", "brick_order", "plane", "brick_mass", "brick_damping"))
+"""Options of a wall's model that export offers; the others are of what it cannot write."""
 
 
 @command("the damage index and key numbers of a history", HISTORY, JSON, threshold("opening and slip"),
@@ -91,25 +99,52 @@ def _animate(asked):
                      asked.magnify))
 
 
-@command("a history for ParaView, or the tables of a study for other programs",
-         file_arg("source", "FILE.h5|STUDY_DIR", "a history, or the folder of a study, as results/quick"),
+@command("a history for ParaView, the tables of a study, or a wall, for other programs",
+         file_arg("source", "FILE.h5|STUDY_DIR|WALL", "a history, the folder of a study, as results/quick, or a wall "
+                  f"file or the name of a wall that ships. {WALLS_ARE_CODE}"),
+         group("the model of a wall", lambda command: add_model_options(command, MODEL), add_accept),
          output(
              file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
              file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
-             file_arg("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)")))
+             file_arg("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)"),
+             file_arg("--opensees", "FILE.py", "of a wall: a model with interface elements for OpenSeesPy"),
+             file_arg("--3dec", "FILE.dat", "of a wall: rigid blocks and joints for 3DEC 7", dest="deck")))
 def _export(asked):
     from damage.export.study import write_netcdf, write_parquet
     from damage.export.vtkhdf import write_vtkhdf
 
-    if not (asked.vtkhdf or asked.parquet or asked.netcdf):
+    of_wall, of_results = asked.opensees or asked.deck, asked.vtkhdf or asked.parquet or asked.netcdf
+    if not (of_wall or of_results):
         raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf of a history, --parquet DIR or "
-                         "--netcdf FILE.nc of a study; give one")
+                         "--netcdf FILE.nc of a study, --opensees FILE.py or --3dec FILE.dat of a wall; give one")
+    if of_results and (of_wall or model_of(asked) != ModelOptions()):
+        raise InputError(f"export of {asked.source} with options of a wall's model, or a format of walls: expected "
+                         "them for a wall only; leave them out")
+    if of_wall:
+        _export_wall(asked)
     if asked.vtkhdf:
         print(write_vtkhdf(read_history(asked.source), asked.vtkhdf))
     if asked.parquet:
         print(*write_parquet(asked.source, asked.parquet), sep="\n")
     if asked.netcdf:
         print(write_netcdf(asked.source, asked.netcdf))
+
+
+def _export_wall(asked):
+    from damage.export.opensees import write_opensees
+    from damage.export.threedec import write_3dec
+    from damage.wall.layout import lay_out
+
+    if asked.source.suffix.lower() == ".h5" or asked.source.is_dir():
+        raise InputError(f"export of {asked.source} for OpenSees or 3DEC: expected a wall file, or the name of a wall "
+                         "that ships; give the wall that was run")
+    layout = lay_out(plausible_wall(asked, asked.source), model_of(asked))
+    if asked.opensees:
+        print(write_opensees(layout, asked.opensees))
+    if asked.deck:
+        path, said = write_3dec(layout, asked.deck)
+        warn(*said)
+        print(path)
 
 
 @command("compare a history with another, an ensemble, or the survey of a real wall", file_arg("first", "A.h5"),
@@ -169,11 +204,13 @@ def _tables(asked):
          group("words", arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
                arg("--author", metavar="NAME", help="who wrote it, below the title"),
                arg("--text", metavar="WORDS", help="what it begins with, as what was asked and what follows; blank "
-                   "lines separate paragraphs")))
+                   "lines separate paragraphs"),
+               arg("--language", choices=("en", "nl"), default="en", help="of each run's summary (default en); the "
+                   "technical part is English")))
 def _report(asked):
     from damage.html.report import Words, write_report
 
-    print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text)))
+    print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text, asked.language)))
 
 
 @command("pushed laboratory walls beside their tests", HISTORIES, out("folder for the pictures"))

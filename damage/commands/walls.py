@@ -38,7 +38,7 @@ def _modes(asked):
     from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
     from damage.wall.layout import lay_out
 
-    layout = lay_out(_plausible_wall(asked), model_of(asked))
+    layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
         from damage.draw.preview import modes_picture
@@ -68,21 +68,21 @@ def _draw(asked):
     from damage.wall.geometry import body_table, joint_table
     from damage.wall.layout import lay_out
 
-    wall = _plausible_wall(asked)
+    wall = plausible_wall(asked, asked.wall)
     layout = lay_out(wall, model_of(asked))
     supports = tuple(zip(layout.supports.left, layout.supports.right))
     figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
     print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"))
 
 
-def _plausible_wall(asked):
-    """The wall of a command's options, its values checked unless the user accepts all."""
+def plausible_wall(asked, path):
+    """The wall of a file, or of a name, its values checked unless a command's options accept all."""
     from damage.wall.as_built import warn_of_courses
     from damage.wall.file import load_wall
     from damage.wall.plan import plan_of
     from damage.wall.plausible import check_plausible
 
-    wall = load_wall(asked.wall)
+    wall = load_wall(path)
     if not asked.accept_implausible:
         check_plausible(wall)
     warn(*warn_of_courses(plan_of(wall)))

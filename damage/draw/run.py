@@ -17,13 +17,13 @@ from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import choose_sample
+from damage.history.moments import choose_sample, sample_at
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import principal_stresses
+from damage.measure.cycles import shocks_table
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
 from damage.measure.limits import bound
-from damage.measure.tables import shocks_table
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners, kinds_of_bodies
 
@@ -65,6 +65,21 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     ratio = draw_wall(ax, shape)
     return _with_words(figure, ratio, history, _moment(shape, sample),
                        joint_handles(shape, history.judged_by(slip), threshold))
+
+
+def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, magnify=None):
+    """Draw the wall with its cracks into axes of a figure of yours, in true scale; returns the WallShape that is drawn,
+    of which `joint_handles` makes a legend.
+
+    t: time [s], of which the nearest sample is drawn; "max" (of the damage index) or "end"; other arguments as of
+    `wall_picture`.  InputError for a time outside the run.
+    """
+    sample = t if t in ("max", "end") else sample_at(history, t)
+    shape = wall_shape(history, sample, slip, threshold, magnify)
+    shape = shape.on_page(ax.get_window_extent().size / ax.figure.dpi * 72)
+    draw_wall(ax, shape)
+    ax.set_title("\n".join(_moment(shape, t)), fontsize="small")
+    return shape
 
 
 def _with_words(figure, ratio, history, lines, handles):

@@ -102,6 +102,7 @@ MEMBERS = {"members": Column("1", "runs of the point in its solver")}
 POINTS = {
     **each(PARAMETERS), **MEMBERS, "status": Column("", "complete when all runs are"),
     "collapsed": Column("1", "runs that collapsed"),
+    "repeated": Column("1", "runs that were repeated in smaller steps"),
     "collapsed_at_s": Column("s", "median over these, where they are half of the runs or more"), **each(MADE_BY),
     **{name: column._replace(meaning=f"median of the runs: {column.meaning}") if column.unit else column
        for table in MEASURES.values() for name, column in each(table).items()},

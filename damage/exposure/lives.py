@@ -24,7 +24,7 @@ from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS, model_named
 from damage.exposure.places import at, at_rd
-from damage.files import is_there, write_text
+from damage.files import is_there
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Recorded
 from damage.motion.sequence import Event
@@ -208,8 +208,10 @@ class Draws:
 
     @cached_property
     def _unit_pgv(self):
-        """PGV [mm/s] for which each component has a factor of one, (n,)."""
-        pgv = self.components["pgv_mm_s"].to_numpy()
+        """PGV [mm/s] for which each component has a factor of one, (n,): its own, or that of its station in the
+        direction in which it is largest, where that is what the model has."""
+        of_all = self.exposure.model.component == "MAX"
+        pgv = self.components["pgv_rotd100_mm_s" if of_all else "pgv_mm_s"].to_numpy()
         if self.choices.scale_to == "pgv":
             return pgv
         sa = self.components["sa_0.2_s_g"].to_numpy()
@@ -266,11 +268,6 @@ def events_of(life, rest_s):
 @lru_cache(maxsize=256)
 def _loading(name, start_s, end_s):
     return Recorded(read_record(shipped_records()[name]), window_s=(float(start_s), float(end_s)))
-
-
-def write_sequence(life, path):
-    """Write a life as a sequence file, which `--sequence` takes; returns its path."""
-    return write_text(path, life[["record", "scale", "start_s", "end_s"]].to_csv(index=False))
 
 
 @lru_cache(maxsize=8)

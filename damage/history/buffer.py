@@ -90,6 +90,12 @@ class Buffer:
         """
         return self._sinks[-1].history(path or self.path)
 
+    def begin_again(self, write):
+        """Discard all that was written, and become the Buffer that `write` makes."""
+        for sink in self._sinks:
+            sink.discard()
+        vars(self).update(vars(write()))
+
     def finish(self, status, collapsed_at_s=None):
         """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
         if any(sink.is_torn for sink in self._sinks):

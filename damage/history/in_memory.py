@@ -50,6 +50,10 @@ class Memory:
         if self._n_bytes > MOST_BYTES:
             self._outgrow()
 
+    def discard(self):
+        if self._file is not None:
+            self._file.discard()
+
     def finish(self, status, collapsed_at_s):
         if status != "complete" and self._file is None and self._new_file:
             self._outgrow()

@@ -19,8 +19,8 @@ WORTH = {
 }
 
 
-RESULTS = ("time_step_s", "critical_time_step_s", "eigen_period_s", "pier_stress_pa", "outside_validity",
-           *APPLIED)
+RESULTS = ("time_step_s", "repeats", "repeated_for", "critical_time_step_s", "eigen_period_s", "pier_stress_pa",
+           "outside_validity", *APPLIED)
 """Of a history's parameters those that follow from the others: the wall's by its eigenvalues, the motion's as applied;
 the time step, too, unless --dt gives it."""
 

@@ -146,10 +146,16 @@ class History:
     stress_pa: np.ndarray | None = None
 
     def __repr__(self):
-        return in_a_line(self)
+        return (f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {how_it_ended(self)}, "
+                f"{_samples(self)}>")
 
     def _repr_html_(self):
         return as_html(self)
+
+    def plot_wall(self, ax, t="max", **options):
+        """Draw the wall with its cracks at a time t [s], or "max" (of the damage index) or "end", into axes of a
+        figure of yours: `damage.draw.run.plot_wall`."""
+        return import_module("damage.draw.run").plot_wall(self, ax, t, **options)
 
     @property
     def complete(self):
@@ -446,12 +452,6 @@ def _decode(frame, column, names):
     return frame
 
 
-def in_a_line(history):
-    """One line on a History, its `repr`."""
-    return (f"<History {history.wall}, {history.loading.name}, {history.solver} solver: {how_it_ended(history)}, "
-            f"{_samples(history)}>")
-
-
 def as_html(history):
     """A History as HTML for notebooks: a table with its wall, motion, end, index and largest drift."""
     rows = [("wall", history.wall), ("motion", history.loading.name), ("solver", history.solver),
@@ -461,7 +461,7 @@ def as_html(history):
         residual = f", residual {index.iloc[-1]:.3f}" if history.complete else ""
         rows += [("damage index", f"maximum {index.max():.3f}{residual}"),
                  ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
-                 ("failures", f"{_failures(history)} of {len(history.joints)} contact points")]
+                 ("failures", f"{int(history.states.broken[-1].sum())} of {len(history.joints)} contact points")]
     cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
     return f"<table><caption>History</caption>{cells}</table>"
 
@@ -475,8 +475,3 @@ def how_it_ended(history):
 def _samples(history):
     time_s = history.series["time_s"]
     return f"{len(time_s)} samples" + (f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else "")
-
-
-def _failures(history):
-    """Contact points whose bond has failed."""
-    return int(history.states.broken[-1].sum())

@@ -47,7 +47,7 @@ BODIES = {
     "length_m": Column("m", "along the wall"), "height_m": Column("m", "upwards"),
     "mass_kg": Column("kg", "mass"), "inertia_kg_m2": Column("kg m2", "moment of inertia about the centre"),
     "course": Column("index, -1 cap", "0 at the base, -1 for a cap of the top mass, -2 for a slab, -3 for a segment of "
-                     "a beam, -4 for a brick of an arch", "i8"),
+                     "a beam, -4 for a brick of an arch, -5 for a party wall", "i8"),
 }
 SUPPORTS = {
     "left_m": Column("m", "of the part of the base that it carries", since=5),

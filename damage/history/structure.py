@@ -6,6 +6,7 @@ import numpy as np
 from damage.checks import check_number, is_plain_name
 from damage.errors import InputError
 from damage.history import schema
+from damage.wall.kinds import SIDE_COURSE
 
 PACKED = 1032
 """What deflate makes of a row of zeros: so many bytes of one."""
@@ -179,7 +180,8 @@ def check_values(history):
     for table, names in ((joints, ("length_m", "area_m2")), (bodies, ("length_m", "height_m", "mass_kg"))):
         for name in names:
             values = table[name].to_numpy()
-            _refuse(~(values > 0), name, "a number above zero", values)
+            massless = name == "mass_kg" and bodies["course"].to_numpy() == SIDE_COURSE  # party walls
+            _refuse(~(values > 0) & ~np.asarray(massless), name, "a number above zero", values)
     n_supports = 1 if history.supports is None else len(history.supports)
     for table, name, least, end in ((joints, "first_body", -n_supports, len(bodies)),
                                     (joints, "second_body", 0, len(bodies)), (events, "joint", 0, len(joints))):

@@ -67,6 +67,13 @@ class File:
             for name, value in values.items():
                 self._file["static"][name][()] = value
 
+    def discard(self):
+        """Close the file and delete it."""
+        with self._writing():
+            self._file.close()
+            self._lock.close()
+            self.path.unlink()
+
     def keep_state(self, state):
         with self._writing():
             self._state.resize(len(state), axis=0)

@@ -13,6 +13,7 @@ from damage.html.packing import as_png
 from damage.html.tables import COLUMNS as MEANING
 from damage.html.tables import cell, digits_of
 from damage.measure.columns import read_table, slip_criteria
+from damage.measure.tables import repeated
 from damage.provenance import shown_path
 from damage.studies.definition import load_study
 from damage.studies.fragility import fit_all, fragility_table, load_runs
@@ -106,6 +107,8 @@ def said_first(folder, summary, points):
     fell = summary["collapsed_at_s"].notna() if "collapsed_at_s" in summary else ended & False
     if fell.any():
         lines.append(f"{int(fell.sum())} of {len(summary)} runs collapsed: their maxima are those until then")
+    if again := repeated(summary):
+        lines.append(f"{again} of {len(summary)} runs were repeated in smaller steps (docs/validation/mass-scaling.md)")
     if slip_criteria(summary) != ["displacement"]:
         lines.append("there are runs from before histories had offsets: their slip is judged by accumulated")
     return lines

@@ -49,6 +49,8 @@ PARAMETERS = {
     "record_unit": Column("", "unit that the record's samples were taken to be in, and what says so"),
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
     "pgv_m_s": Column("m/s", "peak velocity of the base, from rest, nothing filtered"),
+    "pgv_rotd100_m_s": Column("m/s", "the same in the direction in which it is largest (RotD100), of the record and "
+                              "its other component (`--across`); empty without it"),
     "avg_sa_g": Column("g", "AvgSa: geometric mean of the 5 % spectral accelerations at ten periods from 0.01 to 1 s, "
                        "equally far apart in their logarithm"),
     "sa_eigen_period_g": Column("g", "5 % spectral at `eigen_period_s`"),
@@ -74,7 +76,7 @@ PARAMETERS = {
     "perturb_m": Column("m", "size of the bricks' random offsets"),
     "scatter": Column("1", "coefficient of variation of the strengths, by which the members of an ensemble differ"),
     "mode_i_fracture_energy_j_m2, mode_ii_fracture_energy_j_m2": Column("J/m2", "of the joints, 0 where brittle"),
-    "time_step_s": Column("s", "of the solver"),
+    "time_step_s": Column("s", "of the solver, in points.csv that of the first run"),
     "eigen_period_s": Column("s", "first period of the intact wall, by its eigenvalues"),
     "slip": Column("", "criterion of slip in the columns that name none, cracks and Psi included: displacement, or "
                    "accumulated of a history without offsets"),
@@ -91,6 +93,10 @@ RUN = {
     "status": Column("", "complete, interrupted, failed, unfinished"),
     "outside_validity": Column("", "quantities of the run outside the range of validity, each with value and range; "
                                "empty where all are inside"),
+    "mass_scaling": Column("", "none, or selective: with masses that grow with the intact wall's stiffness"),
+    "repeats": Column("1", "how often the run was repeated in smaller steps until it was accepted; `mass_scaling` and "
+                      "`time_step_s` are of the last one"),
+    "repeated_for": Column("", "why it was repeated last: energy (balance), drop (of a brick), failure (any other)"),
     "collapsed_at_s": Column("s", "when a brick had dropped by half its height"),
     **_model(seeds=True),
     "seed": Column("1", "of the bricks' random offsets and of `scatter`"),

@@ -1,12 +1,15 @@
-"""Cycles of the drift, the damage index cycle by cycle (definitions: `docs/reference/measures.md`), and periods."""
+"""Cycles of the drift, the damage index cycle by cycle (definitions: `docs/reference/measures.md`), events of a
+sequence, and periods."""
 
 import numpy as np
 import pandas as pd
 
 from damage.history.schema import Column, moving
 from damage.index import COMPONENTS
+from damage.measure.cracks import psi_history
 from damage.measure.damage_index import CRITERIA
 from damage.measure.register import measure
+from damage.units import MILLIMETRE
 
 # --- cycles of the drift ----------------------------------------------------------------------------
 
@@ -48,7 +51,7 @@ def _motion_end(series):
     return series.loc[series["stage"] == "motion", "time_s"].max()
 
 
-# --- the index cycle by cycle -----------------------------------------------------------------------
+# --- the index cycle by cycle, and event by event ---------------------------------------------------
 
 BY_OTHERS = {f"{prefix}{component}": (slip, component) for slip, prefix in CRITERIA.items() if prefix
              for component in ("DI_slip", "DI")}
@@ -89,6 +92,39 @@ def cycles_table(history):
                            for name in ("DI", "accumulated_DI", "shear_limit_DI")}
                         | {"slip": history.judged_by("displacement")})
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
+
+
+def shocks_table(history):
+    """Table of the events of a History, a DataFrame, a row for each event of its sequence.
+
+    motion, factor: name of the motion, factor on it; start_s, end_s; max_...: maxima during the event of drift ratio,
+    index by each slip criterion, crack width and Psi; residual_...: values at the last sample of its settling stage,
+    None without one; offset_before_mm, offset_after_mm: largest offset at its start and end; newly_failed: contact
+    points whose bonds failed in it.
+    """
+    index, rows = index_by_all(history), []
+    cracks = psi_history(history)
+    cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
+    offset = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE
+    failed = history.states.broken.sum(axis=1)
+    last = None  # sample before the event
+    for event, members in history.series.groupby("shock"):
+        settled = members["stage"].iloc[-1] == "settling"
+        end = members.index[-1]
+        row = {"shock": event, "motion": history.event_loadings[event - 1].name,
+               "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
+               "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
+               "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
+        mine = index.join(cracks).loc[members.index]
+        for name in mine:
+            row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
+        before = (0.0, np.nan_to_num(history.static.get("broken_joints", 0))) if last is None else \
+            (offset[last], failed[last])
+        row |= {"offset_before_mm": before[0], "offset_after_mm": offset[end],
+                "newly_failed": int(failed[end] - before[1])}
+        rows.append(row)
+        last = end
+    return pd.DataFrame(rows).assign(slip=history.judged_by("displacement"))
 
 
 def _cycles(series, loading):

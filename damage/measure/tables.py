@@ -21,13 +21,12 @@ from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import bricks_table, has_stresses
 from damage.measure.columns import read_table, slip_criteria
-from damage.measure.cracks import psi_history
-from damage.measure.cycles import cycles_table, index_by_all
+from damage.measure.cycles import cycles_table, index_by_all, shocks_table
 from damage.measure.damage_index import storeys_table
 from damage.measure.summary import flat_summary
 from damage.motion.intensity import APPLIED, motion_measures
 from damage.provenance import measures_digest
-from damage.units import GRAVITY, MILLIMETRE, rounded
+from damage.units import GRAVITY, rounded
 
 
 def summary_row(history, run="", point=""):
@@ -47,7 +46,8 @@ def summary_row(history, run="", point=""):
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
     row |= _motion_columns(history) | asdict(history.model) | {"joints": history.joint_normals}
     row |= {name: history.parameters.get(name) for name in (
-        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "time_step_s", "eigen_period_s")}
+        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
+        "repeated_for", "eigen_period_s")}
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0
             for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
@@ -88,39 +88,6 @@ def index_table(history):
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
     others = index_by_all(history).drop(columns=list(COMPONENTS))
     return table.join(others).assign(slip=history.judged_by("displacement"))
-
-
-def shocks_table(history):
-    """Table of the events of a History, a DataFrame, a row for each event of its sequence.
-
-    motion, factor: name of the motion, factor on it; start_s, end_s; max_...: maxima during the event of drift ratio,
-    index by each slip criterion, crack width and Psi; residual_...: values at the last sample of its settling stage,
-    None without one; offset_before_mm, offset_after_mm: largest offset at its start and end; newly_failed: contact
-    points whose bonds failed in it.
-    """
-    index, rows = index_by_all(history), []
-    cracks = psi_history(history)
-    cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
-    offset, failed = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE, \
-        history.states.broken.sum(axis=1)
-    last = None  # sample before the event
-    for event, members in history.series.groupby("shock"):
-        settled = members["stage"].iloc[-1] == "settling"
-        end = members.index[-1]
-        row = {"shock": event, "motion": history.event_loadings[event - 1].name,
-               "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
-               "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
-               "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
-        mine = index.join(cracks).loc[members.index]
-        for name in mine:
-            row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
-        before = (0.0, np.nan_to_num(history.static.get("broken_joints", 0))) if last is None else \
-            (offset[last], failed[last])
-        row |= {"offset_before_mm": before[0], "offset_after_mm": offset[end],
-                "newly_failed": int(failed[end] - before[1])}
-        rows.append(row)
-        last = end
-    return pd.DataFrame(rows).assign(slip=history.judged_by("displacement"))
 
 
 def events_table(history):
@@ -209,19 +176,20 @@ SHOWN = {"max_DI": ("maximum DI", 1.0, "", None), "residual_DI": ("residual DI",
 decimals in place of significant digits."""
 
 
+def repeated(table):
+    """How many runs of a table were repeated in smaller steps (`damage.run.scheme`)."""
+    return int((table.reindex(columns=["repeats"])["repeats"] > 0).sum())
+
+
 def members_path(path):
     """Path of the table of members beside the history file at `path`."""
     return Path(path).with_name(f"{Path(path).stem}_members.csv")
 
 
-def write_members(histories, path):
-    """Write the table of members beside the history file at `path`; returns the table's path.
-
-    histories: Histories of all members, that of `path` first.
-    """
+def member_row(history, path):
+    """Row of a member's History in the table of members beside the history file at `path`."""
     point = Path(path).stem
-    rows = [summary_row(history, run=f"{point}_s{history.parameters['seed']}", point=point) for history in histories]
-    return write_table(pd.DataFrame(rows), members_path(path))
+    return summary_row(history, run=f"{point}_s{history.parameters['seed']}", point=point)
 
 
 def members_of(history):
@@ -242,19 +210,20 @@ def members_of(history):
 def spread(table):
     """Median and range over the members of a table, a plain dictionary.
 
-    count: number of members; collapsed: how many of them collapsed; and for each column of SHOWN that has values
-    {"median", "min", "max"}.
+    count: number of members; collapsed, repeated: how many of them collapsed, or were repeated in smaller steps; and
+    for each column of SHOWN that has values {"median", "min", "max"}.
     """
     values = {name: table[name].dropna().astype(float) for name in SHOWN}
-    return {"count": len(table), "collapsed": int(table["collapsed_at_s"].notna().sum())} | {
+    return {"count": len(table), "collapsed": int(table["collapsed_at_s"].notna().sum()),
+            "repeated": repeated(table)} | {
         name: {"median": float(one.median()), "min": float(one.min()), "max": float(one.max())}
         for name, one in values.items() if len(one)}
 
 
 def describe_spread(spread):
     """The result of `spread` as text, a list of lines."""
-    fallen = f", {spread['collapsed']} of them collapsed" if spread["collapsed"] else ""
-    return [f"{spread['count']} members{fallen}: median (min to max)",
+    of_them = "".join(f", {spread[name]} of them {name}" for name in ("collapsed", "repeated") if spread.get(name))
+    return [f"{spread['count']} members{of_them}: median (min to max)",
             *(f"  {SHOWN[name][0]:14s}{members_in_words(spread, name)}" for name in SHOWN if name in spread)]
 
 

@@ -14,6 +14,7 @@ from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import either, lane, lanes, load, wall_of, zero
 from damage.mechanics.loose import STORED
 from damage.mechanics.rows import first_force
+from damage.mechanics.scaling import scaled_kinetic_energy
 from damage.mechanics.strain import energies_of_modes
 from damage.mechanics.tables import (
     BASE_X,
@@ -81,7 +82,7 @@ class Samples(NamedTuple):
 
 
 @compiled
-def observe(n, tables, strain, loose, ending, stiffness, samples, taken):
+def observe(n, tables, strain, loose, matrix, ending, stiffness, samples, taken):
     """Write the next sample of each of the walls `ending` (bits), at the time of its displacements.
 
     The bench must hold the parameters of the next step; stiffness: Stiffness; taken: (walls,) numbers of samples
@@ -89,10 +90,13 @@ def observe(n, tables, strain, loose, ending, stiffness, samples, taken):
     """
     observe_stored(n, tables, ending, stiffness, samples, taken)
     bodies, inertia, bench = tables.bodies, tables.inertia, tables.bench
-    kinetic, work = kinetic_energy(n, bodies, inertia, bench), input_of_half_a_step(n, bodies, inertia, bench)
-    moving, elastic = zero(n), zero(n)
+    work, moving, elastic = input_of_half_a_step(n, bodies, inertia, bench), zero(n), zero(n)
     if strain is not None:
         moving, elastic = energies_of_modes(n, bodies, inertia, strain, load(n, bench, 0, STEP))
+    if matrix is None:
+        kinetic = kinetic_energy(n, bodies, inertia, bench)
+    else:
+        kinetic, moving = scaled_kinetic_energy(n, tables, matrix, strain), zero(n)
     if loose is not None:
         elastic = elastic + loose.energy[STORED]
     for w in range(lanes(n)):

@@ -53,6 +53,7 @@ from damage.mechanics.rows import (
     springs_of,
 )
 from damage.mechanics.samples import observe
+from damage.mechanics.scaling import move_scaled, turn_far
 from damage.mechanics.strain import kinetic_of_modes, motion_at, move_modes, points_at_once, push_modes
 from damage.mechanics.tables import (
     ALPHA,
@@ -72,17 +73,23 @@ from damage.mechanics.tables import (
     KINETIC,
     LARGEST_OPENING,
     LARGEST_SLIDE,
+    LIMIT,
+    LOAD,
     LOCAL,
     MASS,
     PARTS,
     PLACE,
+    PLAY,
     PULL_Z,
+    PULLS,
     RATE,
     RIGID,
     ROTATION,
     ROW,
     SIN,
+    SLIPPED_BY,
     STEP,
+    STIFFNESS,
     SWEPT_X,
     SWEPT_Z,
     TAKEN,
@@ -96,7 +103,8 @@ ADVANCE, FIND_FORCES, LOOK = range(3)
 
 
 @entry
-def run(what, n, tables, law, strain, loose, controls, field, clock, ends, ending, stiffness, samples, taken):
+def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, ends, ending, stiffness, samples,
+        taken):
     """Advance all walls to the last of the steps `ends`, and write samples.
 
     On entry the forces must be those at the present displacements.  On return, and at each sample, forces and readings
@@ -105,8 +113,9 @@ def run(what, n, tables, law, strain, loose, controls, field, clock, ends, endin
     what: ADVANCE; FIND_FORCES: at the present displacements, without damping, by contact points in the walls ending[0];
     LOOK: write a sample of the walls ending[0] now.  All in one function, since each would be compiled with the rest.
     tables, law: Tables and Law; strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find
-    no new contacts; controls: (walls, 5) time step [s], local damping [-], mass-proportional [1/s] and
-    stiffness-proportional damping [s], adaptive damping as the share of the rate of change of the kinetic energy [-];
+    no new contacts; matrix: Matrix of these walls, None without mass scaling; controls: (walls, 5) time step [s], local
+    damping [-], mass-proportional [1/s] and stiffness-proportional damping [s], adaptive damping as the share of the
+    rate of change of the kinetic energy [-];
     field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in each step and the one after the
     last [m/s2]; clock: (walls,) numbers of steps before; ends: (n,) rising numbers of steps from now; ending: (n,)
     walls (bits) of which a sample is written there, all of them at the last; stiffness, samples, taken: as of
@@ -119,7 +128,7 @@ def run(what, n, tables, law, strain, loose, controls, field, clock, ends, endin
         mark_used(n, tables, walls)
     if what == LOOK:
         set_bench(n, tables, controls, field, step)
-        observe(n, tables, strain, loose, ending[0], stiffness, samples, taken)
+        observe(n, tables, strain, loose, matrix, ending[0], stiffness, samples, taken)
         return
     if what == FIND_FORCES:
         clear_forces(n, tables)
@@ -128,7 +137,7 @@ def run(what, n, tables, law, strain, loose, controls, field, clock, ends, endin
     if damped:
         remember_last(n, tables, strain, walls)
     while k < len(ends):
-        move(n, tables, strain, controls, field, step)
+        move(n, tables, strain, matrix, controls, field, step)
         if adaptive:
             adapt(n, tables, strain, controls)
         step += 1
@@ -136,7 +145,7 @@ def run(what, n, tables, law, strain, loose, controls, field, clock, ends, endin
         all_forces(n, tables, law, strain, loose, clock, step, walls, which, damped, turns, controls[0, 0])
         if which:
             set_bench(n, tables, controls, field, step)
-            observe(n, tables, strain, loose, which, stiffness, samples, taken)
+            observe(n, tables, strain, loose, matrix, which, stiffness, samples, taken)
             if damped:
                 remember_last(n, tables, strain, which)
             k += 1
@@ -179,15 +188,18 @@ def mark_used(n, tables, walls):
 # --- motion of the bodies ---------------------------------------------------------------------------
 
 @compiled
-def move(n, tables, strain, controls, field, step):
+def move(n, tables, strain, matrix, controls, field, step):
     """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
 
-    controls, field: as of `run`; step: row of the field.
+    matrix, controls, field: as of `run`; step: row of the field.
     """
     sums = tables.sums
     for kind in range(SWEPT_X, KINETIC):
         clear(n, sums, kind)
-    if set_bench(n, tables, controls, field, step):
+    damped = set_bench(n, tables, controls, field, step)
+    if matrix is not None:
+        move_scaled(n, tables, matrix, strain, damped)
+    elif damped:
         move_all(n, tables, strain, controls, True)
     else:
         move_all(n, tables, strain, controls, False)
@@ -312,16 +324,6 @@ def move_coordinate(n, bench, dt, backwards, force, old, mass, free, damped):
     return bodies.work_of_field(mass, free, old, new), bodies.power_of_drive(force, free, new), taken, new
 
 
-@compiled
-def turn_far(n, places, b, far, angle):
-    """Write cosine less one, and sine, of those rotations `far` (bits) of body b that are not small."""
-    for w in range(lanes(n)):
-        if far >> w & 1:
-            row = b + w if rows_of(n) > 1 else b
-            store(wall_of(n, w), places, row, COS1, np.cos(lane(angle, w)) - 1.0)
-            store(wall_of(n, w), places, row, SIN, np.sin(lane(angle, w)))
-
-
 @inlined
 def clear(n, sums, kind):
     """Set the partial sums of a kind to zero."""
@@ -383,11 +385,37 @@ def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped
             stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
             moment = stiffness * (load(n, tables.bodies, b, PLACE + ROTATION) - rest)
             add(n, tables.bodies, b, first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
+    if len(tables.bearings) > 0:
+        hold_top(n, tables)
     if loose is not None:
         find_loose_forces(n, tables, loose, since)
     if damped:
         total(n, tables.sums, DAMPED)
         store(n, tables.energy, 0, DAMPING, load(n, tables.energy, 0, DAMPING) + load(n, tables.sums, DAMPED, 0))
+
+
+@compiled
+def hold_top(n, tables):
+    """Add the forces of the bearing of a restrained top, and of the constant load on it, to those of its beam.
+
+    The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip is friction.
+    """
+    bearings, bench = tables.bearings, tables.bench
+    gravity = load(n, bench, 0, PULL_Z) - load(n, bench, 0, BASE_Z)
+    for b in range(len(bearings)):
+        stiffness, limit = load(n, bearings, b, STIFFNESS), load(n, bearings, b, LIMIT)
+        play, slip, before = (load(n, bearings, b, PLAY), load(n, bearings, b, SLIPPED_BY),
+                              load(n, bearings, b, PULLS))
+        trial = stiffness * (load(n, tables.bodies, b, PLACE + X) - slip)
+        excess = either(trial > limit, trial - limit, either(trial < -limit, trial + limit, 0.0))
+        slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
+        slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
+        force = trial - stiffness * (slipped - slip)
+        store(n, bearings, b, SLIPPED_BY, slipped)
+        store(n, bearings, b, PULLS, force)
+        add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
+        add(n, tables.bodies, b, first_force(tables.bodies) + X, -force)
+        add(n, tables.bodies, b, first_force(tables.bodies) + Z, -load(n, bearings, b, LOAD) * gravity)
 
 
 @compiled

@@ -20,7 +20,7 @@ class Ensemble:
     """Advances walls, those with equal bricks and stiffnesses in batches."""
 
     def __init__(self):
-        self._kinds = WeakKeyDictionary()  # {wall: key that is equal for walls of one batch}
+        self._kinds = WeakKeyDictionary()  # {wall: its mass, key that is equal for walls of one batch}
 
     def move(self, asked):
         """Advance solvers, as `damage.run.turns.run_each`; returns WAITED for those that wait for others.
@@ -29,9 +29,9 @@ class Ensemble:
         """
         alike = {}
         for wall, *steps in asked:
-            if wall not in self._kinds:
-                self._kinds[wall] = kind_of(wall)
-            alike.setdefault(self._kinds[wall], {})[wall] = steps
+            if self._kinds.get(wall, (self,))[0] is not wall.mass:
+                self._kinds[wall] = wall.mass, kind_of(wall)
+            alike.setdefault(self._kinds[wall][1], {})[wall] = steps
         failures = {}
         for walls in alike.values():
             for group in _chosen(walls):

@@ -16,6 +16,7 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.mechanics import step as kernel
 from damage.mechanics import tables
+from damage.mechanics.compiled import forget_types
 from damage.mechanics.eight import EIGHT, ONE, WIDTH
 
 MOST_LANES = WIDTH
@@ -61,6 +62,7 @@ class Lanes:
         for w, wall in enumerate(walls):
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
         self._law = tables.Law(walls[0].material, THRESHOLD)
+        self._matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
         self._samples = self.room(0)
 
     @property
@@ -103,10 +105,11 @@ class Lanes:
         """As `damage.mechanics.step.run`; others than the wall that is looked at may be in use no longer."""
         any_wall = next(filter(None, self.walls))
         walls = [wall or any_wall for wall in self.walls]
-        kernel.run(what, self._n, self.tables, self._law, any_wall.strain, any_wall.loose,
+        kernel.run(what, self._n, self.tables, self._law, any_wall.strain, any_wall.loose, self._matrix,
                    np.array([wall.controls for wall in walls], float), field,
                    np.array([wall.step - wall.first_step for wall in walls]), ends, ending, any_wall.stiffness, samples,
                    np.zeros(len(walls), int))
+        forget_types(kernel.run)
 
     def room(self, n_samples):
         """Samples of all walls, all zero."""
@@ -130,7 +133,7 @@ class Lanes:
 
 
 def are_alike(wall, other):
-    """Whether two walls have equal bricks, stiffnesses and friction, so that they can be members of one batch."""
+    """Whether two walls have equal bricks, stiffnesses, friction and scaled mass: can be members of one batch."""
     return wall.material == other.material and all(
         np.array_equal(one, two, equal_nan=True) for one, two in zip(_shared(wall), _shared(other)))
 
@@ -147,7 +150,7 @@ def _shared(wall):
     system = wall.system
     of_modes = (system.mass[:, tables.RIGID:], *wall.strain) if wall.strain else ()
     return [*(table[name] for table in (system.interfaces, system.contacts) for name in table.dtype.names), *of_modes,
-            np.array(len(system.radiation))]
+            np.array(len(system.radiation)), np.frombuffer(wall.mass.key if wall.mass else b"", "u1")]
 
 
 def _in_turn(ends):

@@ -1,4 +1,4 @@
-"""Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver."""
+"""Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver, or many."""
 
 import sys
 from pathlib import Path
@@ -6,11 +6,27 @@ from pathlib import Path
 import numba
 
 from damage.errors import one_line
+from damage.history.writer import HistoryWriter
+from damage.memory import hold_buffers
 from damage.provenance import shown_path
-from damage.reference.members import run_members
+from damage.reference.ensembles import Ensemble
+from damage.reference.lanes import MOST_LANES
+from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
-from damage.run.session import EXIT_INPUT, Backend, reported, run_session
-from damage.run.settings import Softening
+from damage.run.options import parse_run
+from damage.run.session import (
+    EXIT_INPUT,
+    EXIT_INTERRUPTED,
+    Backend,
+    attended,
+    prepare,
+    reported,
+    run_session,
+    simulate,
+    with_errors_reported,
+)
+from damage.run.settings import SELECTIVE, Softening
+from damage.run.turns import as_they_end
 from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"
@@ -18,11 +34,12 @@ PROG = "python3 -m damage reference"
 
 def _make(layout, time_step, settings):
     """The ReferenceSolver of a Layout and RunSettings."""
-    return ReferenceSolver(layout, time_step, new_contacts=settings.new_contacts)
+    return ReferenceSolver(layout, time_step, beta=settings.beta_s, new_contacts=settings.new_contacts,
+                           scaled=settings.mass_scaling == SELECTIVE)
 
 
 BACKEND = Backend("reference", {"numba": numba.__version__}, _make, Path(__file__).parent, softening=Softening(),
-                  run_members=run_members)
+                  move=Ensemble().move, most=MOST_LANES)
 
 
 def run_reference(arguments):
@@ -37,3 +54,42 @@ def run_reference(arguments):
         return run_session(BACKEND, "", lambda: None, ["--help"], prog=f"{PROG} WALL")
     return reported(lambda: run_session(BACKEND, wall_path(wall), lambda: load_wall(wall), options,
                                     prog=f"{PROG} {shown_path(wall)}"))
+
+
+def run_references(lines, histories=None, settled=None):
+    """Run command lines as `run_reference`, up to eight at a time, the next where one has ended, without summaries and
+    pictures; the results of a run do not depend on the others, bit for bit.
+
+    lines: iterable of (name, words), the wall file first, each with an --out of its own; an element is taken when a run
+    can begin, and (None, None) means that there is none now; if no run is in progress then, all ends.  histories:
+    {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class is replaced by the
+    object.  settled: SettledWalls of earlier runs.
+
+    Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
+    """
+    histories, settled = {} if histories is None else histories, settled or SettledWalls()
+    names, interrupted = [], []
+
+    def runs():
+        for name, line in lines:
+            if interrupted:
+                return
+            names.append(name)
+            yield line and with_errors_reported(f"{name}: ", _run(name, line, histories, settled, keep_going))
+
+    hold_buffers()
+    with attended("runs that step together", runs=0) as keep_going:
+        for number, status in as_they_end(runs(), BACKEND.move, BACKEND.most):
+            if status == EXIT_INTERRUPTED:
+                interrupted.append(names[number])
+            yield names[number], status
+
+
+def _run(name, line, histories, settled, keep_going):
+    """One run from its command line: a generator as `damage.run.session.simulate`."""
+    wall, *words = line
+    settings = parse_run(words, prog=f"{PROG} {shown_path(wall)}", solver=BACKEND.name)
+    one = prepare(BACKEND, wall, lambda: load_wall(wall), settings, histories.get(name, HistoryWriter))
+    if name in histories:
+        histories[name] = one.writer
+    return (yield from simulate(one, keep_going, settled.of(one)))

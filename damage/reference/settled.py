@@ -8,6 +8,7 @@ import pickle
 from collections import OrderedDict
 
 from damage.mechanics.tables import copy_wall, join
+from damage.run.settings import SELECTIVE
 
 MOST_BYTES = 64_000_000
 """Largest size of the cache: about a hundred walls of four hundred bricks."""
@@ -79,5 +80,5 @@ def _digest(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
     settings = prepared.settings
     begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
-              settings.new_contacts)
+              settings.new_contacts, settings.mass_scaling == SELECTIVE and settings.beta_s)
     return hashlib.sha256(pickle.dumps(begins)).digest()

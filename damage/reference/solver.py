@@ -5,7 +5,7 @@ import numpy as np
 from damage.law.joint_law import SHEAR, TENSION
 from damage.mechanics.loose import LARGEST
 from damage.mechanics.samples import ELASTIC, KINETIC
-from damage.mechanics.tables import OPENED, RIGID, SLIPPED, X, Z
+from damage.mechanics.tables import OPENED, PULLS, RIGID, SLIPPED, STIFFNESS, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
 
@@ -13,7 +13,7 @@ EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "s
 
 
 STATE_TABLES = ("place", "velocity", "force", "trig", "limits", "states", "readings", "energy", "relaxation",
-                "radiation")
+                "radiation", "bearings")
 """Fields of System that a step changes; masses, contact parameters, the log of events, and what follows from the rest
 are left out."""
 
@@ -37,7 +37,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         self.local_damping, self.adaptive_damping, self.alpha, self.beta = local, adaptive, alpha, beta
 
     def shift(self, offsets):
-        self.system.place[:len(self.layout.bodies), X:Z + 1] += offsets
+        self.system.place[:len(self.layout.bodies), X:Z + 1] += np.where(self.layout.held[:, :2], 0.0, offsets)
         self.refresh()
 
     def set_velocities(self, velocities):
@@ -72,7 +72,8 @@ class ReferenceSolver(ReferenceWall, Solver):
 
         ends = sorted({*steps_of(0, sample_steps), *steps_of(since, LOOK_STEPS), end})
         # Prescribed velocities change at every sample; events of parallel elements are known at the sample alone.
-        return ends[:1] if self._is_driven or self.layout.fibres is not None else ends
+        single = self._is_driven or self.layout.fibres is not None or self.system.bearings[:, STIFFNESS].any()
+        return ends[:1] if single else ends
 
     def _instants_at(self, samples):
         """Instants of samples of the last `run`, {index of the end: step}."""
@@ -88,8 +89,13 @@ class ReferenceSolver(ReferenceWall, Solver):
         strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC],
+                        np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC] + self._in_bearing(),
                         totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain)
+
+    def _in_bearing(self):
+        """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a time."""
+        stiffness, force = self.system.bearings[:, [STIFFNESS, PULLS]].T
+        return 0.5 * float(np.sum(force[stiffness > 0]**2 / stiffness[stiffness > 0]))
 
     def _in_springs(self, displacement):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]: work of the push that
@@ -114,7 +120,8 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def resume(self, state):
         for name in STATE_TABLES:
-            getattr(self.system, name)[:] = state[name]
+            if name in state:  # older files have no bearings
+                getattr(self.system, name)[:] = state[name]
         for kind, passed in self._passed.items():
             passed[:] = state[f"passed_{kind}"]
 

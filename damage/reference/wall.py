@@ -14,6 +14,7 @@ from damage.law.joint_law import material_of
 from damage.law.modes import static_displacement
 from damage.mechanics import tables
 from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, strain_tables, sum_springs
+from damage.mechanics.factor import scaled_mass
 from damage.mechanics.loose import FULL, INSIDE
 from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness
 from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
@@ -25,18 +26,20 @@ class ReferenceWall:
     """A wall and its state; time is counted in steps.
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
-    damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide.  time_step, beta, alpha,
+    damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide; scaled: selective mass
+    scaling (`damage.mechanics.scaling`) for this time step and beta, without local damping.  time_step, beta, alpha,
     `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
     changed at any time.
     """
 
-    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False):
+    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=False):
         self.layout, self.time_step, self.step = layout, time_step, 0
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         built, row = build(layout, self.material), contact_rows(layout)[0]
         self.strain, self.loose = strain_tables(layout), None
+        self.mass = scaled_mass(layout, time_step, beta) if scaled else None
         self.stiffness = Stiffness(built.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
@@ -243,6 +246,10 @@ class ReferenceWall:
         self._held, self._is_driven = bodies, True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[bodies, coordinate] = 0.0
+        if self.mass:
+            held = np.flatnonzero(self.system.inverse_mass[:len(self.layout.bodies)] == 0)
+            self.mass = scaled_mass(self.layout, self.time_step, self.mass.beta, held.tolist())
+            Lanes([self])
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""

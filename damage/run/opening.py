@@ -10,7 +10,7 @@ from damage.wall.lintels import describe_share, elastic_share
 MEGA, TONNE = 1e6, 1e3
 
 
-def opening_lines(layout, loading, modes, time_step):
+def opening_lines(layout, loading, modes, time_step, mass_scaling="none"):
     """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
     wall, plan, options = layout.wall, layout.plan, layout.options
     lintels = describe_lintels(plan)
@@ -28,7 +28,8 @@ def opening_lines(layout, loading, modes, time_step):
         f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
         f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}",
         f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
-        f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
+        f"({time_step / modes.critical_time_step_s:.2f} of the critical"
+        f"{'' if mass_scaling == 'none' else f', {mass_scaling} mass scaling'})",
         f"motion: {loading.name}",
         *describe_sampling(loading)]
 

@@ -15,19 +15,18 @@ import numpy as np
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
-from damage.fields import option_of
+from damage.fields import MOST_SEED, option_of
 from damage.measure.crack_file import Surveyed
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
-from damage.motion.record import aligned_with
+from damage.motion.record import aligned_with, on_axis_of
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
 from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500
@@ -188,6 +187,8 @@ def add_preparation(group):
                        help="subtract a polynomial of this order from the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
+    group.add_argument("--across", type=file_path, metavar="FILE", help="the record's other horizontal component, "
+                       "which is not applied: with it there are measures of the largest of all directions (RotD100)")
 
 
 def _add_push(group):
@@ -271,7 +272,7 @@ def add_model_options(group, names):
 
 def _add_field(group, one, **more):
     """Add the option of a field to a parser, or a group of one."""
-    kind = float if one.default is None else type(one.default)
+    kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
     group.add_argument(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
                        **{"help": one.metadata["help"],
                           "default": None if None in one.metadata["words"] else one.default} | more)
@@ -309,6 +310,7 @@ def _add_model(group, solver):
         group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
                            help="damping of the static stage and of a pushed top: adaptive (default), or "
                            "local as in YADE")
+        _add_settings(group, "settling", "mass_scaling")
     _add_settings(group, "perturb_m", "scatter", "seed", "members")
     add_accept(group)
 
@@ -347,7 +349,7 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
             "speed": ("pushover", "cyclic"),
             "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
-            **dict.fromkeys((*_READ, "scale", "window", "vertical", "baseline", "band"), ("record",))}
+            **dict.fromkeys((*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",))}
 
 
 def _motion(parsed):
@@ -358,7 +360,7 @@ def _motion(parsed):
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
         return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
-    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical")
+    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
                          "the file has the records, their scales and windows; leave the other out")
@@ -388,7 +390,7 @@ def _life_of(parsed):
         raise InputError("--address ADDRESS.toml and --life N, or --event DATE: expected both; give the other one, too")
     if parsed.address is None:
         return None
-    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "baseline", "band")
+    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
         raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides "
                          "the motions; leave the other out")
@@ -463,9 +465,11 @@ def recorded(parsed):
     """The Recorded motion of parsed options: `record`, those of `add_preparation`, and `vertical` where offered."""
     given = {"unit": None if parsed.unit == BY_FILE else parsed.unit, "sample_step_s": parsed.sample_step}
     record, vertical = read_record(parsed.record, **given), getattr(parsed, "vertical", None)
+    window = parsed.window and tuple(parsed.window)
+    across = parsed.across and on_axis_of(read_record(parsed.across, **given), record, window)
     return Recorded(
-        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None,
-        **_given(scale=parsed.scale, window_s=parsed.window and tuple(parsed.window), baseline_order=parsed.baseline,
+        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None, across=across,
+        **_given(scale=parsed.scale, window_s=window, baseline_order=parsed.baseline,
                  band_hz=parsed.band and tuple(parsed.band)))
 
 

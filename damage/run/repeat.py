@@ -45,7 +45,7 @@ def settings_of(history, joint, backend):
     settings = settings.for_joint(joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     settings = settings.for_period(history.eigen_period_s)
     other = [name for name, value in json.loads(json.dumps(settings.as_dict())).items()
-             if name != "command" and history.parameters[name] != value]
+             if name != "command" and history.parameters.get(name, value) != value]
     if other:
         raise InputError(f"--continue {history.path}: its command, {command!r}, no longer describes it: {other[0]} was "
                          f"{history.parameters[other[0]]!r}; expected its files unchanged in this folder; run it again")

@@ -1,9 +1,10 @@
 """Output of a finished run beside its history: a printed summary, tables and pictures."""
 
 from damage.errors import InputError, one_line, warn
+from damage.measure.cycles import shocks_table
 from damage.measure.evidence import describe as describe_evidence
 from damage.measure.summary import summarise
-from damage.measure.tables import describe_spread, members_of, shocks_table, spread
+from damage.measure.tables import describe_spread, members_of, spread
 from damage.run.options import pictures_folder
 from damage.units import rounded
 from damage.wall.lintels import ElasticShare, describe_share

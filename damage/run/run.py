@@ -10,6 +10,7 @@ from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.before import as_bytes, with_zero, zero_of
+from damage.run.scheme import check_drop
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -19,11 +20,13 @@ from damage.run.settings import (
     RAMP_S,
     RESTS_BELOW_M_S,
     RESTS_FOR_S,
+    SELECTIVE,
     SETTLED_BELOW,
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
 from damage.run.watch import (
     BaseMotion,
+    Borne,
     fastest_fallen,
     have_fallen,
     have_left,
@@ -54,7 +57,7 @@ class Run:
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
         self._state = state
         self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
-        self.sample_steps = schedule.sample_steps(solver.time_step)
+        self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self._zero_step = schedule.zero_step(self.stages)
         self.base, self._prescribed = NO_MOTION, []  # (velocities in each interval, what moves by them, first interval)
@@ -64,7 +67,8 @@ class Run:
         self._modal_velocity, self._set_in_motion_j = None, 0.0  # at time zero; energy that came in with it
         self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        self._lowest = lowest_places(layout)
+        self._lowest, self._at_rest = lowest_places(layout), 0.0  # motion at the end of settling
+        self._borne = Borne(layout) if settings.mass_scaling == SELECTIVE else None
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
         self._balance_j, self._damped_j = state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
@@ -172,7 +176,8 @@ class Run:
         """Time zero after a settlement: the wall is at rest, or has its initial velocity, and a pushed top is held."""
         solver = self.solver
         self._check_rest()
-        before = solver.instants().kinetic_j[0]
+        now = solver.instants()
+        before, self._at_rest = now.kinetic_j[0], self._motion(now)
         solver.set_velocities(self._modal_velocity)
         self._take_hold()
         self._set_in_motion_j += float(solver.instants().kinetic_j[0] - before)
@@ -298,14 +303,15 @@ class Run:
         return {"adaptive": ADAPTIVE_DAMPING} if self.settings.relaxation == "adaptive" else {"local": local}
 
     def _damping(self, stage):
-        """Local damping while settling, that of the settings otherwise: both at once are unstable at this step."""
-        drive = self.settings.loading.drive
+        """Local or adaptive damping while settling, that of the settings otherwise: both at once are unstable at this
+        step.  With mass scaling local damping would do positive work."""
+        drive, adaptive = self.settings.loading.drive, {"adaptive": ADAPTIVE_DAMPING}
         if stage == "settlement":
-            return {"local": LOCAL_DAMPING}
+            return adaptive if self._borne else {"local": LOCAL_DAMPING}
         if drive.quasi_static:
             return self._relaxation(drive.local_damping)
         if stage == "settling":
-            return {"local": LOCAL_DAMPING}
+            return adaptive if self.settings.settles == "adaptive" else {"local": LOCAL_DAMPING}
         return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
 
     # --- samples ---------------------------------------------------------------------------------
@@ -321,6 +327,8 @@ class Run:
             "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
         problem, end = self._first_not_finite(rows, {
             "motion": motion, **now.contacts})
+        if self._borne and self.stage != "settlement" and end > 0:
+            check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
@@ -391,7 +399,7 @@ class Run:
     def _energies(self, now, motion):
         """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
         while the wall settles or is pushed; in any other stage there is none."""
-        zero, mass = self._zero, self.layout.bodies.mass
+        zero, mass = self._zero, self.layout.weighing
         energies = {
             "kinetic_energy_j": now.kinetic_j, "elastic_energy_j": now.elastic_j - zero.elastic_j,
             "gravity_energy_j": GRAVITY * np.array([mass @ one[:, 1] for one in motion]),

@@ -9,8 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SETTLE_S
+from damage.run.settings import (
+    LOCAL_DAMPING,
+    LONGEST_S,
+    MOST_STATES,
+    MOST_STEPS,
+    NONE,
+    SAMPLE_S,
+    SELECTIVE,
+    SETTLE_S,
+)
 from damage.run.solver import NO_MOTION
+from damage.wall.restraints import top_of
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
@@ -52,9 +62,14 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
 
 
 def check_top(settings, layout, time_step):
-    """Raise InputError where the rotational spring at the top is too stiff for the time step [s]: its own frequency on
-    the body that carries the top has to stay below half of the stable one with its joints."""
-    stiffness, inertia = settings.loading.drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
+    """Raise InputError where a pushed top that may not rotate has a restraint, or the rotational spring at the top is
+    too stiff for the time step [s]: its own frequency on the body that carries the top has to stay below half of the
+    stable one with its joints."""
+    drive = settings.loading.drive
+    if drive.top and not drive.top_rotates and top_of(layout.wall):
+        raise InputError(f"--boundary fixed: a restraint holds the top of wall {layout.wall.name}, so that the push "
+                         "moves the course at mid-height, which turns; leave --boundary out")
+    stiffness, inertia = drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
     most = 0.25 * float(inertia) / time_step**2
     if stiffness > most:
         raise InputError(f"--top-rotation {stiffness:g} is too stiff for time steps of {time_step:.3g} s: expected up "
@@ -65,7 +80,7 @@ def softening_warnings(settings, time_step, critical_s, softening):
     """What of a run's step and damping is outside of what softening joints were shown to need in a solver, by its
     Softening: a list of lines."""
     found = []
-    if time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
+    if settings.mass_scaling != SELECTIVE and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
         found.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
                     f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
     if settings.beta_s < softening.beta_s and not settings.loading.drive.quasi_static:
@@ -90,13 +105,14 @@ def deformable_warnings(model, wall):
     return found
 
 
-def sample_steps(time_step):
+def sample_steps(time_step, mass_scaling=NONE):
     """Steps between two samples, nearest to SAMPLE_S; time_step [s].
 
-    >>> sample_steps(3e-5)
-    70
+    >>> sample_steps(3e-5), sample_steps(4e-4, "selective")
+    (70, 5)
     """
-    return JOINT_STEPS * max(1, round(SAMPLE_S / time_step / JOINT_STEPS))
+    multiple = 1 if mass_scaling == SELECTIVE else JOINT_STEPS
+    return multiple * max(1, round(SAMPLE_S / time_step / multiple))
 
 
 def stages(settings, layout, time_step, sample_steps):
@@ -137,7 +153,7 @@ def zero_step(stages):
 
 def check_size(settings, layout, time_step):
     """Raise InputError of a run that is longer than can be, before anything is made for it; time_step [s]."""
-    loading, interval = settings.loading, sample_steps(time_step)
+    loading, interval = settings.loading, sample_steps(time_step, settings.mass_scaling)
     length_s = loading.length_s(layout.pushed_height) if loading.drive.quasi_static else settings.duration_s
     length_s += settlement_s(settings, layout)
     if length_s > LONGEST_S:

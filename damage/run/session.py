@@ -8,17 +8,24 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import contextmanager, nullcontext, redirect_stdout
-from dataclasses import dataclass
+from contextlib import contextmanager, nullcontext, redirect_stderr, redirect_stdout
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from weakref import WeakKeyDictionary
+
+import pandas as pd
 
 from damage.errors import InputError, RunError, WriteError, warn
 from damage.history.buffer import Buffer
+from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.law.modes import Modes, natural_modes
-from damage.measure.energy import ENERGY_FAILURE
+from damage.measure.energy import ENERGY_FAILURE, balance_error
 from damage.measure.evidence import evidence_for, facts, outside
+from damage.measure.tables import member_row, members_path, write_table
+from damage.measure.warnings import energy_warnings
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
@@ -30,15 +37,10 @@ from damage.run.options import free_name, parse_run
 from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
-from damage.run.schedule import (
-    check_size,
-    check_top,
-    choose_time_step,
-    deformable_warnings,
-    softening_warnings,
-)
+from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
+from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
-from damage.run.turns import take_turns
+from damage.run.turns import as_they_end, run_each, take_turns
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
@@ -56,8 +58,8 @@ class Backend:
     softening: what it gives joints with fracture energies; None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
     keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
-    run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
-    it runs one wall only; begins(run): called with the Run before its first step.
+    begins(run): called with the Run before its first step; move, most: takes steps of so many runs at a time, as of
+    `damage.run.turns.as_they_end`.
     """
 
     name: str
@@ -69,8 +71,9 @@ class Backend:
     softening: Softening | None = None
     brick_cells: int = 0
     keeps_state: bool = True
-    run_members: Callable | None = None
     begins: Callable = lambda run: None
+    move: Callable = run_each
+    most: int = 1
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
@@ -126,18 +129,80 @@ def _run(backend, wall_file, make_wall, arguments, prog):
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
         if settings.members > 1:
-            return _members_of(backend)(backend, wall_file, make_wall, settings)
+            return _run_members(backend, wall_file, make_wall, settings)
         show = backend.open_view() if settings.view and backend.open_view else None  # before there is a history
         return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
 
 
-def _members_of(backend):
-    """What runs the members of a run; raises InputError where the solver runs one wall only."""
-    if backend.run_members is None:
+def _run_members(backend, wall_file, make_wall, settings):
+    """Run all members of a run, some at a time, the next where one has ended, as a study runs those of a point; returns
+    the exit status, that of the first member where it failed, else the largest of all.
+
+    The history of the first member is the file of the run, with the table of all that ended beside it.  Histories of
+    the others are discarded, unless they failed or were interrupted: then they are in FILE_sSEED.h5.
+    """
+    if backend.most == 1:
         raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the reference "
                          "solver, python3 -m damage reference WALL.py --members N; or give --scatter 0.001 --seed 1, "
                          "then 2, ..., a run each")
-    return backend.run_members
+    out = Path(settings.out or free_name(make_wall(), settings, backend.name))
+    first, *others = (replace(one, out=out.with_name(f"{out.stem}_s{one.seed}{out.suffix}"))
+                      for one in settings.of_members())
+    for one in others:
+        check_output(one.out, settings.overwrite)
+    begun = [prepare(backend, wall_file, make_wall, replace(first, out=out), HistoryKept)]
+    members_path(out).unlink(missing_ok=True)  # of the run that this one replaces
+    statuses, ended = {}, {}
+
+    def runs(keep_going):
+        """Each member as it begins; only the first prints its opening lines."""
+        for number in range(settings.members):
+            if EXIT_INTERRUPTED in statuses.values():
+                return
+            if number > 0:
+                with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+                    begun.append(prepare(backend, wall_file, make_wall, others[number - 1], HistoryInMemory))
+            yield with_errors_reported(f"member of seed {first.seed + number}: ", simulate(begun[number], keep_going))
+
+    label = f"{begun[0].layout.wall.name}, {settings.members} members"
+    with attended(label, quiet=settings.quiet, runs=settings.members) as keep_going:
+        for number, status in as_they_end(runs(keep_going), backend.move, backend.most):
+            statuses[number], one, begun[number] = status, begun[number], None  # which held its history in memory
+            if status == EXIT_OK:
+                ended[number] = _ended_member(one, out)
+    return _report_members(settings, statuses, ended, out)
+
+
+def _ended_member(prepared, out):
+    """(row of the table of members, warnings of its energy, History), the last two of which the first member and the
+    others lack; out: path of the first one's history."""
+    history, path = prepared.writer.history(), prepared.writer.path
+    row = member_row(history, out)
+    if path == out:
+        return row, (), history
+    path.unlink(missing_ok=True)  # written where a history outgrew the memory
+    return row, [f"member of seed {prepared.settings.seed}: {text}"
+                 for text in energy_warnings(balance_error(history))], None
+
+
+def _report_members(settings, statuses, ended, out):
+    """Print and write what members left; returns the exit status.
+
+    statuses: {number: exit status} of those that began; ended: {number: as of `_ended_member`}; out: path of the first
+    one's history.
+    """
+    worst = max(statuses.values())
+    if worst == EXIT_INTERRUPTED:
+        print(f"interrupted: {len(ended)} of {settings.members} members had ended", file=sys.stderr)
+    if 0 not in ended:
+        return max(statuses[0], EXIT_INTERRUPTED * (worst == EXIT_INTERRUPTED))
+    in_order = [ended[number] for number in sorted(ended)]
+    print(f"members: {write_table(pd.DataFrame([row for row, *_ in in_order]), members_path(out))}")
+    warn(*(text for _, cautions, _ in in_order for text in cautions))
+    report(ended[0][2], pictures=settings.pictures)
+    if len(ended) < settings.members:
+        print(f"{len(ended)} of {settings.members} members ended: median and range are of these")
+    return worst
 
 
 def _run_to_its_pictures(prepared, show):
@@ -155,7 +220,9 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first."""
+    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first;
+    repeats: (RunSettings, time step) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of
+    the history, write(parameters=...): makes another."""
 
     backend: Backend
     settings: RunSettings
@@ -165,6 +232,20 @@ class Prepared:
     writer: Buffer
     state: dict | None = None
     earlier: tuple[RunSettings, ...] = ()
+    repeats: tuple[tuple[RunSettings, float], ...] = ()
+    parameters: dict = field(default_factory=dict)
+    write: Callable | None = None
+
+    def repeated(self, reason):
+        """The Prepared run that follows one that was not accepted, by a RunError; its history begins anew."""
+        code = getattr(reason, "code", FAILURE)
+        skipped = len(self.repeats) - 1 if code == DROP else 0
+        (settings, time_step), *others = self.repeats[skipped:]
+        parameters = self.parameters | settings.as_dict() | {
+            "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": code}
+        print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
+        self.writer.begin_again(partial(self.write, parameters=parameters))
+        return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters)
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -191,10 +272,12 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
+    (settings, time_step), *repeats = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]),
+                                              fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
+    warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
     if isinstance(settings.loading, Recorded) and not settings.events:
@@ -204,17 +287,20 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
              code="softening_step")
     made_by = versions(backend.code) | backend.versions
     state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step), *event_lines(settings), *record_lines(settings),
-          *sequence_lines(settings), sep="\n", flush=True)
+    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
+          *record_lines(settings), *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
-                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
-                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
+                  "time_step_s": time_step, "repeats": 0, "repeated_for": None,
+                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
+                  "pier_stress_pa": layout.pier_stress,
+                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
+                                     settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
-    writer = write(out, layout, solver=backend.name, parameters=parameters,
-                   versions=made_by, overwrite=settings.overwrite)
+    write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
+    writer = write(parameters=parameters)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier, tuple(repeats), parameters,
+                    write)
 
 
 def _past(backend, settings, layout, model, time_step):
@@ -230,10 +316,10 @@ def _past(backend, settings, layout, model, time_step):
 
 
 @contextmanager
-def attended(label, show=None, quiet=False):
+def attended(label, show=None, quiet=False, runs=1):
     """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run, which shows their
-    progress, too.  show: called now and then."""
-    progress, interrupts = Progress(label, io.StringIO() if quiet else None), _Interrupts()
+    progress, too.  show: called now and then; runs: how many equally long ones there will be, 0 where nobody knows."""
+    progress, interrupts = Progress(label, io.StringIO() if quiet else None, runs), _Interrupts()
 
     def keep_going(run, time_s):
         progress.show(time_s, run)
@@ -249,24 +335,40 @@ def attended(label, show=None, quiet=False):
 
 
 def simulate(prepared, keep_going, settled=None):
-    """Run all stages of a Prepared run; the history is closed and marked however this ends.  A generator for
-    `take_turns`, which returns the exit status; settled: as of Run."""
+    """Run all stages of a Prepared run, until one is accepted; the history is closed and marked however this ends.  A
+    generator for `take_turns`, which returns the exit status; settled: as of Run."""
+    while prepared.repeats:
+        try:
+            return (yield from _simulate(prepared, keep_going, settled))
+        except RunError as reason:
+            prepared, settled = prepared.repeated(reason), None
+    return (yield from _simulate(prepared, keep_going, settled))
+
+
+def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
         run, finished = yield from _all_runs(prepared, solver, keep_going, settled)
+        keep_going(run, run.duration_s)  # nothing is left of one that ended early
         if run.fall:
             print(run.fall, flush=True)
         collapsed = run.collapsed_at_s
         if collapsed is not None and collapsed <= 0 and prepared.settings.settlement:
             raise RunError(f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s before "
                            "time zero; expected a wall that stands; give a smaller --distortion")
+        if finished:
+            check_energy(prepared.settings, run.energy_error)
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
+    except RunError:
+        status = None if prepared.repeats else status  # its history begins again
+        raise
     finally:
-        writer.finish(status, collapsed)
+        if status is not None:
+            writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
 
 
@@ -317,31 +419,37 @@ class _Interrupts:
 class Progress:
     """Rewrites one line on a terminal; prints one every few seconds into a log."""
 
-    def __init__(self, label, stream=None):
-        self.label = label
+    def __init__(self, label, stream=None, runs=1):
+        self.label, self.runs = label, runs
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
         self.shown, self.shown_any = time.monotonic(), False
         self.started = None  # when the first stage after the static one began
+        self._simulated_s, self._reached_s = 0.0, WeakKeyDictionary()  # by all runs, {Run: by this one}
 
     def show(self, simulated_s, run):
         """Show the stage and the index of a Run, at most twice a second (every ten seconds in a log)."""
         now, stage = time.monotonic(), run.stage
-        if stage != "static" and self.started is None:
-            self.started = now
+        if stage != "static":
+            self.started = self.started or now
+            reached_s = min(max(simulated_s, 0.0), run.duration_s)
+            self._simulated_s += reached_s - self._reached_s.get(run, 0.0)
+            self._reached_s[run] = reached_s
         if now - self.shown < (0.5 if self.live else 10.0):
             return
         self.shown, self.shown_any = now, True
         line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
         if stage != "static":
             line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
-                    f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left")
+                    f"DI = {run.index:.3f}  {self._left(now, run.duration_s)} left")
         self._write(f"\r{line}\033[K" if self.live else f"{line}\n")
 
-    def _left(self, now, simulated_s, total_s):
-        if simulated_s < 0.01 * total_s:
+    def _left(self, now, duration_s):
+        """Time left for all runs, each of this length [s], by what they have simulated so far."""
+        share = self._simulated_s / (self.runs * duration_s) if self.runs * duration_s else 0.0
+        if share < 0.01:
             return "--:--"
-        left = int((now - self.started) * max(0.0, total_s / simulated_s - 1))
+        left = int((now - self.started) * max(0.0, 1 / share - 1))
         return f"{left // 60}:{left % 60:02d}"
 
     def close(self):

@@ -8,7 +8,7 @@ import numpy as np
 
 from damage.checks import check_range
 from damage.errors import InputError
-from damage.fields import check_fields, option_of, quantity
+from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
 from damage.index import THRESHOLD
 from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
@@ -18,7 +18,6 @@ from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
 
 SAMPLE_S = 2e-3
@@ -49,6 +48,12 @@ MOST_SCATTER = 0.2
 SCATTER, MOST_MEMBERS = 0.001, 100
 """Of members: coefficient of variation of the strengths where nothing else is asked for
 (docs/guides/number-of-runs.md), and how many a single run may have."""
+MASS_SCALING = NONE, SELECTIVE = "none", "selective"
+MOST_SCALED_STEP_S = 4e-4
+"""Largest time step with selective mass scaling [s]."""
+ACCEPTED_ERROR, ACCEPTED_DROP_M = 0.004, 0.5e-3
+"""Of a run with selective mass scaling: energy balance error [-] above which, and drop of a brick [m] from which, it is
+repeated with a smaller step."""
 SOFTENING_BETA_S = 1e-6
 """Stiffness-proportional damping that joints get which soften, where none is asked for [s]
 (docs/validation/step-and-damping.md)."""
@@ -76,13 +81,14 @@ class RunSettings:
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
     solver;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
-    joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
-    offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
-    bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case,
-    but with sharper corners); after_fall: follow them until they rest; accept_implausible: do not check whether the
-    wall and the motion are plausible; out: history file, None for a name of its own below
-    `results/`;
+    joints need (`for_joint`); mass_scaling: one of MASS_SCALING, None for what suits the wall (`damage.run.scheme`);
+    relaxation, settling: how static solutions are found, and how a wall settles after a motion, one of RELAXATIONS,
+    settling None for local, adaptive with mass scaling; perturb_m: size of random offsets of the bricks [m], scatter:
+    coefficient of variation of the joints' strengths [-], both drawn with `seed`: by it the members of an ensemble
+    differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long bodies are followed after the
+    first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case, but with sharper corners);
+    after_fall: follow them until they rest; accept_implausible: do not check whether the wall and the motion are
+    plausible; out: history file, None for a name of its own below `results/`;
     quiet: print warnings and errors only; console: when YADE's prompt comes, "before" or "after" the run, or None;
     command: what asked for it.
     """
@@ -103,7 +109,13 @@ class RunSettings:
     alpha_1_s: float = 0.0
     beta_s: float | None = quantity("s", 0, 1, words=(None,), default=0.0, option="beta", metavar="S", help="stiffness"
                                     f"-proportional damping (default 0, and {SOFTENING_BETA_S:g} where joints soften)")
+    mass_scaling: str | None = choice(
+        MASS_SCALING, default=None, help="selective: steps of up to 2e-4 s by masses that grow with the stiffness of the "
+        "intact wall; a run that is not accepted is repeated in smaller steps (default: by the wall and its motion, "
+        "docs/validation/mass-scaling.md)")
     relaxation: str = "local"
+    settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
+                                  "YADE, and adaptive with mass scaling)")
     perturb_m: float = quantity("m", 0, THRESHOLD, default=0.0, option="perturb", metavar="M",  # more is a crack
                                 help="random offsets of the bricks, for ensembles (default 0)")
     scatter: float = quantity("1", 0, MOST_SCATTER, default=0.0, metavar="COV", help="scatter of the joints' "
@@ -144,7 +156,17 @@ class RunSettings:
         if self.new_contacts and self.model.bricks == "deformable":
             raise InputError("--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give one of "
                              "the two")
+        self._check_scaling()
         self._check_motion()
+
+    def _check_scaling(self):
+        if self.mass_scaling != SELECTIVE:
+            return
+        local = [name for name in ("relaxation", "settling") if getattr(self, name) == "local"]
+        if local or self.new_contacts:
+            other, why = (f"--{local[0]} local", "local damping") if local else ("--new-contacts", "a collision")
+            raise InputError(f"--mass-scaling selective with {other}: {why} needs the masses themselves; leave one of "
+                             "them out")
 
     def _check_past(self):
         if self.after_fall and not self.new_contacts:
@@ -227,6 +249,11 @@ class RunSettings:
         fibres = self.model.fibres or (softening.fibres if joint.softens else 0)
         return replace(self, beta_s=beta_s, model=replace(self.model, fibres=fibres))
 
+    @property
+    def settles(self):
+        """How the wall settles after a motion, one of RELAXATIONS."""
+        return self.settling or ("adaptive" if self.mass_scaling == SELECTIVE else "local")
+
     def for_bricks(self, cells):
         """These settings with so many cells of deformable bricks where nothing else was asked for; 0: strain modes."""
         if not self.model.has_modes:
@@ -254,7 +281,8 @@ class RunSettings:
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
                 **({"life": self.life} if self.life else {}), **({"event": self.event} if self.event else {}),
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
-                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m,
+                "beta_s": self.beta_s, "mass_scaling": self.mass_scaling, "relaxation": self.relaxation,
+                "settling": self.settles, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
                 "new_contacts": self.new_contacts, "after_fall": self.after_fall,
                 "command": self.command}

@@ -25,6 +25,34 @@ def have_fallen(motion, lowest):
     return np.logical_or.reduce(motion[:, :len(lowest), 1] < lowest, axis=1)
 
 
+class Borne:
+    """Which bodies bear each brick of a layout: those below its bed joints or, where there is none, those that bear the
+    nearest such bricks of its course on both sides."""
+
+    def __init__(self, layout):
+        bodies, contacts, n = layout.bodies, layout.contacts, layout.n_bricks
+        x, below = bodies.x, [set() for _ in bodies.x]
+        for pair in np.column_stack([contacts.first, contacts.second])[~contacts.upright].tolist():
+            low, high = sorted(pair, key=lambda body: -np.inf if body < 0 else bodies.z[body])
+            below[high].add(low)
+        lies = np.flatnonzero([bool(of) for of in below[:n]])
+        for brick in sorted({*range(n)} - {*lies}):
+            for side in (-1, 1):
+                beside = lies[(bodies.course[lies] == bodies.course[brick]) & (side * (x[lies] - x[brick]) > 0)]
+                below[brick] |= below[min(beside, key=lambda one: abs(x[one] - x[brick]))] if len(beside) else set()
+        pairs = [(brick, low) for brick in range(n) for low in below[brick] if low >= 0]
+        self._brick, self._low = np.array(sorted(pairs), int).reshape(-1, 2).T
+        self._start = np.flatnonzero(np.diff(self._brick, prepend=-1))
+        reach = bodies.length[self._low] / 2
+        self._arm = np.clip(x[self._brick] - x[self._low], -reach, reach)
+
+    def largest_drop(self, motion):
+        """By how much a brick has moved down from all that bore it (n,) [m]; motion: (n, n_bodies, 3) [m, m, rad]."""
+        z, rotation = motion[:, :, 1], motion[:, :, 2]
+        drop = z[:, self._low] + np.sin(rotation[:, self._low]) * self._arm - z[:, self._brick]
+        return np.minimum.reduceat(drop, self._start, axis=1).max(axis=1, initial=0.0)
+
+
 def have_left(layout, motion, joints, state):
     """Flags (n,) of the instants at which a brick has fallen, where loose bricks collide.
 
@@ -66,7 +94,9 @@ def unbalanced_force(layout, on_bodies, in_contacts):
 
     on_bodies: forces of the contacts, (n_bodies, 3) [N, N, N m]; in_contacts: (n_contacts,) [N].
     """
-    resultant = np.hypot(on_bodies[:, 0], on_bodies[:, 1] - GRAVITY * layout.bodies.mass)
+    held = layout.held
+    resultant = np.hypot(np.where(held[:, 0], 0.0, on_bodies[:, 0]),
+                         np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass))
     return float(resultant.mean() / in_contacts.mean())
 
 

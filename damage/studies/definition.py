@@ -45,7 +45,7 @@ from damage.studies.states import STUDY_FILE, check_choices
 from damage.toml_file import read_toml
 from damage.wall.file import shipped_walls
 
-PATH_OPTIONS = ("--record", "--vertical", "--cracked", "--settle", "--address", "--continue")
+PATH_OPTIONS = ("--record", "--vertical", "--across", "--cracked", "--settle", "--address", "--continue")
 """Options that name a file; --settle may name a profile instead.  So does --sequence, where it ends in .csv."""
 RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view",
                     "--console", "--help", "-h")

@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 
 from damage.errors import InputError
 from damage.measure.columns import bounds_of
-from damage.measure.cycles import cycles_table
-from damage.measure.tables import shocks_table, summary_row
+from damage.measure.cycles import cycles_table, shocks_table
+from damage.measure.tables import summary_row
 from damage.provenance import measures_digest
 from damage.studies.members import most_members, runs_needed
 

@@ -20,7 +20,7 @@ from damage.history.apart import apart
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, slip_criteria
 from damage.measure.register import names
-from damage.measure.tables import summary_row, write_table
+from damage.measure.tables import repeated, summary_row, write_table
 from damage.studies.records import TABLES, is_of_today, read_records
 
 _NAMED = 5  # runs that a message names
@@ -75,8 +75,9 @@ def summary_of(study, folder, jobs=1, records=None):
 def points_of(summary):
     """A row for each point and solver of a summary: what its runs share, medians and ranges of what they do not.
 
-    `status` is complete when all runs are, `collapsed` counts those that collapsed, and `collapsed_at_s` is the
-    median of these where they are half of the runs or more.  Words, as of classes, are the most frequent.
+    `status` is complete when all runs are, `collapsed` counts those that collapsed, `repeated` those that were repeated
+    in smaller steps, and `collapsed_at_s` is the median of the collapses where they are half of the runs or more.
+    Words, as of classes, are the most frequent.
     """
     return pd.DataFrame([_point(runs) for _, runs in summary.groupby(["point", "solver"], sort=False)])
 
@@ -88,7 +89,8 @@ def _point(runs):
     if "slip" in runs:
         row["slip"] = "; ".join(slip_criteria(runs))
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
-            "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
+            "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None,
+            "repeated": repeated(runs)}
     row |= {name: "; ".join(sorted(set(runs[name].dropna()))) for name in MADE_BY if name in runs}
     for name in runs.columns.difference([*row, *RUN], sort=False):
         values = runs[name].dropna()

@@ -17,6 +17,9 @@
     [[floors]]
     level = 2.7
     mass = 800
+
+    [[restraints]]                      # `damage.wall.restraints`
+    side = "left"
 """
 
 import math
@@ -29,6 +32,7 @@ from damage.wall.floors import Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
 from damage.wall.parameters import Brick, Joint, Opening, Wall, brick_of_masonry
+from damage.wall.restraints import Restraint
 
 MOST_MB = 1
 MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick format", "mortar": "of joints [m]",
@@ -38,7 +42,7 @@ MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick for
 FRICTION = "friction"
 """Key of [joint]: the friction coefficient, in place of the angle."""
 _TABLES = {"brick": Brick, "joint": Joint}
-_LISTS = {"openings": Opening, "floors": Floor}
+_LISTS = {"openings": Opening, "floors": Floor, "restraints": Restraint}
 DRAFT = "http://json-schema.org/draft-07/schema#"
 
 

@@ -4,9 +4,8 @@ from dataclasses import asdict, dataclass, fields
 
 from damage.checks import check_range, check_whole
 from damage.errors import InputError
-from damage.fields import check_fields, choice, option_of, quantity, text
+from damage.fields import MOST_BRICKS, MOST_SEED, check_fields, choice, option_of, quantity, text
 from damage.wall.lintels import KINDS_OF_LINTELS
-from damage.wall.parameters import MOST_BRICKS, MOST_SEED
 
 SOILS = (1e5, 1e12)
 """Least and largest modulus of subgrade reaction [N/m3]."""

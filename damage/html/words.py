@@ -1,16 +1,27 @@
-"""The words of the sheet, from words.toml, and numbers in a language's notation."""
+"""Templates of pages, and words in English and Dutch, from page/words.toml."""
 
 import tomllib
 from functools import cache
 from pathlib import Path
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+PAGE = Path(__file__).parent / "page"
+"""Templates, styles, programs and words of pages."""
 LANGUAGES = "en", "nl"
+
+
+@cache
+def environment():
+    """What renders the templates of PAGE."""
+    return Environment(loader=FileSystemLoader(PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+                       lstrip_blocks=True)
 
 
 @cache
 def all_words():
     """{key: {language: text}}."""
-    return tomllib.loads((Path(__file__).parent / "words.toml").read_text(encoding="utf-8"))
+    return tomllib.loads((PAGE / "words.toml").read_text(encoding="utf-8"))
 
 
 def words(language, key, **values):

@@ -1,0 +1,89 @@
+"""How a run integrates in time: explicitly, or with selective mass scaling; and which runs are accepted.
+
+One rule (`is_shown`) decides where nothing is asked for.  A run with mass scaling whose energy balance error exceeds
+ACCEPTED_ERROR is repeated with half the step, then explicitly; one in which a brick drops by ACCEPTED_DROP_M from what
+bore it is repeated explicitly at once, since the scaled masses of failed joints would hold it up.
+"""
+
+from dataclasses import replace
+
+from damage.errors import InputError, RunError
+from damage.motion.loading import Harmonic, Recorded
+from damage.run.schedule import choose_time_step
+from damage.run.settings import ACCEPTED_DROP_M, ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
+from damage.wall.model_options import ModelOptions
+
+SLENDER_S = 0.15
+"""First period from which on a wall with openings takes the longest of the steps below [s]."""
+SLENDER_STEP_S, STIFF_STEP_S, DEFORMABLE_STEP_S = 2e-4, 1e-4, 5e-5
+"""Time steps with selective mass scaling [s] (docs/validation/mass-scaling.md)."""
+_SHOWN = ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")
+_FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
+"""Models of the runs of that table, and options that are free beside them."""
+ENERGY, DROP, FAILURE = "energy", "drop", "failure"
+
+
+class NotAccepted(RunError):
+    """A run with mass scaling that is to be repeated; code: ENERGY or DROP, FAILURE of any other RunError."""
+
+    def __init__(self, code, text):
+        super().__init__(text)
+        self.code = code
+
+
+def is_shown(settings, wall):
+    """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit steps: softening joints,
+    openings, bricks that stay whole, shaken by a record or harmonically."""
+    model = {name: getattr(settings.model, name) for name in _FREE}
+    return (wall.joint.softens and len(wall.openings) > 0 and not wall.brick.splits
+            and wall.joint.compressive_strength is None
+            and not wall.restraints and isinstance(settings.loading, Harmonic | Recorded)
+            and settings.model in [replace(shown, **model) for shown in _SHOWN]
+            and not settings.new_contacts and "local" not in (settings.relaxation, settings.settling))
+
+
+def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
+    """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted; wall: damage.Wall, its
+    critical time step and first period [s], and `damage.wall.soil.fastest_decay`.  Raises InputError where steps with
+    mass scaling are no longer than explicit ones, or longer than was shown."""
+    step_s = settings.time_step_s or settings.loading.preferred_step_s(
+        DEFORMABLE_STEP_S if settings.model.has_modes else
+        SLENDER_STEP_S if wall.openings and period_s >= SLENDER_S else STIFF_STEP_S)
+    if settings.mass_scaling is None:
+        shown = is_shown(settings, wall) and settings.time_step_s is None and step_s > critical_s
+        settings = replace(settings, mass_scaling=SELECTIVE if shown else NONE)
+    explicit = settings if settings.mass_scaling == NONE else replace(settings, mass_scaling=NONE, time_step_s=None)
+    explicit = explicit, choose_time_step(explicit, critical_s, wall.joint.softens, decay_1_s)
+    if settings.mass_scaling == NONE:
+        return (explicit,)
+    if wall.restraints:
+        raise InputError("--mass-scaling selective of a wall with restraints: expected one without; leave "
+                         "--mass-scaling out")
+    if not critical_s < step_s <= MOST_SCALED_STEP_S:
+        raise InputError(f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the "
+                         f"critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give "
+                         "another --dt, or leave --mass-scaling out")
+    half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
+    return ((settings, step_s), *half, explicit)
+
+
+def check_energy(settings, error):
+    """Raise NotAccepted where the energy balance error [-] of a run with these settings is too large for its scheme."""
+    if settings.mass_scaling == SELECTIVE and error is not None and not error <= ACCEPTED_ERROR:
+        raise NotAccepted(ENERGY, f"energy balance error {100 * error:.2g} % with mass scaling, accepted up to "
+                          f"{100 * ACCEPTED_ERROR:g} %")
+
+
+def check_drop(drop_m, time_s):
+    """Raise NotAccepted where a brick has dropped by so much [m] from what bore it; time_s: when."""
+    if drop_m > ACCEPTED_DROP_M:
+        raise NotAccepted(DROP, f"a brick has dropped by {1e3 * drop_m:.2g} mm from those that bore it by {time_s:.2f} "
+                          f"s, with mass scaling accepted up to {1e3 * ACCEPTED_DROP_M:g} mm")
+
+
+def scaling_warnings(settings, wall):
+    """What of a run with mass scaling is outside of what it was shown to be accurate for: a list of lines."""
+    if settings.mass_scaling != SELECTIVE or is_shown(settings, wall):
+        return []
+    return ["--mass-scaling selective is less accurate, or was not compared with explicit steps, for a wall, motion or "
+            "options of this kind (docs/validation/mass-scaling.md): compare with --mass-scaling none"]

@@ -1,0 +1,279 @@
+"""Tables of docs/validation/mass-scaling.md: walls with softening joints in explicit steps and with mass scaling.
+
+    python3 paper/mass_scaling.py runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv; continues there
+    python3 paper/mass_scaling.py table DIR/runs.csv                         # medians, two-sample tests
+    python3 paper/mass_scaling.py curves DIR/runs.csv                        # fragility and lives
+    python3 paper/mass_scaling.py rocking | falling
+
+A draw is one of the joints' strengths (coefficient of variation 0.3), or a life of the address.  Runs are not repeated
+where their energy balance is off, so that each step is judged by itself.  A further case is a line of CASES.
+"""
+
+import sys
+import time
+from dataclasses import replace
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binomtest, ks_2samp
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from damage.reference.session import run_references
+
+import damage
+from damage.history.in_memory import HistoryInMemory
+from damage.law.modes import natural_modes
+from damage.measure.tables import summary_row
+from damage.mechanics.tables import FRACTURE, FRICTION
+from damage.motion.intensity import pgv_m_s
+from damage.reference.wall import ReferenceWall
+from damage.run import scheme
+from damage.run.options import parse_run
+from damage.run.schedule import SOFTENING_STEP_FACTOR
+from damage.studies.fragility import fit
+from damage.units import GRAVITY
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Joint, Wall
+from paper.bench import REPOSITORY, arguments, option, print_row, print_table, silenced, wall_file
+from paper.softening import softened
+
+
+def _record(path, *window):
+    return ["--record", str(REPOSITORY / "damage" / "data" / path), "--window", *window, "--rest", "0.1"]
+
+
+BGAR = _record("zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "18.2", "20.7")
+BZN1 = _record("zeerijp_20180108/BZN1_HGE_acc_m_s2.csv", "17.5", "20")
+MID1 = _record("huizinge_20120816_synthetic/MID1_N_synthetic_acc_m_s2.csv", "0.8", "2.5")
+LIFE = ["--address", str(REPOSITORY / "studies" / "addresses" / "garsthuizen.toml"), "--rest", "0.1"]
+DEFORM, SETTLED = ["--bricks", "deformable", "--contacts", "gauss"], ["--settle", "hogging", "--distortion", "1/600"]
+SYMMETRIC, ASYMMETRIC, SOLID = (f"walls/variants/{name}_softening.py" for name in ("symmetric", "asymmetric", "solid"))
+CASES = {
+    **{f"symmetric_mid1_{scale}": (SYMMETRIC, [*MID1, "--scale", scale]) for scale in ("1", "1.5", "2", "3", "3.5")},
+    "symmetric_mid1": (SYMMETRIC, [*MID1, "--scale", "2.5"]),
+    "symmetric_bgar": (SYMMETRIC, [*BGAR, "--scale", "2.5"]),
+    "symmetric_bzn1": (SYMMETRIC, [*BZN1, "--scale", "3"]),
+    "symmetric_harmonic": (SYMMETRIC, ["--harmonic", "0.2", "0.05", "--rest", "0.1"]),
+    "symmetric_settled": (SYMMETRIC, [*SETTLED, *MID1, "--scale", "1.5"]),
+    "symmetric_sequence": (SYMMETRIC, [*MID1, "--scale", "2", "--sequence", "1,0.8,1,0.6"]),
+    "symmetric_life": (SYMMETRIC, LIFE),
+    "symmetric_pushed": (SYMMETRIC, ["--cyclic", "0.05,0.1", "--speed", "0.01"]),
+    "asymmetric_mid1": (ASYMMETRIC, [*MID1, "--scale", "2.5"]),
+    "asymmetric_bgar": (ASYMMETRIC, [*BGAR, "--scale", "2.5"]),
+    "terrace_bgar": ("walls/terrace_end.toml", [*BGAR, "--scale", "2"]),
+    "house_mid1": ("walls/two_storeys.toml", [*MID1, "--scale", "1.5"]),
+    "solid_harmonic": (SOLID, ["--harmonic", "0.1", "0.3", "--rest", "0.1"]),
+    "solid_mid1": (SOLID, [*MID1, "--scale", "4"]),
+    "deformable_mid1": (SYMMETRIC, [*MID1, "--scale", "2.5", *DEFORM]),
+    "deformable_bgar": (SYMMETRIC, [*BGAR, "--scale", "2.5", *DEFORM]),
+    "deformable_asymmetric": (ASYMMETRIC, [*MID1, "--scale", "2.5", *DEFORM]),
+}
+"""{case: (wall file, words)}."""
+SCHEMES = {"explicit": ["--mass-scaling", "none", "--settling", "adaptive"],
+           **{step: ["--mass-scaling", "selective", "--dt", step] for step in ("2e-4", "1e-4", "5e-5", "4e-4")},
+           "half": ["--mass-scaling", "none", "--settling", "adaptive"], "local": ["--mass-scaling", "none"]}
+"""{scheme: its words}; half: half of the explicit step; local: explicit as by default, with local damping in settling
+stages."""
+FIRST = "half", "local", "4e-4"
+"""Schemes of the first eight draws alone."""
+COMPARED = {"max_DI": "max DI", "max_drift_ratio": "drift", "residual_DI": "residual DI", "max_psi": "Psi",
+            "max_crack_width_mm": "widest crack", "failed_length_m": "failed length"}
+FIELDS = ["case", "scheme", "draw", "cpu_s", *COMPARED, "settled_psi", "energy_error_fraction", "collapsed_at_s"]
+
+
+@cache
+def _wall(name):
+    """The damage.Wall of a case's file, of one with brittle joints with fracture energies by the rule."""
+    made = load_wall(REPOSITORY / name)
+    return made if made.joint.softens else softened(made, "rule")
+
+
+def runs(folder, draws, names):
+    """Append rows of all cases, draws and schemes that runs.csv lacks."""
+    scheme.ACCEPTED_ERROR = scheme.ACCEPTED_DROP_M = np.inf
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "runs.csv"
+    done = set(map(tuple, pd.read_csv(path)[FIELDS[:3]].astype(str).to_numpy())) if path.is_file() else ()
+    for start, case, way in product(range(1, 1 + draws, 8), names, SCHEMES):
+        asked = [draw for draw in range(start, min(start + 8, draws + 1)) if (case, way, str(draw)) not in done]
+        wanted = way in ("explicit", "5e-5") if "deformable" in case else (
+            way != "5e-5" and not (start > 1 and way in FIRST))
+        if asked and wanted:
+            rows = _batch(folder, case, way, asked)
+            rows.to_csv(path, mode="a", header=not path.is_file(), index=False, float_format="%.5g")
+            print(case, way, len(rows), f"{rows['cpu_s'].iloc[0]:.2f} s a run", flush=True)
+
+
+def _batch(folder, case, way, draws):
+    """Rows of a case with a scheme, one a draw."""
+    wall, words = CASES[case]
+    step = ["--dt", repr(0.5 * SOFTENING_STEP_FACTOR * _modes(wall).critical_time_step_s)] if way == "half" else []
+    source = wall_file(folder / f"{Path(wall).stem}.py", _wall(wall))
+    lines = {draw: [str(source), *words, *SCHEMES[way], *step, "--strength-cov", "0.3",
+                    *(["--life", str(draw)] if words is LIFE else ["--strength-seed", str(draw)]), "--no-pictures",
+                    "--overwrite", "--out", str(folder / f"{case}_{way}_{draw}.h5")] for draw in draws}
+    histories = dict.fromkeys(lines, HistoryInMemory)
+    begun = time.process_time()
+    with silenced() as said:
+        statuses = dict(run_references(lines.items(), histories))
+    if any(statuses.values()):
+        sys.exit(f"{case} {way}: a run failed, or was interrupted\n{said.getvalue()[-2000:]}")
+    spent = (time.process_time() - begun) / len(draws)
+    return pd.DataFrame([{"case": case, "scheme": way, "draw": draw, "cpu_s": spent,
+                          **_values(histories[draw].history())} for draw in draws])[FIELDS]
+
+
+@cache
+def _modes(wall):
+    return natural_modes(lay_out(_wall(wall)))
+
+
+def _values(history):
+    return summary_row(history) | {"failed_length_m": float(history.joint_length_m[history.broken[-1]].sum())}
+
+
+def table(path):
+    """Print medians of each step beside explicit ones, and the least p of two-sample tests over the measures."""
+    found = pd.read_csv(path)
+    print_table("wall and motion", "step", "by the rule", "draws", *(
+        f"{words} [%]" if words != "residual DI" else words for words in COMPARED.values()), "DI of a run [%]",
+        "least p", "energy error [%]", "time [s]")
+    for case, way in product(CASES, SCHEMES):
+        own, other = (found[(found["case"] == case) & (found["scheme"] == one)].set_index("draw")
+                      for one in (way, "explicit"))
+        if not len(own):
+            continue
+        other = other.loc[own.index]
+        error, tests = 100 * own["energy_error_fraction"], [ks_2samp(own[name], other[name]).pvalue for name in COMPARED]
+        apart = (own["max_DI"] / other["max_DI"] - 1).abs().median()
+        print_row(case.replace("_", " "), way, "yes" * (way == _by_the_rule(case)), len(own),
+                  *(_difference(own[name].median(), other[name].median(), name) for name in COMPARED),
+                  f"{100 * apart:.1f}", f"{min(tests):.2f}", f"{error.median():.3f} to {error.max():.3f}",
+                  f"{own['cpu_s'].median():.2f}")
+
+
+def _by_the_rule(case):
+    """The scheme of a case where nothing is asked for."""
+    wall, words = CASES[case]
+    settings = parse_run([*words, *(["--life", "1"] if words is LIFE else [])], "", "reference").for_joint(
+        _wall(wall).joint)
+    (settings, step_s), *_ = scheme.schemes(settings, _wall(wall), _modes(wall).critical_time_step_s,
+                                            float(_modes(wall).period_s[0]))
+    return next((step for step in SCHEMES if settings.mass_scaling == "selective" and step[1:] in ("e-4", "e-5")
+                 and np.isclose(float(step), step_s, rtol=0.01)), "local")
+
+
+def _difference(value, other, name):
+    """A median as the table has it: of residual DI itself, of the others what it is above the explicit one [%]."""
+    return f"{value:.4f}" if name == "residual_DI" else "0" if value == other else f"{100 * (value / other - 1):+.1f}"
+
+
+def curves(path):
+    """Print medians and dispersions of fragility over the PGV of records, and the shares of lives, by both steps, with
+    95 % intervals: by 500 replicates of the draws, and Wilson's."""
+    found = pd.read_csv(path)
+    pgv = {case: 1e3 * pgv_m_s(parse_run(words, "", "reference").loading.applied())
+           for case, (wall, words) in CASES.items() if wall == SYMMETRIC and words[0] == "--record"
+           and not {"--sequence", "--bricks"} & set(words)}
+    print_table("exceeding", "step", "median [mm/s]", "dispersion")
+    for (measure, level), way in product((("max_DI", 0.1), ("max_psi", 2.5)), ("explicit", "1e-4", "2e-4")):
+        chosen = found[(found["scheme"] == way) & found["case"].isin(pgv)]
+        over = chosen.assign(over=chosen[measure] >= level).pivot(index="draw", columns="case", values="over")
+        drawn = np.random.default_rng(1).integers(len(over), size=(500, len(over)))
+        intensity = np.array([pgv[case] for case in over.columns])
+        fits = np.array([fit(intensity, over.iloc[rows].sum().to_numpy(), np.full(len(intensity), len(over)))
+                         for rows in (range(len(over)), *drawn)])
+        low, high = np.quantile(fits[1:], (0.025, 0.975), axis=0)
+        print_row(f"{measure} {level:g}", way, *(
+            f"{value:.{digits}f} ({a:.{digits}f} to {b:.{digits}f})"
+            for value, a, b, digits in zip(fits[0], low, high, (1, 2))))
+    print_table("lives with", "step", "share")
+    for (measure, level), way in product((("max_psi", 1.0), ("max_psi", 2.0), ("max_DI", 0.05)),
+                                         ("explicit", "1e-4", "2e-4")):
+        lives = found[(found["case"] == "symmetric_life") & (found["scheme"] == way)]
+        count = int((lives[measure] >= level).sum())
+        interval = binomtest(count, len(lives)).proportion_ci(method="wilson")
+        print_row(f"{measure} {level:g}", way, f"{count} of {len(lives)} ({interval.low:.2f} to {interval.high:.2f})")
+
+
+def rocking():
+    """Print free rocking of a pier whose base, or whose every joint, is dry, released with a speed of its top."""
+    plain = Wall("pier", 4.5 * 0.225, 33 * 0.075, precompression=0.3e6,
+                 joint=Joint(tensile_strength=0.21e6, cohesion=0.24e6))
+    print_table("dry joints", "step", "peak [mm]", "second upward crossing [s]", "last peak [mm]", "friction [J]",
+                "of kinetic energy [J]", "imbalance [J]")
+    for name, speed in (("base", 0.25), ("all", 0.15)):
+        layout = lay_out(plain)
+        dry = (layout.contacts.first < 0) | (name == "all")
+        layout = replace(layout, contacts=replace(layout.contacts, **{
+            strength: np.where(dry, 0.0, getattr(layout.contacts, strength))
+            for strength in ("tensile_strength", "cohesion")}))
+        modes = natural_modes(layout)
+        for step in (0.643 * modes.critical_time_step_s, 1e-4, 2e-4):
+            print_row(name, f"{step:.3g}", *_rocked(layout, step, step > modes.critical_time_step_s,
+                                                    speed * modes.shape[0]))
+
+
+def _rocked(layout, step, scaled, velocity):
+    """Cells of a row of `rocking`."""
+    wall = ReferenceWall(layout, step, scaled=scaled)
+    wall.adaptive_damping = 1.0
+    wall.start(np.zeros((0, 2)), GRAVITY * np.minimum(1.0, np.arange(round(0.2 / step)) * step / 0.2))
+    wall.run(round(0.5 / step))
+    wall.adaptive_damping = 0.0
+    wall.start(np.zeros((0, 2)))
+    wall.energy[:] = 0.0
+    wall.velocity = velocity
+    rest, kinetic, before = wall.displacement, wall.kinetic_energy(), _stored(wall, layout)
+    every, top = round(2e-3 / step), []
+    for _ in range(1250):
+        wall.run(every)
+        top.append(1e3 * (wall.displacement - rest)[layout.drift_bodies, 0].mean())
+    top, time_s = np.array(top), np.arange(1, 1251) * every * step
+    rises = np.flatnonzero((top[:-1] < 0) & (top[1:] >= 0))
+    imbalance = _stored(wall, layout) - before + wall.energy[FRICTION] + wall.energy[FRACTURE]
+    return (f"{np.abs(top).max():.2f}", f"{time_s[rises[1]]:.3f}", f"{np.abs(top[-312:]).max():.2f}",
+            f"{wall.energy[FRICTION]:.1f}", f"{kinetic:.1f}", f"{imbalance:.3f}")
+
+
+def _stored(wall, layout):
+    return (wall.kinetic_energy() + wall.elastic_energy()
+            + GRAVITY * float(layout.bodies.mass @ wall.displacement[:, 1]))
+
+
+def falling():
+    """Print when a spandrel without a lintel falls: explicitly, with mass scaling alone, and as a user gets it."""
+    accepted = scheme.ACCEPTED_DROP_M
+    print_table("draw", "explicit [s]", "mass scaling alone [s]", "as offered [s]", "repeated for")
+    for draw in range(1, 9):
+        times = []
+        for limit, words in ((accepted, {"mass_scaling": "none"}), (np.inf, {"mass_scaling": "selective"}),
+                             (accepted, {})):
+            scheme.ACCEPTED_DROP_M = limit
+            history = damage.run(str(REPOSITORY / SYMMETRIC), BGAR[1], window=(18.2, 20.7), scale=2.5, rest=0.1,
+                                 lintel="none", strength_cov=0.3, strength_seed=draw, **words)
+            times.append(history.collapsed_at_s)
+        print_row(draw, *("stands" if one is None else f"{one:.3f}" for one in times),
+                  history.parameters["repeated_for"])
+
+
+def main():
+    parsed = arguments(__doc__, option("what", choices=("runs", "table", "curves", "rocking", "falling")),
+                       option("path", type=Path, nargs="?", default=Path("results/mass_scaling/runs.csv")),
+                       option("--cases", nargs="+", choices=CASES, default=list(CASES)),
+                       option("--draws", type=int, default=32))
+    if parsed.what == "runs":
+        runs(parsed.path if parsed.path.suffix != ".csv" else parsed.path.parent, parsed.draws, parsed.cases)
+    elif parsed.what in ("table", "curves"):
+        globals()[parsed.what](parsed.path)
+    else:
+        globals()[parsed.what]()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+"""In OpenSeesPy: what scripts of `damage export --opensees` find, as JSON.
+
+run_opensees.py weight WALL.py: settlement of the top [m], first period [s], joints that failed, shares.
+run_opensees.py path BRICK.py PATH.json: forces on the ground along a path of the only brick [m], without rotation.
+run_opensees.py push PIER.py NODE INCREMENT_M STEPS: base shear along a push of a node, its weight.
+"""
+
+import json
+import runpy
+import sys
+from math import pi
+
+import openseespy.opensees as ops
+
+kind, script, *words = sys.argv[1:]
+model = runpy.run_path(script)
+model["build"]()
+
+
+def on_ground():
+    """Forces on the ground [N], along x and up, as elements bear them."""
+    found = [0.0, 0.0]
+    for joint, first, *_ in model["JOINTS"]:
+        if first == 0:
+            force = ops.eleResponse(joint, "force")
+            found = [found[k] - force[k] for k in (0, 1)]
+    return found
+
+
+def weight():
+    period = 2 * pi / ops.eigen(1)[0]**0.5
+    found = model["weight"]()
+    return {"found": found, "settlement_m": -model["top"](2), "period_s": period,
+            "failed": len(model["JOINTS"]) - len(model["INTACT"]), "on_ground_n": on_ground()}
+
+
+def path(file):
+    with open(file, encoding="utf-8") as given:
+        places, forces = json.load(given), []
+    times = [float(k) for k in range(len(places) + 1)]
+    for k in (0, 1):
+        ops.timeSeries("Path", 10 + k, "-time", *times, "-values", 0.0, *(place[k] for place in places))
+        ops.pattern("Plain", 10 + k, 10 + k)
+        ops.sp(1, k + 1, 1.0)
+    ops.fix(1, 0, 0, 1)
+    ops.wipeAnalysis()
+    for command in (("constraints", "Lagrange"), ("numberer", "Plain"), ("system", "FullGeneral"),
+                    ("test", "NormUnbalance", 1e-6, 50), ("algorithm", "Newton")):
+        getattr(ops, command[0])(*command[1:])
+    for _ in places:
+        ops.integrator("LoadControl", 1.0)
+        ops.analysis("Static")
+        assert ops.analyze(1) == 0
+        if model["break_joints"]():
+            ops.integrator("LoadControl", 0.0)
+            assert ops.analyze(1) == 0
+        forces.append(on_ground())
+    return {"forces_n": forces}
+
+
+def push(node, increment, steps):
+    found = model["weight"]()
+    weight_n, shear = on_ground()[1], []
+    ops.timeSeries("Linear", 2)
+    ops.pattern("Plain", 2, 2)
+    ops.load(int(node), 1.0, 0.0, 0.0)
+    model["solver"](1e-6 * abs(weight_n))
+    for _ in range(int(steps)):
+        found = found and model["static"](1, "DisplacementControl", int(node), 1, float(increment))
+        shear.append(on_ground()[0])
+        if not found:
+            break
+    return {"found": found, "weight_n": weight_n, "shear_n": shear,
+            "failed": len(model["JOINTS"]) - len(model["INTACT"])}
+
+
+print(json.dumps({"weight": weight, "path": path, "push": push}[kind](*words)))

@@ -1,0 +1,286 @@
+"""Selective mass scaling: periods by their closed form, energies, equal bits in both widths, the factor beside SciPy's,
+which runs are accepted, and the symmetric wall beside explicit steps."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+from scipy.sparse.linalg import splu
+
+import damage
+from benchmarks.small_wall import wall as small_wall
+from damage.errors import InputError, RunError
+from damage.history.reader import read_history
+from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
+from damage.mechanics.factor import scaled_mass
+from damage.mechanics.tables import DAMPING
+from damage.reference.lanes import run_together
+from damage.reference.session import BACKEND
+from damage.reference.settled import _digest
+from damage.reference.wall import ReferenceWall
+from damage.run import scheme
+from damage.run.options import parse_run
+from damage.run.session import run_session
+from damage.run.watch import Borne
+from damage.studies.tables import points_of
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+
+SYMMETRIC = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
+MID1 = REPOSITORY / "damage" / "data" / "huizinge_20120816_synthetic" / "MID1_N_synthetic_acc_m_s2.csv"
+SHAKEN = {"harmonic": (0.06, 0.4), "cycles": 2, "rest": 0.1}
+MILDLY = SHAKEN | {"harmonic": (0.06, 0.25)}
+
+
+def softening_wall():
+    made = small_wall()
+    return replace(made, joint=replace(made.joint, mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0))
+
+
+@pytest.fixture(scope="module")
+def layout():
+    return lay_out(softening_wall())
+
+
+def free_wall(layout, time_step, **how):
+    """A wall without weight, at rest."""
+    wall = ReferenceWall(layout, time_step, scaled=True, **how)
+    wall.start(np.zeros((0, 2)), np.zeros(1))
+    return wall
+
+
+@pytest.mark.parametrize("mode", range(4))
+@pytest.mark.parametrize("time_step", [1e-4, 2e-4])
+def test_a_mode_vibrates_with_the_period_of_the_closed_form(mode, time_step):
+    """sin(omega' dt / 2) = dt / 2 omega / sqrt(1 + dt^2 omega^2 / 2): T1 to T4 of the symmetric wall, 5 to 30 Hz."""
+    layout = lay_out(load_wall(SYMMETRIC))
+    modes = natural_modes(layout)
+    exact = 2 * np.pi / modes.period_s[mode]
+    slower = 2 / time_step * np.arcsin(time_step / 2 * exact / np.sqrt(1 + time_step**2 * exact**2 / 2))
+    wall, shape = free_wall(layout, time_step), 1e-7 * modes.shape[mode]
+    n = round(9.75 * 2 * np.pi / slower / time_step)
+    wall.displacement = shape
+    wall.velocity = shape * (1 - np.cos(slower * time_step)) / time_step
+    wall.run(n)
+    mass = mass_vector(layout)
+    now = (mass * wall.displacement.ravel()) @ shape.ravel() / ((mass * shape.ravel()) @ shape.ravel())
+    assert now == pytest.approx(np.cos(slower * n * time_step), abs=1e-5)
+    assert abs(now - np.cos(exact * n * time_step)) > 1e-4
+
+
+@pytest.mark.parametrize("model", [ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")])
+def test_kinetic_energy_with_the_matrix_closes_the_balance_of_a_linear_wall(model):
+    layout = lay_out(softening_wall(), model)
+    wall = free_wall(layout, 1e-4)
+    wall.velocity = 1e-8 * natural_modes(layout).shape[0]
+    total = []
+    for _ in range(20):
+        total.append(wall.kinetic_energy() + wall.elastic_energy() + wall.energy[DAMPING])
+        wall.run(13)
+    assert_allclose(total, total[0], rtol=1e-7)
+
+
+@pytest.mark.parametrize("model", [ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss"),
+                                   ModelOptions(soil="1e9", soil_velocity=100.0)])
+@pytest.mark.parametrize("held", [False, True])
+def test_a_step_solves_with_the_matrix_as_scipy_does(model, held):
+    layout = lay_out(softening_wall(), model)
+    wall = free_wall(layout, 2e-4, beta=1e-6)
+    if held:
+        wall.hold(layout.pushed_bodies, rotation=True)
+    n, size = len(layout.bodies), wall.system.place.shape[1]
+    place = 1e-8 * np.random.default_rng(1).normal(size=(n, size))
+    place[wall.system.inverse_mass[:n] == 0] = 0.0
+    wall.system.place[:n] = place
+    wall.displacement = place[:, :3]
+    force = wall.system.force[:n].copy()
+    if layout.strain:
+        force[:, 3:] -= layout.strain.stiffness * place[:, 3:]
+    force = force.ravel()
+    wall.run(1)
+    force[wall.system.inverse_mass[:n].ravel() == 0] = 0.0
+    expected = 2e-4 * splu(wall.mass.whole.tocsc()).solve(force)
+    found = wall.system.velocity[:n].ravel()
+    assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
+
+
+def test_the_matrix_is_that_of_the_definition(layout):
+    whole = scaled_mass(layout, 2e-4, 1e-6).whole
+    expected = np.diag(mass_vector(layout)) + 0.5 * 2e-4 * (2e-4 + 1e-6) * stiffness_matrix(layout).toarray()
+    assert_allclose(whole.toarray(), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_wall_has_the_same_bits_alone_and_among_eight(layout):
+    def shaken(level):
+        wall = ReferenceWall(layout, 2e-4, beta=1e-6, scaled=True)
+        time_s = np.arange(800) * 2e-4
+        wall.start(level * np.column_stack([np.sin(2 * np.pi * time_s / 0.06), 0 * time_s]))
+        return wall
+
+    walls, alone = [shaken(level) for level in range(2, 8)], shaken(6)
+    run_together(walls, 400, 400)
+    alone.run(400, 400)
+    other = walls[4]
+    assert np.count_nonzero(alone.state) > 5
+    for name in ("place", "velocity", "force", "states", "energy"):
+        one, two = (getattr(wall.system, name).tolist() for wall in (alone, other))
+        assert one == two
+    assert alone.kinetic_energy() == other.kinetic_energy()
+
+
+def test_walls_of_other_steps_are_no_batch(layout):
+    walls = [ReferenceWall(layout, step, scaled=True) for step in (1e-4, 2e-4)]
+    with pytest.raises(ValueError, match="step it by itself"):
+        run_together(walls, 10)
+
+
+@pytest.mark.parametrize("words, complaint", [
+    (["--new-contacts"], "collision"), (["--relaxation", "local"], "--relaxation local"),
+    (["--settling", "local"], "--settling local")])
+def test_what_needs_the_masses_themselves_is_refused(words, complaint):
+    with pytest.raises(InputError, match=complaint):
+        parse_run(["--mass-scaling", "selective", *words], prog="", solver="reference")
+
+
+@pytest.mark.parametrize("dt", [1e-5, 1e-3])
+def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
+    with pytest.raises(InputError, match="expected more than the critical one"):
+        damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=dt)
+
+
+@pytest.mark.parametrize("words, step_s", [
+    ("", 1e-4), ("--sequence 1,0.5", 1e-4), ("--settle hogging --harmonic 0.2 0.05", 1e-4), ("--lintel none", 1e-4),
+    ("--bricks deformable --contacts gauss", 5e-5), ("--mass-scaling none", None), ("--dt 1e-5", None),
+    ("--pushover 0.1", None), ("--free-vibration", None), ("--settle hogging", None), ("--contacts gauss", None),
+    ("--bricks deformable", None), ("--soil 1e8", None), ("--fibres 4", None), ("--new-contacts", None),
+    ("--settling local", None), ("--relaxation local", None)])
+def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
+    """Of a stiff wall with an opening and softening joints; None: explicit."""
+    def of(wall, period_s=0.06):
+        (settings, step), *_ = scheme.schemes(parse_run(words.split(), "", "reference"), wall, 4e-5, period_s)
+        return step if settings.mass_scaling == "selective" else None
+
+    soft = softening_wall()
+    assert of(soft) == step_s
+    assert of(soft, 0.2) == (2e-4 if step_s == 1e-4 else step_s)
+    assert of(small_wall()) is None and of(replace(soft, openings=())) is None
+    assert of(replace(soft, brick=replace(soft.brick, tensile_strength=1e6))) is None
+
+
+def test_yade_takes_explicit_steps():
+    (settings, step), *others = scheme.schemes(parse_run([], "", "yade"), softening_wall(), 4e-5, 0.2)
+    assert settings.mass_scaling == "none" and step < 4e-5 and not others
+
+
+def test_settled_states_are_kept_by_the_matrix():
+    def key(**changes):
+        settings = replace(parse_run([], "", "reference"), mass_scaling="selective", **changes)
+        return _digest(SimpleNamespace(layout=1, time_step=2e-4, settings=settings))
+
+    assert key(beta_s=1e-6) == key(beta_s=1e-6) != key(beta_s=2e-6)
+
+
+class TestAcceptance:
+    def test_repeated_members_are_counted(self, monkeypatch, tmp_path, capsys):
+        monkeypatch.setattr(scheme, "ACCEPTED_DROP_M", 1e-6)
+        out = tmp_path / "run.h5"
+        assert run_session(BACKEND, __file__, softening_wall, ["--harmonic", "0.06", "0.3", "--rest", "0.1", "--members",
+                                                               "2", "--no-pictures", "--out", str(out)], "") == 0
+        assert "2 members, 2 of them repeated" in capsys.readouterr().out
+        table = pd.read_csv(tmp_path / "run_members.csv")
+        assert set(table["repeated_for"]) == {"drop"} and points_of(table)["repeated"].tolist() == [2]
+        assert read_history(out).parameters["repeats"] == 1
+        assert [path.name for path in tmp_path.glob("*.h5")] == ["run.h5"]
+
+    def test_an_explicit_run_replaces_those_that_are_not_accepted(self, monkeypatch, tmp_path):
+        monkeypatch.setattr(scheme, "ACCEPTED_ERROR", 0.0)
+        for out in ({}, {"out": str(tmp_path / "run.h5")}):
+            found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", **out)
+            explicit = damage.run(softening_wall(), **SHAKEN)
+            assert found.parameters["repeats"] == 2 and found.parameters["repeated_for"] == "energy"
+            assert found.parameters["mass_scaling"] == "none" and found.complete
+            assert found.series.equals(explicit.series)
+
+    def test_half_the_step_comes_first(self, monkeypatch):
+        errors = iter([1.0, 0.0])
+        monkeypatch.setattr("damage.run.session.check_energy",
+                            lambda settings, error: scheme.check_energy(settings, next(errors)))
+        found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4)
+        assert found.parameters["time_step_s"] == 1e-4 and found.parameters["repeats"] == 1
+        assert found.parameters["mass_scaling"] == "selective"
+
+    def test_a_failure_is_that_of_explicit_steps(self, monkeypatch):
+        def fails(settings, error):
+            if settings.mass_scaling == "selective":
+                raise RunError("blew up")
+
+        monkeypatch.setattr("damage.run.session.check_energy", fails)
+        found = damage.run(softening_wall(), **MILDLY)
+        assert found.complete and (found.parameters["repeats"], found.parameters["repeated_for"]) == (2, "failure")
+
+    def test_an_accepted_run_is_not_repeated(self):
+        found = damage.run(softening_wall(), **MILDLY, mass_scaling="selective")
+        assert found.broken.any()
+        assert (found.parameters["mass_scaling"], found.parameters["repeats"]) == ("selective", 0)
+
+    def test_a_falling_brick_makes_the_run_explicit_at_once(self, monkeypatch):
+        monkeypatch.setattr(scheme, "ACCEPTED_DROP_M", 1e-6)
+        found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4)
+        assert (found.parameters["repeats"], found.parameters["repeated_for"]) == (1, "drop")
+        assert found.parameters["mass_scaling"] == "none"
+
+
+class TestDrop:
+    @pytest.fixture
+    def spandrel(self, layout):
+        """Bricks above the opening, which no bed joint bears."""
+        lowest = [brick for brick in range(layout.n_bricks) if layout.bodies.z[brick] > 0.45
+                  and abs(layout.bodies.x[brick] - 0.5625) < 0.2]
+        assert lowest
+        return lowest
+
+    def test_of_a_spandrel(self, layout, spandrel):
+        motion = np.zeros((2, len(layout.bodies), 3))
+        motion[1, spandrel, 1] = -6e-4
+        assert_allclose(Borne(layout).largest_drop(motion), [0.0, 6e-4], atol=1e-12)
+
+    def test_none_of_a_wall_that_moves_or_turns_as_a_whole(self, layout):
+        motion, angle = np.zeros((1, len(layout.bodies), 3)), 0.02
+        motion[0, :, 1] = -5e-3 + np.sin(angle) * layout.bodies.x - (1 - np.cos(angle)) * layout.bodies.z
+        motion[0, :, 2] = angle
+        assert Borne(layout).largest_drop(motion)[0] < 1e-4
+
+
+def test_a_run_that_continues_is_the_second_half_of_a_sequence(tmp_path):
+    how = MILDLY | {"mass_scaling": "selective"}
+    first, whole = tmp_path / "first.h5", damage.run(softening_wall(), **how, sequence=(1.0, 0.6))
+    damage.run(softening_wall(), **how, out=str(first))
+    second = damage.run(softening_wall(), **{**how, "continue": str(first), "sequence": (0.6,)})
+    assert whole.broken.any() and whole.parameters["repeats"] == second.parameters["repeats"] == 0
+    assert_allclose(second.series["drift_ratio"].to_numpy()[-1], whole.series["drift_ratio"].to_numpy()[-1], rtol=1e-9)
+
+
+def test_a_pushed_wall_follows_its_top(layout):
+    """The work of the push is the energy of the wall, with scaled masses, too."""
+    found = {name: damage.run(softening_wall(), pushover=0.02, speed=0.01, **how) for name, how in {
+        "explicit": {}, "scaled": {"mass_scaling": "selective"}}.items()}
+    force = {name: history.series["top_force_n"].abs().max() for name, history in found.items()}
+    assert force["scaled"] == pytest.approx(force["explicit"], rel=0.02)
+    assert damage.measure.energy.energy_error_of(found["scaled"]) < 1e-3
+
+
+def test_the_symmetric_wall_has_the_index_and_drift_of_explicit_steps():
+    """docs/validation/mass-scaling.md: within 0.3 and 0.1 % in the median of 16 draws."""
+    how = {"window": (0.8, 2.5), "scale": 2.5, "rest": 0.1}
+    scaled = damage.run(SYMMETRIC, MID1, mass_scaling="selective", **how)
+    explicit = damage.run(SYMMETRIC, MID1, **how)
+    assert scaled.parameters["time_step_s"] == 2e-4 and scaled.parameters["repeats"] == 0
+    found, expected = (damage.measure.summary.summarise(one) for one in (scaled, explicit))
+    assert found["max"]["DI"] == pytest.approx(expected["max"]["DI"], rel=0.01)
+    assert found["max_drift_ratio"] == pytest.approx(expected["max_drift_ratio"], rel=0.004)
+    assert found["max_psi"] == pytest.approx(expected["max_psi"], abs=0.1)

@@ -1,0 +1,311 @@
+"""Walls for OpenSees and 3DEC: what is written is read back and compared with the layout; OpenSeesPy runs it (long)."""
+
+import json
+import math
+import re
+import sys
+import types
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from conftest import one_line_error
+from environments import environment, run_in
+from numpy.testing import assert_allclose
+from test_reference import settle
+
+from damage.__main__ import main
+from damage.export.opensees import write_opensees
+from damage.export.threedec import NO_STIFFNESS, write_3dec
+from damage.law.joint_law import ContactState, LawParameters, advance, material_of
+from damage.law.modes import natural_modes, static_displacement
+from damage.reference.solver import ReferenceSolver
+from damage.units import GRAVITY
+from damage.wall.floors import Floor
+from damage.wall.kinds import CAP
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Joint, Opening, Wall
+
+DOOR = Wall("door", 1.35, 0.9, [Opening(0.45, 0.45, 0.6)], lintel="courses")
+CONTACT = re.compile(r"block contact (property|jmodel assign) (.*?)(?: range group-intersection (.*))?$")
+SCATTERED = ModelOptions(contacts="corners", strength_cov=0.3, strength_seed=4)
+
+
+class Recorder(types.ModuleType):
+    """In the place of openseespy.opensees: keeps every command, (name, arguments), and gives displacements."""
+
+    def __init__(self):
+        super().__init__("openseespy.opensees")
+        self.commands, self.moved = [], {}
+
+    def nodeDisp(self, node):
+        return self.moved.get(node, (0.0, 0.0, 0.0))
+
+    def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return lambda *arguments: self.commands.append((name, arguments))
+
+    def all_of(self, name):
+        return [arguments for command, arguments in self.commands if command == name]
+
+
+def script_of(layout, tmp_path, monkeypatch):
+    """Names of the script of a layout, after build(), and the Recorder that it spoke to."""
+    ops = Recorder()
+    package = types.ModuleType("openseespy")
+    package.opensees = ops
+    monkeypatch.setitem(sys.modules, "openseespy", package)
+    monkeypatch.setitem(sys.modules, "openseespy.opensees", ops)
+    names = {"__name__": "model"}
+    exec(write_opensees(layout, tmp_path / "wall.py").read_text(encoding="utf-8"), names)
+    names["build"]()
+    return names, ops
+
+
+def assembled(ops):
+    """Stiffness and masses of the bodies by the commands alone: (3 n, 3 n), (3 n,)."""
+    places = {node: np.array(at) for node, *at in ops.all_of("node")}
+    masses = {node: values for node, *values in ops.all_of("mass")}
+    body_of = {node: body for kind, body, node in ops.all_of("rigidLink") if kind == "beam"}
+    fixed = {node for node, *dofs in ops.all_of("fix") if dofs == [1, 1, 1]}
+    springs = {tag: k for kind, tag, k in ops.all_of("uniaxialMaterial") if kind == "Elastic"}
+    order = {body: k for k, body in enumerate(masses)}
+    stiffness = np.zeros((3 * len(order), 3 * len(order)))
+
+    def row_of(node, axis):
+        """Displacement of a node along an axis by the coordinates of its body, (3 n,)."""
+        row = np.zeros(len(stiffness))
+        if node not in fixed:
+            arm, at = places[node] - places[body_of[node]], 3 * order[body_of[node]]
+            row[at:at + 3] = axis[0], axis[1], axis[1] * arm[0] - axis[0] * arm[1]
+        return row
+
+    for kind, _, first, second, *words in ops.all_of("element"):
+        assert kind == "zeroLength" and words[0] == "-mat" and words[3:6] == ["-dir", 1, 2] and words[6] == "-orient"
+        assert np.all(places[first] == places[second])
+        axes = np.array(words[7:10]), np.array(words[10:13])
+        assert_allclose([axes[0] @ axes[0], axes[1] @ axes[1], axes[0] @ axes[1]], [1, 1, 0])
+        for tag, axis in zip(words[1:3], axes):
+            row = sum(sign * row_of(node, axis) for node, sign in ((first, -1.0), (second, 1.0)))
+            stiffness += springs[tag] * np.outer(row, row)
+    return stiffness, np.array(list(masses.values())).ravel()
+
+
+@pytest.mark.parametrize(("wall", "options"), [
+    (DOOR, SCATTERED), (DOOR, ModelOptions(top="uniform", supports="bricks")),
+    (DOOR, ModelOptions(bricks="deformable", brick_cells=4, soil="1e8")),
+    (Wall("split", 0.9, 0.6, brick=Brick(tensile_strength=1e6, cohesion=2e6)), ModelOptions(lintel="concrete"))])
+def test_opensees_has_the_mass_the_joints_and_their_sums(wall, options, tmp_path, monkeypatch):
+    layout = lay_out(wall, options)
+    names, ops = script_of(layout, tmp_path, monkeypatch)
+    contacts, joints = layout.contacts, np.array([one[5:] for one in names["JOINTS"]])
+    assert_allclose(sum(one[1] for one in ops.all_of("mass")), layout.total_mass, rtol=1e-13)
+    assert len(ops.all_of("element")) == len(contacts) == len(names["INTACT"])
+    sums = joints[:, 2:].sum(axis=0)
+    for found, name in zip(sums, ("normal_stiffness", "shear_stiffness", "tensile_strength", "cohesion")):
+        assert_allclose(found, np.sum(getattr(contacts, name) * contacts.area), rtol=1e-13)
+    breakable = np.isfinite(joints[:, 5])
+    assert_allclose(joints[breakable, 5].sum(), np.sum((contacts.cohesion * contacts.area)[~contacts.elastic]))
+    assert_allclose(names["FRICTION"], math.tan(wall.joint.friction_angle), rtol=1e-15)
+
+
+def test_opensees_settles_as_the_reference_solver_does(tmp_path, monkeypatch):
+    """A linear solution of the commands by numpy; the reference solver's static stage is a damped motion."""
+    layout = lay_out(DOOR, SCATTERED)
+    stiffness, mass = assembled(script_of(layout, tmp_path, monkeypatch)[1])
+    moved = np.linalg.solve(stiffness, np.where(np.arange(len(mass)) % 3 == 1, -GRAVITY * mass, 0.0)).reshape(-1, 3)
+    assert_allclose(moved, static_displacement(layout), rtol=1e-7, atol=1e-12)
+    solver = ReferenceSolver(layout, 0.35 * natural_modes(layout).critical_time_step_s)
+    settle(solver, 0.5)
+    largest = np.abs(moved[:, 1]).max()
+    assert_allclose(solver.displacement[:len(moved), 1], moved[:, 1], atol=2e-4 * largest)
+    values = np.linalg.eigvals(stiffness / mass[:, None]).real.min()
+    assert_allclose(2 * np.pi / math.sqrt(values), natural_modes(layout).period_s[0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("beyond", [False, True])
+@pytest.mark.parametrize("mode", ["tension", "shear", "shear under pressure"])
+def test_opensees_breaks_a_joint_at_its_strength(mode, beyond, tmp_path, monkeypatch):
+    """Just below its strength none fails, just beyond it the one does, and a slider of its stiffness follows."""
+    layout = lay_out(DOOR, ModelOptions())
+    names, ops = script_of(layout, tmp_path, monkeypatch)
+    joint = next(one for one in names["JOINTS"] if one[5] == 1.0)  # a head joint, its normal along x
+    tag, _, _, _, _, _, _, kn, ks, tension, cohesion = joint
+    pressure = 5e3 if mode == "shear under pressure" else 0.0
+    force = tension if mode == "tension" else cohesion + names["FRICTION"] * pressure
+    share = 1 + 1e-9 if beyond else 1 - 1e-9
+    ends = names["INTACT"][tag][0]
+    ops.moved[ends[1]] = (force * share / kn, 0.0, 0.0) if mode == "tension" else (
+        -pressure / kn, -force * share / ks, 0.0)
+    before = len(ops.all_of("element"))
+    assert names["break_joints"]() == beyond
+    sliders = ops.all_of("element")[before:]
+    assert [one[:6] for one in sliders] == [("flatSliderBearing", tag, *ends, 1, ks)] * beyond
+    assert (("element", tag) in ops.all_of("remove")) is beyond and (tag not in names["INTACT"]) is beyond
+    assert ops.all_of("frictionModel") == [("Coulomb", 1, names["FRICTION"])]
+    if beyond:  # its spring along the normal is the bond's; moments are none
+        words = sliders[0][6:]
+        springs = {number: k for kind, number, k in ops.all_of("uniaxialMaterial")}
+        assert (springs[words[words.index("-P") + 1]], springs[words[words.index("-Mz") + 1]]) == (kn, 0.0)
+
+
+def deck_of(layout, tmp_path):
+    """({group: box, (3, 2)}, {group: density}, {pair of groups: properties as 3DEC has them in the end}), warnings."""
+    path, said = write_3dec(layout, tmp_path / "wall.dat")
+    boxes, densities, commands, fixed = {}, {}, [], set()
+    for line in path.read_text(encoding="utf-8").splitlines():
+        words = line.split()
+        if line.startswith("block create brick"):
+            boxes[words[-1].strip("'")] = np.array(words[3:9], float).reshape(3, 2)
+        elif line.startswith("block property density"):
+            densities[words[-1].strip("'")] = float(words[3])
+        elif line.startswith("block fix range group"):
+            fixed.add(words[-1].strip("'"))
+        elif found := CONTACT.match(line):
+            commands.append((found[1], found[2].split(), found[3] and tuple(found[3].replace("'", "").split())))
+    assert fixed == {name for name in boxes if name.startswith("s")}
+    joints = {}
+    for pair in touching_of(boxes):
+        has = {}
+        for kind, words, at in commands:  # in their order, as 3DEC takes them
+            if at in (None, pair, pair[::-1]):
+                has |= {"model": words[0]} if kind != "property" else dict(zip(words[::2], map(float, words[1::2])))
+        joints[pair] = has
+    return boxes, densities, joints, said
+
+
+def touching_of(boxes):
+    """{(one, other): shared area [m2]} of boxes (3, 2) by name."""
+    names, found = list(boxes), {}
+    for k, one in enumerate(names):
+        for other in names[k + 1:]:
+            low = np.maximum(boxes[one][:, 0], boxes[other][:, 0])
+            size = np.minimum(boxes[one][:, 1], boxes[other][:, 1]) - low
+            if np.sum(size > 1e-6) == 2 and np.sum(np.abs(size) < 1e-6) == 1 and "b" in one[0] + other[0]:
+                found[one, other] = float(np.prod(size[size > 1e-6]))
+    return found
+
+
+@pytest.mark.parametrize(("wall", "options"), [
+    (DOOR, SCATTERED), (DOOR, ModelOptions(lintel="1")), (DOOR, ModelOptions(top="beam", supports="bricks")),
+    (Wall("dry", 0.9, 0.45, joint=Joint(tensile_strength=0.0, cohesion=0.0)),
+     ModelOptions(top="uniform", soil="1e8"))])
+def test_3dec_has_the_mass_the_joints_and_their_sums(wall, options, tmp_path):
+    layout = lay_out(wall, options)
+    boxes, densities, joints, said = deck_of(layout, tmp_path)
+    contacts, areas = layout.contacts, touching_of(boxes)
+    masses = [densities[f"b{k + 1}"] * np.prod(np.ptp(boxes[f"b{k + 1}"], axis=1)) for k in range(len(layout.bodies))]
+    assert_allclose(masses, layout.bodies.mass, rtol=1e-9)
+    pairs = {(int(first), int(second)) for first, second in zip(contacts.first, contacts.second)}
+    assert len(joints) == len(pairs) and said == []
+    for name, of in (("stiffness-normal", "normal_stiffness"), ("stiffness-shear", "shear_stiffness")):
+        found = sum(has[name] * areas[pair] for pair, has in joints.items())
+        assert_allclose(found, np.sum(getattr(contacts, of) * contacts.area), rtol=1e-9)
+    assert {has["model"] for has in joints.values()} == {"mohr", "elastic" if contacts.elastic.any() else "mohr"}
+    brittle = {pair: has for pair, has in joints.items() if has["model"] == "mohr"}
+    for name, of in (("tension", "tensile_strength"), ("cohesion", "cohesion")):
+        expected = np.sum((getattr(contacts, of) * contacts.area)[~contacts.elastic])
+        assert_allclose(sum(has[name] * areas[pair] for pair, has in brittle.items()), expected, rtol=1e-9)
+    assert_allclose([has["friction"] for has in brittle.values()], 32.0)
+    elastic = contacts.elastic if options.top != "uniform" else contacts.kind == CAP
+    assert_allclose(sum(areas[pair] for pair in joints if pair not in brittle), np.sum(contacts.area[elastic]))
+
+
+def test_3dec_says_where_a_joint_is_elastic_in_part(tmp_path):
+    """Beside an opening whose edge lies over a brick; the joint is elastic as a whole."""
+    layout = lay_out(Wall("edge", 1.35, 0.9, [Opening(0.5, 0.3, 0.6)], lintel="courses"))
+    _, _, joints, said = deck_of(layout, tmp_path)
+    contacts = layout.contacts
+    parts = {}
+    for first, second, elastic in zip(contacts.first, contacts.second, contacts.elastic):
+        parts.setdefault((f"b{first + 1}", f"b{second + 1}"), set()).add(bool(elastic))
+    mixed = [pair for pair, kinds in parts.items() if len(kinds) == 2]
+    assert mixed and len(said) == 1 and f" {len(mixed)} joints at the end of an elastic lintel are elastic" in said[0]
+    assert all(joints[pair]["model"] == "elastic" for pair in mixed)
+
+
+def test_3dec_gives_no_stiffness_to_blocks_that_only_touch(tmp_path):
+    """The ends of a slab do not touch the bricks beside them, here; in 3DEC a contact is found there."""
+    layout = lay_out(Wall("slab", 1.35, 0.9, floors=[Floor(0.6, 500.0, 0.45, 0.9, "concrete")]))
+    _, _, joints, _ = deck_of(layout, tmp_path)
+    slab = f"b{int(np.flatnonzero(layout.bodies.course == -2)[0]) + 1}"
+    free = [pair for pair, has in joints.items() if has["stiffness-normal"] == NO_STIFFNESS]
+    assert len(free) == 4 and all(slab in pair for pair in free)  # two courses on either side
+
+
+@pytest.mark.parametrize(("option", "words", "said"), [
+    ("--opensees", ("--bricks", "deformable"), "with deformable bricks"),
+    ("--3dec", ("--bricks", "deformable", "--brick-cells", "4"), "of glued parts"),
+    ("--3dec", ("--lintel", "concrete"), "of glued parts"),
+    ("--opensees", ("--soil", "1e8", "--soil-velocity", "150"), "radiation damping"),
+    ("--parquet", ("--cells", "4"), "for a wall only")])
+def test_what_another_program_cannot_have_is_refused(option, words, said, tmp_path, capsys):
+    assert said in refused(capsys, "symmetric", *words, option, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("joint", "said"), [
+    (Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0), "soften"),
+    (Joint(compressive_strength=1e7), "crush")])
+def test_joints_that_soften_or_crush_are_refused(joint, said, tmp_path):
+    layout = lay_out(Wall("soft", 0.9, 0.45, joint=joint))
+    for write in (write_opensees, write_3dec):
+        assert said in one_line_error(write, layout, tmp_path / "out")
+
+
+def test_the_command_writes_both(tmp_path, capsys):
+    files = [str(tmp_path / name) for name in ("squat.py", "squat.dat")]
+    assert main(["export", "squat", "--opensees", files[0], "--3dec", files[1]]) == 0
+    assert capsys.readouterr().out.split() == files
+    (tmp_path / "run.h5").touch()
+    for source in (tmp_path / "run.h5", tmp_path):
+        assert "expected a wall file" in refused(capsys, source, "--opensees", tmp_path / "a.py")
+
+
+def refused(capsys, *words):
+    """The one line that export ends with."""
+    assert main(["export", *map(str, words)]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "expected" in said
+    return said
+
+
+@pytest.mark.long
+def test_openseespy_settles_slides_and_rocks_as_this_project_does(tmp_path):
+    """In OpenSeesPy itself: settlement and period of a wall; a brick along a path that breaks, slides, reverses, opens
+    and closes, against the joint law; a pier that is pushed over, against its rocking by hand."""
+    door, pier = lay_out(DOOR), lay_out(Wall("pier", 0.45, 0.3))
+    brick = lay_out(Wall("brick", 0.225, 0.075, precompression=0.0))
+    scripts = [str(write_opensees(layout, tmp_path / f"{layout.wall.name}.py")) for layout in (door, brick, pier)]
+    path, forces = path_of_a_brick(brick)
+    (tmp_path / "path.json").write_text(json.dumps(path), encoding="utf-8")
+    with environment("openseespy", "openseespylinux") as python:
+        rest, along, pushed = (json.loads(run_in(python, "run_opensees.py", *words)) for words in (
+            ("weight", scripts[0]), ("path", scripts[1], str(tmp_path / "path.json")),
+            ("push", scripts[2], str(len(pier.bodies)), "2e-6", "300")))
+    settled = -static_displacement(door)[door.drift_bodies, 1].mean()
+    assert_allclose([rest["settlement_m"], rest["period_s"]], [settled, natural_modes(door).period_s[0]], rtol=1e-6)
+    assert_allclose(along["forces_n"], forces, atol=1e-8 * np.abs(forces).max())
+    assert pushed["found"] and pushed["failed"] > 4
+    outermost = pier.contacts.x[pier.contacts.first < 0].max() - 0.225  # the last contact point at the base
+    height = pier.bodies.z[-1]
+    assert_allclose(pushed["shear_n"][-1], -pushed["weight_n"] * outermost / height, rtol=1e-3)  # on the ground
+
+
+def path_of_a_brick(layout):
+    """Places (x, z) [m] of the only brick, 40 a leg, and its forces on the ground by the joint law (n, 2) [N]."""
+    contacts, joint = layout.contacts, layout.wall.joint
+    kn, ks = contacts.normal_stiffness[0], contacts.shear_stiffness[0]
+    down, along = 0.3e6 / kn, 0.6e6 / ks
+    legs = [(0, 0), (0, -1), (1, -1), (2, -2), (2, -0.5), (-1, -0.5), (-1, 0.5), (0, 0.5), (0, -1), (0.1, -1), (3, -1)]
+    path = [((a[0] + (b[0] - a[0]) * k / 40) * along, (a[1] + (b[1] - a[1]) * k / 40) * down)
+            for a, b in pairwise(legs) for k in range(1, 41)]
+    law = LawParameters(kn, ks, joint.tensile_strength, joint.cohesion, material_of(joint))
+    state, forces, before = ContactState(), [], 0.0
+    for x, z in path:
+        state, _ = advance(z, x - before, state, law)
+        forces.append((state.shear_stress, state.normal_stress))
+        before = x
+    return path, np.array(forces) * contacts.area.sum()
