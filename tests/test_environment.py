@@ -13,7 +13,7 @@ from conftest import REPOSITORY
 TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
 NO_PACKAGES = f'exec {sys.executable} -I -S "$@"'  # a Python as it comes, without any package
 MODULES = ("numpy", "scipy", "pandas", "h5py", "matplotlib", "numba", "snakemake", "pytest", "xdist", "hypothesis",
-           "jinja2", "obspy")
+           "jinja2", "flask", "obspy")
 
 
 class Machine:
