@@ -13,8 +13,8 @@ import pytest
 SUBJECTS = {
     "batches": "batch combinations ensembles full_study paper plan servers slurm study study_export study_figures "
                "study_schema validity outdated claim",
-    "pictures and documents": "animation dictionary document_tables documents examples guides html html_browser "
-                              "model_pictures paraview pictures programs report site_browser",
+    "pictures and documents": "animation app app_browser dictionary document_tables documents examples guides html "
+                              "html_browser model_pictures paraview pictures programs report site_browser",
     "model and solver": "after_peak any_wall as_built before brick_stress cells checkpoint columns convergence "
                         "crack_file cracks crushing curves damping deformable ends evidence exposure fields floors "
                         "fragility history hysteresis index intensity joint_law joint_stress joint_tracker layout "

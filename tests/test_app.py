@@ -137,7 +137,7 @@ def test_it_listens_on_the_loopback_interface_alone(tmp_path):
             caller.sendall(f"GET / HTTP/1.0\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
             assert b" 403 " in caller.recv(100)
         for host in {"127.0.0.2", socket.gethostbyname(socket.gethostname())} - {"127.0.0.1"}:
-            with pytest.raises(OSError), socket.create_connection((host, port), 2):
+            with pytest.raises((ConnectionError, TimeoutError)), socket.create_connection((host, port), 2):
                 pass
     finally:
         process.terminate()
@@ -171,7 +171,8 @@ def png_that_claims(width, height):
 
 @pytest.mark.parametrize("data, said", [
     (b"", "cannot be read; expected JPEG or PNG"), (b"<svg onload='x()'/>", "cannot be read"),
-    (exif_photo()[:900], "cannot be read"), (png_that_claims(10_000, 10_000), "10000 x 10000 pixels; expected up to 50"),
+    (exif_photo()[:900], "cannot be read"),
+    (png_that_claims(10_000, 10_000), "10000 x 10000 pixels; expected up to 50"),
     (png_that_claims(2**31 - 1, 2**31 - 1), "too many pixels; expected up to 50"),
     (b"\xff" * 20_000_001, "20 MB; expected up to 20")], ids=["empty", "svg", "cut", "bomb", "huge", "bytes"])
 def test_what_is_no_photograph_is_one_line(data, said):
@@ -222,16 +223,20 @@ def test_a_survey_that_was_drawn_is_on_the_joints_and_read_back(client, tmp_path
     assert main(["cracks", str(tmp_path / "out/survey.csv"), "--wall", str(tmp_path / "out/house.toml")]) == 0
 
 
+def drawn(*cracks):
+    return {"cracks": list(cracks), "areas": [], "limit_mm": 0.1, "error_mm": 0}
+
+
 @pytest.mark.parametrize("name, given, said", [
-    ("survey", {"cracks": [CRACK | {"width_mm": "1; rm"}], "areas": [], "limit_mm": 0.1, "error_mm": 0}, "width of crack"),
-    ("survey", {"cracks": [CRACK | {"points": [[0.02, 0.1]]}], "areas": [], "limit_mm": 0.1, "error_mm": 0}, "2 to 500"),
-    ("survey", {"cracks": [CRACK | {"offset": "=1+1"}], "areas": [], "limit_mm": 0.1, "error_mm": 0}, "offset of crack 1"),
-    ("survey", {"cracks": [1], "areas": [], "limit_mm": 0.1, "error_mm": 0}, "crack 1: expected"),
-    ("survey", {"cracks": {}, "areas": [], "limit_mm": 0.1, "error_mm": 0}, "up to 500 cracks"),
-    ("survey", {"cracks": [CRACK | {"points": [[5, 5], [9, 9]]}], "areas": [], "limit_mm": 0.1, "error_mm": 0}, "0 %"),
-    ("front", {"text": FRONT.replace("length", "lenght")}, "the front|lenght"), ("front", {"text": 3}, "characters of TOML"),
+    ("survey", drawn(CRACK | {"width_mm": "1; rm"}), "width of crack"),
+    ("survey", drawn(CRACK | {"points": [[0.02, 0.1]]}), "2 to 500"),
+    ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"), ("survey", drawn(1), "crack 1: expected"),
+    ("survey", drawn() | {"cracks": {}}, "up to 500 cracks"),
+    ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),
+    ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"), ("front", {"text": 3}, "characters of TOML"),
     ("front", {"text": "import os"}, "the front"), ("levels", {"text": "x,z\n1,1\n"}, "no column x_m"),
-    ("address", {"latitude": None, "longitude": 6.7}, "latitude"), ("address", {"latitude": 52.0, "longitude": 5.0}, "km"),
+    ("address", {"latitude": None, "longitude": 6.7}, "latitude"),
+    ("address", {"latitude": 52.0, "longitude": 5.0}, "km"),
     ("start", {"latitude": 53.3, "longitude": 6.7, "settle": None, "distortion": None, "draws": None, "language": "en"},
      "the survey is missing")])
 def test_what_the_page_cannot_do_is_one_line(client, tmp_path, name, given, said):

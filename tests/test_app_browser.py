@@ -1,4 +1,4 @@
-"""The page of a claim in a real browser without a network: photograph, drawing, sheet; keys, narrow, dark, both languages.
+"""The page of a claim in a real browser without a network: photograph, drawing, sheet; keys, narrow, dark, languages.
 
 `bash scripts/browser.sh` installs what these need and runs them.
 """
@@ -111,7 +111,7 @@ def silent(driver):
 
 
 def test_from_a_photograph_to_the_sheet(page, tmp_path):
-    driver, app = page
+    driver, _ = page
     write(driver, "latitude", "53.36786")
     write(driver, "longitude", "6,71359")
     assert "ends on 2022-01-26" in press(driver, "show-earthquakes", "said-address")
@@ -150,7 +150,7 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
 
 def test_by_keys_alone(page):
     """A crack, an area and its deletion without a mouse; the cross says where it is, and is seen."""
-    driver, app = page
+    driver, _ = page
     write(driver, "front-text", FRONT)
     by(driver, "use-front").send_keys(Keys.ENTER)
     WebDriverWait(driver, 20).until(lambda driver: by(driver, "said-front").text)
@@ -158,8 +158,8 @@ def test_by_keys_alone(page):
     driver.execute_script("arguments[0].focus()", canvas)
     assert driver.switch_to.active_element == canvas
     assert canvas.value_of_css_property("outline-style") == "solid"
-    canvas.send_keys(*[Keys.ARROW_LEFT] * 20, Keys.ENTER, *[Keys.ARROW_RIGHT] * 15, Keys.ENTER, Keys.BACKSPACE, Keys.ENTER,
-                     "f")
+    canvas.send_keys(*[Keys.ARROW_LEFT] * 20, Keys.ENTER, *[Keys.ARROW_RIGHT] * 15, Keys.ENTER, Keys.BACKSPACE,
+                     Keys.ENTER, "f")
     assert by(driver, "cross").text.startswith("Cross at x = ")
     (row,) = driver.find_elements("css selector", "#drawn tbody tr")
     assert "a crack" in row.text and re.search(r"0\.19\d|0\.2", row.text)
@@ -176,7 +176,7 @@ def test_by_keys_alone(page):
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 def test_narrow_and_dark(page, dark):
     """390 px wide nothing is cut off; text and its ground have a contrast of 4.5 or more."""
-    driver, app = page
+    driver, _ = page
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
         {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
@@ -227,7 +227,7 @@ def test_dutch_and_what_was_drawn_stays(page):
 
 
 def test_a_page_of_another_site_gets_nothing(page):
-    """What a stranger's page in the same browser asks for is refused, by its Origin, whatever it knows of the address."""
+    """What a stranger's page in the same browser asks for is refused by its Origin, whatever it knows."""
     driver, app = page
     from http.server import BaseHTTPRequestHandler, HTTPServer
 
@@ -245,8 +245,8 @@ def test_a_page_of_another_site_gets_nothing(page):
     threading.Thread(target=server.serve_forever, daemon=True).start()
     driver.get(f"http://127.0.0.1:{server.server_port}/")
     root = app.address.partition("?")[0]
-    for options in ("{mode: 'no-cors', credentials: 'include'}", "{method: 'POST', mode: 'no-cors', credentials: 'include',"
-                    " headers: {'Content-Type': 'text/plain'}, body: '{}'}"):
+    for options in ("{mode: 'no-cors', credentials: 'include'}",
+                    "{method: 'POST', mode: 'no-cors', credentials: 'include', body: '{}'}"):
         driver.execute_async_script(
             f"const done = arguments[0]; fetch('{root}api/stop', {options}).then(() => done(), () => done())")
     seen = driver.execute_async_script(

@@ -2,8 +2,8 @@
 
 A request is answered only with the host name of the loopback interface in its Host (other sites that point their name
 here are refused), with an Origin of this page or none, and with the token that the program printed: in the address at
-the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides, too.  The page
-asks for nothing of another machine; its Content-Security-Policy forbids it.
+the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides.  The page asks
+for nothing of another machine; its Content-Security-Policy forbids it.
 """
 
 import secrets
@@ -130,12 +130,22 @@ def _calls(app):
     def call(name):
         if name not in methods:
             abort(404)
-        if not request.is_json or request.content_length > MOST_JSON:
-            abort(413 if request.is_json else 415)
-        given = request.get_json(silent=True)
-        if not isinstance(given, dict) or set(given) != set(methods[name]):
+        given = _object(request)
+        if set(given) != set(methods[name]):
             abort(400)
         return answer(lambda: getattr(app.desk, name)(**given))
+
+
+def _object(request):
+    """The JSON object that a request has; anything else ends it."""
+    from flask import abort
+
+    if not request.is_json:
+        abort(415)
+    if request.content_length > MOST_JSON:
+        abort(413)
+    given = request.get_json(silent=True)
+    return given if isinstance(given, dict) else abort(400)
 
 
 def serve(out, port=0, opened=True):
@@ -155,7 +165,8 @@ def serve(out, port=0, opened=True):
     server = make_server("127.0.0.1", port, None, threaded=True, request_handler=Quiet)
     server.app = app = make_app(out, server.server_port, token)
     address = f"http://127.0.0.1:{server.server_port}/?token={token}"
-    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it", flush=True)
+    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it",
+          flush=True)
     if opened:
         webbrowser.open(address)
     try:
