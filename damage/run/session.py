@@ -38,9 +38,10 @@ from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
-from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
+from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import as_they_end, run_each, take_turns
+from damage.run.watch import DROP, FAILURE
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
