@@ -2,7 +2,7 @@
 
 run_opensees.py weight WALL.py: settlement of the top [m], first period [s], joints that failed, shares.
 run_opensees.py path BRICK.py PATH.json: forces on the ground along a path of the only brick [m], without rotation.
-run_opensees.py shake WALL.py PERIOD_S AMPLITUDE_G CYCLES DT_S STEPS: motion of the top [m] over time, joints that failed.
+run_opensees.py shake WALL.py PERIOD_S AMPLITUDE_G CYCLES DT_S STEPS: motion of the top [m], joints that failed.
 run_opensees.py push PIER.py NODE INCREMENT_M STEPS: base shear along a push of a node, its weight.
 """
 
