@@ -3,9 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from damage.batch.command import run_study
 from damage.batch.folder import ROOT
-from damage.batch.plan import Plan, duration
 from damage.claim.answer import LEAST_DRAWS
 from damage.claim.numbers import enough, numbers_of
 from damage.claim.sheet import sheet
@@ -48,6 +46,8 @@ class Claim:
 
 def make_claim(claim, out, jobs):
     """Make the sheet of a Claim in a folder with so many processes; returns the exit status.  Raises InputError."""
+    from damage.batch.command import run_study
+
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
     choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
@@ -78,6 +78,8 @@ def layout_of(wall):
 
 def _state_time(claim, out, jobs, steps):
     """Print the expected time of the first draws, and of the most that may follow, before anything starts."""
+    from damage.batch.plan import Plan, duration
+
     words = []
     for draws in dict.fromkeys((steps[0], steps[-1])):
         low, high = Plan(_study(claim, out, draws), out, jobs).seconds

@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 
 from damage.claim.answer import BUT_FOR, LEAST_DRAWS, MOST_OFF_JOINTS, ROWS, STRANGEST
-from damage.html.words import environment, number, words
+from damage.html.words import environment, number, of_hundred, words
 from damage.index import THRESHOLD
 from damage.measure.cracks import cracked, ends_of
 from damage.provenance import commit
@@ -29,17 +29,11 @@ def sheet(numbers, wall, survey, twins, language, json_name):
         return say("range", least=least, middle=middle, most=most) if three else "-"
 
     return environment().get_template("claim.html").render(
-        numbers=numbers, words=say, shown=shown, language=language, cell=_cell, ranges=ranges,
+        numbers=numbers, words=say, shown=shown, language=language, cell=of_hundred, ranges=ranges,
         answer=_answer(numbers, say), why=_why(numbers, say, shown), rows=ROWS, but_for=BUT_FOR,
         pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
         evidence=_evidence(numbers["evidence"], say), json_name=json_name,
         software=f"masonry-damage {VERSION}, commit {commit()}")
-
-
-def _cell(row):
-    """A share of 100 with its interval."""
-    return "-" if row["share"] is None else (
-        f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})")
 
 
 def _answer(numbers, say):

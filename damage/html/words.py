@@ -35,3 +35,10 @@ def number(language, value, digits=2):
         return "-"
     text = f"{float(f'{value:.{digits}g}'):.10g}"
     return text.replace(".", ",") if language == "nl" else text
+
+
+def of_hundred(row):
+    """A share with its interval, {"share", "low", "high"}, of 100; a dash where there is none."""
+    if row["share"] is None:
+        return "-"
+    return f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})"
