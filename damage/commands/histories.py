@@ -227,11 +227,13 @@ def _tables(asked):
          group("words", arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
                arg("--author", metavar="NAME", help="who wrote it, below the title"),
                arg("--text", metavar="WORDS", help="what it begins with, as what was asked and what follows; blank "
-                   "lines separate paragraphs")))
+                   "lines separate paragraphs"),
+               arg("--language", choices=("en", "nl"), default="en", help="of each run's summary (default en); the "
+                   "technical part is English")))
 def _report(asked):
     from damage.html.report import Words, write_report
 
-    print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text)))
+    print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text, asked.language)))
 
 
 @command("pushed laboratory walls beside their tests", HISTORIES, out("folder for the pictures"))

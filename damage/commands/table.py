@@ -93,7 +93,7 @@ GROUPS = {
     "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report", "tables", "compare",
                 "export", "cracks", "cycles", "laboratory"),
     "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
-    "lives at an address": ("life", "lives", "claim"),
+    "lives at an address": ("life", "lives", "claim", "app"),
 }
 """Title -> names of commands, all in the order in which help lists them."""
 
@@ -131,6 +131,7 @@ EXAMPLES = {
     "dictionary": ("dictionary --out tables", "dictionary --out docs/reference"),
     "life": ("life symmetric --at 53.36 6.75 --out results/life",
              "life my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"),
+    "app": ("app --out results/claim", "app --out results/claim --port 8765 --no-browser"),
     "claim": ("claim my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
               "claim my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
               "--language nl --out results/claim"),

@@ -123,7 +123,7 @@ def heap_picture(history):
     after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
     handles = [Patch(facecolor=face, edgecolor=style.DARK if edge == "none" else edge, linewidth=0.3, label=label)
                for _, face, edge, label in layers if label]
-    return _with_words(figure, _show_all(ax, before, now), history,
+    return _with_words(figure, show_all(ax, before, now), history,
                        [f"{after_s:.2f} s after the first brick fell, not magnified"], handles)
 
 
@@ -153,7 +153,7 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
     handles = [Line2D([], [], color=colour, lw=0.9, label=f"{label}, up to {max(size, 0.0) / 1e6:.2g} MPa")
                for colour, label, size in ((style.VERMILLION, "tension", stress.max()),
                                            (style.BLUE, "compression", -stress.min()))]
-    return _with_words(figure, _show_all(ax, shape.corners), history,
+    return _with_words(figure, show_all(ax, shape.corners), history,
                        [f"principal stresses at the bricks' centres, {history.snapshot_time_s[at]:.2f} s"], handles)
 
 
@@ -182,7 +182,7 @@ def contact_force_picture(history, moment="max"):
                Line2D([], [], color=style.BLACK, lw=0.9, label="thrust"),
                Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third")]
     time_s = history.series["time_s"].iloc[sample]
-    return _with_words(figure, _show_all(ax, corners), history, [f"contact forces, {moment}: {time_s:.3f} s"], handles)
+    return _with_words(figure, show_all(ax, corners), history, [f"contact forces, {moment}: {time_s:.3f} s"], handles)
 
 
 def _draw_thrust(ax, history, moment):
@@ -216,14 +216,14 @@ def draw_wall(ax, shape):
                                          linewidths=widths, linestyles=DASHES.get(state, "-"), capstyle="butt",
                                          zorder=layer))
     if not shape.ground_moves:
-        return _show_all(ax, shape.corners)
+        return show_all(ax, shape.corners)
     ax.add_collection(PolyCollection(shape.supports, facecolors=style.GROUND_COLOUR, edgecolors=style.DARK,
                                      linewidths=0.3, label="supports", zorder=0))
     ax.axhline(0, color=style.DARK, lw=0.4, ls=":", zorder=0)
-    return _show_all(ax, shape.corners, shape.supports, ground=False)
+    return show_all(ax, shape.corners, shape.supports, ground=False)
 
 
-def _show_all(ax, *corners, ground=True):
+def show_all(ax, *corners, ground=True):
     """Set axes in true scale that contain all corners, (..., 2) [m], with the ground if asked for; returns their height
     over width."""
     points = np.concatenate([some.reshape(-1, 2) for some in corners])

@@ -31,6 +31,23 @@ def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
     return sample, float(damage[sample])
 
 
+def sample_at(history, time_s):
+    """Index of the sample nearest to a time [s]; InputError for one outside the run, by more than a sample."""
+    times = history.series["time_s"].to_numpy()
+    if len(times) == 0:
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); expected one or more, let the run "
+                         "continue")
+    step = np.diff(times).max(initial=0.0)
+    try:
+        inside = times[0] - step <= time_s <= times[-1] + step
+    except TypeError:
+        inside = False
+    if not inside:
+        raise InputError(f"time {time_s!r}: expected seconds from {times[0]:g} to {times[-1]:g}, 'max' or 'end'; "
+                         "choose one of them")
+    return int(np.argmin(np.abs(times - time_s)))
+
+
 def choose_samples(history, moments):
     """Samples of the words `rest` (the first), `max` (of DI), `end`, or times [s]."""
     times = history.series["time_s"].to_numpy()
@@ -48,23 +65,6 @@ def choose_samples(history, moments):
                              f"{len(times)} samples; choose another")
         samples.append(int(np.argmin(np.abs(times - time_s))))
     return samples
-
-
-def sample_at(history, time_s):
-    """Index of the sample nearest to a time [s]; InputError for one outside the run, by more than a sample."""
-    times = history.series["time_s"].to_numpy()
-    if len(times) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); expected one or more, let the run "
-                         "continue")
-    step = np.diff(times).max(initial=0.0)
-    try:
-        inside = times[0] - step <= time_s <= times[-1] + step
-    except TypeError:
-        inside = False
-    if not inside:
-        raise InputError(f"time {time_s!r}: expected seconds from {times[0]:g} to {times[-1]:g}, 'max' or 'end'; "
-                         "choose one of them")
-    return int(np.argmin(np.abs(times - time_s)))
 
 
 def nearest_snapshot(history, time_s):

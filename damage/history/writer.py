@@ -67,6 +67,13 @@ class File:
             for name, value in values.items():
                 self._file["static"][name][()] = value
 
+    def discard(self):
+        """Close the file and delete it."""
+        with self._writing():
+            self._file.close()
+            self._lock.close()
+            self.path.unlink()
+
     def rows(self):
         """Numbers of rows in the file, of each group of GROWING in turn."""
         return [len(self._growing[group][0]) if self._growing[group] else 0 for group in schema.GROWING]
@@ -80,13 +87,6 @@ class File:
                 for dataset in self._growing[group]:
                     _copy(dataset, file[dataset.name], count)
             self._file.flush()
-
-    def discard(self):
-        """Close the file and delete it."""
-        with self._writing():
-            self._file.close()
-            self._lock.close()
-            self.path.unlink()
 
     def keep_state(self, state):
         with self._writing():

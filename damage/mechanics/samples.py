@@ -11,7 +11,7 @@ from damage.law.joint_law import elastic_energy
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import either, lane, lanes, load, wall_of, zero
+from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.loose import STORED
 from damage.mechanics.rows import first_force
 from damage.mechanics.scaling import scaled_kinetic_energy
@@ -46,6 +46,7 @@ FIELD_NAMES = "opening_m", "slip_m", "offset_m", "state"
 """Names of FIELDS: columns of FRAMES of the history."""
 
 
+@argument
 class Stiffness(NamedTuple):
     """Area [m2], normal and shear stiffness [Pa/m] of the contacts, each (contacts,)."""
 
@@ -54,6 +55,7 @@ class Stiffness(NamedTuple):
     shear: np.ndarray
 
 
+@argument
 class Samples(NamedTuple):
     """Samples of one or several walls.
 

@@ -55,6 +55,16 @@ def sequence_lines(settings):
             "motion above is the strongest of them"]
 
 
+def event_lines(settings):
+    """A line about the event at an address whose motion RunSettings have, none where there is none."""
+    if not (event := settings.event):
+        return []
+    pgv = f"{event['pgv_mm_s']:.3g} mm/s" + (", its median there" if event["life"] is None else
+                                             f", drawn in life {event['life']}")
+    return [f"event of {event['time_utc']} UTC, M {event['magnitude']:g} at {event['place']}: PGV of {pgv}; record "
+            f"{event['record']} x {event['scale']:.3g}, {event['start_s']:g} to {event['end_s']:g} s"]
+
+
 def kept_lines(settings, layout, time_step):
     """Lines on what RunSettings keep beside the usual: bricks of material points, size of the joints' stresses.
 
@@ -64,21 +74,11 @@ def kept_lines(settings, layout, time_step):
         settings.points, MaterialPoints(layout, settings.points).bodies if settings.points else ())]
     if not settings.stresses:
         return lines
-    interval = sample_steps(time_step)
+    interval = sample_steps(time_step, settings.mass_scaling)
     samples = stages(settings, layout, time_step, interval)[-1].end_step // interval + 1
     return [*lines, f"stresses of {layout.n_joints} contact points at {samples} samples: "
             f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, "
             "in the file up to four fifths of that"]
-
-
-def event_lines(settings):
-    """A line about the event at an address whose motion RunSettings have, none where there is none."""
-    if not (event := settings.event):
-        return []
-    pgv = f"{event['pgv_mm_s']:.3g} mm/s" + (", its median there" if event["life"] is None else
-                                             f", drawn in life {event['life']}")
-    return [f"event of {event['time_utc']} UTC, M {event['magnitude']:g} at {event['place']}: PGV of {pgv}; record "
-            f"{event['record']} x {event['scale']:.3g}, {event['start_s']:g} to {event['end_s']:g} s"]
 
 
 def record_lines(settings):

@@ -413,8 +413,8 @@ def _life_of(parsed):
         return None
     others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
-        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
-                         "motions; leave the other out")
+        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides "
+                         "the motions; leave the other out")
     return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
 
 

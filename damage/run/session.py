@@ -38,9 +38,10 @@ from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
-from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
+from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import as_they_end, run_each, take_turns
+from damage.run.watch import DROP, FAILURE
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
@@ -83,9 +84,9 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     return reported(lambda: _run(backend, wall_file, make_wall, arguments, prog))
 
 
-def reported(work, of=""):
+def reported(work):
     """The exit status of `work()`, which returns one; its errors are printed, in one line where they are no fault of
-    this software, with the words `of` before it.  A WriteError ends this process."""
+    this software.  A WriteError ends this process."""
     try:
         return work()
     except SystemExit as exit_:  # --help
@@ -94,11 +95,11 @@ def reported(work, of=""):
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except Exception as error:
-        return report_error(error, of)
+        return report_error(error)
 
 
-def report_error(error, of):
-    """Print an error, as `reported` does; returns the exit status."""
+def report_error(error, of=""):
+    """Print an error, as `reported` does, with the words `of` before it; returns the exit status."""
     if isinstance(error, WriteError):
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -175,8 +176,8 @@ def _run_members(backend, wall_file, make_wall, settings):
 
 
 def _ended_member(prepared, out):
-    """(row of the table of members, warnings of its energy, History), the last two of which the first member and the
-    others lack; out: path of the first one's history."""
+    """(row of the table of members, warnings on its energy, None, or of the first member, which `report` warns of, no
+    warnings and its History); out: path of the first one's history."""
     history, path = prepared.writer.history(), prepared.writer.path
     row = member_row(history, out)
     if path == out:
@@ -199,7 +200,7 @@ def _report_members(settings, statuses, ended, out):
         return max(statuses[0], EXIT_INTERRUPTED * (worst == EXIT_INTERRUPTED))
     in_order = [ended[number] for number in sorted(ended)]
     print(f"members: {write_table(pd.DataFrame([row for row, *_ in in_order]), members_path(out))}")
-    warn(*(text for _, cautions, _ in in_order for text in cautions))
+    warn(*(text for _, warnings, _ in in_order for text in warnings))
     report(ended[0][2], pictures=settings.pictures)
     if len(ended) < settings.members:
         print(f"{len(ended)} of {settings.members} members ended: median and range are of these")
@@ -295,8 +296,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
                                      settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
-    write, writer, tables = partial(write, out, layout, solver=backend.name, versions=made_by,
-                                    overwrite=settings.overwrite), None, None
+    write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
+    writer, tables = None, None
     if settings.resumed:
         writer, tables = resumed(out, layout, parameters, made_by["model"], _like(backend, settings, layout, time_step))
     writer = writer or write(parameters=parameters)

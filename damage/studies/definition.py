@@ -218,7 +218,7 @@ def _entries(table, path, root):
     for kind, what in (("runs", "run"), ("grid", "grid")):
         tables = table.get(kind, [])
         if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
-            raise InputError(f"{path}: {kind} is no list of tables; write one [[{kind}]] for each")
+            raise InputError(f"{path}: {kind} is no list of tables; expected one [[{kind}]] for each; write them")
         for number, entry in enumerate(tables, start=1):
             where = f"{path}, {what} {number}"
             _check_keys(entry, {*ENTRY_KEYS, *(GRID_KEYS if kind == "grid" else ())}, where)
