@@ -7,7 +7,7 @@ import sys
 from damage.start import begin, is_of_output, leave, missing_library
 
 if __name__ == "__main__":
-    if sys.argv[1:2] in (["study"], ["life"]):  # runs side by side use the processors; threads of linear algebra wait
+    if sys.argv[1:2] in (["study"], ["life"], ["claim"]):  # runs side by side use the processors, not linear algebra
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     begin()  # before what takes its time to import
 

@@ -17,7 +17,7 @@ MOST_SEED = 2**32 - 1
 MODULI = {"GPa": 1e9, "MPa": 1e6}
 _OTHERS = {"m": {"mm": 1e-3, "cm": 1e-2}, "Pa": {"MPa": 1e6, "kPa": 1e3}, "Pa/m": {"N/mm3": 1e9, "MPa/m": 1e6},
            "J/m2": {"N/mm": 1e3}, "kg/m3": {"t/m3": 1e3, "kN/m3": 1e3 / 9.81, "N/m3": 1 / 9.81}, "kg": {"t": 1e3},
-           "kg/m": {"t/m": 1e3}}
+           "kg/m": {"t/m": 1e3}, "kg/m2": {"kN/m2": 1e3 / 9.81, "t/m2": 1e3}}
 """{unit: {unit that may have been meant: its size}}."""
 
 

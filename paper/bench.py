@@ -20,6 +20,8 @@ BGAR = str(REPOSITORY / "damage" / "data" / "zeerijp_20180108" / "BGAR_HGE_acc_m
 HELD = {"squat_tested": [], "comp2_1": ["--boundary", "fixed"], "comp2_3": ["--boundary", "fixed"],
         "comp2_4": ["--boundary", "fixed"]}
 """Tested wall -> how it is held."""
+EXPLICIT = ["--mass-scaling", "none"]
+"""Of all runs, as those in YADE are."""
 WALL_FILE = '''import sys
 
 sys.path.insert(0, {repository!r})
@@ -63,7 +65,7 @@ class Bench:
         if not is_complete(out):
             with silenced() as said:
                 status = run_session(BACKEND, source, lambda: wall if isinstance(wall, Wall) else load_wall(wall),
-                                     self._words(words, out), prog="paper")
+                                     self._words([*EXPLICIT, *words], out), prog="paper")
             self._check(status, out, said.getvalue())
         return read_history(out)
 
@@ -80,7 +82,7 @@ class Bench:
     def together(self, runs):
         """Histories of runs that advance eight at a time; runs: {name: [wall file, words, ...]}."""
         paths = {name: self.path(name) for name in runs}
-        lines = [(name, [str(words[0]), *self._words([*words[1:], "--quiet"], paths[name])])
+        lines = [(name, [str(words[0]), *self._words([*EXPLICIT, *words[1:], "--quiet"], paths[name])])
                  for name, words in runs.items() if not is_complete(paths[name])]
         with silenced() as said:
             failed = [name for name, status in run_references(iter(lines)) if status != 0]

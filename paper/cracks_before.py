@@ -26,7 +26,7 @@ from damage.motion.formats import read_record
 from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
 from damage.units import MILLIMETRE
-from paper.bench import REPOSITORY, arguments, option, print_row, print_table
+from paper.bench import EXPLICIT, REPOSITORY, arguments, option, print_row, print_table
 
 WALL = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
 DATA = REPOSITORY / "damage" / "data" / "zeerijp_20180108"
@@ -51,7 +51,7 @@ LONGEST_S = 5.0
 
 def common(seed):
     return [str(WALL), "--lintel", "2", "--strength-cov", "0.3", "--strength-seed", str(seed), "--quiet",
-            "--no-pictures"]
+            "--no-pictures", *EXPLICIT]
 
 
 def components():

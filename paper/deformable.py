@@ -31,7 +31,7 @@ from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper.bench import REPOSITORY, arguments, option, print_row, print_table, wall_file
+from paper.bench import EXPLICIT, REPOSITORY, arguments, option, print_row, print_table, wall_file
 from paper.softening import softened
 from verification.triangles import Mesh
 
@@ -124,7 +124,7 @@ def runs(folder):
 def simulate(wall, motion, options, out):
     """Five members of a run."""
     subprocess.run([sys.executable, "-m", "damage", "reference", wall, "--harmonic", *motion, "--rest", "1",
-                    "--contacts", "gauss", *options, "--members", "5", "--no-pictures", "--quiet", "--overwrite",
+                    "--contacts", "gauss", *EXPLICIT, *options, "--members", "5", "--no-pictures", "--quiet", "--overwrite",
                     "--out", out.resolve()], cwd=REPOSITORY, check=True)
 
 

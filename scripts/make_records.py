@@ -13,6 +13,7 @@ import argparse
 import math
 import re
 import sys
+from functools import lru_cache
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -26,8 +27,8 @@ from damage.exposure.ground_motion import ZEERIJP
 from damage.exposure.places import rd_by_approximation
 from damage.files import write_text
 from damage.motion.formats import read_record, write_csv
-from damage.motion.intensity import pga_g, response_spectrum, summary
-from damage.motion.record import band_passed, windowed
+from damage.motion.intensity import pga_g, pgv_rotd100_m_s, response_spectrum, summary
+from damage.motion.record import band_passed, on_axis_of, start_difference_s, windowed
 
 DATA = REPOSITORY / "damage" / "data"
 WINDOWS_S = {"BGAR_HGE": (17, 27), "BGAR_HGN": (18.5, 26.5), "BWSE_HGE": (19, 28), "BWSE_HGN": (19.5, 27.5),
@@ -71,7 +72,21 @@ def make_zeerijp(folder):
                    f" counts/{sensitivity}, mean of first 2 s removed, no filter. {KNMI}")
         yield write_csv(record, folder / f"{name}_acc_m_s2.csv", [comment])
     table = pd.DataFrame(rows).sort_values(["epicentral_km", "record"])
+    table.insert(list(table).index("pgv_mm_s") + 1, "pgv_rotd100_mm_s",
+                 [round(1e3 * station_pgv_m_s(station), 4) for station in table["station"]])
     yield write_text(folder / "components.csv", f"# {KNMI}\n" + table.to_csv(index=False))
+
+
+@lru_cache
+def station_pgv_m_s(station):
+    """PGV of a station in the direction in which it is largest, of its two horizontal components where both have
+    samples, after the band-pass [m/s]."""
+    first, second = (band_passed(read_record(path), *BAND_HZ) for path in sorted(
+        (DATA / "zeerijp_20180108").glob(f"NL.{station}..HG[EN12]__*.mseed")))
+    late = max(start_difference_s(second, first), 0.0)
+    shared_s = min(first.duration_s, start_difference_s(second, first) + second.duration_s)
+    return pgv_rotd100_m_s(windowed(first, late, shared_s), windowed(on_axis_of(second, first, (late, shared_s)), late,
+                                                                      shared_s))
 
 
 def component_row(name, record, station_xml):

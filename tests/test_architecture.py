@@ -23,6 +23,8 @@ ROOMS = [
     ("damage.life",),
     ("damage.html", "damage.export"),
     ("damage.batch",),
+    ("damage.claim",),
+    ("damage.app",),
     ("damage.commands",),
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),
@@ -35,6 +37,8 @@ ROOMS = [
 ]
 GROUND = ROOMS[0]  # small modules: they may import one another
 LONGEST = 60  # lines of a function
+LONGEST_CHAIN = 15  # modules of the package of which each imports the next as it is imported itself
+SMALL, MOST_SMALL = 40, 16  # lines of a module; so many are shorter, those of one line not counted
 RANK = {room: rank for rank, line in enumerate(ROOMS) for room in line}
 
 
@@ -52,7 +56,7 @@ def read_modules():
     names = {".".join(path.with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
     # Scripts of one folder import each other by their bare names.
     bare = {name.rpartition(".")[2]: name for name in names if name.startswith("tests.")}
-    return {name: set(_imports(REPOSITORY / path, names, bare)) for name, path in names.items()}
+    return {name: set(_imports(name, names, bare)) for name in names}
 
 
 def _source(name):
@@ -60,12 +64,14 @@ def _source(name):
     return (path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).read_text()
 
 
-def _imports(path, known, bare):
-    for node in ast.walk(ast.parse(path.read_text())):
+def _imports(module, known, bare, within=True):
+    """Modules of this repository that a module imports; within: also in its functions."""
+    tree = ast.parse(_source(module))
+    for node in ast.walk(tree) if within else tree.body:
         if isinstance(node, ast.Import):
             found = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: relative import; give the whole name"
+            assert node.level == 0, f"{module}: relative import; give the whole name"
             inner = [f"{node.module}.{alias.name}" for alias in node.names]
             found = [name if name in known else node.module for name in inner]
         else:
@@ -134,6 +140,30 @@ def test_every_module_of_the_package_is_named_in_the_document():
 
 def test_no_function_is_longer_than_a_screen():
     assert {name: long for name in MODULES if (long := long_functions(_source(name)))} == {}
+
+
+def longest_chain(modules):
+    """The longest list of modules of which each imports the next; modules: {name: names}, without circles."""
+    chains = {}
+    for name in TopologicalSorter(modules).static_order():
+        chains[name] = [name, *max((chains[one] for one in modules.get(name, ())), key=len, default=())]
+    return max(chains.values(), key=len)
+
+
+def test_chains_of_imports_are_short():
+    """Imports within functions do not count: they are for what few need."""
+    package = {name: set(_imports(name, MODULES, {}, within=False)) for name in MODULES
+               if name.startswith(("damage", "yade_scripts"))}
+    assert len(chain := longest_chain(package)) <= LONGEST_CHAIN, chain
+
+
+def test_a_long_chain_is_found():
+    assert longest_chain({"a": {"b", "d"}, "b": {"c"}, "c": set(), "d": set()}) == ["a", "b", "c"]
+
+
+def test_few_modules_are_small():
+    lines = {name: len(_source(name).splitlines()) for name in MODULES if name.startswith(("damage", "yade_scripts"))}
+    assert len(small := [name for name, n in lines.items() if 1 < n < SMALL]) <= MOST_SMALL, small
 
 
 def test_a_long_function_is_found():

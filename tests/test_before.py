@@ -43,7 +43,8 @@ def halves(folder, wall, **options):
 
 @pytest.mark.parametrize("wall, options", [
     (SMALL, {}), (SMALL, {"settle": "hogging", "distortion": 1 / 500}),
-    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"), {}),
+    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"),
+     {"mass_scaling": "none"}),  # else each half is accepted, or repeated, by itself
     (Wall("fibres", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"),
      {"fibres": 8, "beta": 0.0}),
 ], ids=["brittle", "settled", "soft", "fibres"])
@@ -186,28 +187,29 @@ DIAGONALS = "crack,point,x_m,z_m,width_mm\n" + "".join(
 """Three straight cracks across bricks and joints, 1.27 m together."""
 
 
-def test_a_survey_of_straight_lines_says_how_little_it_frees(tmp_path, capsys):
+def test_straight_lines_become_stepped_paths(tmp_path, capsys):
+    """Piece by piece they would lie on 0.72 m of joints; the paths are longer than the lines."""
     along, across = tmp_path / "along.csv", tmp_path / "across.csv"
     along.write_text(CRACK)
     across.write_text(DIAGONALS)
     layout = lay_out(SMALL)
     with_cracks(layout, Surveyed.read(along))
     said = capsys.readouterr()
-    assert said.out == ("cracks of along.csv: 0.34 m, 0.34 m of them (100 %) along joints; 6 of 146 contact points "
+    assert said.out == ("cracks of along.csv: 0.34 m, 100 % of it on joints up to 0 mm away; 6 of 146 contact points "
                         "(0.34 m) start without bond; widths are not used\n")
     assert said.err == ""
     cracked = with_cracks(layout, Surveyed.read(across))
-    said, freed = capsys.readouterr(), cracked.contacts.length[cracked.contacts.tensile_strength == 0].sum()
-    assert freed < 0.72 and f"joints of {freed:.2f} m lose their bond for 1.27 m of surveyed cracks" in said.err
+    freed = cracked.contacts.length[cracked.contacts.tensile_strength == 0].sum()
+    assert freed > 1.27 and "1.27 m, 100 % of it on joints" in capsys.readouterr().out
 
 
 def test_the_tolerance_of_a_survey(tmp_path, capsys):
-    """A crack 20 mm above its bed joint is on it within half a brick's height, not within 10 mm."""
+    """A crack 20 mm above its bed joint is on it within half a brick's length, not within 10 mm."""
     path = tmp_path / "cracks.csv"
     path.write_text(CRACK.replace("0.3,1", "0.32,1"))
     settings = parse_run(["--cracked", str(path), "--tolerance-mm", "10"], "", "reference")
     assert settings.cracked.tolerance_m == 0.01 and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
-    with pytest.raises(InputError, match="none of its cracks runs along a joint"):
+    with pytest.raises(InputError, match=r"0.00 of 0.34 m of its cracks run along joints of wall small \(0 %\)"):
         with_cracks(lay_out(SMALL), settings.cracked)
     assert (with_cracks(lay_out(SMALL), Surveyed.read(path)).contacts.tensile_strength == 0).sum() == 6
     with pytest.raises(InputError, match="--tolerance-mm belongs to --cracked"):
@@ -253,5 +255,5 @@ def test_cracks_beside_the_wall_are_one_line(tmp_path, capsys):
     assert run_reference(words) == 2
     assert "100 % of the cracks' length" in capsys.readouterr().err
     assert run_reference([*words, "--accept-implausible"]) == 2
-    assert "none of its cracks runs along a joint" in capsys.readouterr().err
+    assert "0.00 of 0.34 m of its cracks run along joints" in capsys.readouterr().err
     assert not (tmp_path / "a.h5").exists()

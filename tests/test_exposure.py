@@ -16,10 +16,11 @@ from scipy import stats
 from damage.__main__ import main
 from damage.csv_table import from_words
 from damage.draw.exposure import exposure_picture
+from damage.errors import InputError
 from damage.exposure import places
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import COLUMNS, LEVELS_MM_S, Exposure
-from damage.exposure.ground_motion import GroundMotionModel, model_named, model_names, station_residuals
+from damage.exposure.ground_motion import COMPONENTS, GroundMotionModel, model_named, model_names
 from damage.exposure.models.bommer_2022 import Model
 
 getcontext().prec = 30
@@ -253,6 +254,35 @@ class TestCatalogue:
         path.write_bytes(SHIPPED.read_bytes())
         assert list(read_catalogue(path).id) == list(catalogue.id) and read_catalogue(path).notes == ()
 
+    LATER = ("#EventID|Time|Latitude|Longitude|Depth/km|Author|Catalog|Contributor|ContributorID|MagType|Magnitude|"
+             "MagAuthor|EventLocationName|EventType\n"
+             "a|2022-01-24T00:27:26|53.32|6.73|3.0||||KNMI|MLn|0.6|KNMI|Loppersum|induced earthquake\n"
+             "b|2022-10-08T02:33:26.100000|53.316|6.781|3.0||||KNMI|MLn|3.1|KNMI|Wirdum|induced earthquake\n"
+             "c|2022-11-09T10:00:00|53.1|6.0|18.0||||KNMI|MLn|1.1|KNMI|Elsewhere|induced earthquake\n")
+
+    def test_later_events_of_the_service_continue_the_catalogue(self, catalogue, tmp_path, capsys):
+        """What both have is not doubled, what the models are not for is left out and named."""
+        later, joined = tmp_path / "later.txt", tmp_path / "catalogue.csv"
+        later.write_text(self.LATER)
+        assert main(["catalogue", str(later), "--out", str(joined)]) == 0
+        said = capsys.readouterr().out
+        assert "1 of 2 events" in said and "from 2022-10-08 to 2022-10-08, the largest M 3.1" in said
+        assert "left out as deeper than 10 km" in said and "1475 events from 1991-12-05 to 2022-10-08" in said
+        found = read_catalogue(joined)
+        assert len(found) == 1475 and f"{found.end:%Y-%m-%dT%H:%M:%S.%f}" == "2022-10-08T02:33:26.100000"
+        for name in ("time", "magnitude", "x_m", "y_m", "place", "id"):
+            assert getattr(found, name)[:-1].tolist() == getattr(catalogue, name).tolist(), name
+        assert Exposure(places.at(53.36786, 6.71359), found, model_named("bommer-2022")).as_dict()[
+            "catalogue_ends"] == "2022-10-08"
+        assert main(["catalogue", str(later), "--catalogue", str(joined), "--out", str(tmp_path / "c.csv")]) == 2
+        assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in capsys.readouterr().err
+
+    def test_quakeml_is_one_line(self, tmp_path):
+        path = tmp_path / "events.xml"
+        path.write_text("<?xml version='1.0'?>\n<q:quakeml/>\n")
+        with pytest.raises(InputError, match="XML or JSON; expected CSV, or the text .* format=text"):
+            read_catalogue(path)
+
     def test_years(self, catalogue):
         assert catalogue.between(2012, 2012).years == (2012, 2012)
         assert len(catalogue.between(None, None)) == 1474
@@ -400,6 +430,28 @@ class TestCommand:
         assert message in said.err and "expected" in said.err
 
 
+ZEERIJP = {"magnitude": 3.4, "x_m": 245789.0, "y_m": 598263.0}
+"""The earthquake: magnitude, epicentre in RD [m], as the catalogue that ships has them."""
+
+
+def station_residuals(model, vs30_m_s=200.0):
+    """DataFrame with a row a station: station, epicentral_km, pgv_mm_s, median_mm_s, residual (of
+    ln PGV).
+
+    model: a GroundMotionModel of component LRG, GEO or MAX; PGV as the component defines it, of both horizontal
+    components.
+    """
+    table = pd.read_csv(COMPONENTS, comment="#").groupby("station", sort=False, as_index=False).agg(
+        latitude=("latitude", "first"), longitude=("longitude", "first"), largest=("pgv_mm_s", "max"),
+        product=("pgv_mm_s", "prod"), rotd100=("pgv_rotd100_mm_s", "first"))
+    x_m, y_m = places.to_rd(table["latitude"].to_numpy(), table["longitude"].to_numpy())
+    distance_km = np.hypot(x_m - ZEERIJP["x_m"], y_m - ZEERIJP["y_m"]) / 1e3
+    observed = {"LRG": table["largest"], "GEO": np.sqrt(table["product"]), "MAX": table["rotd100"]}[model.component]
+    median = model.median_mm_s(ZEERIJP["magnitude"], distance_km, vs30_m_s)
+    return pd.DataFrame({"station": table["station"], "epicentral_km": distance_km, "pgv_mm_s": observed,
+                         "median_mm_s": median, "residual": np.log(observed / median)})
+
+
 class TestResiduals:
     def test_stations_within_ten_kilometres(self):
         """Zeerijp at the 16 stations that ship: sigma within an event is 0.52 (LRG); the mean of 16 may deviate by two
@@ -420,6 +472,8 @@ class TestResiduals:
         assert row["residual"] == pytest.approx(math.log(31.7113 / expected), rel=1e-6)
         geometric = station_residuals(Model("GEO")).set_index("station").loc["BGAR"]
         assert geometric["pgv_mm_s"] == pytest.approx(math.sqrt(31.7113 * 19.8523), rel=1e-9)
+        largest = station_residuals(Model("MAX")).set_index("station").loc["BGAR"]
+        assert 31.7113 < largest["pgv_mm_s"] < math.hypot(31.7113, 19.8523)
 
 
 def test_the_catalogue_ships_with_its_licence():

@@ -192,3 +192,29 @@ def test_slabs_step_in_both_widths():
     house = wall(Floor(1.0, 500.0, kind="concrete", depth=0.1), height=1.4,
                  outline=((0.0, 1.0), (1.0, 1.4), (2.0, 1.0)))
     check_widths(lay_out(house))
+
+
+# --- mass per area ------------------------------------------------------------------------------------------
+
+def test_a_floor_per_area_is_the_mass_of_what_bears_on_the_wall():
+    """60 kg/m2 over half of a span of 4.2 m, on 1.2 m of the wall."""
+    floor = wall(Floor(1.0, left=0.4, right=1.6, mass_per_area=60.0, tributary_width=2.1)).floors[0]
+    assert floor.mass == pytest.approx(60 * 2.1 * 1.2)
+    whole = wall(Floor(1.0, mass_per_area=60.0, tributary_width=2.1))
+    assert whole.floors[0].mass == pytest.approx(60 * 2.1 * 2.0)
+    given = lay_out(wall(Floor(1.0, 60 * 2.1 * 2.0)))
+    assert np.array_equal(lay_out(whole).bodies.mass, given.bodies.mass)
+    assert "(60 kg/m2 over 2.1 m)" in describe_floors(plan_of(whole))[0]
+    assert Wall.from_dict(whole.as_dict()).floors == whole.floors
+    assert "mass_per_area" not in given.wall.as_dict()["floors"][0]
+
+
+@pytest.mark.parametrize("make, said", [
+    (lambda: Floor(1.0), "without a mass: expected mass .kg., or mass_per_area"),
+    (lambda: Floor(1.0, mass_per_area=60.0), "tributary_width = None m: expected both"),
+    (lambda: wall(Floor(1.0, 800.0, mass_per_area=60.0, tributary_width=2.1)),
+     "mass = 800 kg, but 60 kg/m2 on 2 x 2.1 m are 252 kg"),
+])
+def test_floors_with_too_little_or_too_much_said_are_one_line(make, said):
+    with pytest.raises(InputError, match=said):
+        make()

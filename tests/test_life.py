@@ -14,14 +14,15 @@ from scipy import stats
 import damage
 from damage.__main__ import main
 from damage.draw.exposure import contributions_picture, life_picture
+from damage.errors import InputError
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS
-from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window, write_sequence
+from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window
 from damage.exposure.models.bommer_2022 import Model
 from damage.life.comparison import by_own_curve, choices, largest_alone, readings
-from damage.life.estimate import paired, probability, share_of_motions, strata
+from damage.life.estimate import paired, probability, strata
 from damage.life.readings import READINGS, after, final_psi
 from damage.life.results import (
     Lives,
@@ -37,6 +38,7 @@ from damage.measure.cycles import shocks_table
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence
 from damage.reference.session import run_references
+from damage.run.opening import event_lines
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records
@@ -92,6 +94,14 @@ class TestDraws:
         assert np.abs(lives["scale"]).to_numpy() * of["pgv_mm_s"].to_numpy() == pytest.approx(lives["pgv_mm_s"])
         assert list(lives["start_s"]) == list(of["start_s"]) and lives["record"].nunique() == 10
 
+    def test_the_largest_of_all_directions_is_that_of_both_components(self, exposure):
+        largest = Exposure(exposure.place, exposure.catalogue, Model("MAX"))
+        table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
+        life = draws(largest).life(1)
+        assert np.abs(life["scale"]).to_numpy() * table.loc[life["record"], "pgv_rotd100_mm_s"].to_numpy() == \
+            pytest.approx(life["pgv_mm_s"])
+        assert (table["pgv_rotd100_mm_s"] > table["pgv_mm_s"] * (1 - 1e-3)).all()
+
     def test_scaling_to_the_spectral_acceleration(self, exposure):
         """Every record reaches Sa(0.2 s) = PGV times the geometric mean of Sa / PGV of the records."""
         table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
@@ -127,7 +137,8 @@ class TestDraws:
 
     def test_events_are_those_of_the_sequence_file(self, exposure, tmp_path):
         life = draws(exposure, above_mm_s=3.0).life(1)
-        of_file = read_sequence(write_sequence(life, tmp_path / "life.csv"), 0.5)
+        life[["record", "scale", "start_s", "end_s"]].to_csv(tmp_path / "life.csv", index=False)
+        of_file = read_sequence(tmp_path / "life.csv", 0.5)
         assert [(one.factor, one.rest_s, one.loading.as_dict()) for one in events_of(life, 0.5)] == [
             (one.factor, one.rest_s, one.loading.as_dict()) for one in of_file]
 
@@ -143,6 +154,40 @@ class TestAddress:
     def test_what_is_wrong_is_said_in_one_line(self, tmp_path, text, message):
         (tmp_path / "a.toml").write_text(text)
         assert message in one_line_error(read_address, tmp_path / "a.toml")
+
+    def test_one_event_of_the_catalogue(self, exposure):
+        """Its median PGV, or the one drawn in a life, by a record within the rule."""
+        draws = Draws(exposure, Choices())
+        (median,) = draws.event("2012-08-16").itertuples()
+        k = list(exposure.catalogue.id).index(median.id)
+        assert median.magnitude == 3.6 and median.pgv_mm_s == exposure.median_mm_s[k]
+        row = next(row for row in draws.components.itertuples() if row.record == median.record)
+        assert median.scale == pytest.approx(median.pgv_mm_s / row.pgv_mm_s)
+        others = median.pgv_mm_s / draws.components["pgv_mm_s"]
+        assert abs(np.log(median.scale)) == pytest.approx(np.abs(np.log(others)).min())
+        life = draws.life(3)
+        (drawn,) = draws.event("2012-08-16T20:30", 3).itertuples(index=False)
+        assert tuple(drawn) == next(life[life["id"] == median.id].itertuples(index=False))
+        with pytest.raises(InputError, match="--event 2023-01-01: no event then in .* whose last is of 2014-12-30"):
+            draws.event("2023-01-01")
+        with pytest.raises(InputError, match="--event 2006: no event then"):
+            draws.event("2006")
+
+    def test_a_run_of_one_event_is_that_of_its_record(self, tmp_path):
+        path = tmp_path / "here.toml"
+        path.write_text("latitude = 53.36786\nlongitude = 6.71359\n")
+        settings = parse_run(["--address", str(path), "--event", "2006-08-08"], "", "reference")
+        event = settings.event
+        same = parse_run(["--record", event["record"], "--scale", repr(event["scale"]), "--window",
+                          str(event["start_s"]), str(event["end_s"])], "", "reference")
+        assert settings.loading.as_dict() == same.loading.as_dict() and settings.sequence == (1.0,)
+        assert settings.as_dict()["event"]["time_utc"] == "2006-08-08T05:04:00" and "life" not in settings.as_dict()
+        (said,) = event_lines(settings)
+        assert said.startswith("event of 2006-08-08T05:04:00 UTC, M 3.5 at Westeremden: PGV of 19.6 mm/s, its median")
+        for words in (["--event", "2006-08-08"], ["--address", str(path)],
+                      ["--address", str(path), "--event", "2006-08-08", "--scale", "2"]):
+            with pytest.raises(InputError, match="--event"):
+                parse_run(words, "", "reference")
 
     def test_options_that_do_not_go_with_a_life(self, tmp_path):
         (tmp_path / "a.toml").write_text(ADDRESS)
@@ -360,13 +405,6 @@ class TestEstimate:
     def test_pairs(self):
         mean, low, high = paired([2.0, 3.0, 4.0, 5.0], [1.0, 1.0, 1.0, 1.0])
         assert (mean, high - mean) == pytest.approx((2.5, 1.959964 * np.sqrt(5 / 3) / 2)) and low < mean
-
-    def test_share_of_motions(self):
-        """Equal outcomes: all by motions; outcome = motion + wall with deviations 2 and 1: 4/5."""
-        rng = np.random.default_rng(2)
-        motion, walls = rng.normal(0, 2, 20000), rng.normal(0, 1, (2, 20000))
-        assert share_of_motions(motion, motion) == pytest.approx(1.0)
-        assert share_of_motions(*(motion + walls)) == pytest.approx(0.8, abs=0.02)
 
 
 class TestResults:

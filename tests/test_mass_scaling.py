@@ -2,8 +2,10 @@
 which runs are accepted, and the symmetric wall beside explicit steps."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
@@ -11,15 +13,20 @@ from scipy.sparse.linalg import splu
 
 import damage
 from benchmarks.small_wall import wall as small_wall
-from damage.errors import InputError
+from damage.errors import InputError, RunError
+from damage.history.reader import read_history
 from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.tables import DAMPING
 from damage.reference.lanes import run_together
+from damage.reference.session import BACKEND
+from damage.reference.settled import _digest
 from damage.reference.wall import ReferenceWall
-from damage.run import scheme
+from damage.run import scheme, watch
 from damage.run.options import parse_run
+from damage.run.session import run_session
 from damage.run.watch import Borne
+from damage.studies.tables import points_of
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -146,7 +153,50 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
         damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=dt)
 
 
+@pytest.mark.parametrize("words, step_s", [
+    ("", 1e-4), ("--sequence 1,0.5", 1e-4), ("--settle hogging --harmonic 0.2 0.05", 1e-4), ("--lintel none", 1e-4),
+    ("--bricks deformable --contacts gauss", 5e-5), ("--mass-scaling none", None), ("--dt 1e-5", None),
+    ("--pushover 0.1", None), ("--free-vibration", None), ("--settle hogging", None), ("--contacts gauss", None),
+    ("--bricks deformable", None), ("--soil 1e8", None), ("--fibres 4", None), ("--new-contacts", None),
+    ("--settling local", None), ("--relaxation local", None)])
+def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
+    """Of a stiff wall with an opening and softening joints; None: explicit."""
+    def of(wall, period_s=0.06):
+        (settings, step), *_ = scheme.schemes(parse_run(words.split(), "", "reference"), wall, 4e-5, period_s)
+        return step if settings.mass_scaling == "selective" else None
+
+    soft = softening_wall()
+    assert of(soft) == step_s
+    assert of(soft, 0.2) == (2e-4 if step_s == 1e-4 else step_s)
+    assert of(small_wall()) is None and of(replace(soft, openings=())) is None
+    assert of(replace(soft, brick=replace(soft.brick, tensile_strength=1e6))) is None
+
+
+def test_yade_takes_explicit_steps():
+    (settings, step), *others = scheme.schemes(parse_run([], "", "yade"), softening_wall(), 4e-5, 0.2)
+    assert settings.mass_scaling == "none" and step < 4e-5 and not others
+
+
+def test_settled_states_are_kept_by_the_matrix():
+    def key(**changes):
+        settings = replace(parse_run([], "", "reference"), mass_scaling="selective", **changes)
+        return _digest(SimpleNamespace(layout=1, time_step=2e-4, settings=settings))
+
+    assert key(beta_s=1e-6) == key(beta_s=1e-6) != key(beta_s=2e-6)
+
+
 class TestAcceptance:
+    def test_repeated_members_are_counted(self, monkeypatch, tmp_path, capsys):
+        monkeypatch.setattr(watch, "ACCEPTED_DROP_M", 1e-6)
+        out = tmp_path / "run.h5"
+        assert run_session(BACKEND, __file__, softening_wall, ["--harmonic", "0.06", "0.3", "--rest", "0.1", "--members",
+                                                               "2", "--no-pictures", "--out", str(out)], "") == 0
+        assert "2 members, 2 of them repeated" in capsys.readouterr().out
+        table = pd.read_csv(tmp_path / "run_members.csv")
+        assert set(table["repeated_for"]) == {"drop"} and points_of(table)["repeated"].tolist() == [2]
+        assert read_history(out).parameters["repeats"] == 1
+        assert [path.name for path in tmp_path.glob("*.h5")] == ["run.h5"]
+
     def test_an_explicit_run_replaces_those_that_are_not_accepted(self, monkeypatch, tmp_path):
         monkeypatch.setattr(scheme, "ACCEPTED_ERROR", 0.0)
         for out in ({}, {"out": str(tmp_path / "run.h5")}):
@@ -164,13 +214,22 @@ class TestAcceptance:
         assert found.parameters["time_step_s"] == 1e-4 and found.parameters["repeats"] == 1
         assert found.parameters["mass_scaling"] == "selective"
 
+    def test_a_failure_is_that_of_explicit_steps(self, monkeypatch):
+        def fails(settings, error):
+            if settings.mass_scaling == "selective":
+                raise RunError("blew up")
+
+        monkeypatch.setattr("damage.run.session.check_energy", fails)
+        found = damage.run(softening_wall(), **MILDLY)
+        assert found.complete and (found.parameters["repeats"], found.parameters["repeated_for"]) == (2, "failure")
+
     def test_an_accepted_run_is_not_repeated(self):
         found = damage.run(softening_wall(), **MILDLY, mass_scaling="selective")
         assert found.broken.any()
         assert (found.parameters["mass_scaling"], found.parameters["repeats"]) == ("selective", 0)
 
     def test_a_falling_brick_makes_the_run_explicit_at_once(self, monkeypatch):
-        monkeypatch.setattr(scheme, "ACCEPTED_DROP_M", 1e-6)
+        monkeypatch.setattr(watch, "ACCEPTED_DROP_M", 1e-6)
         found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4)
         assert (found.parameters["repeats"], found.parameters["repeated_for"]) == (1, "drop")
         assert found.parameters["mass_scaling"] == "none"

@@ -45,7 +45,7 @@ def known(monkeypatch):
 def test_an_estimate_by_hand(study, known):
     """0.2 s of motion, 0.3 s of rest, 0.5 s of settling; 0.4 s of gravity before; a sample every 2 ms or so."""
     run = study.runs[0]
-    _, n_joints, critical_s, _ = plan._wall(run.wall, parse_run([], "plan", "reference").model)
+    _, n_joints, critical_s, *_ = plan._wall(run.wall, parse_run([], "plan", "reference").model)
     steps = 1.4 / (0.643 * critical_s)
     alone, together, yade = (plan.estimate(run, way, known) for way in ("alone", "together", "yade"))
     assert_allclose(alone.seconds, 2 * 0.75 + 1.5 * steps * n_joints * 5.2e-9, rtol=1e-2)

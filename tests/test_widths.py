@@ -286,6 +286,21 @@ def test_tables_are_freed_with_the_walls_without_the_garbage_collector(n_walls, 
         gc.enable()
 
 
+@pytest.mark.parametrize("n_walls", [1, 8])
+def test_calls_of_the_step_leave_nothing_in_memory(n_walls):
+    """numba 0.56 did not know the types of arguments again and kept 800 bytes a call, 30 kB a run of `damage.run`."""
+    walls = [ReferenceSolver(lay_out(Wall("small", 0.45, 0.15)), 1e-6) for _ in range(n_walls)]
+
+    def call(times):
+        for _ in range(times):
+            run_together(walls, 1)
+        gc.collect()
+        return os.sysconf("SC_PAGE_SIZE") * int(Path("/proc/self/statm").read_text().split()[1])
+
+    call(200)
+    assert call(2000) - call(1) < 200 * 2000
+
+
 def test_a_member_is_sampled_when_the_others_are_in_use_no_longer():
     walls, one = [make("brittle", seed) for seed in (1, 2)], make("brittle", 2)
     run_together(walls, 60)

@@ -318,14 +318,14 @@ def _set_bond(phys, layout, index):
     phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
 
 
-def _set_clump(state, mass, inertia):
-    """Set mass and inertia of a clump, and restrict it to motion in the plane.
+def _set_clump(state, mass, inertia, held):
+    """Set mass and inertia of a clump, and restrict it to motion in the plane, and where restraints hold it.
 
     All three inertias are I_yy, since YADE permutes the axes of a clump.
     """
     state.mass = mass
     state.inertia = Vector3(inertia, inertia, inertia)
-    state.blockedDOFs = "yXZ"
+    state.blockedDOFs = "yXZ" + "".join(name for name, fixed in zip("xzY", held) if fixed)
     state.refPos = state.pos
     state.refOri = state.ori
 
@@ -420,7 +420,7 @@ class _Parts:
         self._note(body, ids[len(boxes):])
         self.clumps.append(clump)
         self.members.append(list(ids[:len(boxes) + len(points)]))
-        _set_clump(O.bodies[clump].state, bodies.mass[body], bodies.inertia[body])
+        _set_clump(O.bodies[clump].state, bodies.mass[body], bodies.inertia[body], self.layout.held[body])
 
     def _add_support(self, support):
         """Add a support: a box of the height of a brick, up to halfway to its neighbours, or beyond the wall."""

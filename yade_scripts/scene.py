@@ -40,7 +40,8 @@ class SceneReader:
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
         self.mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
-        self.follows = np.ones_like(self.mass)  # 0 where a velocity is prescribed, whatever the force
+        self.follows = np.where(model.layout.held, 0.0, 1.0)  # 0 where a velocity is prescribed, whatever the force
+        self.on_top = np.zeros_like(self.mass)  # forces of the bearing and the constant load [N, N, N m]
         self.start = np.column_stack([bodies.x, bodies.z])
         self.turning = model.turning
         self.first_orientation = np.array([tuple(state.ori) for state in self.turning])
@@ -127,12 +128,14 @@ class SceneReader:
         half_step: dt/2 [s]; base_acceleration: along x and z [m/s2].
         """
         field = (-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0)
-        return self.velocities() + half_step * self.follows * (self.resultants() / self.mass + field)
+        return self.velocities() + half_step * self.follows * (
+            np.divide(self.resultants(), self.mass, where=self.mass > 0, out=np.zeros_like(self.mass)) + field)
 
     def resultants(self):
-        """Forces and moments of the contacts on each body, (n_bodies, 3) [N, N, N m]."""
-        return np.array([self._resultant(members, state.pos[0], state.pos[2])
-                         for members, state in zip(self.members, self.states)])
+        """Forces and moments of the contacts on each body, and of what is on a restrained top, (n_bodies, 3)
+        [N, N, N m]."""
+        return self.on_top + [self._resultant(members, state.pos[0], state.pos[2])
+                              for members, state in zip(self.members, self.states)]
 
     def contact_forces(self):
         """Magnitudes of the forces in all contacts, (n_contacts,) [N]."""
@@ -176,6 +179,23 @@ class SceneReader:
                           ((p, g.normal) for p, g in (self.rubbing[i] for i in select))])
         # The signs of normal and tangent change together, so that YADE's order of the bodies does not matter.
         return -along * self.handed[select] / (self.area[select] * self.dry_share[select])
+
+    def joint_stresses(self, n_joints):
+        """Normal stress, tension positive, and shear stress of the first contact points on their whole areas, signed as
+        in `shear_stresses`, (n_joints, 2) [Pa]."""
+        forces = np.zeros((n_joints, 2))
+        for joint in range(n_joints):
+            for phys, geom in self._acting(joint):
+                n, on, along = geom.normal, phys.normalForce, phys.shearForce
+                forces[joint] -= on.dot(n), (along[0] * n[2] - along[2] * n[0]) * self.handed[joint]
+        return forces / self.area[:n_joints, np.newaxis]
+
+    def _acting(self, joint):
+        """(phys, geom) of the interactions that carry the forces of a joint: none of one that has ended."""
+        geom = self.geometries[joint]
+        found = [] if isinstance(geom, _Removed) else [(self.physics[joint], geom)]
+        dry = self.frayed.get(joint)
+        return found if dry is None else [*found, (dry.phys, dry.geom)]
 
     def elastic_energy(self, broken):
         """Elastic energy of all bonds and dry contacts [J].

@@ -14,7 +14,11 @@ from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
+from damage.units import GRAVITY
+from damage.wall.kinds import CAP_COURSE
 from damage.wall.kinematics import CORNER_RADIUS, ContactKinematics
+from damage.wall.restraints import top_of
+from yade_scripts import checkpoint
 from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
@@ -54,6 +58,8 @@ class YadeSolver(Solver):
         self._top_stiffness, self._top_rest = 0.0, 0.0  # of rotational springs on these, and where they have no moment
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
         self._supports, self._support_velocity = np.zeros((2, len(layout.supports), 3))
+        self._restraint, self._slip, self._slip_work = top_of(layout.wall), 0.0, 0.0  # of its bearing [m], [J]
+        self._beam = np.flatnonzero(layout.bodies.course == CAP_COURSE)[-1] if self._restraint else None
         self._sample_steps = self._on_samples = self._raised = None
         self._events, self._known, self._armed = [], ((), None), False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
@@ -78,7 +84,7 @@ class YadeSolver(Solver):
         self.model.newton.damping = local
 
     def shift(self, offsets):
-        for state, (dx, dz) in zip(self.scene.states, offsets):
+        for state, (dx, dz) in zip(self.scene.states, np.where(self.layout.held[:, :2], 0.0, offsets)):
             state.pos += Vector3(dx, 0, dz)
 
     def damp_impacts(self):
@@ -104,6 +110,34 @@ class YadeSolver(Solver):
         """Add the moments of the rotational springs at the held bodies to the forces of the next step."""
         for body, angle in zip(self._held, self._held_rotations() - self._top_rest):
             O.forces.addT(self.model.clumps[body], Vector3(0, self._top_stiffness * angle, 0))
+
+    def _load_top(self):
+        """Add the moments of rotational springs, and the forces of a restrained top, to those of the next step."""
+        if self._top_stiffness:
+            self._turn_back()
+        if self._restraint:
+            self._hold_top()
+
+    def _hold_top(self):
+        """Add the forces of a restraint's bearing and of its constant load to those of the next step."""
+        top, force = self._restraint, np.zeros(3)
+        weight = -self.model.newton.gravity[2] - self._base_now()[1]
+        force[1] = -weight * self.layout.load_mass[self._beam]
+        if top.stiffness:
+            before, there = self.scene.on_top[self._beam, 0], self.scene.states[self._beam].pos[0]
+            there -= self.layout.bodies.x[self._beam]
+            slip = top.slip(there, self._slip, GRAVITY * self.layout.top_mass)
+            force[0] = -top.stiffness * (there - slip)
+            self._slip_work -= 0.5 * (before + force[0]) * (slip - self._slip)
+            self._slip = slip
+        self.scene.on_top[self._beam] = force
+        O.forces.addF(self.model.clumps[self._beam], Vector3(force[0], 0, force[1]))
+
+    def _in_bearing(self):
+        """Elastic energy of a restraint's bearing [J]."""
+        if not (self._restraint and self._restraint.stiffness):
+            return 0.0
+        return 0.5 * self.scene.on_top[self._beam, 0]**2 / self._restraint.stiffness
 
     def _in_springs(self):
         """Energy in the rotational springs at the top [J]; what they hold, the machine did not put into the wall."""
@@ -170,8 +204,7 @@ class YadeSolver(Solver):
             self._supports += self.time_step * self._support_velocity
             self._set_support_velocities()
         self._set_field()
-        if self._top_stiffness:
-            self._turn_back()
+        self._load_top()
         try:
             self.model.follow(self.clock % FOLLOW_STEPS == 0)
             self._log_breaks(self.scene.newly_broken())
@@ -286,8 +319,11 @@ class YadeSolver(Solver):
     def _momentum(self, axis):
         """Momentum of all bodies at the time of the positions along x (0) or z (1) [kg m/s]."""
         scene, coordinate = self.scene, 2 * axis
-        force = scene.base_reaction() if axis else -scene.base_shear()
-        mass, gravity = scene.mass[:, 0], self.model.newton.gravity[coordinate]
+        mass, gravity = scene.mass[:, 0] * scene.follows[:, axis], self.model.newton.gravity[coordinate]
+        if self.layout.wall.restraints:
+            force = scene.follows[:, axis] @ scene.resultants()[:, axis]
+        else:
+            force = scene.base_reaction() if axis else -scene.base_shear()
         return float(mass @ [state.vel[coordinate] for state in scene.states]
                      + self.time_step / 2 * (force + mass.sum() * gravity))
 
@@ -304,7 +340,7 @@ class YadeSolver(Solver):
         balance them, so that the run computes it from the energy balance.
         """
         tracker = self.tracker
-        friction = self.model.friction_work() + tracker.breaking_energy
+        friction = self.model.friction_work() + tracker.breaking_energy + self._slip_work
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
             clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports.copy(),
@@ -312,15 +348,29 @@ class YadeSolver(Solver):
             contacts=tracker.contact_data(),
             top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
-            elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy - self._in_springs(),
-            friction_j=friction,
-            fracture_j=tracker.fracture_energy, damping_j=None)
+            elastic_j=self.scene.elastic_energy(tracker.broken) + self._in_bearing(),
+            input_j=self._input_energy - self._in_springs(), friction_j=friction,
+            fracture_j=tracker.fracture_energy, damping_j=None,
+            joint_stress_pa=self.scene.joint_stresses(self.layout.n_joints) if self.with_stresses else None)
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()
 
     def base_reaction(self):
         return self.scene.base_reaction()
+
+    def saved_state(self):
+        """None: YADE's state is in checkpoints, not in the history."""
+
+    def resume(self, state):
+        checkpoint.restore(self, state)
+        self.clock, self._input_time = 0, 0.0
+
+    def checkpoint(self):
+        return checkpoint.tables_of(self)
+
+    def restore(self, tables):
+        checkpoint.restore(self, tables)
 
     def drain_events(self):
         events, self._events = self._events, []

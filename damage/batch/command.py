@@ -17,7 +17,7 @@ from damage.batch.folder import RESULTS, ROOT, claim, environment, forecast, is_
 from damage.batch.outdated import Results
 from damage.batch.plan import print_plan
 from damage.batch.pool import Pool
-from damage.batch.tasks import PICTURES, Point
+from damage.batch.tasks import KEEP, PICTURES, Point
 from damage.errors import InputError, did_you_mean, warn
 from damage.files import is_there, shipped_files
 from damage.measure.tables import describe_table
@@ -66,8 +66,9 @@ def parse(words):
     parser.add_argument("--out", type=file_path, metavar="DIR", help="where everything goes (default results/NAME)")
     parser.add_argument("--solver", default="reference", choices=("yade", "reference", "both"), help="what simulates "
                         "(default reference)")
-    parser.add_argument("--keep", default="all", choices=("all", "summary"), help="histories: all (default), or those "
-                        "of each point's first run, and what failed")
+    parser.add_argument("--keep", default="all", choices=KEEP, help="histories: all (default); summary: those "
+                        "of each point's first run, and what failed; patterns: these, and of every run openings, "
+                        "offsets and displacements at rest, some kB each")
     parser.add_argument("--run", metavar="ID", help="make the history of this run alone, which was not kept")
     parser.add_argument("--dry-run", action="store_true", help="make nothing: say what there is to do, expected time "
                         "and disk")
@@ -173,7 +174,7 @@ class Batch:
         said = results.bring_up_to_date(verdict, self.asked.remake)
         print(f"{self.what}{': ' if self.study.title else ''}{self.study.title}\n"
               f"{self.unit}: {len(self.runs)}, {self.asked.jobs} at a time, into {self.folder}", flush=True)
-        self.points = {run.id: Point(run, results, self.asked.keep == "all", self.study.pictures == "all")
+        self.points = {run.id: Point(run, results, self.asked.keep, self.study.pictures == "all")
                        for run in self.runs}
         left = [point.run for point in self.points.values() if not point.done]
         warn(*said, *filter(None, [forecast(left, results.histories, self.folder, self.asked.keep)]))
@@ -244,7 +245,7 @@ class Batch:
             lock_as(self.lock, self.folder)
         results = Results(self.folder)
         results.write(results.judge(self.runs))
-        self.points = {run.id: Point(run, results, self.asked.keep == "all", False) for run in self.runs}
+        self.points = {run.id: Point(run, results, self.asked.keep, False) for run in self.runs}
         failed = [task for point in self.points.values() for task in point.next_tasks()]
         if status == EXIT_INTERRUPTED:
             self._count()

@@ -180,7 +180,7 @@ def forecast(left, histories, folder, keep="all"):
     """A warning where the runs that are left will not fit if they are as large as those that are there, else None.
 
     left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count, though one may do.
-    histories: {name: path} of those that are there; keep: "summary" where the history of the first alone stays.
+    histories: {name: path} of those that are there; keep: other than "all" where the history of the first alone stays.
     """
     count = sum(most_members(run) if keep == "all" else 1 for run in left)
     if not histories or not count:

@@ -11,19 +11,20 @@ import re
 import shutil
 from collections import defaultdict
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from damage.batch.folder import ROOT
 from damage.errors import InputError
 from damage.files import write_text
 from damage.history.head import read_head
+from damage.measure.kept import ENDING, FOLDER
 from damage.provenance import measures_digest, model_digest
-from damage.reference.session import BACKEND
 from damage.studies.definition import names_file
 from damage.studies.inputs import as_json, differences, inputs_of
 from damage.studies.records import NAME, OLDER_NOTE, is_of_today, key_of, point_line, point_of, read_records
 from damage.studies.tables import histories_in, refuse_other_measures
 
-CODE = {"reference": BACKEND.code, "yade": ROOT / "yade_scripts"}
+CODE = {"reference": Path(__file__).parents[1] / "reference", "yade": ROOT / "yade_scripts"}
 """Where each solver's own code lies; an installed package is without YADE's."""
 FIRST_TABLES = "index", "events", "joints", "cycles"
 """Of the first run of a point; of sequences shocks, too."""
@@ -125,7 +126,8 @@ class Results:
 
     def _remove(self, name):
         """Take away all that was made of a run."""
-        for path in (*self._files.pop(name, []), *(self.folder / "tables").glob(f"{name}_*.csv")):
+        for path in (*self._files.pop(name, []), *(self.folder / "tables").glob(f"{name}_*.csv"),
+                     *(self.folder / FOLDER).glob(f"{name}{ENDING}")):
             path.unlink()
         shutil.rmtree(self.folder / "pictures" / name, ignore_errors=True)
         self._forget(name)
@@ -158,7 +160,8 @@ class Results:
 
     def is_whole(self, task):
         """Whether all that a run leaves is there, its record included."""
-        if task.name not in self.records.runs or (task.kept and task.name not in self.histories):
+        if task.name not in self.records.runs or (task.kept and task.name not in self.histories) or (
+                task.patterns and not task.pattern.is_file()):
             return False
         return task.number > 1 or all((self.folder / "tables" / f"{task.name}_{table}.csv").is_file()
                                       for table in FIRST_TABLES)

@@ -50,33 +50,49 @@ BYTES_A_CONTACT_AND_SAMPLE = 1.15
 Cost = namedtuple("Cost", "seconds n_bytes")
 
 
+class Plan:
+    """What is left of a Study in its folder, with its time and size.
+
+    there: {StudyRun: names of its runs that are there}; left: StudyRuns; costs: {StudyRun: Cost of one run}; scale:
+    Cost of factors on these; runs: fewest and most to make; seconds: (least, most) that is expected; once_s: of
+    compiling; by: what the time is from, in words.
+    """
+
+    def __init__(self, study, folder, jobs, remake=False):
+        """remake: runs of another version are made again."""
+        ways = ways_of(study.runs, jobs)
+        machine, how = machine_speed()
+        self.costs = {run: estimate(run, ways[run], machine) for run in study.runs}
+        self.there = _there(study, folder, remake)
+        self.left = [run for run in study.runs if not self.there[run]]
+        self.scale, by = scales(self.costs, self.there, ways, folder)
+        counts = [{run: run.members for run in self.left}, {run: most_members(run) for run in self.left}]
+        self.runs = [sum(count.values()) for count in counts]
+        times = [seconds_of(study, count, self.costs, self.scale.seconds, jobs, machine) for count in counts]
+        compiles = not is_cached() and any(run.solver == "reference" for run in self.left)
+        unsure = UNMEASURED if compiles or how is UNKNOWN else 1.0
+        self.once_s = COMPILING_S * python_seconds() / PYTHON_S if compiles else 0.0
+        self.seconds = (times[0] + self.once_s) * LEAST / unsure, (times[1] + self.once_s) * MOST * unsure
+        self.by = f"{how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
+
+
 def print_plan(study, folder, jobs, remake=False):
     """Print the plan of a Study in its folder; remake: runs of another version are made again."""
-    ways = ways_of(study.runs, jobs)
-    machine, how = machine_speed()
-    costs = {run: estimate(run, ways[run], machine) for run in study.runs}
-    there = _there(study, folder, remake)
-    left = [run for run in study.runs if not there[run]]
-    scale, by = scales(costs, there, ways, folder)
+    plan = Plan(study, folder, jobs, remake)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
     for run in study.runs:
-        state = f"there, {len(there[run])} runs" if run.is_ensemble else "there"
-        print(f"  {run.id:60s}  {state if there[run] else _planned(run, costs[run], scale)}")
-    counts = [{run: run.members for run in left}, {run: most_members(run) for run in left}]
-    least, most = (sum(count.values()) for count in counts)
-    times = [seconds_of(study, count, costs, scale.seconds, jobs, machine) for count in counts]
-    compiles = not is_cached() and any(run.solver == "reference" for run in left)
-    unsure = UNMEASURED if compiles or how is UNKNOWN else 1.0
-    once_s = COMPILING_S * python_seconds() / PYTHON_S if compiles else 0.0
-    n_bytes = sum(most_members(run) * costs[run].n_bytes for run in left) * scale.n_bytes
-    print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; runs to make: "
+        state = f"there, {len(plan.there[run])} runs" if run.is_ensemble else "there"
+        print(f"  {run.id:60s}  {state if plan.there[run] else _planned(run, plan.costs[run], plan.scale)}")
+    least, most = plan.runs
+    on = next(path for path in (folder, *folder.parents) if path.is_dir())
+    n_bytes = sum(most_members(run) * plan.costs[run].n_bytes for run in plan.left) * plan.scale.n_bytes
+    print(f"points: {len(study.runs)}, {len(study.runs) - len(plan.left)} there; runs to make: "
           f"{'up to ' if most != least else ''}{most}\n"
-          f"expected: {duration((times[0] + once_s) * LEAST / unsure)} to "
-          f"{duration((times[1] + once_s) * MOST * unsure)} with {jobs} at a time, where nothing else runs; "
-          f"{n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
-          f"{free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
-          f"by {how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
-          + (f"; with compiling the solver once, about {duration(once_s)}" if compiles else ""), flush=True)
+          f"expected: {duration(plan.seconds[0])} to {duration(plan.seconds[1])} with {jobs} at a time, where nothing "
+          f"else runs; {n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
+          f"{free_bytes(on) / 1e9:.3g} GB free\n"
+          f"by {plan.by}"
+          + (f"; with compiling the solver once, about {duration(plan.once_s)}" if plan.once_s else ""), flush=True)
 
 
 def _there(study, folder, remake):
@@ -193,8 +209,3 @@ def duration(seconds):
     '1:02:05'
     """
     return str(timedelta(seconds=round(seconds)))
-
-
-def _existing(folder):
-    """The folder, or the first above it that is there."""
-    return next(path for path in (folder, *folder.parents) if path.is_dir())

@@ -4,22 +4,26 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
+from damage.measure import kept
 from damage.run.options import parse_run
 from damage.studies.definition import StudyRun
 from damage.studies.members import runs_needed
 
 RUN, PICTURES = "run", "pictures"
+KEEP = "all", "summary", "patterns"
+"""What stays of runs: all histories; those of each point's first run; these, and of each run its patterns at rest."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """The run with this number of a point, or its pictures; kept: whether its history stays; alone: whether its process
-    does nothing else meanwhile."""
+    """The run with this number of a point, or its pictures; kept: whether its history stays; patterns: whether those
+    at rest do (`damage.measure.kept`); alone: whether its process does nothing else meanwhile."""
 
     folder: Path
     point: StudyRun
     number: int
     kept: bool
+    patterns: bool = False
     kind: str = RUN
     alone: bool = False
 
@@ -36,6 +40,11 @@ class Task:
     def part(self):
         """Where it grows: a file with the name of a history is a whole one."""
         return self.folder / "runs" / f"{self.name}.part.h5"
+
+    @property
+    def pattern(self):
+        """Where its patterns at rest are."""
+        return self.folder / kept.FOLDER / f"{self.name}{kept.ENDING}"
 
     @property
     def pictures(self):
@@ -72,15 +81,15 @@ def company_of(point):
 class Point:
     """A point on its way: records, {number: record} of its runs that are done, and which tasks were handed out."""
 
-    def __init__(self, run, results, keeps_all, pictures):
-        """results: `damage.batch.outdated.Results` of the folder; keeps_all: all histories; pictures: of the first."""
-        self.run, self._folder, self._keeps_all, self._pictures = run, results.folder, keeps_all, pictures
+    def __init__(self, run, results, keep, pictures):
+        """results: `damage.batch.outdated.Results` of the folder; keep: one of KEEP; pictures: of the first run."""
+        self.run, self._folder, self._keep, self._pictures = run, results.folder, keep, pictures
         self._asked = set()
         self.records = {number: record for number, record in results.records.of_point(run).items()
                         if results.is_whole(self._task(number))}
 
     def _task(self, number):
-        return Task(self._folder, self.run, number, self._keeps_all or number == 1)
+        return Task(self._folder, self.run, number, self._keep == "all" or number == 1, self._keep == "patterns")
 
     @property
     def done(self):

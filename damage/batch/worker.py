@@ -19,6 +19,7 @@ from damage.errors import InputError
 from damage.files import YADE
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
+from damage.measure.kept import patterns_of, write_patterns
 from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
 from damage.reference.session import run_references
@@ -122,6 +123,8 @@ def conclude(task, kept=None):
             raise InputError(f"the history is marked {history.status}; expected complete; run the study again")
         if task.kept and path == task.part:
             os.replace(path, task.history)
+        if task.patterns:
+            write_patterns(patterns_of(history), task.pattern)
         if task.number == 1:
             write_run_tables(history, task.folder / "tables" / task.name)
         return EXIT_OK, record_of(history, task.name, task.point.point)

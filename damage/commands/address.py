@@ -1,10 +1,11 @@
 """Commands about an address: its earthquakes, and lives of walls there."""
 
 import sys
+from pathlib import Path
 
 from damage.commands.table import JSON, arg, command, file_arg, group, out, output, save, show
 from damage.errors import InputError, warn
-from damage.files import write_text
+from damage.files import is_there, write_text
 from damage.run.options import WALLS_ARE_CODE, file_path, number_from
 
 _ADDRESS = (
@@ -52,34 +53,64 @@ def _exposure(asked):
     show(asked, exposure.as_dict(), describe)
 
 
+@command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has later; "
+         "the file is text, of https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
+         file_arg("later", "FILE", "text of an FDSN event service, or CSV"),
+         file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
+         out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"))
+def _catalogue(asked):
+    from damage.exposure.catalogue import SHIPPED, with_later, write_catalogue
+
+    joined, notes = with_later(asked.later, asked.catalogue or SHIPPED)
+    print(*notes, f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d} to "
+          f"{joined.end:%Y-%m-%d}", sep="\n")
+
+
+def _address_of(asked):
+    """Keys of `damage.exposure.lives.KEYS` of parsed options, None where not given."""
+    place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
+        dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
+    return place | {
+        "vs30_m_s": asked.vs30, "first_year": asked.first, "last_year": asked.last,
+        "catalogue": asked.catalogue and str(asked.catalogue.resolve()), "component": asked.component,
+        "model": asked.model, "above_mm_s": asked.above, "within_km": asked.within, "scale_to": asked.scale_to,
+        "strong": list(asked.strong), "seed": asked.seed}
+
+
+def _lives_options(within, strong):
+    """Options of how lives are drawn and run, with these defaults."""
+    return (
+        group(
+            "lives",
+            arg("--seed", type=number_from(0, 2**31, int), default=0, metavar="N", help="of the draws (default 0)"),
+            arg("--above", type=number_from(0.01, 1000), default=8.0, metavar="MM_S", help="PGV from which an event "
+                "is part of a life (default 8); the largest always is"),
+            arg("--within", type=number_from(0.1, 1000), default=within, metavar="KM", help="stations whose records "
+                f"are used (default {within:g} km from the epicentre)"),
+            arg("--scale-to", default="pgv", metavar="pgv|sa", help="what records are scaled to: the drawn PGV "
+                "(default), or the spectral acceleration at 0.2 s that it implies"),
+            arg("--strong", nargs=2, type=float, default=strong, metavar="SHARE", help="shares of the Arias "
+                "intensity that a record's window leaves out at its start and end (default "
+                f"{strong[0]:g} {strong[1]:g})")),
+        group(
+            "runs",
+            arg("--rest", type=number_from(0, 100), default=0.2, metavar="S", help="free vibration after each event "
+                "(default 0.2), before the damped stage"),
+            arg("--strength-cov", type=number_from(0, 2), default=0.3, metavar="COV", help="scatter of the joints' "
+                "strengths (default 0.3)"),
+            arg("--settle", metavar="PROFILE|FILE.csv", help="settlement of the ground before the first event"),
+            arg("--distortion", metavar="1/500", help="of a named profile")),
+        group("batch", arg("-j", dest="jobs", type=number_from(1, 9999, int), metavar="N",
+                           help="processes (default: one a core)")))
+
+
 @command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
          "damage carried over, their motions and the joints' strengths drawn; the same command continues",
          file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
-         group(
-             "lives",
-             arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N", help="lives (default 100)"),
-             arg("--seed", type=number_from(0, 2**31, int), default=0, metavar="N", help="of the draws (default 0)"),
-             arg("--above", type=number_from(0.01, 1000), default=8.0, metavar="MM_S", help="PGV from which an event "
-                  "is part of a life (default 8); the largest always is"),
-             arg("--within", type=number_from(0.1, 1000), default=10.0, metavar="KM", help="stations whose records are "
-                  "used (default 10 km from the epicentre)"),
-             arg("--scale-to", default="pgv", metavar="pgv|sa", help="what records are scaled to: the drawn PGV "
-                  "(default), or the spectral acceleration at 0.2 s that it implies"),
-             arg("--strong", nargs=2, type=float, default=(0.05, 0.1), metavar="SHARE", help="shares of the Arias "
-                  "intensity that a record's window leaves out at its start and end (default 0.05 0.1)")),
-         group(
-             "runs",
-             arg("--rest", type=number_from(0, 100), default=0.2, metavar="S", help="free vibration after each event "
-                  "(default 0.2), before the damped stage"),
-             arg("--strength-cov", type=number_from(0, 2), default=0.3, metavar="COV", help="scatter of the joints' "
-                  "strengths (default 0.3)"),
-             arg("--settle", metavar="PROFILE|FILE.csv", help="settlement of the ground before the first event"),
-             arg("--distortion", metavar="1/500", help="of a named profile")),
-         group(
-             "batch",
-             arg("-j", dest="jobs", type=number_from(1, 9999, int), metavar="N", help="processes (default: one a "
-                 "core)"),
-             arg("--slurm", action="store_true", help="as jobs of a SLURM cluster")),
+         *_lives_options(10.0, (0.05, 0.1)),
+         group("lives", arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N",
+                            help="lives (default 100)")),
+         group("batch", arg("--slurm", action="store_true", help="as jobs of a SLURM cluster")),
          out("folder of the study: tables, pictures, report"))
 def _life(asked):
     from damage.batch.command import run_study
@@ -90,19 +121,59 @@ def _life(asked):
     Draws(exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
         1)  # says what is wrong before anything is written
     warn(*exposure.warnings)
-    place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
-        dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
-    address = place | {
-        "vs30_m_s": asked.vs30, "first_year": asked.first, "last_year": asked.last,
-        "catalogue": asked.catalogue and str(asked.catalogue.resolve()), "component": asked.component,
-        "model": asked.model, "above_mm_s": asked.above, "within_km": asked.within, "scale_to": asked.scale_to,
-        "strong": list(asked.strong), "seed": asked.seed}
     options = {"rest": asked.rest, "strength-cov": asked.strength_cov, "settle": asked.settle,
                "distortion": asked.distortion}
-    study = write_study(asked.out, asked.wall, address,
+    study = write_study(asked.out, asked.wall, _address_of(asked),
                         {name: value for name, value in options.items() if value is not None}, asked.draws)
     return run_study([str(study), "--out", str(asked.out), "--keep", "summary",
                       *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])])
+
+
+@command("a claim: the same front with and without the earthquakes, with and without settlement, beside a survey of "
+         "its cracks; one sheet that prints on A4, and every number as JSON; the same command continues",
+         file_arg("wall", "HOUSE.toml", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
+         group("survey", file_arg("--cracks", "SURVEY.csv", "its cracks (docs/reference/crack-format.md)",
+                                  required=True)),
+         *_lives_options(3.5, (0.05, 0.15)),
+         group("lives", arg("--draws", type=number_from(2, 10000, int), metavar="N", help="draws (default: 48, then "
+                            "more, up to 400, until the intervals are narrow and enough draws resemble the survey)")),
+         group("runs", file_arg("--levels", "LEVELS.csv", "instead of --settle: levels of a course, with columns x_m, "
+                                "height_m, date")),
+         output(arg("--language", choices=("en", "nl"), default="en", help="of the sheet (default en)")),
+         out("folder for the sheet, its numbers and the runs"))
+def _claim(asked):
+    import os
+
+    from damage.claim.make import Claim, make_claim
+    from damage.run.options import parse_run
+
+    if asked.levels and (asked.settle or asked.distortion):
+        raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; "
+                         "leave the other out")
+    if asked.distortion and not asked.settle:
+        raise InputError("--distortion belongs to --settle; give both")
+    settle = asked.levels or asked.settle
+    if settle and is_there(settle):
+        settle = str(Path(settle).resolve())
+    settlement = {name: value for name, value in (("settle", settle), ("distortion", asked.distortion)) if value}
+    parse_run([word for name, value in settlement.items() for word in (f"--{name}", value)], "", "reference")
+    return make_claim(
+        Claim(asked.wall, _address_of(asked), _exposure_of(asked), asked.cracks,
+              {"rest": asked.rest, "strength-cov": asked.strength_cov},
+              settlement, asked.draws, asked.language),
+        asked.out, asked.jobs or os.cpu_count())
+
+
+@command("a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step; it listens on "
+         "the loopback interface alone and writes below --out only (needs Flask: python3-flask)",
+         arg("--port", type=number_from(0, 65535, int), default=0, metavar="N", help="of the page (default: a free "
+             "one)"),
+         arg("--no-browser", dest="opened", action="store_false", help="print the page's address, open no browser"),
+         out("folder of the claim"))
+def _app(asked):
+    from damage.app.server import serve
+
+    serve(asked.out, asked.port, asked.opened)
 
 
 @command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "

@@ -83,7 +83,7 @@ def settle_layout(figure):
 def add_title(figure, history, *more):
     """Add a title: wall and motion, solver and file, premature end of the run, and further lines.  The figure grows by
     its height."""
-    lines = [run_title(history), run_file(history)]
+    lines = [run_title(history), f"{history.solver} solver, {history.path.name}"]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
@@ -92,11 +92,6 @@ def add_title(figure, history, *more):
     title = figure.suptitle(text, x=0.02, ha="left")
     width, plot = figure.get_size_inches()
     figure.set_size_inches(width, plot + title.get_window_extent().height / figure.dpi)
-
-
-def run_file(history):
-    """Second line of a title: solver and file of a History."""
-    return f"{history.solver} solver, {history.path.name}"
 
 
 def mark_times(history, axes):

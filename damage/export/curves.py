@@ -28,7 +28,8 @@ NAMESPACE = "http://openquake.org/xmlns/nrml/0.5"
 CM_PER_M = 100
 _Z = np.linspace(-4.0, 4.0, 33)
 """Where a curve has its levels, in dispersions from the median: from 0.00003 to 0.99997."""
-_TYPES = {"pga_g": ("PGA", 1), "pgv_m_s": ("PGV", CM_PER_M), "sa_0.2_s_g": ("SA(0.2)", 1),
+_TYPES = {"pga_g": ("PGA", 1), "pgv_m_s": ("PGV", CM_PER_M),
+          "pgv_rotd100_m_s": ("PGV", CM_PER_M), "sa_0.2_s_g": ("SA(0.2)", 1),
           "sa_eigen_period_g": ("SA({:.4g})", 1), "avg_sa_g": ("AvgSA", 1), "arias_m_s": ("IA", 1)}
 """OpenQuake's names of columns of summary.csv, and the factor to its unit."""
 

@@ -12,12 +12,13 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from damage.checks import check_file
-from damage.csv_table import MOST_MB, MOST_ROWS, CsvTable
+from damage.csv_table import MOST_MB, MOST_ROWS, CsvTable, as_words
 from damage.errors import InputError
 from damage.exposure.places import NETHERLANDS_DEG, NETHERLANDS_RD_M, to_rd, within
-from damage.files import DATA, text_lines
+from damage.files import DATA, text_lines, write_text
 
 SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
 """The catalogue that ships: its README says what it is."""
@@ -30,6 +31,8 @@ BESIDE_KM = 10.0
 ONE_EVENT = {True: (10.0, 25.0), False: (2.0, 5.0)}
 """Largest difference of time [s] and epicentre [km] of one earthquake in two lines, by whether they name different
 agencies: KNMI's own list has two events 3 s apart."""
+MOST_GAP_DAYS = 60
+"""Days between a catalogue and later events from which a gap is named: the field had shakes every week or two."""
 _EARTHQUAKE = "earthquake", "induced", "triggered", "extraction", "injection"
 _NO_TYPE = "", "not reported", "unknown"
 _GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
@@ -58,6 +61,11 @@ class Catalogue:
 
     def __len__(self):
         return len(self.time)
+
+    @property
+    def end(self):
+        """Time of the last event."""
+        return self.time[-1]
 
     @property
     def years(self):
@@ -96,8 +104,43 @@ def read_catalogue(path=SHIPPED):
     """
     check_file(path, "a catalogue of earthquakes (CSV or FDSN text)", MOST_MB)
     with open(path, "rb") as file:
-        fdsn = b"|" in file.readline()
+        first = file.readline()
+    if first.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"{", b"[")):
+        raise InputError(f"{path}: XML or JSON; expected CSV, or the text of an FDSN event service; ask it for "
+                         "format=text")
+    fdsn = b"|" in first
     return (_read_fdsn if fdsn else _read_csv)(path)
+
+
+def with_later(path, base=SHIPPED):
+    """The Catalogue at `base` with the events of the file at `path` that are later than its last one, and sentences on
+    what the file adds.  Raises InputError where it adds none."""
+    known, found = read_catalogue(base), read_catalogue(path)
+    later = np.array([time > known.end for time in found.time])
+    if not later.any():
+        raise InputError(f"{path}: its last event is of {found.end:%Y-%m-%d}, the catalogue's of {known.end:%Y-%m-%d}; "
+                         "expected later ones; ask the service for events from that day on")
+    new = found.at(later)
+    joined = Catalogue(*(np.concatenate([getattr(known, name), getattr(new, name)]) for name in _COLUMNS), str(base))
+    largest = int(np.argmax(new.magnitude))
+    gap = (new.time[0] - known.end).days
+    notes = [f"{len(new)} of {len(found)} events of {path} are later than {known.end:%Y-%m-%d}: from "
+             f"{new.time[0]:%Y-%m-%d} to {new.end:%Y-%m-%d}, the largest M {new.magnitude[largest]:g} of "
+             f"{new.time[largest]:%Y-%m-%d}", *found.notes]
+    if later.all() and gap > MOST_GAP_DAYS:
+        notes.append(f"between both lists are {gap} days without an event: look whether the file begins late enough "
+                     "before")
+    return joined, notes
+
+
+def write_catalogue(catalogue, path):
+    """Write a Catalogue as CSV that `read_catalogue` reads; returns its path."""
+    rows = as_words(pd.DataFrame({
+        "date_utc": [f"{time:%Y-%m-%d}" for time in catalogue.time],
+        "time_utc": [f"{time.time().isoformat()}" for time in catalogue.time], "magnitude": catalogue.magnitude,
+        "easting_rd_m": catalogue.x_m, "northing_rd_m": catalogue.y_m, "place": catalogue.place,
+        "knmi_id": catalogue.id}))
+    return write_text(path, rows.to_csv(index=False, lineterminator="\n"))
 
 
 def _read_csv(path):

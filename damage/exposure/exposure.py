@@ -119,6 +119,7 @@ class Exposure:
             "component": self.model.component, "sigma_ln": self.model.deviations.sigma,
             "catalogue": shown_path(self.catalogue.source),
             "from": self.catalogue.years[0], "to": self.catalogue.years[1],
+            "catalogue_ends": f"{self.catalogue.end:%Y-%m-%d}",
             "largest_median_mm_s": largest, "one_percent_mm_s": float(self.model.exceeded_mm_s(largest, RARE)),
             "largest_of_all_median_mm_s": self.largest_exceeded_mm_s(0.5),
             "largest_of_all_one_percent_mm_s": self.largest_exceeded_mm_s(RARE),
@@ -134,7 +135,8 @@ def describe(found, rows=10):
     lines = [
         f"latitude {found['latitude']:.5f}, longitude {found['longitude']:.5f} (RD {found['easting_rd_m']:.0f} "
         f"{found['northing_rd_m']:.0f} m), VS30 {found['vs30_m_s']:g} m/s",
-        f"{len(events)} events from {found['from']} to {found['to']}, {found['catalogue']}",
+        f"{len(events)} events from {found['from']} to {found['to']}, {found['catalogue']}; the last is of "
+        f"{found['catalogue_ends']}, later earthquakes are not in it",
         f"PGV, component {found['component']}: {found['model']}",
         f"largest median {found['largest_median_mm_s']:.4g} mm/s; {found['one_percent_mm_s']:.4g} mm/s is exceeded "
         "with 1 % in that event",

@@ -24,10 +24,11 @@ from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS, model_named
 from damage.exposure.places import at, at_rd
-from damage.files import is_there, write_text
+from damage.files import is_there
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Recorded
 from damage.motion.sequence import Event
+from damage.motion.settlement import DISTORTIONS, PROFILES, Settlement
 from damage.toml_file import toml_table, toml_text
 
 KEYS = {
@@ -44,12 +45,16 @@ KEYS = {
     "strong": "share of a record's Arias intensity that its window leaves out at its start and at its end (default: "
               "the windows of components.csv, 0.01 and 0.03)",
     "largest_alone": "true: only the largest event of each life (default false)",
+    "settle": "profiles of the ground's settlement before the first event, from which each life draws one, as "
+              "[\"hogging\", \"sagging\"] (default: none)",
+    "distortion": "least and largest distortion of the drawn profile, log-uniform, as [0.0002, 0.002]",
     "seed": "of all lives (default 0)"}
 """Keys of an address file and their meanings."""
 COLUMNS = ["time_utc", "magnitude", "place", "id", "pgv_mm_s", "record", "scale", "start_s", "end_s"]
 FACTORS = 0.1, 10.0
 """Bounds of the factor on a record: the README beside the components has the reason."""
 SCALES = "pgv", "sa"
+_GROUND = 1  # third number of the seed of draws of the ground
 TENTH_S = 0.1
 """Windows are rounded outwards to this [s]."""
 ADDRESS_FILE = "the file of an address (.toml)", 1
@@ -65,6 +70,8 @@ class Choices:
     scale_to: str = "pgv"
     strong: tuple[float, float] | None = None
     largest_alone: bool = False
+    settle: tuple[str, ...] | None = None
+    distortion: tuple[float, float] | None = None
     seed: int = 0
 
     def __post_init__(self):
@@ -81,6 +88,23 @@ class Choices:
             for share in strong:
                 check_range("strong", share, 0, 0.49)
             object.__setattr__(self, "strong", strong)
+        if (self.settle, self.distortion) != (None, None):
+            for name, value in zip(("settle", "distortion"), self._checked_ground()):
+                object.__setattr__(self, name, value)
+
+    def _checked_ground(self):
+        """Profiles and bounds as tuples; InputError where they are none."""
+        settle, bounds = (tuple(one) if isinstance(one, list | tuple) else () for one in (self.settle, self.distortion))
+        if not settle or len(bounds) != 2:
+            raise InputError(f"settle = {self.settle!r}, distortion = {self.distortion!r}: expected profiles and two "
+                             "bounds, like settle = [\"hogging\"] and distortion = [0.0002, 0.002]; correct them")
+        for profile in settle:
+            check_choice("settle", profile, PROFILES)
+        for bound in bounds:
+            check_range("distortion", bound, *DISTORTIONS)
+        if bounds[0] > bounds[1]:
+            raise InputError(f"distortion = {list(bounds)}: expected the smaller one first; exchange them")
+        return settle, tuple(map(float, bounds))
 
 
 @dataclass(frozen=True)
@@ -119,6 +143,15 @@ class Draws:
         largest = pgv == pgv.max()
         return largest if self.choices.largest_alone else (pgv >= self.choices.above_mm_s) | largest
 
+    def settlement(self, number):
+        """The Settlement before the first event of a life, by its number from 1; None where none is drawn.  Its draws
+        are apart from those of the motions."""
+        if self.choices.settle is None:
+            return None
+        rng = np.random.default_rng([self.choices.seed, number, _GROUND])
+        profile = self.choices.settle[int(rng.integers(len(self.choices.settle)))]
+        return Settlement(profile, float(np.exp(rng.uniform(*np.log(self.choices.distortion)))))
+
     def largest(self, numbers):
         """Largest PGV of each of these lives, (n,) [mm/s]."""
         return np.array([self.pgv(number)[0].max() for number in numbers])
@@ -137,6 +170,31 @@ class Draws:
                          pgv[k], row.record, sign[k] * factor, row.start_s, row.end_s])
         return pd.DataFrame(rows, columns=COLUMNS)
 
+    def event(self, date, number=None):
+        """Table of one row, as of `life`, of the event of a date, such as 2012-08-16 or more of its time; of several
+        the one of the largest median.
+
+        number: of the life whose motion it is; None for the median PGV, by the component whose factor is nearest to 1.
+        """
+        events = self.exposure.catalogue
+        times = [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time]
+        found = [k for k, time in enumerate(times) if time.startswith(date)] if len(date) >= len("2012-08-16") else []
+        if not found:
+            raise InputError(f"--event {date}: no event then in {events.source}, whose last is of {times[-1]}; "
+                             "expected a day or a time (UTC) of one, like 2012-08-16 or 2018-01-08T14:00:52; look at "
+                             "python3 -m damage exposure, or give a later catalogue")
+        k = max(found, key=self.exposure.median_mm_s.__getitem__)
+        pgv, sign = self.exposure.median_mm_s[k], 1.0
+        if number is None:
+            pick = int(np.argmin(np.abs(np.log(self._fitting(pgv)[1]))))
+            row, factor = self._component(pgv, pick=pick)
+        else:
+            pgvs, share, signs = self.pgv(number)
+            pgv, sign = pgvs[k], signs[k]
+            row, factor = self._component(pgv, share[k])
+        return pd.DataFrame([[times[k], events.magnitude[k], events.place[k], events.id[k], pgv, row.record,
+                              sign * factor, row.start_s, row.end_s]], columns=COLUMNS)
+
     @cached_property
     def components(self):
         """The components that may be used, with their windows: a DataFrame."""
@@ -150,27 +208,37 @@ class Draws:
 
     @cached_property
     def _unit_pgv(self):
-        """PGV [mm/s] for which each component has a factor of one, (n,)."""
-        pgv = self.components["pgv_mm_s"].to_numpy()
+        """PGV [mm/s] for which each component has a factor of one, (n,): its own, or that of its station in the
+        direction in which it is largest, where that is what the model has."""
+        of_all = self.exposure.model.component == "MAX"
+        pgv = self.components["pgv_rotd100_mm_s" if of_all else "pgv_mm_s"].to_numpy()
         if self.choices.scale_to == "pgv":
             return pgv
         sa = self.components["sa_0.2_s_g"].to_numpy()
         return sa / np.exp(np.mean(np.log(sa / pgv)))
 
-    def _component(self, pgv_mm_s, share):
-        """(row of `components`, factor) at a share of those that may be scaled to a PGV."""
+    def _component(self, pgv_mm_s, share=None, pick=None):
+        """(row of `components`, factor) at a share of those that may be scaled to a PGV, or the one at an index."""
+        fit, factor = self._fitting(pgv_mm_s)
+        which = int(share * len(fit)) if pick is None else pick
+        return next(self.components.iloc[[fit[which]]].itertuples()), factor[which]
+
+    def _fitting(self, pgv_mm_s):
+        """Indices and factors of `components` that may be scaled to a PGV."""
         factor = pgv_mm_s / self._unit_pgv
         fit = np.flatnonzero((factor >= FACTORS[0]) & (factor <= FACTORS[1]))
         if len(fit) == 0:
             raise InputError(f"no suitable record for a PGV of {pgv_mm_s:.3g} mm/s: expected a component within "
                              f"{self.choices.within_km:g} km that a factor of {FACTORS[0]:g} to {FACTORS[1]:g} brings "
                              "there; give more stations, or a larger threshold")
-        which = fit[int(share * len(fit))]
-        return next(self.components.iloc[[which]].itertuples()), factor[which]
+        return fit, factor[fit]
 
     def as_dict(self):
         """What decides the lives, fit for JSON."""
-        exposure, choices = self.exposure, asdict(self.choices)
+        exposure = self.exposure
+        choices = {name: value for name, value in asdict(self.choices).items()
+                   if value is not None or name not in ("settle", "distortion")}  # older histories lack these
+        choices |= {name: list(choices[name]) for name in ("settle", "distortion") if name in choices}
         return {"latitude": exposure.place.latitude, "longitude": exposure.place.longitude,
                 "vs30_m_s": float(exposure.vs30_m_s), "model": exposure.model.source,
                 "component": exposure.model.component, "years": [int(year) for year in exposure.catalogue.years],
@@ -200,11 +268,6 @@ def events_of(life, rest_s):
 @lru_cache(maxsize=256)
 def _loading(name, start_s, end_s):
     return Recorded(read_record(shipped_records()[name]), window_s=(float(start_s), float(end_s)))
-
-
-def write_sequence(life, path):
-    """Write a life as a sequence file, which `--sequence` takes; returns its path."""
-    return write_text(path, life[["record", "scale", "start_s", "end_s"]].to_csv(index=False))
 
 
 @lru_cache(maxsize=8)

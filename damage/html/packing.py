@@ -23,7 +23,7 @@ def pack_arrays(arrays):
         values = np.asarray(array)
         places[name] = [values.dtype.str[1:], len(data), values.size]
         data += values.astype(values.dtype.newbyteorder("<")).tobytes()
-    return {"packed": _as_base64(bytes(data)), "arrays": places}
+    return {"packed": base64.b64encode(gzip.compress(bytes(data), 9, mtime=0)).decode("ascii"), "arrays": places}
 
 
 def unpack_arrays(content):
@@ -49,7 +49,3 @@ def as_png(figure, dots_per_inch=150):
     held = io.BytesIO()
     figure.savefig(held, format="png", dpi=dots_per_inch)
     return base64.b64encode(held.getvalue()).decode("ascii")
-
-
-def _as_base64(data):
-    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")

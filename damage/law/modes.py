@@ -14,6 +14,7 @@ from scipy.sparse.linalg import eigsh, splu
 
 from damage.errors import InputError
 from damage.units import GRAVITY
+from damage.wall.restraints import top_of
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
@@ -73,16 +74,27 @@ def joint_stiffness(layout, factors=(1.0, 1.0)):
 def stiffness_matrix(layout):
     """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]."""
     joints = joint_stiffness(layout)
+    if layout.wall.restraints:
+        top = top_of(layout.wall)
+        joints = joints + _of_bearing(layout, top.at_rest if top and top.stiffness else 0.0)
     if layout.strain is None:
         return joints
     return joints + diags(np.hstack([np.zeros((len(layout.bodies), 3)), layout.strain.stiffness]).ravel())
 
 
+def _of_bearing(layout, stiffness):
+    """Diagonal matrix of a stiffness against the horizontal motion of the beam of a restraint [N/m]."""
+    coordinates = 3 + (layout.strain.n_modes if layout.strain else 0)
+    values = np.zeros((len(layout.bodies), coordinates))
+    values[layout.bodies.course == -1, 0] = stiffness
+    return diags(values.ravel())
+
+
 def mass_vector(layout):
     """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of strain modes that a
-    body does not have."""
+    body does not have, and of coordinates that restraints hold."""
     bodies, strain = layout.bodies, layout.strain
-    rigid = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
+    rigid = np.where(layout.held, 0.0, np.column_stack([bodies.mass, bodies.mass, bodies.inertia]))
     return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
 
 
@@ -90,7 +102,7 @@ def static_displacement(layout):
     """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its weight, linear."""
     mass = mass_vector(layout)
     free, weight = mass > 0, np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
-    weight[:, 1] = -GRAVITY * layout.bodies.mass
+    weight[:, 1] = -GRAVITY * layout.weighing
     moved = np.zeros(len(mass))
     moved[free] = splu(stiffness_matrix(layout).tocsc()[free][:, free]).solve(weight.ravel()[free])
     return moved.reshape(weight.shape)
@@ -112,7 +124,7 @@ def natural_modes(layout, n_modes=6):
     Those of the last walls are kept: members of an ensemble differ by their strengths alone, which modes do not know.
     Raises InputError of a wall that has none in the numbers of this machine.
     """
-    asked = n_modes, *elastic_key(layout)
+    asked = n_modes, layout.wall.restraints, *elastic_key(layout)
     if asked not in _KEPT:
         while len(_KEPT) >= _MOST_KEPT:
             del _KEPT[next(iter(_KEPT))]
@@ -124,15 +136,17 @@ def _natural_modes(layout, n_modes):
     mass = mass_vector(layout)
     free = np.flatnonzero(mass > 0)
     scale = 1 / np.sqrt(mass[free])
-    stiffness = stiffness_matrix(layout)
+    stiffness, top = stiffness_matrix(layout), top_of(layout.wall)
     if len(free) < len(mass):
         stiffness = stiffness[free][:, free]
-    matrix = (diags(scale) @ stiffness @ diags(scale)).tocsc()
+    matrix = stiffest = (diags(scale) @ stiffness @ diags(scale)).tocsc()
+    if top and top.stiffness and not top.at_rest:  # beyond its play
+        stiffest = matrix + diags(_of_bearing(layout, top.stiffness).diagonal()[free] * scale**2)
     start = np.ones(matrix.shape[0])  # a fixed start makes the result the same every time
     n_modes = min(n_modes, matrix.shape[0] - 2)
     try:
         values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
-        highest = eigsh(matrix, k=1, which="LA", return_eigenvectors=False, tol=1e-6, v0=start)[0]
+        highest = eigsh(stiffest, k=1, which="LA", return_eigenvectors=False, tol=1e-6, v0=start)[0]
     except (ArithmeticError, RuntimeError, ValueError) as error:  # ARPACK's and SuperLU's
         if "alloc" in str(error).lower():
             raise MemoryError(f"for the modes of {layout.n_bricks} bricks") from error

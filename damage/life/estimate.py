@@ -76,12 +76,3 @@ def paired(first, second):
         raise InputError(f"{len(difference)} pairs of lives: expected at least two")
     mean, half = difference.mean(), Z95 * difference.std(ddof=1) / np.sqrt(len(difference))
     return float(mean), float(mean - half), float(mean + half)
-
-
-def share_of_motions(first, second):
-    """Share of the variance of an outcome that motions have, the rest being the joints' strengths: the correlation of
-    the outcomes (n,) of lives with equal motions and different strengths; NaN where the outcome does not vary."""
-    first, second = np.asarray(first, float), np.asarray(second, float)
-    both = np.concatenate((first, second))
-    variance = both.var()
-    return float(np.mean((first - both.mean()) * (second - both.mean())) / variance) if variance else float("nan")

@@ -34,20 +34,27 @@ def write_study(folder, wall, address, options, lives):
     wall: its file or the name of one that ships; address: {key of `damage.exposure.lives.KEYS`: value}, None where not
     given; options: of each run, {name: value}; lives: their number.
     """
-    folder = Path(folder)
-    address = {name: value for name, value in address.items() if value is not None}
+    points = {POINT: (address, options), LARGEST: (address | {"largest_alone": True}, options)}
+    return write_points(Path(folder) / NAME, wall, points, lives, "life", "python3 -m damage lives")
+
+
+def write_points(path, wall, points, lives, command, conclusion=None):
+    """Write the study file `path` of so many lives of each point, and the addresses' files beside it; returns its path.
+
+    points: {name: (address, options)} as of `write_study`; command: that writes it; conclusion: that sums it up.
+    """
     runs = []
-    for point, more in ((POINT, {}), (LARGEST, {"largest_alone": True})):
-        write_text(folder / f"{point}.address.toml", _toml(address | more))
+    for point, (address, options) in points.items():
+        place = write_text(path.with_name(f"{point}.address.toml"), _toml(
+            {name: value for name, value in address.items() if value is not None}))
         runs.append({"id": point, "wall": str(Path(wall_path(wall)).resolve()),
-                     "options": {"address": str((folder / f"{point}.address.toml").resolve()), **options},
-                     "lives": lives})
-    text = [f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage life",
-            'name = "lives"', 'pictures = "none"', 'conclusion = "python3 -m damage lives"']
+                     "options": {"address": str(place.resolve()), **options}, "lives": lives})
+    text = [f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage {command}",
+            f'name = "{path.stem}"', 'pictures = "none"', *([f'conclusion = "{conclusion}"'] if conclusion else [])]
     for run in runs:
         words = ", ".join(f"{name} = {json.dumps(value)}" for name, value in run.pop("options").items())
         text += ["", "[[runs]]", *_toml(run).splitlines(), f"options = {{ {words} }}"]
-    return write_text(folder / NAME, "\n".join(text) + "\n")
+    return write_text(path, "\n".join(text) + "\n")
 
 
 def _toml(table):

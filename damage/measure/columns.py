@@ -49,6 +49,8 @@ PARAMETERS = {
     "record_unit": Column("", "unit that the record's samples were taken to be in, and what says so"),
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
     "pgv_m_s": Column("m/s", "peak velocity of the base, from rest, nothing filtered"),
+    "pgv_rotd100_m_s": Column("m/s", "the same in the direction in which it is largest (RotD100), of the record and "
+                              "its other component (`--across`); empty without it"),
     "avg_sa_g": Column("g", "AvgSa: geometric mean of the 5 % spectral accelerations at ten periods from 0.01 to 1 s, "
                        "equally far apart in their logarithm"),
     "sa_eigen_period_g": Column("g", "5 % spectral at `eigen_period_s`"),
@@ -94,7 +96,7 @@ RUN = {
     "mass_scaling": Column("", "none, or selective: with masses that grow with the intact wall's stiffness"),
     "repeats": Column("1", "how often the run was repeated in smaller steps until it was accepted; `mass_scaling` and "
                       "`time_step_s` are of the last one"),
-    "repeated_for": Column("", "why it was repeated last: energy (balance), drop (of a brick), step (too large)"),
+    "repeated_for": Column("", "why it was repeated last: energy (balance), drop (of a brick), failure (any other)"),
     "collapsed_at_s": Column("s", "when a brick had dropped by half its height"),
     **_model(seeds=True),
     "seed": Column("1", "of the bricks' random offsets and of `scatter`"),

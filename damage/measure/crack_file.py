@@ -6,7 +6,7 @@ tension all opening, shear all slip; mixed and unknown leave both open, which is
 """
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isnan, nan
 from pathlib import Path
 
@@ -22,11 +22,18 @@ from damage.units import MILLIMETRE
 from damage.wall.parameters import LONGEST_M
 
 COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")
+OF_SURVEY = ("offset", "detection_limit_mm", "width_error_mm")
+"""Columns of a survey of a real wall: whether the faces are seen to be offset, and how exact the survey is."""
 REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
+NO_CRACK = "none"
+"""Mode of an area that was looked at and has no crack: its points 1 and 2 are opposite corners."""
+SEEN = {"": nan, "unknown": nan, "yes": 1.0, "no": 0.0}
+"""Words of the column `offset`."""
 STRETCHES = ("crack", "line", *ENDS, "opening_m", "slip_m", "width_m", "mode")
 BOUNDS = {"load_level": 1e6, "drift_pct": 1e3, "point": 1e9, "x_m": LONGEST_M, "z_m": LONGEST_M,
-          **dict.fromkeys(("opening_mm", "slip_mm", "width_mm"), 1e4)}
+          **dict.fromkeys(("opening_mm", "slip_mm", "width_mm"), 1e4),
+          **dict.fromkeys(("detection_limit_mm", "width_error_mm"), 100)}
 """Largest sizes of what a file may hold, but for the sign."""
 MOST_DRAWN_M = 10_000.0
 """Length of all polylines of a file [m]."""
@@ -43,12 +50,19 @@ class CrackPattern:
     level: its number; drift_ratio: NaN where unknown;
     stretches: DataFrame, a row a straight part of a polyline: crack (label), line (number of the polyline
     in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where they cannot be
-    distinguished), width_m, mode.
+    distinguished), width_m, mode;
+    offset: of each stretch, 1 where its faces are seen to be offset, 0 where they are not, NaN where nobody says, None
+    for NaN of all; detection_limit_m, width_error_m: width from which cracks are seen, largest error of a width (NaN
+    where unknown); clear: (n, 4) [m], rectangles x, z, x, z of opposite corners that have no crack.
     """
 
     level: float
     drift_ratio: float
     stretches: pd.DataFrame
+    offset: np.ndarray | None = None
+    detection_limit_m: float = nan
+    width_error_m: float = nan
+    clear: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
 
     @property
     def length_m(self):
@@ -64,12 +78,17 @@ def read_cracks(path):
 
     Raises InputError, with the line, for anything that is missing or contradicts itself.
     """
-    table = CsvTable(path, REQUIRED, [name for name in COLUMNS if name not in REQUIRED], MOST_POINTS)
+    table = CsvTable(path, REQUIRED, [name for name in (*COLUMNS, *OF_SURVEY) if name not in REQUIRED], MOST_POINTS)
     rows = _rows(table)
     patterns = []
     for level in table.levels(rows["level"]):
         chosen = np.flatnonzero(rows["level"] == level)
-        patterns.append(CrackPattern(level, _drift(table, rows, chosen), _stretches(table, rows, chosen)))
+        is_area = (rows["mode"] == NO_CRACK).to_numpy()[chosen]
+        stretches, starts = _stretches(table, rows, chosen[~is_area])
+        patterns.append(CrackPattern(
+            level, _one_value(table, rows, chosen, "drift_pct") / 100, stretches, rows["offset"].to_numpy()[starts],
+            *(_one_value(table, rows, chosen, name) * MILLIMETRE for name in OF_SURVEY[1:]),
+            _clear(table, rows, chosen[is_area])))
     drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)
     if drawn > MOST_DRAWN_M:
         raise InputError(f"{path}: cracks of {drawn:g} m in all; expected up to {MOST_DRAWN_M:g} m, look at the unit")
@@ -78,21 +97,23 @@ def read_cracks(path):
 
 def _rows(table):
     """Checked columns in SI units."""
-    numbers = {name: table.numbers(name) for name in COLUMNS if name not in ("crack", "mode")}
+    numbers = {name: table.numbers(name) for name in (*COLUMNS, *OF_SURVEY[1:]) if name not in ("crack", "mode")}
     table.refuse_beyond(**BOUNDS)
     level = numbers["load_level"]
     if "load_level" in table.text:
         table.refuse(np.isnan(level), "no load_level; give its number")
     mode = table.words("mode", "unknown")
     mode = np.where(mode == "", "unknown", mode)
-    for row in np.flatnonzero(~np.isin(mode, MODES)):
-        raise table.error(row, f"mode = {mode[row]!r}: expected one of {', '.join(MODES)}")
-    for name in ("opening_mm", "width_mm"):
+    offset = table.words("offset")
+    for name, words, known in (("mode", mode, (*MODES, NO_CRACK)), ("offset", offset, ("yes", "no", "unknown", ""))):
+        for row in np.flatnonzero(~np.isin(words, known)):
+            raise table.error(row, f"{name} = {words[row]!r}: expected one of {', '.join(filter(None, known))}")
+    for name in ("opening_mm", "width_mm", *OF_SURVEY[1:]):
         table.refuse(numbers[name] < 0, f"{name} is negative; expected zero or more")
     rows = pd.DataFrame({
-        "level": np.nan_to_num(level, nan=1.0), "drift_ratio": numbers["drift_pct"] / 100,
-        "crack": table.words("crack"), "point": numbers["point"], "x_m": numbers["x_m"], "z_m": numbers["z_m"],
-        "mode": mode})
+        "level": np.nan_to_num(level, nan=1.0), "crack": table.words("crack"),
+        **{name: numbers[name] for name in ("drift_pct", "point", "x_m", "z_m", *OF_SURVEY[1:])},
+        "mode": mode, "offset": [SEEN[word] for word in offset]})
     lacks = rows[list(REQUIRED)].isna() | rows[list(REQUIRED)].eq("")
     rows["empty"] = lacks.all(axis=1)
     for name in REQUIRED:
@@ -103,19 +124,33 @@ def _rows(table):
     return rows
 
 
-def _drift(table, rows, chosen):
-    """Drift ratio of a level, NaN if no row gives it."""
-    drift = rows["drift_ratio"].to_numpy()
-    given = chosen[~np.isnan(drift[chosen])]
-    for row in given[drift[given] != drift[given[:1]]]:
-        raise table.error(row, f"drift_pct = {100 * drift[row]:g}, but {100 * drift[given[0]]:g} in line "
-                               f"{table.line[given[0]]} of the same load level; give one drift a level")
-    return float(drift[given[0]]) if len(given) else nan
+def _one_value(table, rows, chosen, name):
+    """The number of a column that is of a whole level, NaN if no row gives it."""
+    values = rows[name].to_numpy()
+    given = chosen[~np.isnan(values[chosen])]
+    for row in given[values[given] != values[given[:1]]]:
+        raise table.error(row, f"{name} = {values[row]:g}, but {values[given[0]]:g} in line "
+                               f"{table.line[given[0]]} of the same load level; give one value a level")
+    return float(values[given[0]]) if len(given) else nan
+
+
+def _clear(table, rows, chosen):
+    """Rectangles (n, 4) [m] of the rows of areas without a crack."""
+    points = rows.iloc[chosen]
+    if (odd := points["point"].to_numpy() != np.arange(len(points)) % 2 + 1).any() or len(points) % 2:
+        row = chosen[int(np.argmax(odd)) if odd.any() else -1]
+        raise table.error(row, f"mode = {NO_CRACK!r}: expected two rows an area, point 1 and 2, opposite corners of a "
+                               "rectangle without a crack")
+    corners = points[["x_m", "z_m"]].to_numpy(float).reshape(-1, 4)
+    for row in np.flatnonzero((corners[:, 0] == corners[:, 2]) | (corners[:, 1] == corners[:, 3])):
+        raise table.error(chosen[2 * row + 1], "an area without a crack that has no width or no height; expected "
+                                               "opposite corners of a rectangle")
+    return corners
 
 
 def _stretches(table, rows, chosen):
-    """The straight parts of the polylines of one level."""
-    parts, line = [], 0
+    """The straight parts of the polylines of one level, and the rows of the points at which they begin."""
+    parts, starts_at, line = [], [], 0
     columns = {name: rows[name].to_numpy() for name in rows}
     points = chosen[~columns["empty"][chosen]]
     for here, there in zip(points, [*points[1:], None]):
@@ -128,7 +163,8 @@ def _stretches(table, rows, chosen):
             raise table.error(here, f"crack {columns['crack'][here]} has a polyline of one point; expected two or more")
         if goes_on:
             parts.append(_stretch(table, columns, here, there, line))
-    return pd.DataFrame(parts, columns=STRETCHES)
+            starts_at.append(here)
+    return pd.DataFrame(parts, columns=STRETCHES), starts_at
 
 
 def _check_order(table, columns, row, line):
@@ -146,6 +182,10 @@ def _stretch(table, columns, here, there, line):
     if ends[:2] == ends[2:]:
         raise table.error(there, "the same place as the point before; leave it out")
     mode = columns["mode"][here]
+    if columns["offset"][here] == 0:  # all that is seen is opening
+        if mode in ("shear", "mixed"):
+            raise table.error(here, f"offset = no with mode = {mode}: expected a crack without slip; correct one")
+        mode = "tension"
     try:
         sizes = complete_sizes(*(columns[name][here] for name in ("opening_m", "slip_m", "width_m")), mode)
     except InputError as error:
@@ -188,8 +228,12 @@ def _rest(wanted, other, width):
 # --- writing --------------------------------------------------------------------------------------
 
 def write_cracks(path, patterns, comments=()):
-    """Write patterns (CrackPattern) to `path`; comments: lines for its head."""
-    rows = [COLUMNS, *(map(_cell, row) for pattern in patterns for row in _point_rows(pattern))]
+    """Write patterns (CrackPattern) to `path`; comments: lines for its head.  The columns OF_SURVEY are there where a
+    pattern has a value of them."""
+    more = any(len(pattern.clear) or not np.isnan([pattern.detection_limit_m, pattern.width_error_m]).all()
+               or (pattern.offset is not None and not np.isnan(pattern.offset).all()) for pattern in patterns)
+    columns = COLUMNS + OF_SURVEY * more
+    rows = [columns, *(map(_cell, row[:len(columns)]) for pattern in patterns for row in _point_rows(pattern))]
     write_text(path, "\n".join([*(f"# {comment}" for comment in comments), *map(",".join, rows)]) + "\n")
 
 
@@ -200,15 +244,22 @@ def _cell(value):
 
 
 def _point_rows(pattern):
-    """The rows of one level: each polyline's points, the last one without sizes."""
+    """The rows of one level: each polyline's points, the last one without sizes, then the corners of clear areas."""
     head = (pattern.level, 100 * pattern.drift_ratio)
+    accuracy = (pattern.detection_limit_m / MILLIMETRE, pattern.width_error_m / MILLIMETRE)
+    seen = {number: word for word, number in SEEN.items() if word in ("yes", "no")}
+    offset = np.full(len(pattern.stretches), nan) if pattern.offset is None else pattern.offset
     if len(pattern.stretches) == 0:
-        yield (*head, "", *[None] * 6, "")
+        yield (*head, "", *[None] * 6, "", "", *accuracy)
     for (crack, _), line in pattern.stretches.groupby(["crack", "line"], sort=False):
         for number, part in enumerate(line.itertuples(), start=1):
             yield (*head, str(crack), number, part.x_start_m, part.z_start_m, part.opening_m / MILLIMETRE,
-                   part.slip_m / MILLIMETRE, part.width_m / MILLIMETRE, part.mode)
-        yield (*head, str(crack), number + 1, part.x_end_m, part.z_end_m, None, None, None, "")
+                   part.slip_m / MILLIMETRE, part.width_m / MILLIMETRE, part.mode,
+                   seen.get(offset[part.Index], ""), *accuracy)
+        yield (*head, str(crack), number + 1, part.x_end_m, part.z_end_m, None, None, None, "", "", *accuracy)
+    for name, (*first, x, z) in enumerate(pattern.clear, start=1):
+        for point, corner in ((1, first), (2, (x, z))):
+            yield (*head, f"area{name}", point, *corner, None, None, None, NO_CRACK, "", *accuracy)
 
 
 # --- from joints ----------------------------------------------------------------------------------
@@ -249,7 +300,7 @@ def patterns_of(history, samples, threshold=THRESHOLD):
 class Surveyed:
     """Cracks of a file in the format of docs/reference/crack-format.md, at its last load level; file: name without
     its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m];
-    tolerance_m: how far from a joint a crack may be drawn [m], None for half a brick's height."""
+    tolerance_m: how far from a joint a crack may be drawn [m], None for half a brick's length."""
 
     file: str
     sha256: str

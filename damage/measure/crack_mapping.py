@@ -65,22 +65,6 @@ def map_cracks(pattern, layout, tolerance=None):
                         float(mapped - table["length_m"].sum()))
 
 
-def cracked_joints(stretches, layout, tolerance=None):
-    """Indices of the contact points of a Layout of which a crack runs along at least half of the tributary length, and
-    the length of the cracks that runs along joints [m].
-
-    stretches: (n, 2, 2) [m], both ends of straight parts of cracks; each lies on joints up to `tolerance` [m] away,
-    None for half a brick's height.
-    """
-    tolerance = layout.wall.brick.height / 2 if tolerance is None else tolerance
-    ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
-    length = np.zeros(layout.n_joints)
-    for number, stretch in enumerate(stretches):
-        for _, joint, *_, along in _on_joints(number, stretch, ends, tolerance):
-            length[joint] += along
-    return np.flatnonzero(length >= layout.contacts.length[:layout.n_joints] / 2), float(length.sum())
-
-
 def _on_joints(number, stretch, ends, tolerance):
     """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs along."""
     low, high = ends[:, 0], ends[:, 1]

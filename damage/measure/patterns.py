@@ -10,6 +10,8 @@ doi:10.1175/2007MWR2123.1).  Two controls give its significance: the score with 
 random among its joints, and with its pattern mirrored left to right.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from damage.index import THRESHOLD
@@ -32,8 +34,9 @@ def compare_patterns(first, second):
     all None where nothing has cracked in either run.  window_m: side of the windows [m]; slip: `common_slip`.
     """
     slip = common_slip(first, second)
-    return {**{what: _scores(first, second, what, slip) for what in ("broken", "visible")}, "window_m": WINDOW_M,
-            "slip": slip}
+    places = places_of(first)
+    return {**{what: places.scores(cracked(first, what, slip), cracked(second, what, slip))
+               for what in ("broken", "visible")}, "window_m": WINDOW_M, "slip": slip}
 
 
 def common_slip(*histories):
@@ -67,18 +70,52 @@ def cracked(history, what, slip="displacement"):
 
 
 def fractions(history, flags, mirrored=False):
-    """Share of the joint length that is flagged in each window, (n_windows,) [-]; zero in windows without joints.
+    """`Places.fractions` of the joints of a History."""
+    return places_of(history).fractions(flags, mirrored)
 
-    flags: (n_joints,) bool; mirrored: exchange left and right.
-    """
-    joints, extent = history.joints, (history.attributes["length_m"], history.attributes["height_m"])
-    x, z, length = joints["x_m"].to_numpy(), joints["z_m"].to_numpy(), history.joint_length_m
-    if mirrored:
-        x = extent[0] - x
-    across, up = map(_inside, (x, z), extent)
-    in_all, in_cracks = (np.einsum("ap,bp,p->ab", across, up, weight, optimize=True) for weight in
-                         (length, length * flags))
-    return np.divide(in_cracks, in_all, out=np.zeros_like(in_all), where=in_all > 0).ravel()
+
+def places_of(history):
+    """The Places of the joints of a History."""
+    joints = history.joints
+    return Places(joints["x_m"].to_numpy(), joints["z_m"].to_numpy(), history.joint_length_m,
+                  (history.attributes["length_m"], history.attributes["height_m"]))
+
+
+class Places(NamedTuple):
+    """Joints of a wall in windows: x, z, length (n_joints,) [m]; extent: length and height of the wall [m]."""
+
+    x: np.ndarray
+    z: np.ndarray
+    length: np.ndarray
+    extent: tuple[float, float]
+
+    def sums(self, values, mirrored=False):
+        """Sums (k, n_windows) over each window of values (k, n_joints); mirrored: exchange left and right."""
+        x = self.extent[0] - self.x if mirrored else self.x
+        across, up = map(_inside, (x, self.z), self.extent)
+        sums = [np.einsum("ap,bp,p->ab", across, up, one, optimize=True).ravel() for one in values]
+        return np.array(sums)
+
+    def fractions(self, flags, mirrored=False):
+        """Share of the joint length that is flagged in each window, (n_windows,) [-]; zero in windows without joints.
+
+        flags: (n_joints,) bool; mirrored: exchange left and right.
+        """
+        in_all, in_cracks = self.sums((self.length, self.length * flags), mirrored)
+        return np.divide(in_cracks, in_all, out=np.zeros_like(in_all), where=in_all > 0)
+
+    def scores(self, first, second):
+        """Fractions skill score of the flagged joints (n_joints,) of two patterns with its controls, as of
+        `compare_patterns`."""
+        here = self.fractions(first)
+        score = fractions_skill_score(here, self.fractions(second))
+        if score is None:
+            return {"fss": None, "shuffled": None, "mirrored": None, "tells_sides": None}
+        random = np.random.default_rng(0)
+        shuffled = [fractions_skill_score(here, self.fractions(random.permutation(second))) for _ in range(SHUFFLES)]
+        mirrored = fractions_skill_score(here, self.fractions(second, mirrored=True))
+        return {"fss": score, "shuffled": float(np.mean(shuffled)), "mirrored": mirrored,
+                "tells_sides": bool(mirrored < score - SIDES_MARGIN)}
 
 
 def _inside(places, extent):
@@ -87,27 +124,16 @@ def _inside(places, extent):
     return (np.abs(places - middles[:, None]) <= WINDOW_M / 2 + 1e-9).astype(float)
 
 
-def _scores(first, second, what, slip):
-    here, flags = fractions(first, cracked(first, what, slip)), cracked(second, what, slip)
-    score = fractions_skill_score(here, fractions(second, flags))
-    if score is None:
-        return {"fss": None, "shuffled": None, "mirrored": None, "tells_sides": None}
-    random = np.random.default_rng(0)
-    shuffled = [fractions_skill_score(here, fractions(second, random.permutation(flags))) for _ in range(SHUFFLES)]
-    mirrored = fractions_skill_score(here, fractions(second, flags, mirrored=True))
-    return {"fss": score, "shuffled": float(np.mean(shuffled)), "mirrored": mirrored,
-            "tells_sides": bool(mirrored < score - SIDES_MARGIN)}
-
-
 def describe_patterns(result):
     """The result of `compare_patterns` as text, a list of lines."""
-    lines = []
-    for what, words in (("broken", "failed joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
-        scores = result[what]
-        if scores["fss"] is None:
-            lines.append(f"pattern of {words} at the end of the motion: none in either run")
-            continue
-        sides = "" if scores["tells_sides"] else "; the score does not distinguish sides"
-        lines.append(f"pattern of {words} at the end of the motion: FSS {scores['fss']:.2f} (controls: shuffled "
-                     f"{scores['shuffled']:.2f}, mirrored {scores['mirrored']:.2f}{sides})")
-    return lines
+    return [f"pattern of {words} at the end of the motion: {in_words(result[what])}" for what, words in (
+        ("broken", "failed joints"), ("visible", "joints that opened or slipped by 0.1 mm"))]
+
+
+def in_words(scores):
+    """Scores of `Places.scores` as text."""
+    if scores["fss"] is None:
+        return "none in either run"
+    sides = "" if scores["tells_sides"] else "; the score does not distinguish sides"
+    return (f"FSS {scores['fss']:.2f} (controls: shuffled {scores['shuffled']:.2f}, mirrored "
+            f"{scores['mirrored']:.2f}{sides})")

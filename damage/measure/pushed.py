@@ -14,6 +14,7 @@ from damage.measure.register import measure
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_HEIGHT
+from damage.wall.restraints import top_of
 
 CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn",
                  "dissipated_j", "equivalent_damping", *(f"{name}_at_max" for name in COMPONENTS),
@@ -232,10 +233,10 @@ def cycle_edges(history):
     A run that stopped early has its completed cycles.  Raises InputError for another loading.
     """
     loading = pushed_loading(history)
-    bodies = history.bodies
-    pushed = bodies[bodies["course"] == -1] if (bodies["course"] == -1).any() else \
-        bodies[bodies["course"] == bodies["course"].max()]
-    time_s, height = history.series["time_s"], float(pushed["z_m"].mean())
+    bodies, time_s = history.bodies, history.series["time_s"]
+    caps = bodies["z_m"][bodies["course"] == -1]
+    free = len(caps) and top_of(history.masonry_wall) is None
+    height = float(caps.mean()) if free else history.attributes["drift_height_m"]
     asked = loading.top_displacement(time_s, height)
     upwards = np.flatnonzero((asked[:-1] <= 0) & (asked[1:] > 0))
     whole = len(loading.amplitudes_pct) * loading.cycles
@@ -276,10 +277,11 @@ def hand_capacities(history):
     about the base and about the joint below the top course.  sliding_top, sliding_base: friction without cohesion below
     the top course and at the base.  diagonal: stepped crack through bed joints in the middle of the wall (Mann and
     Müller 1982), (c + mu sigma) L t / b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a
-    parabolic shear stress.  Empty for a wall with an outline or floors.  Raises InputError for another loading.
+    parabolic shear stress.  Empty for a wall with an outline, floors or restraints.  Raises InputError for another
+    loading.
     """
     wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
-    if wall.outline or wall.floors:
+    if wall.outline or wall.floors or wall.restraints:
         return {}
     brick, joint = wall.brick, wall.joint
     height, area = history.attributes["height_m"], wall.length * brick.thickness

@@ -4,9 +4,25 @@ import numpy as np
 
 from damage.law.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.mechanics.loose import Touch, make_loose, stiffness_for
-from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, Strain, make_tables, system_of, table
-from damage.wall.kinds import CUT, rows
+from damage.mechanics.tables import (
+    CONTACT,
+    INDEX,
+    INTERFACE,
+    LIMIT,
+    LOAD,
+    PLAY,
+    RIGID,
+    ROTATION,
+    STIFFNESS,
+    Strain,
+    make_tables,
+    system_of,
+    table,
+)
+from damage.units import GRAVITY
+from damage.wall.kinds import CAP_COURSE, CUT, rows
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
+from damage.wall.restraints import top_of
 from damage.wall.soil import radiation_times
 
 CAPACITY = 100_000
@@ -30,7 +46,8 @@ def build(layout, material):
     n_modes = layout.strain.n_modes if layout.strain else 0
     radiation = _radiation(layout, row if n_modes else row[interfaces["start"]])
     tables = make_tables(n_bodies + len(layout.supports), RIGID + n_modes, interfaces, contacts,
-                         len(contacts if n_modes else interfaces), len(radiation), CAPACITY)
+                         len(contacts if n_modes else interfaces), len(radiation),
+                         n_bodies if top_of(layout.wall) else 0, CAPACITY)
     system = system_of(tables, 0)
     _set_strengths(system.strengths, layout, row, share)
     intact = range_left(ContactState(), LawParameters(
@@ -46,6 +63,13 @@ def build(layout, material):
     if layout.strain:
         system.mass[:n_bodies, RIGID:] = layout.strain.mass
     system.inverse_mass[system.mass > 0] = 1 / system.mass[system.mass > 0]
+    system.inverse_mass[:n_bodies, :RIGID][layout.held] = 0.0
+    if top := top_of(layout.wall):
+        beam = layout.bodies.course == CAP_COURSE
+        system.bearings[:, LOAD] = layout.load_mass
+        if top.stiffness:
+            system.bearings[beam, STIFFNESS], system.bearings[beam, PLAY] = top.stiffness, top.play
+            system.bearings[beam, LIMIT] = top.friction * GRAVITY * layout.top_mass
     return tables
 
 
@@ -77,8 +101,8 @@ def build_loose(layout, system, time_step, material):
     """
     bodies, supports = layout.bodies, layout.supports
     radius = CORNER_RADIUS * layout.wall.brick.length
-    touch = Touch(radius, kn := stiffness_for(bodies.mass.min(), time_step), 0.4 * kn, material.friction,
-                  material.friction, IMPACT_DAMPING)
+    kn = stiffness_for(bodies.mass[bodies.mass > 0].min(), time_step)
+    touch = Touch(radius, kn, 0.4 * kn, material.friction, material.friction, IMPACT_DAMPING)
     edges = np.concatenate([[supports.left[0] - GROUND_M], (supports.right[:-1] + supports.left[1:]) / 2,
                             [supports.right[-1] + GROUND_M]])
     half_x, half_z, at = bodies.length / 2 - radius, bodies.height / 2 - radius, np.zeros(len(supports))

@@ -16,9 +16,7 @@ from numba import njit
 from numba.core import event
 from numba.core.registry import CPUDispatcher
 
-from damage.law import joint_law, states
 from damage.mechanics.cache import kept_in
-from damage.wall import kinds, kinematics
 
 COMPILING = "compiling the solver (once for each version on each machine, about half a minute of processor time) ..."
 PACKAGES = []
@@ -33,9 +31,9 @@ class Package:
     one that Python calls, too.
     """
 
-    def __init__(self, folder, names, others):
-        """folder: path; names: of its modules; others: paths of sources in other folders."""
-        self.folder, self.sources = folder, [*(folder / f"{name}.py" for name in names), *others]
+    def __init__(self, folder, names):
+        """folder: path; names: of its modules, and of those of others from it."""
+        self.folder, self.sources = folder, [(folder / f"{name}.py").resolve() for name in names]
         self.digest = hashlib.sha256(b"\0".join(path.read_bytes() for path in self.sources)).hexdigest()[:12]
         self.compiled, self.inlined = self._compiler(), self._compiler(inlined=True)
         self.entry = self._compiler(entry=True)
@@ -103,8 +101,7 @@ class _Announcement(event.Listener):
 event.register("numba:compile", _Announcement())
 KERNEL = Package(Path(__file__).parent, (
     "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "scaling",
-    "strain", "step"),
-    [Path(module.__file__) for module in (joint_law, kinds, kinematics, states)])
+    "strain", "step", "../law/joint_law", "../law/states", "../wall/kinds", "../wall/kinematics"))
 compiled, inlined, entry = KERNEL.compiled, KERNEL.inlined, KERNEL.entry
 
 

@@ -6,12 +6,13 @@ Bodies are eliminated in the order of minimum degree, ties by their rows.
 import hashlib
 from collections import OrderedDict
 from heapq import heappop, heappush
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import diags
 
 from damage.law.modes import elastic_key, joint_stiffness, mass_vector
-from damage.mechanics.scaling import LOST, factorise
+from damage.mechanics.scaling import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 from damage.wall.soil import radiation_times
 
@@ -60,14 +61,13 @@ class ScaledMass:
         (i, s), (j, k) = ((nodes * places[at // size] + at % size // RIGID, at % size % RIGID)
                           for at in (whole.row, whole.col))
         diagonal[i[i == j], (3 * s + k)[i == j]] = whole.data[i == j]
-        known = np.repeat(np.arange(len(start) - 1), np.diff(start)) * n + below  # rising
+        start = np.append(start, np.full(n + 1 - len(start), start[-1]))
+        known = np.repeat(np.arange(n), np.diff(start)) * n + below  # rising
         lower[np.searchsorted(known, (j * n + i)[i > j]), (3 * s + k)[i > j]] = whole.data[i > j]
-        inverse = np.empty_like(diagonal)
-        start = np.append(start, np.full(n + 1 - len(start), start[-1])).astype(ROW)
-        factorise(start, below.astype(ROW), lower, diagonal, inverse)
+        inverse = _factorise(start, below, known, lower.reshape(-1, 3, 3), diagonal.reshape(-1, 3, 3))
         order = [*order, *range(bodies, bodies + self._supports)]
-        return Matrix(np.repeat(order, nodes), np.tile(np.arange(nodes) * RIGID, len(order)), start, below.astype(ROW),
-                      lower, diagonal, inverse, np.zeros((0, 0, 1)))
+        return Matrix(np.repeat(order, nodes), np.tile(np.arange(nodes) * RIGID, len(order)), start.astype(ROW),
+                      below.astype(ROW), lower, diagonal, inverse.reshape(-1, 9), np.zeros((0, 0, 1)))
 
 
 def _scaled(layout, time_step, beta, held):
@@ -110,3 +110,25 @@ def _nodes(places, columns, nodes):
         others = [nodes * other + k for other in sorted(places[list(of)].tolist()) for k in range(nodes)]
         below += [[*range(nodes * place + k + 1, nodes * (place + 1)), *others] for k in range(nodes)]
     return np.cumsum([0, *map(len, below)]), np.array([row for rows in below for row in rows], int)
+
+
+def _factorise(start, below, known, lower, diagonal):
+    """Replace the blocks (n, 3, 3) of a symmetric positive definite matrix by those of L D L', as of `Matrix`; returns
+    the inverse blocks of D.  known: column times rows plus row of each block of L, rising."""
+    inverse = np.empty_like(diagonal)
+    for i, (first, stop) in enumerate(pairwise(start)):
+        a, b, c = diagonal[i]
+        cofactors = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+        inverse[i] = cofactors / sum(a * cofactors[0])
+        column, rows = lower[first:stop], below[first:stop]
+        change = _product(column[:, None], _product(inverse[i], column.swapaxes(1, 2)))  # (rows, rows, 3, 3)
+        upper, under = np.triu_indices(len(rows), 1)
+        lower[np.searchsorted(known, rows[upper] * len(diagonal) + rows[under])] -= change[under, upper]
+        diagonal[rows] -= change[np.arange(len(rows)), np.arange(len(rows))]
+        lower[first:stop] = _product(column, inverse[i])
+    return inverse
+
+
+def _product(left, right):
+    """Products of blocks (..., 3, 3), in one order of operations on every machine."""
+    return sum(left[..., k, None] * right[..., None, k, :] for k in range(3))

@@ -10,7 +10,7 @@ The solution is by a block factor L D L' (`damage.mechanics.factor`), one order 
 import numpy as np
 
 from damage.mechanics import bodies
-from damage.mechanics.compiled import compiled, entry, inlined
+from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add_part, bits, lane, lanes, load, rows_of, store, wall_of, zero
 from damage.mechanics.rows import first_force
 from damage.mechanics.tables import (
@@ -174,59 +174,3 @@ def scaled_kinetic_energy(n, tables, matrix, strain):
                                  + z * (of[i, 3] * x + of[i, 4] * z + of[i, 5] * r)
                                  + r * (of[i, 6] * x + of[i, 7] * z + of[i, 8] * r))
     return energy
-
-
-@entry
-def factorise(start, below, lower, diagonal, inverse):
-    """Replace blocks of a symmetric positive definite matrix by those of L D L', as of `Matrix`; the nodes in each
-    column of `below` rise."""
-    for i in range(len(diagonal)):
-        invert(diagonal[i], inverse[i])
-        for e in range(start[i], start[i + 1]):
-            subtract(diagonal[below[e]], lower[e], inverse[i], lower[e])
-            subtract_below(start, below, lower, inverse[i], e, start[i + 1])
-        for e in range(start[i], start[i + 1]):
-            multiply(lower[e], inverse[i])
-
-
-@inlined
-def subtract_below(start, below, lower, inverse, e, stop):
-    """Subtract B_f D^-1 B_e' from the block of both rows, for the blocks f behind e in its column."""
-    at = start[below[e]]
-    for f in range(e + ROW(1), stop):
-        while below[at] != below[f]:
-            at += ROW(1)
-        subtract(lower[at], lower[f], inverse, lower[e])
-
-
-@inlined
-def invert(of, to):
-    """Write the inverse of a symmetric block."""
-    a, b, c, d, e, f = of[0], of[1], of[2], of[4], of[5], of[8]
-    x, y, z = d * f - e * e, c * e - b * f, b * e - c * d
-    scale = 1.0 / (a * x + b * y + c * z)
-    to[0], to[4], to[8] = scale * x, scale * (a * f - c * c), scale * (a * d - b * b)
-    to[1] = to[3] = scale * y
-    to[2] = to[6] = scale * z
-    to[5] = to[7] = scale * (b * c - a * e)
-
-
-@inlined
-def subtract(to, left, middle, right):
-    """Subtract left middle right' from a block."""
-    for s in range(3):
-        p, q, t = left[3 * s], left[3 * s + 1], left[3 * s + 2]
-        x = p * middle[0] + q * middle[3] + t * middle[6]
-        z = p * middle[1] + q * middle[4] + t * middle[7]
-        r = p * middle[2] + q * middle[5] + t * middle[8]
-        for k in range(3):
-            to[3 * s + k] -= x * right[3 * k] + z * right[3 * k + 1] + r * right[3 * k + 2]
-
-
-@inlined
-def multiply(block, by):
-    """Replace a block by itself times another."""
-    for s in range(3):
-        x, z, r = block[3 * s], block[3 * s + 1], block[3 * s + 2]
-        for k in range(3):
-            block[3 * s + k] = x * by[k] + z * by[3 + k] + r * by[6 + k]

@@ -73,17 +73,23 @@ from damage.mechanics.tables import (
     KINETIC,
     LARGEST_OPENING,
     LARGEST_SLIDE,
+    LIMIT,
+    LOAD,
     LOCAL,
     MASS,
     PARTS,
     PLACE,
+    PLAY,
     PULL_Z,
+    PULLS,
     RATE,
     RIGID,
     ROTATION,
     ROW,
     SIN,
+    SLIPPED_BY,
     STEP,
+    STIFFNESS,
     SWEPT_X,
     SWEPT_Z,
     TAKEN,
@@ -379,11 +385,37 @@ def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped
             stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
             moment = stiffness * (load(n, tables.bodies, b, PLACE + ROTATION) - rest)
             add(n, tables.bodies, b, first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
+    if len(tables.bearings) > 0:
+        hold_top(n, tables)
     if loose is not None:
         find_loose_forces(n, tables, loose, since)
     if damped:
         total(n, tables.sums, DAMPED)
         store(n, tables.energy, 0, DAMPING, load(n, tables.energy, 0, DAMPING) + load(n, tables.sums, DAMPED, 0))
+
+
+@compiled
+def hold_top(n, tables):
+    """Add the forces of the bearing of a restrained top, and of the constant load on it, to those of its beam.
+
+    The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip is friction.
+    """
+    bearings, bench = tables.bearings, tables.bench
+    gravity = load(n, bench, 0, PULL_Z) - load(n, bench, 0, BASE_Z)
+    for b in range(len(bearings)):
+        stiffness, limit = load(n, bearings, b, STIFFNESS), load(n, bearings, b, LIMIT)
+        play, slip, before = (load(n, bearings, b, PLAY), load(n, bearings, b, SLIPPED_BY),
+                              load(n, bearings, b, PULLS))
+        trial = stiffness * (load(n, tables.bodies, b, PLACE + X) - slip)
+        excess = either(trial > limit, trial - limit, either(trial < -limit, trial + limit, 0.0))
+        slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
+        slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
+        force = trial - stiffness * (slipped - slip)
+        store(n, bearings, b, SLIPPED_BY, slipped)
+        store(n, bearings, b, PULLS, force)
+        add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
+        add(n, tables.bodies, b, first_force(tables.bodies) + X, -force)
+        add(n, tables.bodies, b, first_force(tables.bodies) + Z, -load(n, bearings, b, LOAD) * gravity)
 
 
 @compiled

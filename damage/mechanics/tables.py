@@ -8,13 +8,14 @@ What differs between walls is in arrays (rows, fields, W), the wall last, of one
 of these arrays.
 """
 
+from collections import namedtuple
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from damage.law.joint_law import ContactState, ElasticRange, Material
-from damage.mechanics.eight import WIDTH
+from damage.mechanics.eight import WIDTH, argument
 
 X, Z, ROTATION = range(3)
 """Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was built along x and z
@@ -38,6 +39,10 @@ damping of interfaces."""
 BASE_X, BASE_Z, PULL_Z, STEP, ALPHA, LOCAL, RATE, BENCH = range(8)
 """Fields of the only row of `bench`: acceleration of the base along x and z, and with gravity along z [m/s2]; time step
 [s]; mass-proportional [1/s] and local damping [-]; stiffness-proportional damping over the time step [-]."""
+
+STIFFNESS, LIMIT, PLAY, LOAD, SLIPPED_BY, PULLS, BEARING = range(7)
+"""Fields of `bearings`: stiffness [N/m], largest force while it slips [N], play [m], mass that the constant load weighs
+[kg]; slip [m] and force [N] now."""
 
 
 def _row(*fields):
@@ -94,7 +99,9 @@ READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
 displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
 
-class System(NamedTuple):
+class System(namedtuple("System", (
+        "place velocity force mass inverse_mass trig interfaces limits contacts strengths states readings "
+        "energy events values n_events relaxation last turning bearings radiation"))):
     """Tables of one wall.
 
     place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last, strain modes behind the rigid
@@ -112,33 +119,18 @@ class System(NamedTuple):
         each contact where bricks deform
     turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad], and the rotation at
         which it has no moment [rad]
+    bearings: (bodies, BEARING) what is between a restrained top and the ground, none (0, BEARING) without
     radiation: (rows of `last`, 5) dashpots of the soil, none (0, 5) without soil: damping over stiffness across and
         along the interface [s], and their resultant in the last step [N, N m]
     """
 
-    place: np.ndarray
-    velocity: np.ndarray
-    force: np.ndarray
-    mass: np.ndarray
-    inverse_mass: np.ndarray
-    trig: np.ndarray
-    interfaces: np.ndarray
-    limits: np.ndarray
-    contacts: np.ndarray
-    strengths: np.ndarray
-    states: np.ndarray
-    readings: np.ndarray
-    energy: np.ndarray
-    events: np.ndarray
-    values: np.ndarray
-    n_events: np.ndarray
-    relaxation: np.ndarray
-    last: np.ndarray
-    turning: np.ndarray
-    radiation: np.ndarray
+    __slots__ = ()
 
 
-class Tables(NamedTuple):
+@argument
+class Tables(namedtuple("Tables", (
+        "bodies inertia interfaces limits contacts strengths states readings energy events values n_events "
+        "relaxation last turning bearings radiation bench sums others used lines first second every"))):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows, fields, W).
 
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of each coordinate;
@@ -153,39 +145,14 @@ class Tables(NamedTuple):
     vector.
     """
 
-    bodies: np.ndarray
-    inertia: np.ndarray
-    interfaces: np.ndarray
-    limits: np.ndarray
-    contacts: np.ndarray
-    strengths: np.ndarray
-    states: np.ndarray
-    readings: np.ndarray
-    energy: np.ndarray
-    events: np.ndarray
-    values: np.ndarray
-    n_events: np.ndarray
-    relaxation: np.ndarray
-    last: np.ndarray
-    turning: np.ndarray
-    radiation: np.ndarray
-    bench: np.ndarray
-    sums: np.ndarray
-    others: np.ndarray
-    used: np.ndarray
-    lines: np.ndarray
-    first: np.ndarray
-    second: np.ndarray
-    every: np.ndarray
-
 
 SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
 WORK = "bench", "sums", "others", "used", "lines", "first", "second", "every"
 
 
-def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots, capacity, width=1):
-    """Tables of walls with these interfaces and contacts, all else zero; n_last, n_dashpots: rows of `last` and
-    `radiation`; capacity: largest number of events."""
+def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots, n_bearings, capacity, width=1):
+    """Tables of walls with these interfaces and contacts, all else zero; n_last, n_dashpots, n_bearings: rows of
+    `last`, `radiation` and `bearings`; capacity: largest number of events."""
     def up(rows):
         return rows if width > 1 else -(-rows // 8) * 8
 
@@ -207,7 +174,8 @@ def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots,
         states=zeros(c, len(STATES)),
         readings=zeros(c, 4), energy=zeros(1, 4), events=np.zeros((width, capacity, 3), np.int64),
         values=np.zeros((width, capacity, 4)), n_events=np.zeros((width, 1), np.int64), relaxation=zeros(1, 2),
-        last=by_columns(n_last, 6), turning=zeros(n_bodies, 2), radiation=by_columns(n_dashpots, 5),
+        last=by_columns(n_last, 6), turning=zeros(n_bodies, 2),
+        bearings=zeros(n_bearings, BEARING), radiation=by_columns(n_dashpots, 5),
         bench=zeros(1, BENCH), sums=zeros(SUMS, PARTS), others=np.zeros(p, np.uint8), used=np.zeros(c, np.uint8),
         lines=aligned_zeros(blocks, len(LINES), 8), first=first, second=second,
         every=np.arange(up(n_bodies), dtype=INDEX))
@@ -232,8 +200,8 @@ def join(members, capacity=None):
     number of events, default that of the first."""
     old = members[0][0]
     new = make_tables(len(old.turning), old.inertia.shape[1] // 3, old.interfaces.copy(), old.contacts.copy(),
-                      len(old.last), len(old.radiation), old.events.shape[1] if capacity is None else capacity,
-                      width=1 if len(members) == 1 else WIDTH)
+                      len(old.last), len(old.radiation), len(old.bearings),
+                      old.events.shape[1] if capacity is None else capacity, width=1 if len(members) == 1 else WIDTH)
     for w, (tables, lane) in enumerate(members):
         copy_wall(tables, lane, new, w)
     copy_lines(new)
@@ -265,7 +233,7 @@ def system_of(tables, w):
         states=_records(tables.states, STATES, w), readings=tables.readings[..., w].T, energy=tables.energy[0, :, w],
         events=tables.events[w], values=tables.values[w], n_events=tables.n_events[w],
         relaxation=tables.relaxation[0, :, w], last=tables.last[:damped, :, w], turning=tables.turning[..., w],
-        radiation=tables.radiation[:damped, :, w])
+        bearings=tables.bearings[..., w], radiation=tables.radiation[:damped, :, w])
 
 
 def _records(table, names, w):
@@ -285,6 +253,7 @@ def table(dtype, n, **fields):
     return rows
 
 
+@argument
 class Strain(NamedTuple):
     """Strain modes of deformable bricks: stiffness, damping: (bodies, modes) of each mode [1/s2, 1/s], the supports
     last; shapes: (kinds, 2, modes) displacement along the normal and the tangent of a contact point by a unit of each
@@ -296,6 +265,7 @@ class Strain(NamedTuple):
     rows: np.ndarray
 
 
+@argument
 class Matrix(NamedTuple):
     """Mass matrix of selective mass scaling as a block factor L D L', its nodes in the order of elimination; a node has
     three coordinates of a body.
@@ -315,6 +285,7 @@ class Matrix(NamedTuple):
     room: np.ndarray
 
 
+@argument
 class Law(NamedTuple):
     """Joint law of a wall: Material, threshold of the events OPENED and SLIPPED [m]."""
 

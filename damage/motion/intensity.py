@@ -20,7 +20,7 @@ SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)
 AVERAGE_PERIODS_S = tuple(np.geomspace(0.01, 1.0, 10))
 """Periods of AvgSa [s]: ten, equally far apart in their logarithm."""
 
-APPLIED = ("pgv_m_s", "avg_sa_g", "sa_eigen_period_g", "arias_m_s", "d5_75_s", "d5_95_s")
+APPLIED = ("pgv_m_s", "pgv_rotd100_m_s", "avg_sa_g", "sa_eigen_period_g", "arias_m_s", "d5_75_s", "d5_95_s")
 """Keys of `applied_measures`."""
 
 MOST_END_VELOCITY, WARNED_END_VELOCITY = 0.2, 0.5
@@ -60,6 +60,37 @@ def pgv_m_s(record: Record) -> float:
     return float(max(np.abs(at_samples).max(), np.abs(between).max(initial=0.0)))
 
 
+def rotd100(record: Record, across: Record) -> dict:
+    """Largest of all horizontal directions (RotD100: D. M. Boore, 2010, Bull. Seism. Soc. Am. 100(4), 1830-1835) of two
+    components at right angles with the same step, length and start: "pga_rotd100_g", "pgv_rotd100_cm_s" and
+    "sa_rotd100_g", the 5 % spectrum, {period [s]: ordinate [g]}.
+
+    A direction's peak is the largest length of the vector of both components; velocity is followed in INSTANTS parts of
+    each step, between which it is exact.
+    """
+    pair = [one.acceleration_m_s2 for one in (record, across)]
+    step_s = record.time_step_s
+    spectrum = {str(period): float(np.hypot(*(oscillator_response(one, step_s, period) for one in pair)).max())
+                / GRAVITY for period in SPECTRUM_PERIODS_S}
+    return {"pga_rotd100_g": float(np.hypot(*pair).max()) / GRAVITY, "pgv_rotd100_cm_s": 100.0 * pgv_rotd100_m_s(
+        record, across), "sa_rotd100_g": spectrum}
+
+
+INSTANTS = 16
+
+
+def pgv_rotd100_m_s(record: Record, across: Record) -> float:
+    """As `pgv_m_s`, in the direction in which it is largest [m/s]."""
+    part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
+
+    def velocity(one):
+        a, step_s = one.acceleration_m_s2, one.time_step_s
+        at_samples = scipy.integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
+        return at_samples[:-1] + step_s * part * (a[:-1] + 0.5 * part * np.diff(a))
+
+    return float(np.hypot(velocity(record), velocity(across)).max())
+
+
 def avg_sa_g(record: Record, damping: float = 0.05) -> float:
     """AvgSa: geometric mean of the pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of them is.
 
@@ -69,11 +100,12 @@ def avg_sa_g(record: Record, damping: float = 0.05) -> float:
     return float(np.prod(response_spectrum(record, AVERAGE_PERIODS_S, damping)) ** (1 / len(AVERAGE_PERIODS_S)))
 
 
-def applied_measures(record: Record | None, eigen_period_s: float | None) -> dict:
+def applied_measures(record: Record | None, eigen_period_s: float | None, across: Record | None = None) -> dict:
     """Measures of the horizontal motion as a run applied it, under the keys APPLIED; None where one does not apply.
 
     record: that motion, after baseline, band-pass, window and scale, or None where the base stands still;
-    eigen_period_s: of the intact wall [s], or None.
+    eigen_period_s: of the intact wall [s], or None; across: the other horizontal component, which is not applied, or
+    None.
     The spectral ones have 5 % damping and the rest after the motion, as long as the longest period, in which an
     oscillator may swing further than during a short motion.
     """
@@ -81,6 +113,7 @@ def applied_measures(record: Record | None, eigen_period_s: float | None) -> dic
         return dict.fromkeys(APPLIED)
     measures = {
         "pgv_m_s": lambda: pgv_m_s(record),
+        "pgv_rotd100_m_s": lambda: None if across is None else pgv_rotd100_m_s(record, across),
         "avg_sa_g": lambda: avg_sa_g(rested(record, AVERAGE_PERIODS_S[-1])),
         "sa_eigen_period_g": lambda: None if eigen_period_s is None else sa_g(record, eigen_period_s),
         "arias_m_s": lambda: arias_m_s(record),
@@ -240,11 +273,16 @@ def motion_summary(loading, eigen_period_s=None) -> dict:
     measures = summary(loading.applied())
     if eigen_period_s is not None:
         measures["sa_eigen_period_g"] = sa_g(loading.applied(), eigen_period_s)
+    if loading.across is not None:
+        measures |= rotd100(loading.applied(), loading.applied_across())
     return {"motion": loading.name, "unit": loading.record.unit, "gravity_m_s2": GRAVITY, "scale": loading.scale,
             "window_s": loading.window_s, "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
             "time_step_s": loading.record.time_step_s, "interpolated_for_s": loading.interpolated_for_s,
             "lost_by_lines": loading.lost_by_lines,
             "filtered": [] if loading.band_hz is None else list(measures), **measures}
+
+
+_SPECTRA = "sa_g", "sa_rotd100_g"
 
 
 def _describe_sampling(found: dict) -> str:
@@ -259,14 +297,15 @@ def _describe_sampling(found: dict) -> str:
 def describe(found: dict) -> str:
     """A `motion_summary` as lines for people."""
     names = list(found)
-    measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name != "sa_g"}
+    measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name not in _SPECTRA}
     band = "none (--band LOW_HZ HIGH_HZ for a band-pass)" if found["band_hz"] is None else \
         "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
     lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2",
              f"unit of the file: {found['unit'] or 'm_s2 (made in Python)'}", f"filter: {band}",
              f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}"]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
-    lines += [f"sa_g({period} s){value:>{28 - len(period) - 8}.4f}" for period, value in found["sa_g"].items()]
+    lines += [f"{name}({period} s){value:>{25 - len(period) - len(name)}.4f}" for name in _SPECTRA if name in found
+              for period, value in found[name].items()]
     if abs(found["end_velocity_cm_s"]) > MOST_END_VELOCITY * found["pgv_cm_s"]:
         lines.append("note: the base still moves when the motion ends; PGV, Arias intensity and durations include what "
                      "the baseline or the window adds (--baseline ORDER, --band LOW_HZ HIGH_HZ and another --window "

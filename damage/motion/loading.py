@@ -115,6 +115,10 @@ class Loading:
         recorded motion, which is without its samples."""
         return None
 
+    def applied_across(self) -> Record | None:
+        """The motion at right angles to the wall, which is not applied, as a record; None where it is not known."""
+        return None
+
 
 @dataclass(frozen=True)
 class Harmonic(Loading):
@@ -195,6 +199,8 @@ class Recorded(Loading):
     scale: factor on both components.
     window_s: start and end [s] of the part that is used, or None for all of it.
     vertical: component along z with the same step, length and start, or None.
+    across: horizontal component at right angles, which is not applied and of which the largest of all directions is
+        known (RotD100), with the same step, length and start, or None.
     baseline_order: order of the polynomial that is taken off, or None.
     band_hz: corners of the zero-phase band-pass [Hz], or None.
     interpolated_for_s: first period [s] of the wall for which both components are interpolated, band-limited
@@ -209,14 +215,16 @@ class Recorded(Loading):
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
     interpolated_for_s: float | None = None
+    across: Record | None = None
 
     def __post_init__(self):
         for key in ("window_s", "band_hz"):
             pair = getattr(self, key)
             if pair is not None and len(pair) != 2:
                 raise InputError(f"{key} of {len(pair)} numbers; expected two, start and end")
-        if self.vertical is not None:
-            _check_simultaneous(self.record, self.vertical)
+        for name in ("vertical", "across"):
+            if (other := getattr(self, name)) is not None:
+                _check_simultaneous(self.record, other, name)
         self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
     @cached_property
@@ -252,6 +260,10 @@ class Recorded(Loading):
     def applied(self) -> Record:
         """As of any Loading: the prepared horizontal record."""
         return self.motion[0]
+
+    def applied_across(self) -> Record | None:
+        """As of any Loading: prepared as the component along the wall."""
+        return None if self.across is None else self._prepared(self.across)
 
     @property
     def name(self) -> str:
@@ -302,16 +314,17 @@ class Recorded(Loading):
             sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]), window_s=_floats(self.window_s),
             baseline_order=None if self.baseline_order is None else int(self.baseline_order),
             band_hz=_floats(self.band_hz), duration_s=float(self.duration_s),
-            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines).as_dict()
+            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines,
+            across=None if self.across is None else _origin(self.across)).as_dict()
 
 
 @dataclass(frozen=True)
 class RecordedMotion(Loading):
     """A `Recorded` as read from a history: without the samples, which stay in the record's file.
 
-    horizontal, vertical: {"record": its name, "file": without its folder, "sha256", "start_utc", "unit", and "given"
-    where it was given how to read it} of the components; time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of
-    the motion as it was used [g]; the rest as in `Recorded`.  None is what an older file does not say.
+    horizontal, vertical, across: {"record": its name, "file": without its folder, "sha256", "start_utc", "unit", and
+    "given" where it was given how to read it} of the components; time_step_s: of the record's file [s]; pga_g,
+    sa_02_s_g: of the motion as it was used [g]; the rest as in `Recorded`.  None is what an older file does not say.
     """
 
     name: str
@@ -327,6 +340,7 @@ class RecordedMotion(Loading):
     duration_s: float | None = None
     interpolated_for_s: float | None = None
     lost_by_lines: float | None = None
+    across: dict | None = None
 
     @property
     def drive(self) -> Drive:
@@ -343,8 +357,10 @@ class RecordedMotion(Loading):
 
     def as_dict(self) -> dict:
         """The table of which `loading_from_dict` makes this again, fit for JSON; a motion whose samples were taken as
-        they are says nothing of interpolation."""
+        they are says nothing of interpolation, one without another component nothing of it."""
         table = {"kind": "record", **asdict(self)}
+        if self.across is None:
+            del table["across"]
         if self.interpolated_for_s is None:
             del table["interpolated_for_s"], table["lost_by_lines"]
         return table | {"sa_0.2_s_g": table.pop("sa_02_s_g")}
@@ -495,17 +511,17 @@ def loading_from_dict(table: dict) -> Loading:
     return record_from(_KINDS[table["kind"]], table, derived=("kind", "name", "duration_s", "ease_s"))
 
 
-def _check_simultaneous(record: Record, vertical: Record) -> None:
+def _check_simultaneous(record: Record, other: Record, name: str) -> None:
     """Both components must hold the same instants."""
-    kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, vertical)]
+    kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)]
     correction = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
     if kinds[0] != kinds[1]:
-        raise InputError(f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
+        raise InputError(f"{name} {other.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
                          f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {correction}")
-    if record.start_utc and vertical.start_utc:
-        late_s = prepare.start_difference_s(vertical, record)
+    if record.start_utc and other.start_utc:
+        late_s = prepare.start_difference_s(other, record)
         if abs(late_s) > 0.5 * record.time_step_s:
-            raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {correction}")
+            raise InputError(f"{other.name} starts {late_s:g} s after {record.name}; {correction}")
 
 
 def _origin(record: Record) -> dict:

@@ -142,6 +142,25 @@ def aligned_with(record: Record, reference: Record) -> Record:
     return windowed(record, early_s, early_s + reference.duration_s)
 
 
+def on_axis_of(record: Record, reference: Record, window_s: tuple[float, float] | None = None) -> Record:
+    """A record on the time axis of another one, by their start_utc, zero where it has no samples; within the window, by
+    default all of the other one, it has to have them."""
+    step_s, late_s = reference.time_step_s, start_difference_s(record, reference)
+    if abs(record.time_step_s / step_s - 1) > 1e-9:
+        raise InputError(f"{record.name} has a time step of {record.time_step_s:g} s, {reference.name} of {step_s:g} s;"
+                         " expected the same, resample one")
+    first, size = round(late_s / step_s), reference.acceleration_m_s2.size
+    begin, end = max(first, 0), min(first + record.acceleration_m_s2.size, size)
+    lowest, highest = (0.0, reference.duration_s) if window_s is None else window_s
+    if begin * step_s > lowest + 0.5 * step_s or (end - 1) * step_s < min(highest, reference.duration_s) - 0.5 * step_s:
+        raise InputError(f"{record.name} has samples from {begin * step_s:g} to {(end - 1) * step_s:g} s of "
+                         f"{reference.name}, {lowest:g} to {highest:g} s are used; expected all of these, give "
+                         "--window T0_S T1_S")
+    found = np.zeros(size)
+    found[begin:end] = record.acceleration_m_s2[begin - first:end - first]
+    return replace(record, acceleration_m_s2=found, start_utc=reference.start_utc)
+
+
 def start_difference_s(record: Record, other: Record) -> float:
     """Start of a record minus the start of another one [s]."""
     for one in (record, other):

@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from datetime import date
 
 import numpy as np
 
 from damage.checks import check_range
 from damage.csv_table import CsvTable
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.motion.loading import Drive
 
 PROFILES = ("hogging", "sagging", "tilt", "knick")
@@ -18,6 +19,8 @@ MOST_M, MOST_POINTS = 1.0, 1000
 SHORTEST_S, FASTEST_M_S = 1.0, 5e-3
 """Least duration [s] and largest velocity of the ground [m/s]: slow enough to be quasi-static."""
 _EDGE_M = 1e-6
+END_M = 0.5
+"""How far beyond the outermost levels a wall may reach [m]: there the profile goes on straight."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ def _check_points(profile, x, up):
     if len(x) != len(up) or not 2 <= len(x) <= MOST_POINTS:
         raise InputError(f"{profile}: a profile of {len(x)} points; expected 2 to {MOST_POINTS}, x_m and uz_m of each")
     for value in up:
-        check_range(f"{profile}: uz_m [m]", value, -MOST_M, MOST_M)
+        check_range(f"{profile}: displacement [m]", value, -MOST_M, MOST_M)
     if not np.all(np.diff(x) > 0):
         raise InputError(f"{profile}: x_m does not rise from point to point; sort them, one row each")
     if not any(up):
@@ -118,12 +121,55 @@ def _check_points(profile, x, up):
 
 
 def read_profile(path):
-    """Settlement by a CSV file with the columns x_m and uz_m [m], upwards positive.
+    """Settlement by a CSV file with the columns x_m and uz_m [m], upwards positive; or of levels, by x_m, height_m and,
+    of several surveys, date.
 
     Raises InputError, with the line, where the file does not fit.
     """
-    table = CsvTable(path, ("x_m", "uz_m"), most_rows=MOST_POINTS)
-    points = {name: table.numbers(name) for name in ("x_m", "uz_m")}
-    for name, values in points.items():
+    table = CsvTable(path, ("x_m",), ("uz_m", "height_m", "date"), MOST_POINTS)
+    names = [name for name in ("uz_m", "height_m") if name in table.text]
+    if len(names) != 1 or (names == ["uz_m"] and "date" in table.text):
+        raise InputError(f"{path}: columns {', '.join(table.text)}; expected x_m and uz_m of a profile, or x_m, "
+                         "height_m and date of levels; correct the header")
+    x, up = points = [table.numbers(name) for name in ("x_m", *names)]
+    for name, values in zip(("x_m", *names), points):
         table.refuse(np.isnan(values), f"no {name}; expected a number [m], give it")
-    return Settlement(table.path.name, None, *(tuple(map(float, values)) for values in points.values()))
+    x, up = (x, up) if names == ["uz_m"] else _of_levels(table, x, up)
+    return Settlement(table.path.name, None, *(tuple(map(float, values)) for values in (x, up)))
+
+
+def _of_levels(table, x, height):
+    """Points (x, uz) [m] of a table of levels: those of the last date less those of the first, of one date those of a
+    course that was level when it was built.  The highest point has not settled; the ends go on straight for END_M."""
+    day_of = table.words("date")
+    for row in np.flatnonzero([not _is_date(word) for word in day_of] if "date" in table.text else np.zeros(0)):
+        raise table.error(row, f"date = {day_of[row]!r}: expected a day like 2019-05-22; correct it")
+    days = sorted(set(day_of))
+    first, last = (_rising(table, x, height, np.flatnonzero(day_of == day)) for day in (days[0], days[-1]))
+    up = last[1] - (np.interp(last[0], *first) if len(days) > 1 else 0.0)
+    if len(days) > 1 and (last[0][0] < first[0][0] - END_M or last[0][-1] > first[0][-1] + END_M):
+        raise InputError(f"{table.path}: levels of {days[-1]} from x = {last[0][0]:g} to {last[0][-1]:g} m, of "
+                         f"{days[0]} from {first[0][0]:g} to {first[0][-1]:g} m; expected the same places; give those")
+    if len(days) == 1:
+        warn(f"{table.path}: levels of one date: the course is taken as level when it was built")
+    slope = np.diff(up)[[0, -1]] / np.diff(last[0])[[0, -1]]
+    x = np.concatenate([last[0][:1] - END_M, last[0], last[0][-1:] + END_M])
+    up = np.concatenate([up[:1] - END_M * slope[0], up, up[-1:] + END_M * slope[1]])
+    return x, up - up.max()
+
+
+def _rising(table, x, height, rows):
+    """(x, height) of rows in the order of x; InputError where there are too few, or two at one place."""
+    rows = rows[np.argsort(x[rows], kind="stable")]
+    if len(rows) < 2:
+        raise InputError(f"{table.path}: {len(rows)} level of one date; expected two or more along the wall; add them")
+    for row in rows[1:][np.diff(x[rows]) <= 0]:
+        raise table.error(row, f"a second level at x = {x[row]:g} m of one date; leave one out")
+    return x[rows], height[rows]
+
+
+def _is_date(word):
+    try:
+        return bool(date.fromisoformat(word))
+    except ValueError:
+        return False

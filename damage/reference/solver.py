@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
-from damage.mechanics.loose import LARGEST
+from damage.mechanics.loose import LARGEST, PAIRS
 from damage.mechanics.samples import ELASTIC, KINETIC
-from damage.mechanics.tables import OPENED, RIGID, SLIPPED, X, Z
+from damage.mechanics.tables import LOGS, OPENED, PULLS, RIGID, SHARED, SLIPPED, STIFFNESS, WORK, Tables, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
 
@@ -13,9 +14,11 @@ EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "s
 
 
 STATE_TABLES = ("place", "velocity", "force", "trig", "limits", "states", "readings", "energy", "relaxation",
-                "radiation")
+                "radiation", "bearings")
 """Fields of System that a step changes; masses, contact parameters, the log of events, and what follows from the rest
 are left out."""
+LOOSE_TABLES = "bounds", "seen", "order", "pairs", "springs", "counts", "energy"
+"""Fields of Loose that outlast a step."""
 
 
 class ReferenceSolver(ReferenceWall, Solver):
@@ -37,7 +40,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         self.local_damping, self.adaptive_damping, self.alpha, self.beta = local, adaptive, alpha, beta
 
     def shift(self, offsets):
-        self.system.place[:len(self.layout.bodies), X:Z + 1] += offsets
+        self.system.place[:len(self.layout.bodies), X:Z + 1] += np.where(self.layout.held[:, :2], 0.0, offsets)
         self.refresh()
 
     def set_velocities(self, velocities):
@@ -72,7 +75,8 @@ class ReferenceSolver(ReferenceWall, Solver):
 
         ends = sorted({*steps_of(0, sample_steps), *steps_of(since, LOOK_STEPS), end})
         # Prescribed velocities change at every sample; events of parallel elements are known at the sample alone.
-        return ends[:1] if self._is_driven or self.layout.fibres is not None else ends
+        single = self._is_driven or self.layout.fibres is not None or self.system.bearings[:, STIFFNESS].any()
+        return ends[:1] if single else ends
 
     def _instants_at(self, samples):
         """Instants of samples of the last `run`, {index of the end: step}."""
@@ -86,10 +90,17 @@ class ReferenceSolver(ReferenceWall, Solver):
         totals, joints = samples.totals, self.active_contacts()
         bodies, supports = np.split(samples.displacement[..., :RIGID], [len(self.layout.bodies)], axis=1)
         strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
+        stress = np.moveaxis(self.of_joints(samples.stress), 1, 2) if self.with_stresses else None
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC],
-                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain)
+                        np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC] + self._in_bearing(),
+                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain,
+                        stress)
+
+    def _in_bearing(self):
+        """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a time."""
+        stiffness, force = self.system.bearings[:, [STIFFNESS, PULLS]].T
+        return 0.5 * float(np.sum(force[stiffness > 0]**2 / stiffness[stiffness > 0]))
 
     def _in_springs(self, displacement):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]: work of the push that
@@ -114,9 +125,36 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def resume(self, state):
         for name in STATE_TABLES:
-            getattr(self.system, name)[:] = state[name]
+            if name in state:  # older files have no bearings
+                getattr(self.system, name)[:] = state[name]
         for kind, passed in self._passed.items():
             passed[:] = state[f"passed_{kind}"]
+
+    def _whole(self):
+        """Views of all tables of this wall that outlast a step, {name: array}."""
+        tables, lane = self.lanes.tables, self.lanes.lane_of(self)
+        found = {name: of[lane] if name in LOGS else of[..., lane] for name, of in zip(Tables._fields, tables)
+                 if name not in SHARED + WORK}
+        loose = {} if self.loose is None else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
+        return found | loose | {f"passed_{kind}": passed for kind, passed in self._passed.items()}
+
+    def checkpoint(self):
+        return {name: np.array(table, order="C") for name, table in self._whole().items()} | {
+            "clock": np.array(self.clock), "is_driven": np.array(self._is_driven)}
+
+    def restore(self, tables):
+        if self.loose is not None:
+            pairs, order, counts = (tables[f"loose_{name}"] for name in ("pairs", "order", "counts"))
+            n, room = len(order), len(pairs)
+            if not (0 <= pairs.min() <= pairs.max() < n and np.array_equal(np.sort(order), np.arange(n))
+                    and counts.min() >= 0 and counts[PAIRS] <= room):
+                raise InputError("the loose contacts of the checkpoint are of bodies that this wall has not; run it "
+                                 "again")
+        if tables["n_events"][0] < 0 or tables["clock"] < 0:
+            raise InputError("the clock of the checkpoint, or its number of events, is below zero; run it again")
+        for name, table in self._whole().items():
+            table[:] = tables[name]
+        self.step, self._is_driven = self.first_step + int(tables["clock"]), bool(tables["is_driven"])
 
     def drain_events(self):
         if self.layout.fibres is None and self.system.n_events[0] == 0:

@@ -2,6 +2,7 @@
 
 import argparse
 import hashlib
+import math
 import os
 import re
 import sys
@@ -20,11 +21,11 @@ from damage.measure.crack_file import Surveyed
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
-from damage.motion.record import aligned_with
+from damage.motion.record import aligned_with, on_axis_of
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
-from damage.run.settings import AFTER_FALL_S, MASS_SCALING, RELAXATIONS, RunSettings, rayleigh_factors
+from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
 from damage.wall.plausible import ACCEPT
@@ -105,6 +106,9 @@ def parse_run(arguments, prog, solver):
     return RunSettings(**_fields_of(RunSettings, parsed) | _motion(parsed) | {
         "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": _model(parsed),
         "continued": getattr(parsed, "continue") and str(getattr(parsed, "continue")), "alpha_1_s": alpha_1_s,
+        "checkpoint_s": math.inf if parsed.checkpoint is None else 60 * parsed.checkpoint,
+        "points": tuple(map(tuple, parsed.point or ())),
+        "resumed": parsed.resume and str(parsed.resume), "out": parsed.out or parsed.resume,
         "beta_s": beta_s, "command": f"{prog} {shown_command(arguments)}".strip()})
 
 
@@ -144,6 +148,13 @@ def _option(action, name, value):
         if not isinstance(value, bool):
             raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return [option] if value is action.const else []
+    if isinstance(action, argparse._AppendAction):
+        try:
+            rows = np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
+        except (TypeError, ValueError):
+            raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these; "
+                             "correct it") from None
+        return [word for one in rows for word in (option, *map(str, one))]
     values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
     words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
     return [option, *words] if action.nargs else [option, ",".join(words)]
@@ -169,6 +180,8 @@ def _add_motion(group):
 def _add_life(group):
     group.add_argument("--address", type=file_path, metavar="ADDRESS.toml", help="where, and how motions are chosen "
                        "(docs/guides/address.md)")
+    group.add_argument("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a "
+                       "life: a record scaled to its median PGV at the address; with --life to the PGV drawn there")
     group.add_argument("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it "
                        "motions are drawn and, where --strength-cov is given, the joints' strengths")
 
@@ -185,6 +198,8 @@ def add_preparation(group):
                        help="subtract a polynomial of this order from the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
+    group.add_argument("--across", type=file_path, metavar="FILE", help="the record's other horizontal component, "
+                       "which is not applied: with it there are measures of the largest of all directions (RotD100)")
 
 
 def _add_push(group):
@@ -202,8 +217,8 @@ def _add_push(group):
 
 def _add_settlement(group):
     group.add_argument("--settle", type=file_path, metavar=f"{'|'.join(PROFILES)}|FILE.csv",
-                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m of a "
-                       "file; without a motion the run ends then")
+                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m, or "
+                       "levels x_m,height_m,date, of a file; without a motion the run ends then")
     group.add_argument("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection "
                        f"over half the wall's length, or the angle of tilt and knick (default "
                        f"1/{1 / USUAL_DISTORTION:g})")
@@ -211,11 +226,11 @@ def _add_settlement(group):
 
 def _add_before(group):
     group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
-                       "same wall, as if it had continued; YADE repeats that run first")
+                       "same wall, as if it had continued; in YADE one with --checkpoint")
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
                        "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
     group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
-                       "crack of --cracked may be drawn (default: half a brick's height)")
+                       "crack of --cracked may be drawn (default: half a brick's length)")
 
 
 def _surveyed(parsed):
@@ -239,10 +254,14 @@ def fraction(word):
 
 def settlement_of(parsed):
     """The Settlement of parsed options, None without one."""
+    drawn = parsed.life is not None and read_address(parsed.address).settlement(parsed.life)
+    if drawn and parsed.settle is not None:
+        raise InputError(f"--settle {parsed.settle} and {parsed.address}, whose lives draw the settlement: expected "
+                         "one of them; leave --settle or the key settle out")
     if parsed.settle is None:
         if parsed.distortion is not None:
             raise InputError("--distortion belongs to --settle; give both")
-        return None
+        return drawn or None
     if str(parsed.settle) in PROFILES:
         given = parsed.distortion
         return Settlement(str(parsed.settle), USUAL_DISTORTION if given is None else given)
@@ -264,7 +283,7 @@ def add_model_options(group, names):
 
 def _add_field(group, one, **more):
     """Add the option of a field to a parser, or a group of one."""
-    kind = float if one.default is None else type(one.default)
+    kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
     group.add_argument(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
                        **{"help": one.metadata["help"],
                           "default": None if None in one.metadata["words"] else one.default} | more)
@@ -302,11 +321,7 @@ def _add_model(group, solver):
         group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
                            help="damping of the static stage and of a pushed top: adaptive (default), or "
                            "local as in YADE")
-        group.add_argument("--settling", choices=RELAXATIONS, help="damping of settling stages (default: local, as in "
-                           "YADE, and adaptive with mass scaling)")
-        group.add_argument("--mass-scaling", choices=MASS_SCALING, help="selective: steps of up to 2e-4 s by masses "
-                           "that grow with the stiffness of the intact wall; a run that is not accepted is repeated in "
-                           "smaller steps (default: by the wall and its motion, docs/validation/mass-scaling.md)")
+        _add_settings(group, "settling", "mass_scaling")
     _add_settings(group, "perturb_m", "scatter", "seed", "members")
     add_accept(group)
 
@@ -321,6 +336,16 @@ def _add_run(group, solver):
     group.add_argument("--out", type=file_path, metavar="FILE.h5", help="history file "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
+    group.add_argument("--stresses", action="store_true", help="keep normal and shear stress of all joints at every "
+                       "sample (docs/guides/reading-results.md); the run says first how large they are")
+    group.add_argument("--point", nargs=2, type=float, action="append", metavar=("X_M", "Z_M"), help="keep the "
+                       "displacement of this point of the wall at every sample; repeatable")
+    group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
+                       "FILE.checkpoint after so many minutes of computing each, and in YADE at the end (default: at "
+                       "an interruption)")
+    group.add_argument("--resume", type=file_path, metavar="FILE.h5", help="go on with this run, which was interrupted "
+                       "or killed, from its last checkpoint; the other options as they were. A checkpoint of YADE can "
+                       "execute code: go on with runs of your own only")
     _add_settings(group, "rest_s", "time_step_s")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
@@ -345,16 +370,18 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
             "speed": ("pushover", "cyclic"),
             "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
-            **dict.fromkeys((*_READ, "scale", "window", "vertical", "baseline", "band"), ("record",))}
+            **dict.fromkeys((*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",))}
 
 
 def _motion(parsed):
     """The fields of RunSettings that are about the motion."""
+    if parsed.event is not None:
+        return _event(parsed)
     if parsed.life is not None:
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
         return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
-    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical")
+    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
                          "the file has the records, their scales and windows; leave the other out")
@@ -363,22 +390,32 @@ def _motion(parsed):
     return _events(events)
 
 
+def _event(parsed):
+    """The fields of RunSettings that are about --event: the motion of a record, scaled."""
+    draws = read_address(parsed.address)
+    table = draws.event(parsed.event, parsed.life)
+    (motion,), (row,) = events_of(table, parsed.rest), table.to_dict("records")
+    return {"loading": replace(motion.loading, scale=motion.factor), "sequence": (1.0,),
+            "event": row | {"life": parsed.life, **draws.as_dict()}}
+
+
 def _events(events):
     return {"loading": strongest(events).loading, "sequence": tuple(event.factor for event in events), "events": events}
 
 
 def _life_of(parsed):
-    """What decides the life of parsed options, fit for JSON; None without one.  Raises InputError where an option does
-    not go with it."""
-    if (parsed.address is None) != (parsed.life is None):
-        raise InputError("--address ADDRESS.toml and --life N: expected both; give the other one, too")
-    if parsed.life is None:
+    """What decides the life of parsed options, fit for JSON; None without one, or for one event.  Raises InputError
+    where an option does not go with it."""
+    asked = "event" if parsed.event is not None else "life"
+    if (parsed.address is None) != (getattr(parsed, asked) is None):
+        raise InputError("--address ADDRESS.toml and --life N, or --event DATE: expected both; give the other one, too")
+    if parsed.address is None:
         return None
-    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "baseline", "band")
+    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
-        raise InputError(f"--life and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
-                         "motions; leave the other out")
-    return {"number": parsed.life, **read_address(parsed.address).as_dict()}
+        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides "
+                         "the motions; leave the other out")
+    return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
 
 
 def _model(parsed):
@@ -449,9 +486,11 @@ def recorded(parsed):
     """The Recorded motion of parsed options: `record`, those of `add_preparation`, and `vertical` where offered."""
     given = {"unit": None if parsed.unit == BY_FILE else parsed.unit, "sample_step_s": parsed.sample_step}
     record, vertical = read_record(parsed.record, **given), getattr(parsed, "vertical", None)
+    window = parsed.window and tuple(parsed.window)
+    across = parsed.across and on_axis_of(read_record(parsed.across, **given), record, window)
     return Recorded(
-        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None,
-        **_given(scale=parsed.scale, window_s=parsed.window and tuple(parsed.window), baseline_order=parsed.baseline,
+        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None, across=across,
+        **_given(scale=parsed.scale, window_s=window, baseline_order=parsed.baseline,
                  band_hz=parsed.band and tuple(parsed.band)))
 
 

@@ -20,6 +20,7 @@ from damage.run.settings import (
     SETTLE_S,
 )
 from damage.run.solver import NO_MOTION
+from damage.wall.restraints import top_of
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
@@ -61,9 +62,14 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
 
 
 def check_top(settings, layout, time_step):
-    """Raise InputError where the rotational spring at the top is too stiff for the time step [s]: its own frequency on
-    the body that carries the top has to stay below half of the stable one with its joints."""
-    stiffness, inertia = settings.loading.drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
+    """Raise InputError where a pushed top that may not rotate has a restraint, or the rotational spring at the top is
+    too stiff for the time step [s]: its own frequency on the body that carries the top has to stay below half of the
+    stable one with its joints."""
+    drive = settings.loading.drive
+    if drive.top and not drive.top_rotates and top_of(layout.wall):
+        raise InputError(f"--boundary fixed: a restraint holds the top of wall {layout.wall.name}, so that the push "
+                         "moves the course at mid-height, which turns; leave --boundary out")
+    stiffness, inertia = drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
     most = 0.25 * float(inertia) / time_step**2
     if stiffness > most:
         raise InputError(f"--top-rotation {stiffness:g} is too stiff for time steps of {time_step:.3g} s: expected up "
@@ -157,10 +163,10 @@ def check_size(settings, layout, time_step):
     if steps > MOST_STEPS:
         raise InputError(f"a run of {length_s:.6g} s in {steps:.3g} steps of {time_step:.3g} s: expected up to "
                          f"{MOST_STEPS:.0e} steps; give a larger --dt, less damping (--beta), or a shorter run")
-    states = steps / interval * layout.n_joints
+    states = steps / interval * layout.n_joints * (23 / 15 if settings.stresses else 1)  # bytes of each
     if states > MOST_STATES:
         raise InputError(f"{steps / interval:.3g} samples of {layout.n_joints} contact points: expected up to "
-                         f"{MOST_STATES:.0e} states in all; give a shorter run, or fewer --cells")
+                         f"{MOST_STATES:.0e} states in all; give a shorter run, fewer --cells, or no --stresses")
 
 
 def base_acceleration(settings, schedule, time_step):

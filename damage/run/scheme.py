@@ -7,38 +7,31 @@ bore it is repeated explicitly at once, since the scaled masses of failed joints
 
 from dataclasses import replace
 
-from damage.errors import InputError, RunError
+from damage.errors import InputError
 from damage.motion.loading import Harmonic, Recorded
 from damage.run.schedule import choose_time_step
-from damage.run.settings import ACCEPTED_DROP_M, ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
+from damage.run.settings import ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
+from damage.run.watch import ENERGY, NotAccepted
 from damage.wall.model_options import ModelOptions
 
 SLENDER_S = 0.15
 """First period from which on a wall with openings takes the longest of the steps below [s]."""
 SLENDER_STEP_S, STIFF_STEP_S, DEFORMABLE_STEP_S = 2e-4, 1e-4, 5e-5
 """Time steps with selective mass scaling [s] (docs/validation/mass-scaling.md)."""
-_AS_SHOWN = "contacts", "cells", "soil", "fibres", "bricks"
-"""Model options that have their defaults in the runs of that table."""
-ENERGY, DROP, STEP = "energy", "drop", "step"
-
-
-class NotAccepted(RunError):
-    """A run with mass scaling that is to be repeated; code: ENERGY, DROP or STEP."""
-
-    def __init__(self, code, text):
-        super().__init__(text)
-        self.code = code
+_SHOWN = ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")
+_FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
+"""Models of the runs of that table, and options that are free beside them."""
 
 
 def is_shown(settings, wall):
     """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit steps: softening joints,
     openings, bricks that stay whole, shaken by a record or harmonically."""
-    model, usual = settings.model, ModelOptions()
+    model = {name: getattr(settings.model, name) for name in _FREE}
     return (wall.joint.softens and len(wall.openings) > 0 and not wall.brick.splits
-            and wall.joint.compressive_strength is None and isinstance(settings.loading, Harmonic | Recorded)
-            and all(getattr(model, name) == getattr(usual, name) for name in _AS_SHOWN)
-            and settings.time_step_s is None and not settings.new_contacts
-            and "local" not in (settings.relaxation, settings.settling))
+            and wall.joint.compressive_strength is None
+            and not wall.restraints and isinstance(settings.loading, Harmonic | Recorded)
+            and settings.model in [replace(shown, **model) for shown in _SHOWN]
+            and not settings.new_contacts and "local" not in (settings.relaxation, settings.settling))
 
 
 def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
@@ -49,12 +42,15 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
         DEFORMABLE_STEP_S if settings.model.has_modes else
         SLENDER_STEP_S if wall.openings and period_s >= SLENDER_S else STIFF_STEP_S)
     if settings.mass_scaling is None:
-        shown = is_shown(settings, wall) and step_s > critical_s
+        shown = is_shown(settings, wall) and settings.time_step_s is None and step_s > critical_s
         settings = replace(settings, mass_scaling=SELECTIVE if shown else NONE)
     explicit = settings if settings.mass_scaling == NONE else replace(settings, mass_scaling=NONE, time_step_s=None)
     explicit = explicit, choose_time_step(explicit, critical_s, wall.joint.softens, decay_1_s)
     if settings.mass_scaling == NONE:
         return (explicit,)
+    if wall.restraints:
+        raise InputError("--mass-scaling selective of a wall with restraints: expected one without; leave "
+                         "--mass-scaling out")
     if not critical_s < step_s <= MOST_SCALED_STEP_S:
         raise InputError(f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the "
                          f"critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give "
@@ -70,19 +66,9 @@ def check_energy(settings, error):
                           f"{100 * ACCEPTED_ERROR:g} %")
 
 
-def check_drop(drop_m, time_s):
-    """Raise NotAccepted where a brick has dropped by so much [m] from what bore it; time_s: when."""
-    if drop_m > ACCEPTED_DROP_M:
-        raise NotAccepted(DROP, f"a brick has dropped by {1e3 * drop_m:.2g} mm from those that bore it by {time_s:.2f} "
-                          f"s, with mass scaling accepted up to {1e3 * ACCEPTED_DROP_M:g} mm")
-
-
 def scaling_warnings(settings, wall):
     """What of a run with mass scaling is outside of what it was shown to be accurate for: a list of lines."""
-    if settings.mass_scaling != SELECTIVE or (wall.joint.softens and wall.openings):
+    if settings.mass_scaling != SELECTIVE or is_shown(settings, wall):
         return []
-    if wall.joint.softens:
-        return ["--mass-scaling selective of a wall without openings: the widest crack may be 12 % too narrow "
-                "(docs/validation/mass-scaling.md)"]
-    return ["--mass-scaling selective with brittle joints: DI may be 13 % and residual DI several times too high; "
-            "expected joints with fracture energies (docs/validation/mass-scaling.md)"]
+    return ["--mass-scaling selective is less accurate, or was not compared with explicit steps, for a wall, motion or "
+            "options of this kind (docs/validation/mass-scaling.md): compare with --mass-scaling none"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from damage.checks import check_range
 from damage.errors import InputError
-from damage.fields import MOST_SEED, check_fields, option_of, quantity
+from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
 from damage.index import THRESHOLD
 from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
@@ -76,21 +76,23 @@ class RunSettings:
     each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
     along which joints have no bond, or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
-    life: what the events were drawn from (`damage.exposure.lives`), or None;
+    life: what the events were drawn from (`damage.exposure.lives`), or None; event: the one event at an address whose
+    motion `loading` is, or None;
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
     solver;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
-    joints need (`for_joint`); mass_scaling: one of MASS_SCALING (`damage.run.scheme`);
+    joints need (`for_joint`); mass_scaling: one of MASS_SCALING, None for what suits the wall (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion, one of RELAXATIONS,
-    settling None for local, adaptive with mass scaling; perturb_m: size of random
-    offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
-    bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case,
-    but with sharper corners); after_fall: follow them until they rest; accept_implausible: do not check whether the
-    wall and the motion are plausible; out: history file, None for a name of its own below
-    `results/`;
-    quiet: print warnings and errors only; console: when YADE's prompt comes, "before" or "after" the run, or None;
-    command: what asked for it.
+    settling None for local, adaptive with mass scaling; perturb_m: size of random offsets of the bricks [m], scatter:
+    coefficient of variation of the joints' strengths [-], both drawn with `seed`: by it the members of an ensemble
+    differ; members: how many runs with seeds from `seed` on; checkpoint_s: computing time between two checkpoints [s],
+    infinity for one at an interruption only; resumed: history of this very run, which goes on from its checkpoint, or
+    None; past_collapse_s: how long bodies are followed after the first brick fell [s]; new_contacts: loose bricks
+    collide (in YADE they do in any case, but with sharper corners); after_fall: follow them until they rest; stresses:
+    keep those of all joints at every sample; points: places (x, z) in the undeformed wall whose displacement is kept
+    [m]; accept_implausible: do not check whether the wall and the motion are plausible; out: history file, None for a
+    name of its own below `results/`; quiet: print warnings and errors only; console: when YADE's prompt comes, "before"
+    or "after" the run, or None; command: what asked for it.
     """
 
     loading: object
@@ -101,6 +103,7 @@ class RunSettings:
     sequence: tuple[float, ...] = (1.0,)
     events: tuple[Event, ...] = ()
     life: dict | None = None
+    event: dict | None = None
     rest_s: float = quantity("s", 0, LONGEST_S, default=2.0, option="rest", metavar="S",
                              help="free vibration after the motion (default 2)")
     time_step_s: float | None = quantity("s", 1e-9, 1, default=None, option="dt", metavar="S",
@@ -108,9 +111,13 @@ class RunSettings:
     alpha_1_s: float = 0.0
     beta_s: float | None = quantity("s", 0, 1, words=(None,), default=0.0, option="beta", metavar="S", help="stiffness"
                                     f"-proportional damping (default 0, and {SOFTENING_BETA_S:g} where joints soften)")
-    mass_scaling: str | None = NONE
+    mass_scaling: str | None = choice(
+        MASS_SCALING, default=None, help="selective: steps of up to 2e-4 s by masses that grow with the stiffness of the "
+        "intact wall; a run that is not accepted is repeated in smaller steps (default: by the wall and its motion, "
+        "docs/validation/mass-scaling.md)")
     relaxation: str = "local"
-    settling: str | None = None
+    settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
+                                  "YADE, and adaptive with mass scaling)")
     perturb_m: float = quantity("m", 0, THRESHOLD, default=0.0, option="perturb", metavar="M",  # more is a crack
                                 help="random offsets of the bricks, for ensembles (default 0)")
     scatter: float = quantity("1", 0, MOST_SCATTER, default=0.0, metavar="COV", help="scatter of the joints' "
@@ -123,8 +130,12 @@ class RunSettings:
                             "the first")
     past_collapse_s: float = quantity("s", 0, LONGEST_S, default=0.0, option="past-collapse", metavar="S",
                                       help="follow the bricks for so long after the first one fell (default 0)")
+    checkpoint_s: float = math.inf
+    resumed: str | None = None
     new_contacts: bool = False
     after_fall: bool = False
+    stresses: bool = False
+    points: tuple[tuple[float, float], ...] = ()
     accept_implausible: bool = False
     out: Path | None = None
     overwrite: bool = False
@@ -168,6 +179,12 @@ class RunSettings:
             raise InputError("--after-fall without --new-contacts: bricks would fall through each other; give both")
         if not self.loading.moves and not self.settlement:
             raise InputError("no motion and no settlement: expected one of them; give one")
+        if self.members > 1 and (self.resumed or self.checkpoint_s < math.inf):
+            raise InputError("--members with --checkpoint or --resume: expected a single run, as members step "
+                             "together; leave these out")
+        if self.resumed and (self.overwrite or self.out not in (None, Path(self.resumed))):
+            raise InputError(f"--resume {self.resumed} with --out or --overwrite: expected one of them, as the run "
+                             "goes on in the file that it has; leave the other out")
         if self.continued and (self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s):
             raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall "
                              "that continues from its last state; leave these out")
@@ -259,7 +276,8 @@ class RunSettings:
         """Settings of each member: seeds 1, 2, ... or from `seed` on, scatter SCATTER where neither it nor `perturb_m`
         is given."""
         first, scatter = self.seed or 1, self.scatter or (0.0 if self.perturb_m else SCATTER)
-        return [replace(self, members=1, seed=first + k, scatter=scatter) for k in range(self.members)]
+        return [replace(self, members=1, seed=first + k, scatter=scatter, stresses=self.stresses and k == 0)
+                for k in range(self.members)]
 
     @property
     def duration_s(self):
@@ -274,12 +292,14 @@ class RunSettings:
                 "continued": self.continued and Path(self.continued).name,
                 "cracked": self.cracked and asdict(self.cracked),
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
-                **({"life": self.life} if self.life else {}),
+                **({"life": self.life} if self.life else {}), **({"event": self.event} if self.event else {}),
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
                 "beta_s": self.beta_s, "mass_scaling": self.mass_scaling, "relaxation": self.relaxation,
                 "settling": self.settles, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
                 "new_contacts": self.new_contacts, "after_fall": self.after_fall,
+                **({"stresses": True} if self.stresses else {}),
+                **({"points": [list(place) for place in self.points]} if self.points else {}),
                 "command": self.command}
 
 

@@ -20,6 +20,7 @@ LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_ps
 """Default levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
 INTENSITIES = {"sa_eigen_period_g": r"S$_\mathrm{a}$(T$_1$, 5 %) [g]", "avg_sa_g": "AvgSa [g]",
                "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]", "pgv_m_s": "PGV [m/s]", "pga_g": "PGA [g]",
+               "pgv_rotd100_m_s": "PGV, largest of all directions [m/s]",
                "arias_m_s": "Arias intensity [m/s]"}
 """Intensities that are compared with one another; the first that a study has is the default.  What an axis says."""
 STUDY_FILE = "a study file (.toml)", 10

@@ -4,6 +4,7 @@ masses (caps) and the stress below them, its floors and lintels."""
 from typing import NamedTuple
 
 from damage.units import GRAVITY
+from damage.wall.restraints import top_of
 
 _SAME = 1e-4  # [m], sizes and places closer than this are as given
 WARN_COURSE, WARN_HEIGHT = 0.25, 0.05
@@ -68,7 +69,8 @@ def warn_of_courses(plan):
 def describe_floors(plan):
     """Lines on the floors of a Plan, upwards: kind, level and length as laid, mass."""
     return [f"{floor.kind} floor at {above * plan.wall.brick.height:.4g} m, x = {left:.4g} to {right:.4g} m: "
-            f"{floor.mass / 1e3:.3g} t"
+            f"{floor.mass / 1e3:.3g} t" + (f" ({floor.mass_per_area:g} kg/m2 over {floor.tributary_width:g} m)"
+                                           if floor.mass_per_area else "")
             for floor, left, right, _, above in sorted(plan.floors, key=lambda place: place.floor.level)]
 
 
@@ -108,14 +110,15 @@ def describe_cap(cap):
 
 
 def describe_top(layout):
-    """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, and each cap."""
+    """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, each cap and restraint."""
     of, bodies, wall = layout.options, layout.bodies, layout.wall
+    restraints = [one.describe(layout.top_mass) for one in wall.restraints]
     if layout.top_mass == 0:
-        return ["no mass on top: no precompression"]
-    on_top = slice(layout.n_below_caps, None)
+        return ["no mass on top: no precompression", *restraints]
+    on_top = (bodies.course == -1) & (top_of(wall) is None)
     over = "the length of the wall" if of.load == "length" else "the piers alone"
     places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.plan.piers)
     return [f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), "
             f"{layout.pier_stress / 1e6:.3g} MPa in the piers below, x = {places}",
             *map(describe_cap, caps(bodies.x[on_top], bodies.length[on_top], bodies.mass[on_top],
-                                    wall.brick.thickness))]
+                                    wall.brick.thickness)), *restraints]

@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, contact_stiffness
+from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, SIDE_COURSE, contact_stiffness
 from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
+from damage.wall.restraints import top_of
 from damage.wall.split import cuts_of
 
 TINY = 1e-6  # [m], two positions closer than this are the same
@@ -118,11 +119,14 @@ def _bed_pairs(plan, bodies, cells, breaks):
     column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
     below, pairs, n_below_caps = {}, [], plan.taken.shape[1]
     of_caps = np.full(len(bodies) - n_below_caps, len(plan.runs))  # the course above the wall
+    above = BED if top_of(plan.wall) else CAP
     first, last = (np.append(course, of_caps)[cells.body] for course in plan.taken)
     for index in np.lexsort((cells.left, first)):
         under = below.get((first[index] - 1, column[index]))
         below[last[index], column[index]] = index
-        kind = CAP if cells.body[index] >= n_below_caps else BED
+        if bodies.course[cells.body[index]] == SIDE_COURSE:
+            continue
+        kind = above if cells.body[index] >= n_below_caps else BED
         if first[index] == 0:
             pairs.append((BED, GROUND, index))
         elif under is not None:
@@ -131,16 +135,17 @@ def _bed_pairs(plan, bodies, cells, breaks):
 
 
 def _lintel_rows(plan, options, bodies, cells):
-    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and (Place,
-    row) of those on the cuts through beams."""
+    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and beside
+    party walls, and (Place, row) of those on the cuts through beams."""
     number = plan.n_bricks + len(plan.slabs)
     left_cell, right_cell = ({body: cell for cell, body in order} for order in (
         reversed(list(enumerate(cells.body))), enumerate(cells.body)))
     of_part = {number + k: place for k, place in enumerate(
         place for place in plan.lintels for _ in range(place.parts))}
+    sides = np.flatnonzero(bodies.course == SIDE_COURSE).tolist()
     ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
     beside, cuts, least = [], [], 2 // len(PLACES[options.contacts])
-    for one, other in _touching(of_part, ends, bodies.z - half, bodies.z + half):
+    for one, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
         cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
         bottom, top = (pick(bodies.z[[one, other]] + sign * half[[one, other]]) for pick, sign in ((max, -1), (min, 1)))
         place = of_part.get(one)
@@ -158,7 +163,7 @@ def _lintel_rows(plan, options, bodies, cells):
 
 
 def _touching(parts, ends, bottom, top):
-    """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these parts of lintels."""
+    """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these parts."""
     left, right = ends
     found = set()
     for part in parts:

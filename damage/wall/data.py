@@ -17,6 +17,9 @@
     [[floors]]
     level = 2.7
     mass = 800
+
+    [[restraints]]                      # `damage.wall.restraints`
+    side = "left"
 """
 
 import math
@@ -29,6 +32,7 @@ from damage.wall.floors import Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
 from damage.wall.parameters import Brick, Joint, Opening, Wall, brick_of_masonry
+from damage.wall.restraints import Restraint
 
 MOST_MB = 1
 MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick format", "mortar": "of joints [m]",
@@ -38,7 +42,7 @@ MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick for
 FRICTION = "friction"
 """Key of [joint]: the friction coefficient, in place of the angle."""
 _TABLES = {"brick": Brick, "joint": Joint}
-_LISTS = {"openings": Opening, "floors": Floor}
+_LISTS = {"openings": Opening, "floors": Floor, "restraints": Restraint}
 DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
@@ -139,6 +143,7 @@ def wall_schema():
         "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)}, _object(Lintel, {})]},
         "brick": _object(Brick, {}), "joint": _object(Joint, {}, FRICTION)}
     special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
+    special["floors"]["items"]["anyOf"] = [{"required": ["mass"]}, {"required": ["mass_per_area", "tributary_width"]}]
     return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")
 
 

@@ -25,19 +25,43 @@ class Floor:
     """A floor or roof.
 
     level [m]: of its top, laid to the nearest bed joint; mass [kg]: of all that it brings to this wall, with its
-    weight; left, right [m]: of the part of the wall that it rests on, right None for the wall's end; kind: "timber" or
-    "concrete" (`damage.wall.floors`); depth [m]: of a concrete slab, laid to whole courses.
+    weight; or mass_per_area [kg/m2] and tributary_width [m], across the wall: half of the span on each side that bears
+    on it, from which `on` works out the mass; left, right [m]: of the part of the wall that it rests on, right None
+    for the wall's end; kind: "timber" or "concrete" (`damage.wall.floors`); depth [m]: of a concrete slab, laid to
+    whole courses.
     """
 
     level: float = quantity("m", 1e-3, 1000.0, (0.03, 50), "on the base course; a tower")
-    mass: float = quantity("kg", 1e-3, 1e8, (1, 1e6), "a shelf; the floor of a hall")
+    mass: float | None = quantity("kg", 1e-3, 1e8, (1, 1e6), "a shelf; the floor of a hall", default=None)
     left: float = quantity("m", 0.0, 1000.0, default=0.0)
     right: float | None = quantity("m", 0.0, 1000.0, default=None)
     kind: str = choice(KINDS_OF_FLOORS, default="timber")
     depth: float = quantity("m", 1e-3, 10.0, (0.01, 2), "a screed; a transfer slab", default=0.15)
+    mass_per_area: float | None = quantity("kg/m2", 1e-2, 1e5, (10, 3000), "boards on joists have some 30; a store on "
+                                           "thick concrete", default=None)
+    tributary_width: float | None = quantity("m", 1e-3, 1000.0, (0.1, 20), "a landing; half the span of a hall",
+                                             default=None)
 
     def __post_init__(self):
         check_fields(self)
+        if (self.mass_per_area is None) != (self.tributary_width is None):
+            raise InputError(f"Floor at {self.level:g} m with mass_per_area = {self.mass_per_area} kg/m2 and "
+                             f"tributary_width = {self.tributary_width} m: expected both; give the other one")
+        if self.mass is None and self.mass_per_area is None:
+            raise InputError(f"Floor at {self.level:g} m without a mass: expected mass [kg], or mass_per_area [kg/m2] "
+                             "and tributary_width [m]; give one of them")
+
+    def on(self, wall):
+        """This floor with its mass on a wall.  Raises InputError where that is given, too, and differs."""
+        if self.mass_per_area is None:
+            return self
+        left, right = self.span(wall)
+        mass = self.mass_per_area * self.tributary_width * (right - left)
+        if self.mass is not None and abs(self.mass - mass) > 1e-6 * mass:
+            raise InputError(f"wall {wall.name}, floor at {self.level:g} m: mass = {self.mass:g} kg, but "
+                             f"{self.mass_per_area:g} kg/m2 on {right - left:g} x {self.tributary_width:g} m are "
+                             f"{mass:g} kg; expected one of them; leave the other out")
+        return replace(self, mass=mass)
 
     @property
     def is_body(self):

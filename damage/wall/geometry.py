@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from damage.wall.floors import SLAB_COURSE
-from damage.wall.kinds import KINDS, rows
+from damage.wall.kinds import CAP_COURSE, KINDS, SIDE_COURSE, rows
 from damage.wall.kinematics import rigid_displacement
 from damage.wall.lintels import LINTEL_COURSE
 
@@ -24,12 +24,12 @@ def body_table(layout):
 def kinds_of_bodies(course):
     """"bricks", "masses", "slabs" or "lintels" of bodies (n,) by their course; bricks of an arch are bricks.
 
-    >>> kinds_of_bodies([0, -1, -2, -3, -4]).tolist()
-    ['bricks', 'masses', 'slabs', 'lintels', 'bricks']
+    >>> kinds_of_bodies([0, -1, -2, -3, -4, -5]).tolist()
+    ['bricks', 'masses', 'slabs', 'lintels', 'bricks', 'masses']
     """
     course = np.asarray(course)
-    return np.select([course == -1, course == SLAB_COURSE, course == LINTEL_COURSE], ["masses", "slabs", "lintels"],
-                     "bricks")
+    return np.select([np.isin(course, (CAP_COURSE, SIDE_COURSE)), course == SLAB_COURSE, course == LINTEL_COURSE],
+                     ["masses", "slabs", "lintels"], "bricks")
 
 
 def cuts_of_lintels(joints, bodies):

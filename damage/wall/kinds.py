@@ -7,6 +7,8 @@ GROUND = -1
 BED, HEAD, CUT, CAP = 0, 1, 2, 3
 KINDS = ("bed", "head", "brick", "cap")
 """On bed and head joints, on the cuts where bricks can split, on the caps' glue."""
+CAP_COURSE, SIDE_COURSE = -1, -5
+"""`course` of a cap, or of the beam of a restrained top, and of a party wall."""
 CAP_HEIGHT = 0.20
 """Of a cap [m], settled: its centre lies 0.10 m above the wall's top."""
 
@@ -34,8 +36,9 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
     """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays (n_contacts,).
 
     A joint is in series with the bricks on both sides: 1/k = 1/k_joint + d/E, with G in shear; d is the distance of the
-    brick centres across the joint, half a brick at the base.  Rigid top masses are glued with the stiffness of a bed
-    joint between bricks.  A cut through a brick has the stiffness of the brick between the centres of its halves.
+    brick centres across the joint, half a brick at the base and at restraints.  Rigid top masses are glued with the
+    stiffness of a bed joint between bricks.  A cut through a brick has the stiffness of the brick between the centres
+    of its halves.
 
     Under a uniform shear stress cells slide along their horizontal and their upright boundaries, bricks in a bond along
     the horizontal ones above all: each kind of boundary gets its part of the compliance of the brick, 1/G in all.
@@ -46,8 +49,9 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
     brick, joint = wall.brick, wall.joint
     upright = (kind == HEAD) | (kind == CUT)
     distance = np.full(len(kind), brick.height)
-    distance[first < 0] = brick.height / 2
-    distance[upright] = bodies.x[second[upright]] - bodies.x[first[upright]]
+    distance[(first < 0) | ((kind == BED) & (bodies.course[second] == CAP_COURSE))] = brick.height / 2
+    reach = np.where(bodies.course == SIDE_COURSE, bodies.length / 2, 0.0)
+    distance[upright] = (bodies.x - reach)[second[upright]] - (bodies.x + reach)[first[upright]]
     return tuple(np.where(kind == CUT, modulus / distance, 1 / (1 / stiffness + distance / modulus))
                  for stiffness, modulus in ((joint.normal_stiffness, brick.young_modulus),
                                             (joint.shear_stiffness, sheared * brick.shear_modulus)))

@@ -1,7 +1,8 @@
 """From a wall's parameters to bodies, cells and contact points: the one layout of every solver.
 
 Bodies are the bricks, course by course from the base and left to right, then slabs (`damage.wall.floors`), the parts of
-lintels (`damage.wall.lintels`), and the caps that carry the top mass.  The supports below them are bodies -1, -2, ...:
+lintels (`damage.wall.lintels`), the caps that carry the top mass, or the beam of a restraint, and party walls
+(`damage.wall.restraints`).  The supports below them are bodies -1, -2, ...:
 support k is body `damage.wall.kinds.GROUND - k` of contact points, and in tables of all bodies they follow the caps
 (`damage.wall.kinds.rows`).  A brick's cells break at every head joint of the wall, so that facing cells of two courses
 match.  `damage.wall.plan` says what is built where; `damage.wall.contact_points` places the contact points.
@@ -18,11 +19,12 @@ from damage.units import GRAVITY
 from damage.wall.contact_points import PLACES, TINY, Contacts, make_contacts, scattered, segments_of
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.floors import SLAB_COURSE, with_timber_floors
-from damage.wall.kinds import CAP, CAP_HEIGHT, CUT
+from damage.wall.kinds import CAP, CAP_COURSE, CAP_HEIGHT, CUT, SIDE_COURSE
 from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, mass_per_length
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from damage.wall.plan import Plan, plan_of
+from damage.wall.restraints import THICK_M, top_of
 from damage.wall.soil import on_soil
 from damage.wall.split import CUT_POINTS, cut_bricks, cuts_of
 from damage.wall.strain import Strain, strain_of
@@ -36,7 +38,8 @@ class Bodies:
     """Bricks, slabs, lintels and caps; every array has shape (n_bodies,).
 
     x, z [m] centres; length, height [m]; mass [kg]; inertia [kg m2] about y;
-    course: 0 at the base, -1 for a cap, -2 for a slab, -3 for a part of a beam, -4 for a brick of an arch.
+    course: 0 at the base, -1 for a cap, -2 for a slab, -3 for a part of a beam, -4 for a brick of an arch, -5 for a
+    party wall, which has no mass.
     """
 
     x: np.ndarray
@@ -122,9 +125,10 @@ class Layout:
 
     @property
     def pushed_bodies(self):
-        """Bodies that a quasi-static loading moves: the caps, or the top course where there are none."""
-        caps = np.arange(self.n_below_caps, len(self.bodies))
-        return caps if len(caps) else self.drift_bodies
+        """Bodies that a quasi-static loading moves: the caps; the drift course where there are none, or a restraint
+        holds the top."""
+        caps = np.flatnonzero(self.bodies.course == CAP_COURSE)
+        return caps if len(caps) and top_of(self.wall) is None else self.drift_bodies
 
     @property
     def pushed_height(self):
@@ -143,8 +147,29 @@ class Layout:
 
     @property
     def total_mass(self):
-        """Mass that the base carries [kg]: bricks and top mass."""
-        return float(self.bodies.mass.sum())
+        """Mass that the base carries [kg]: bricks and top mass, a constant load with it."""
+        return float(self.weighing.sum())
+
+    @property
+    def held(self):
+        """Coordinates whose velocity restraints prescribe, bool (n_bodies, 3)."""
+        beam, top = self.bodies.course == CAP_COURSE, top_of(self.wall)
+        found = np.repeat(self.bodies.course == SIDE_COURSE, 3).reshape(-1, 3)
+        if top:
+            found[beam] = [top.stiffness is None, False, top.rotation == "fixed"]
+        return found
+
+    @property
+    def weighing(self):
+        """Masses (n_bodies,) [kg] whose weight the bodies have: their own, and the constant load on a restrained
+        top."""
+        return self.bodies.mass + self.load_mass
+
+    @property
+    def load_mass(self):
+        """What the constant load on a restrained top weighs, (n_bodies,) [kg]."""
+        load = self.top_mass - self.bodies.mass if top_of(self.wall) else 0.0
+        return np.where(self.bodies.course == CAP_COURSE, load, 0.0)
 
 
 def lay_out(wall, options=None, *, scatter=0.0, seed=0):
@@ -211,10 +236,32 @@ def _make_bodies(plan, options):
     course[behind:] = [ARCH_COURSE if place.lintel.kind == "arch" else LINTEL_COURSE for place in parts]
     bodies = with_timber_floors(plan, Bodies(plan.ends.mean(axis=0), (first + last + 1) / 2 * brick.height, length,
                                              height, mass, mass * (length**2 + height**2) / 12, course))
+    if plan.wall.restraints:
+        return _with_restraints(plan, options, bodies, top_mass)
     if top_mass and options.top == "uniform":
         return _with_spread_mass(plan, bodies, top_mass)
-    spans = plan.piers if options.top == "piers" else ((0.0, plan.wall.length),)
-    return _with_caps(bodies, plan.wall.built_height, np.array(spans), top_mass) if top_mass else bodies
+    return _with_caps(plan, options, bodies, top_mass) if top_mass else bodies
+
+
+def _with_restraints(plan, options, bodies, top_mass):
+    """Bodies, and behind them caps, or the beam of a restraint, and party walls."""
+    wall, top = plan.wall, top_of(plan.wall)
+    if options.top == "uniform":
+        raise InputError(f"--top uniform with restraints of wall {wall.name}: expected a top mass of its own, which a "
+                         "beam carries; leave --top out")
+    if top is None:
+        bodies = _with_caps(plan, options, bodies, top_mass) if top_mass else bodies
+    else:
+        mass = top_mass if top.mass is None else top.mass
+        if mass > top_mass * (1 + TINY):
+            raise InputError(f"wall {wall.name}: a restraint's beam of {mass:g} kg: expected up to the {top_mass:.4g} "
+                             "kg that the precompression weighs; give less, or more precompression")
+        bodies = _joined(bodies, wall.length / 2, wall.built_height + THICK_M / 2, wall.length, THICK_M, mass,
+                         CAP_COURSE)
+    for side in (one.side for one in wall.restraints if one.side != "top"):
+        x = -THICK_M / 2 if side == "left" else wall.length + THICK_M / 2
+        bodies = _joined(bodies, x, wall.built_height / 2, THICK_M, wall.built_height, 0.0, SIDE_COURSE)
+    return bodies
 
 
 def _with_spread_mass(plan, bodies, top_mass):
@@ -228,13 +275,19 @@ def _with_spread_mass(plan, bodies, top_mass):
     return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
 
 
-def _with_caps(bodies, bottom, spans, top_mass):
-    """Bodies, and behind them one rigid cap a span above z = bottom, mass shared by length, I = m (w^2 + h^2) / 12."""
+def _with_caps(plan, options, bodies, top_mass):
+    """Bodies, and behind them one rigid cap a pier, or one over all, mass shared by length."""
+    spans = np.array(plan.piers if options.top == "piers" else ((0.0, plan.wall.length),))
     width = spans[:, 1] - spans[:, 0]
-    mass, n = top_mass * width / width.sum(), len(width)
-    caps = Bodies(spans.mean(axis=1), np.full(n, bottom + CAP_HEIGHT / 2), width, np.full(n, CAP_HEIGHT), mass,
-                  mass * (width**2 + CAP_HEIGHT**2) / 12, np.full(n, -1))
-    return Bodies(*map(np.append, vars(bodies).values(), vars(caps).values()))
+    return _joined(bodies, spans.mean(axis=1), plan.wall.built_height + CAP_HEIGHT / 2, width, CAP_HEIGHT,
+                   top_mass * width / width.sum(), CAP_COURSE)
+
+
+def _joined(bodies, x, z, length, height, mass, course):
+    """Bodies, and behind them blocks with I = m (w^2 + h^2) / 12."""
+    inertia = mass * (length**2 + height**2) / 12
+    added = np.broadcast_arrays(*map(np.atleast_1d, (x, z, length, height, mass, inertia, course)))
+    return Bodies(*map(np.append, vars(bodies).values(), added))
 
 
 def _find_drift_bodies(plan, bodies):

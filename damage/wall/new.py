@@ -78,7 +78,7 @@ def _python(path_of_shipped, path, name):
     title = ast.get_docstring(tree).splitlines()[0]
     kept = [node for node in tree.body if isinstance(node, (ast.FunctionDef, ast.Assign, ast.Import, ast.ImportFrom))
             and not _OF_YADE & _imported(node)]
-    parts = [_segment(shipped, node) for node in kept]
+    parts = ["\n".join(shipped.splitlines()[node.lineno - 1:node.end_lineno]) for node in kept]  # and comments inside
     text = "".join(f"\n\n{part}\n" if isinstance(node, ast.FunctionDef) else f"{part}\n"
                    for node, part in zip(kept, parts))
     head = _HEAD.format(path=path, source=source, title=title)
@@ -109,8 +109,3 @@ def _imported(node):
     """Names of the modules that a node imports; none of another node."""
     return {alias.name for alias in node.names} if isinstance(node, ast.Import) else (
         {node.module} if isinstance(node, ast.ImportFrom) else set())
-
-
-def _segment(text, node):
-    """The lines of a node, with the comments inside of it."""
-    return "\n".join(text.splitlines()[node.lineno - 1:node.end_lineno])

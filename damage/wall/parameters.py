@@ -15,6 +15,7 @@ from damage.units import GRAVITY
 from damage.wall.floors import Floor, check_floors
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
 from damage.wall.plan import check_bearing, check_outline, plan_of
+from damage.wall.restraints import Restraint, check_restraints
 
 LONGEST_M, LONGEST_NAME, MOST_PARTS = 1000.0, 100, 1000
 """What a wall may have: length and height [m], characters of its name; openings, floors, or points of the outline:
@@ -243,6 +244,11 @@ class Wall:
     floors: of `damage.wall.floors.Floor`.
     lintel: of openings that have none of their own, a `damage.wall.lintels.Lintel` or its kind; "courses" in the
         paper's walls, where `ModelOptions.lintel` says which joints stay elastic.
+    restraints: of `damage.wall.restraints.Restraint`: floors that hold the top, party walls.
+
+    A strip of a wall in one-way bending between floors, out of its plane, is a plane problem, too: a column of courses
+    whose `length` is the wall's thickness, `brick.length` twice that and `brick.thickness` the width of the strip,
+    under a restraint of its top (docs/guides/other-walls.md).
     """
 
     name: str
@@ -257,6 +263,7 @@ class Wall:
     outline: tuple[tuple[float, float], ...] = ()
     floors: tuple[Floor, ...] = ()
     lintel: Lintel = field(default_factory=Lintel)
+    restraints: tuple[Restraint, ...] = ()
 
     def __post_init__(self):
         object.__setattr__(self, "lintel", lintel_of(self.lintel))
@@ -264,10 +271,11 @@ class Wall:
         if not named or not all(c.isalnum() or c in "-_" for c in self.name):
             raise InputError(f"Wall.name = {self.name!r}: expected up to {LONGEST_NAME} letters, digits, '-' or '_', "
                              "since it names files; rename the wall")
-        for name, kind in (("openings", Opening), ("floors", Floor)):
+        for name, kind in (("openings", Opening), ("floors", Floor), ("restraints", Restraint)):
             object.__setattr__(self, name, _records(f"Wall.{name}", getattr(self, name), kind))
         object.__setattr__(self, "outline", _points("Wall.outline", self.outline))
         check_fields(self)
+        object.__setattr__(self, "floors", tuple(floor.on(self) for floor in self.floors))
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
                              "half a brick by one course; make it larger")
@@ -276,6 +284,7 @@ class Wall:
             check_outline(self)
         _check_openings(self)
         check_floors(self)
+        check_restraints(self)
         check_bearing(plan_of(self))
 
     @property
@@ -320,9 +329,14 @@ class Wall:
                        openings=tuple(replace(one, lintel=None) for one in self.openings))
 
     def as_dict(self):
-        """All parameters as a plain dictionary, for files and tables; without outline, floors and lintels of its own
-        where it has none."""
-        table = {name: value for name, value in asdict(self).items() if value or name not in ("outline", "floors")}
+        """All parameters as a plain dictionary, for files and tables; without outline, floors, restraints and
+        lintels of its own where it has none."""
+        optional = "outline", "floors", "restraints"
+        table = {name: value for name, value in asdict(self).items() if value or name not in optional}
+        for floor in table.get("floors", ()):
+            for name in ("mass_per_area", "tributary_width"):  # older versions do not know them
+                if floor[name] is None:
+                    del floor[name]
         for part, of in ((table, self), *zip(table["openings"], self.openings)):
             lintel = part.pop("lintel")
             if lintel is not None and (of is not self or (self.openings and self.lintel.is_body)):
@@ -336,7 +350,8 @@ class Wall:
         parts["lintel"] = table.get("lintel", "courses" if table.get("openings") else "concrete")
         openings = tuple(record_from(Opening, one) for one in table.get("openings", ()))
         floors = tuple(record_from(Floor, one) for one in table.get("floors", ()))
-        return record_from(cls, table | parts | {"openings": openings, "floors": floors})
+        restraints = tuple(record_from(Restraint, one) for one in table.get("restraints", ()))
+        return record_from(cls, table | parts | {"openings": openings, "floors": floors, "restraints": restraints})
 
 
 def _records(what, given, kind):

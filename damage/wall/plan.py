@@ -16,6 +16,7 @@ import numpy as np
 from damage.errors import InputError
 from damage.wall.floors import FloorPlace, floor_places
 from damage.wall.lintels import Lintel, Place, edges_of
+from damage.wall.restraints import top_of
 
 _TINY = 1e-6  # [m], two positions closer than this are the same
 
@@ -42,7 +43,8 @@ class Plan:
         beside openings, slabs and lintels; bricks: the edges of the bricks of each course, in the same way.
     piers: parts (left, right) [m] of the length that carry the top.
     drift_course: whose displacement is the wall's drift: the highest that the outline leaves at least half as long as
-        the wall, or the base course; the top course of a wall without an outline.
+        the wall, or the base course; the top course of a wall without an outline; that at mid-height where a restraint
+        holds the top.
     """
 
     wall: object
@@ -111,6 +113,8 @@ def plan_of(wall, options=None):
     least = wall.length / 2 - _TINY
     drift_course = max((course for course, parts in enumerate(outlined)
                         if sum(right - left for left, right in parts) > least), default=0)
+    if top_of(wall):
+        drift_course = wall.courses // 2
     return Plan(wall, openings, floors, lintels, runs, bricks, _find_piers(wall.length, openings), drift_course)
 
 

@@ -1,0 +1,1 @@
+"""A claim as a local page: `python3 -m damage app`."""

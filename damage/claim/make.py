@@ -1,0 +1,127 @@
+"""Make a claim's sheet: checks, draws until the intervals are narrow enough, numbers, sheet."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from damage.batch.folder import ROOT
+from damage.claim.answer import LEAST_DRAWS
+from damage.claim.numbers import enough, numbers_of
+from damage.claim.sheet import sheet
+from damage.claim.twins import BOTH, DRAWN, read_twins, write_twins
+from damage.errors import warn
+from damage.exposure.exposure import Exposure
+from damage.exposure.lives import Choices, Draws
+from damage.files import json_text, write_text
+from damage.history.reader import read_history
+from damage.measure.evidence import evidence_for, facts
+from damage.measure.summary import summarise
+from damage.measure.survey import read_survey
+from damage.run.options import fraction
+from damage.studies.definition import load_study
+from damage.wall.file import load_wall, wall_path
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+
+STEPS = 48, 96, 192, 400
+"""Numbers of draws after which the intervals are looked at."""
+NUMBERS, SHEET = "claim.json", "claim.html"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What a claim is about: wall: its file, or the name of one that ships; address: {key of
+    `damage.exposure.lives.KEYS`: value}; exposure: at it; survey: the file of cracks; options: of each run; settlement:
+    options of a settlement of known shape and size, {} for none that is known; draws: their number, None for as many as
+    the intervals need; language: of the sheet."""
+
+    wall: str
+    address: dict
+    exposure: Exposure
+    survey: Path
+    options: dict = field(default_factory=dict)
+    settlement: dict = field(default_factory=dict)
+    draws: int | None = None
+    language: str = "en"
+
+
+def make_claim(claim, out, jobs):
+    """Make the sheet of a Claim in a folder with so many processes; returns the exit status.  Raises InputError."""
+    from damage.batch.command import run_study
+
+    out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
+    choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
+    Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
+    layout = layout_of(claim.wall)
+    survey = read_survey(claim.survey, layout)
+    warn(*claim.exposure.warnings, *survey.notes)
+    _state_time(claim, out, jobs, steps)
+    for draws in steps:
+        study = _study(claim, out, draws)
+        status = run_study([str(study.path), "--out", str(out), "--keep", "patterns", "-j", str(jobs)])
+        if status != 0:
+            return status
+        twins = read_twins(out, layout)
+        numbers = numbers_of(twins, survey, layout, claim.exposure, _chosen(claim), _ground(claim),
+                             _evidence(out, study))
+        write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
+        place = write_text(out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS))
+        if enough(numbers):
+            break
+    print(describe(numbers, claim.draws is None and draws == STEPS[-1] and not enough(numbers)), place, sep="\n")
+    return 0
+
+
+def layout_of(wall):
+    """Layout of a claim's wall: its file, or the name of one that ships."""
+    return lay_out(load_wall(wall_path(wall)), ModelOptions(supports="bricks"))
+
+
+def _state_time(claim, out, jobs, steps):
+    """Print the expected time of the first draws, and of the most that may follow, before anything starts."""
+    from damage.batch.plan import Plan, duration
+
+    words = []
+    for draws in dict.fromkeys((steps[0], steps[-1])):
+        low, high = Plan(_study(claim, out, draws), out, jobs).seconds
+        words.append(f"{2 * draws} runs of {draws} draws: {duration(low)} to {duration(high)}")
+    print(f"expected: {words[0]} with {jobs} at a time, where nothing else runs"
+          + (f"; up to {words[1]}, if the intervals need them" if len(words) > 1 else "")
+          + ".  The same command continues after an interruption.", flush=True)
+
+
+def _study(claim, out, draws):
+    """The Study of so many draws, whose file is written into a folder."""
+    path = write_twins(out, claim.wall, claim.address, claim.options, claim.settlement, draws)
+    return load_study(path, "reference", ROOT)
+
+
+def _chosen(claim):
+    return {name: value for name, value in claim.address.items() if value is not None} | claim.options
+
+
+def _ground(claim):
+    """The settlement that was taken, fit for JSON."""
+    if not claim.settlement:
+        return {"drawn": list(DRAWN[0]), "distortion": list(DRAWN[1])}
+    distortion = claim.settlement.get("distortion")
+    return {"profile": Path(str(claim.settlement["settle"])).name,
+            "distortion": None if distortion is None else fraction(str(distortion))}
+
+
+def _evidence(out, study):
+    """Judgement of the range of validity on the first draw by both causes."""
+    first = next(run for run in study.runs if run.point.startswith(BOTH))
+    history = read_history(out / "runs" / f"{first.name(1)}.h5")
+    return evidence_for(facts(history.masonry_wall, history.parameters, summarise(history)))
+
+
+def describe(numbers, spent):
+    """The answer in a few lines of text; spent: whether the most draws were not enough."""
+    lines = [f"{numbers['draws']} draws, effective number by priors of settlement "
+             + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())]
+    if numbers["no_answer"]:
+        lines.append("no answer: " + ", ".join(f"{one['why']} ({one['value']:.3g})" for one in numbers["no_answer"]))
+    else:
+        lines += [f"{name.replace('_', ' ')}: {answer}" for name, answer in numbers["verdict"].items()]
+    return "\n".join([*lines, *([f"{STEPS[-1]} draws are the most that are made by themselves; --draws asks for more: "
+                                 f"at least {LEAST_DRAWS} have to resemble the survey"] if spent else [])])

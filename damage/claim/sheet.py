@@ -1,0 +1,120 @@
+"""The sheet of a claim: one A4 page of HTML, in English or Dutch, of the numbers of `damage.claim.numbers`."""
+
+from functools import partial
+
+import numpy as np
+from markupsafe import Markup
+
+from damage.claim.answer import BUT_FOR, LEAST_DRAWS, MOST_OFF_JOINTS, ROWS, STRANGEST
+from damage.html.words import environment, number, of_hundred, words
+from damage.index import THRESHOLD
+from damage.measure.cracks import cracked, ends_of
+from damage.provenance import commit
+from damage.units import MILLIMETRE
+from damage.version import VERSION
+
+MARGIN_MM, THINNEST_MM, DRAWN_MM = 60, 10, 40
+"""Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and what 1 mm adds."""
+_LIMITS = {"draws": LEAST_DRAWS, "strange": 100 * STRANGEST, "off_joints": 100 * MOST_OFF_JOINTS,
+           "small": THRESHOLD / MILLIMETRE}
+_PERCENT = "strange", "off_joints"
+
+
+def sheet(numbers, wall, survey, twins, language, json_name):
+    """The text of the sheet; numbers: of `numbers_of`; wall: Layout; survey: Survey; json_name: file of all numbers."""
+    say, shown = partial(words, language), partial(number, language)
+
+    def ranges(three):
+        least, middle, most = (shown(round(value, 2) + 0.0) for value in three) if three else "-" * 3
+        return say("range", least=least, middle=middle, most=most) if three else "-"
+
+    return environment().get_template("claim.html").render(
+        numbers=numbers, words=say, shown=shown, language=language, cell=of_hundred, ranges=ranges,
+        answer=_answer(numbers, say), why=_why(numbers, say, shown), rows=ROWS, but_for=BUT_FOR,
+        pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
+        evidence=_evidence(numbers["evidence"], say), json_name=json_name,
+        software=f"masonry-damage {VERSION}, commit {commit()}")
+
+
+def _answer(numbers, say):
+    """Sentences of the verdict, a list."""
+    found = []
+    for name in BUT_FOR:
+        shares = [100 * one[name]["share"] for one in numbers["like_survey"].values() if one[name]["share"] is not None]
+        ranges = f"{round(min(shares))}-{round(max(shares))}" if shares else "-"
+        found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
+    return found
+
+
+def _why(numbers, say, shown):
+    """Sentences on why there is no answer, a list that is empty where there is one."""
+    return [say(f"why_{one['why']}", value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
+                limit=shown(_LIMITS[one["why"]])) for one in numbers["no_answer"]]
+
+
+def _taken(numbers, say, shown):
+    """Sentences on what was taken, a list."""
+    given, survey = numbers["settlement"], numbers["survey"]
+    if "drawn" in given:
+        least, most = (round(1 / one) for one in given["distortion"])
+        ground = say("settled_drawn", least=least, most=most)
+    elif given["distortion"]:
+        ground = say("settled_given", profile=say(f"profile_{given['profile']}"),
+                     distortion=round(1 / given["distortion"]))
+    else:
+        ground = say("settled_file", profile=given["profile"])
+    return [
+        ground, say("draws", n=numbers["draws"], events=shown(numbers["events_per_draw"]),
+                    above=shown(numbers["choices"]["above_mm_s"]), kernel=shown(numbers["kernel"]),
+                    fell=f"{numbers['fell']['earthquakes']}, {numbers['fell']['both']}"),
+        say("widths_used"), say("detection", limit=shown(survey["detection_limit_mm"]),
+                                error=shown(survey["width_error_mm"])),
+        say("offsets_yes" if survey["offsets_known"] else "offsets_no")]
+
+
+def _evidence(evidence, say):
+    """The sentence on evidence."""
+    outside = [say(f"quantity {name}") for name, one in evidence.items() if one["inside"] is False]
+    known = sum(one["inside"] is not None for one in evidence.values())
+    return say("outside", found=len(outside), known=known, names=", ".join(outside)) if outside else \
+        say("inside", known=known)
+
+
+# --- pictures ------------------------------------------------------------------------------------
+
+def _pictures(numbers, wall, survey, twins, say, shown):
+    """(SVG, caption) of the survey and of the nearest computed walls."""
+    of = numbers["survey"]
+    caption = say("survey_is", cracks=of["cracks"], length=shown(of["crack_length_m"]),
+                    width=shown(of["max_width_mm"]), share=round(100 * of["share_on_joints"]))
+    parts = survey.pattern.stretches
+    found = [(front(wall, ends_of(parts), parts["width_m"].to_numpy(float), "#b00", say("survey")),
+              f"{say('survey')}: {caption}")]
+    for one in numbers["nearest"]:
+        k = int(np.flatnonzero(twins.numbers == one["life"])[0])
+        width = np.hypot(twins.opening_m[one["state"]][k], twins.offset_m[one["state"]][k])
+        seen = cracked(width, survey.detection_limit_m)
+        text = say("nearest", cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
+        found.append((front(wall, twins.ends[seen], width[seen], "#046", text), text))
+    return found
+
+
+def front(wall, ends, width_m, colour, label):
+    """SVG of a Layout's bricks with cracks: ends (n, 2, 2) [m], width_m (n,); widths are drawn larger."""
+    bodies, n = wall.bodies, wall.n_bricks
+    length, height = wall.wall.length / MILLIMETRE, wall.wall.built_height / MILLIMETRE
+
+    def mm(value):
+        return f"{value / MILLIMETRE:.0f}"
+
+    bricks = "".join(
+        f"M{mm(x - a / 2)} {mm(wall.wall.built_height - z - b / 2)}h{mm(a)}v{mm(b)}h-{mm(a)}z" for x, z, a, b in zip(
+            *(getattr(bodies, name)[:n] for name in ("x", "z", "length", "height"))))
+    lines = "".join(
+        f'<path d="M{mm(a[0])} {mm(wall.wall.built_height - a[1])}L{mm(b[0])} {mm(wall.wall.built_height - b[1])}" '
+        f'stroke-width="{THINNEST_MM + DRAWN_MM * min(w / MILLIMETRE, 2.0):.0f}"/>' for (a, b), w in zip(ends, width_m))
+    box = f"{-MARGIN_MM} {-MARGIN_MM} {length + 2 * MARGIN_MM:.0f} {height + 2 * MARGIN_MM:.0f}"
+    return Markup(
+        f'<svg viewBox="{box}" role="img" aria-label="{Markup.escape(label)}"><path class="bricks" d="{bricks}"/>'
+        f'<path class="ground" d="M{-MARGIN_MM} {height:.0f}h{length + 2 * MARGIN_MM:.0f}"/>'
+        f'<g stroke="{colour}">{lines}</g></svg>')

@@ -1,0 +1,224 @@
+"""Drawn cracks as paths along the joints of a wall: straight lines become the nearest stepped path.
+
+The joints of a wall are a network: tributary lengths of contact points between the corners at which they meet.  A
+polyline is simplified to straight parts.  Its path is the one of least
+
+    sum over joints of length (1 + (distance from the part / brick's height)^2) + 10 (distance of its ends and corners)
+
+by Dijkstra's algorithm, over a copy of the network for each part; what of a line is in an opening or beside the wall
+has none.  Joints of the path that are farther from the line than a tolerance are left out; what of the line has none
+within the tolerance is on no joint.
+
+The faces of a crack move apart across the *line*: a vertical crack of 1 mm opens head joints by 1 mm, and bed joints
+slip.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import scipy  # sparse.csgraph where it is used: it starts slowly
+
+from damage.checks import check_positive
+from damage.measure.cracks import ends_of
+from damage.units import MILLIMETRE
+from damage.wall.geometry import joint_table, tributary_ends
+
+SIMPLER = 15 * MILLIMETRE
+"""Distance up to which a polyline may be simplified [m]: noise of drawing by hand, less than steps of bricks."""
+AROUND_M = 1.0
+"""How far from a polyline its path is searched [m]."""
+_SAMPLE = 5 * MILLIMETRE  # pieces of lines whose distance from the path is worked out
+_SAME = 1e-6  # [m], two corners closer than this are one
+_END = 10.0  # cost of a metre between an end or a corner of the line and the corner of joints that stands for it
+
+
+@dataclass(frozen=True)
+class CrackPaths:
+    """Drawn cracks on joints.
+
+    table: DataFrame, a row each joint of each polyline's path: line (index), joint (index), stretch (index of the
+    nearest), length_m, across: part of an opening across the line that opens the joint [-], 0 where it would close it;
+    drawn_m, on_joints_m: length of all polylines, and of what has joints of its path within the tolerance; apart_m:
+    largest distance of a joint of a path from its line.
+    """
+
+    table: pd.DataFrame
+    drawn_m: float
+    on_joints_m: float
+    apart_m: float
+
+    @property
+    def share(self):
+        """Share of the drawn length that is on joints [-]; 1 where nothing is drawn."""
+        return self.on_joints_m / self.drawn_m if self.drawn_m else 1.0
+
+
+def lines_of(ends):
+    """Polylines (n, 2) [m] of stretches (n, 2, 2) [m] in their order: a stretch goes on where the one before ends."""
+    goes_on = np.zeros(len(ends), bool)
+    goes_on[1:] = np.all(ends[1:, 0] == ends[:-1, 1], axis=1)
+    starts = np.flatnonzero(~goes_on)
+    return [np.vstack([part[:, 0], part[-1:, 1]]) for part in np.split(ends, starts[1:]) if len(part)]
+
+
+def crack_paths(stretches, layout, tolerance=None):
+    """CrackPaths of the stretches of a CrackPattern, or of their ends (n, 2, 2) [m], on the joints of a Layout.
+
+    tolerance [m]: how far from a line its joints may be, None for half a brick's length.
+    """
+    brick = layout.wall.brick
+    tolerance = brick.length / 2 if tolerance is None else tolerance
+    check_positive("tolerance [m]", tolerance)
+    places = ends_of(stretches) if isinstance(stretches, pd.DataFrame) else np.asarray(stretches, float)
+    network, first, rows, on_joints, apart = _Network(layout), 0, [], 0.0, 0.0
+    for number, line in enumerate(lines_of(places)):
+        drawn = np.stack([line[:-1], line[1:]], axis=1)
+        pieces = network.in_masonry(line[_simplified(line, SIMPLER)], brick.height / 2)
+        joint, along = network.along(pieces, brick.height)
+        middle = network.ends[joint].mean(axis=1)
+        distance = _distances(middle, drawn)
+        near = distance.min(axis=1, initial=np.inf) <= tolerance
+        joint, along, distance = joint[near], along[near], distance[near]
+        on_joints += network.covered(drawn, joint, tolerance, brick.height / 2)
+        apart = max(apart, distance.min(axis=1).max(initial=0.0))
+        rows.append(pd.DataFrame({"line": number, "joint": joint, "stretch": first + distance.argmin(axis=1),
+                                  "across": np.maximum(along, 0.0)}))
+        first += len(drawn)
+    empty = pd.DataFrame({"line": [0], "joint": [0], "stretch": [0], "across": [0.0]}).iloc[:0]
+    table = pd.concat([one for one in rows if len(one)] or [empty], ignore_index=True)
+    table["length_m"] = network.length[table["joint"]]
+    drawn_m = float(np.hypot(*(places[:, 1] - places[:, 0]).T).sum())
+    return CrackPaths(table.drop_duplicates(["line", "joint"], ignore_index=True), drawn_m, on_joints, float(apart))
+
+
+def _simplified(line, most):
+    """Indices of the points of a polyline (n, 2) that are kept so that none of the others is farther from it than
+    `most` [m] (Douglas and Peucker 1973)."""
+    keep, todo = {0, len(line) - 1}, [(0, len(line) - 1)]
+    while todo:
+        first, last = todo.pop()
+        if last - first < 2:
+            continue
+        away = _distances(line[first + 1:last], line[None, [first, last]])[:, 0]
+        if away.max() > most:
+            middle = first + 1 + int(away.argmax())
+            keep.add(middle)
+            todo += [(first, middle), (middle, last)]
+    return sorted(keep)
+
+
+def _distances(points, segments):
+    """Distances (n_points, n_segments) [m] of points (n, 2) from segments (n, 2, 2)."""
+    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    away = points[:, np.newaxis] - start
+    share = np.clip((away * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-18), 0.0, 1.0)
+    return np.linalg.norm(away - share[..., np.newaxis] * along, axis=2)
+
+
+class _Network:
+    """The joints of a Layout between the corners at which they meet.
+
+    ends: (n_joints, 2, 2) [m]; length: (n_joints,) [m]; corners: (n_corners, 2) [m]; corner: (n_joints, 2) indices;
+    low, high: (n, 2) [m], corners of all bodies.
+    """
+
+    def __init__(self, layout):
+        n, bodies = layout.n_below_caps, layout.bodies
+        middle, half = (np.column_stack([getattr(bodies, name)[:n] for name in names]) for names in (
+            ("x", "z"), ("length", "height")))
+        self.low, self.high = middle - half / 2, middle + half / 2
+        self.ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
+        self.length = layout.contacts.length[:layout.n_joints]
+        places = self.ends.reshape(-1, 2)
+        same = scipy.spatial.cKDTree(places).query_pairs(_SAME, output_type="ndarray")
+        graph = scipy.sparse.coo_matrix((np.ones(len(same)), same.T), shape=(len(places),) * 2)
+        corner = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
+        self.corners, self.corner = places[np.unique(corner, return_index=True)[1]], corner.reshape(-1, 2)
+
+    def _has(self, points, margin):
+        """Whether points (n, 2) lie in bodies, or within a margin [m] of one."""
+        points = points[:, np.newaxis]
+        return ((points >= self.low - margin) & (points <= self.high + margin)).all(axis=2).any(axis=1)
+
+    def covered(self, drawn, joint, tolerance, margin):
+        """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these joints within the
+        tolerance [m]."""
+        covered = 0.0
+        for start, end in drawn if len(joint) else ():
+            length = float(np.hypot(*(end - start)))
+            n = max(1, int(np.ceil(length / _SAMPLE)))
+            middle = start + (end - start) * ((np.arange(n) + 0.5) / n)[:, np.newaxis]
+            near = _distances(middle, self.ends[joint]).min(axis=1) <= tolerance * (1 + 1e-9)
+            covered += length * float((near & self._has(middle, margin)).mean())
+        return covered
+
+    def in_masonry(self, line, margin):
+        """The parts of a polyline (n, 2) [m] that lie in bodies, or within a margin [m] of one: a list of polylines."""
+        pieces, goes_on = [], False
+        for start, end in pairwise(line):
+            n = max(1, int(np.ceil(np.hypot(*(end - start)) / _SAMPLE)))
+            points = start + (end - start) * (np.arange(n + 1) / n)[:, np.newaxis]
+            inside = self._has(points, margin)
+            edges = np.flatnonzero(np.diff(np.concatenate([[0], inside, [0]])))
+            for first, last in edges.reshape(-1, 2):
+                goes_on = goes_on and first == 0
+                if goes_on:
+                    pieces[-1].append(points[last - 1])
+                elif last - first > 1:
+                    pieces.append([points[first], points[last - 1]])
+                goes_on = last == n + 1 and (goes_on or last - first > 1)
+            goes_on = goes_on and bool(inside[-1])
+        return [np.array(piece) for piece in pieces]
+
+    def along(self, pieces, height):
+        """(joint, cosine of the angle between the line and the way along the joint) of each joint of the paths of
+        polylines; height: of a brick [m]."""
+        joints, cosines = [np.zeros(0, int)], [np.zeros(0)]
+        for piece in pieces:
+            parts = np.stack([piece[:-1], piece[1:]], axis=1)
+            part, joint, travel = self._path(parts, height)
+            along = (parts[:, 1] - parts[:, 0])[part]
+            joints.append(joint)
+            cosines.append((along * travel).sum(axis=1) / np.hypot(*along.T))
+        return np.concatenate(joints), np.concatenate(cosines)
+
+    def _path(self, parts, height):
+        """(part, joint, unit vector of travel) of each joint of the path along parts (n_parts, 2, 2) [m] of a line."""
+        near = np.flatnonzero(_distances(self.corners, parts).min(axis=1) <= AROUND_M)
+        if len(near) == 0:
+            return np.zeros(0, int), np.zeros(0, int), np.zeros((0, 2))
+        local = np.full(len(self.corners), -1)
+        local[near] = np.arange(len(near))
+        joint = np.flatnonzero((local[self.corner] >= 0).all(axis=1))
+        first, second = local[self.corner[joint]].T
+        cost = self.length[joint, np.newaxis] * (
+            1 + (_distances(self.ends[joint].mean(axis=1), parts) / height)**2)
+        n, n_parts = len(near), len(parts)
+        corners = np.vstack([parts[:, 0], parts[-1:, 1]])
+        turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - corners, axis=2)  # (n, n_parts + 1)
+        copy, source = n * np.arange(n_parts), n * n_parts
+        start, end, weight = (np.concatenate(one) for one in zip(
+            *((first + k, second + k, cost[:, p]) for p, k in enumerate(copy)),
+            *((second + k, first + k, cost[:, p]) for p, k in enumerate(copy)),
+            *((np.arange(n) + k, np.arange(n) + k + n, turn[:, p + 1]) for p, k in enumerate(copy[:-1])),
+            (np.full(n, source), np.arange(n), turn[:, 0]),
+            (np.arange(n) + copy[-1], np.full(n, source + 1), turn[:, -1])))
+        return self._steps(start, end, weight + 1e-12, source, near, n)
+
+    def _steps(self, start, end, weight, source, near, n):
+        """The shortest way from a source to the node after it, as `path` gives it; n: corners of a copy."""
+        graph = scipy.sparse.csr_matrix((weight, (start, end)), shape=(source + 2,) * 2)
+        _, before = scipy.sparse.csgraph.dijkstra(graph, indices=source, return_predecessors=True)
+        nodes = [source + 1]
+        while before[nodes[-1]] >= 0:
+            nodes.append(before[nodes[-1]])
+        nodes = np.array(nodes[-2:0:-1], int)  # without the source and the end
+        here, there = nodes[:-1], nodes[1:]
+        inside = here // n == there // n
+        part, one, other = here[inside] // n, near[here[inside] % n], near[there[inside] % n]
+        numbers = {tuple(sorted(pair)): number for number, pair in enumerate(self.corner.tolist())}
+        joint = np.array([numbers[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int)
+        travel = self.corners[other] - self.corners[one]
+        return part, joint, travel / np.hypot(*travel.T)[:, np.newaxis]

@@ -1,0 +1,265 @@
+"""A survey of the cracks of a real wall: on its joints, beside a run, and how far a simulated pattern is from it.
+
+The distance of a simulated pattern, in windows that slide over the wall as in `damage.measure.patterns`,
+
+    d^2 = sum (|f - g| - e)^2 / sum (f^2 + g^2)
+
+compares the areas f and g of the visible cracks (width times length) of survey and pattern; e: error of the surveyed
+widths times the surveyed length.  0: as the survey within its errors, 1: no crack at the same place.  Where the survey
+says whether faces are offset, d^2 is the mean of this and of the same of the lengths that are seen to be offset, in
+windows where it says so.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from math import isnan
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import scipy  # spatial where it is used: it starts slowly
+
+from damage.errors import InputError
+from damage.index import THRESHOLD
+from damage.measure.crack_file import CrackPattern, read_cracks
+from damage.measure.crack_paths import crack_paths
+from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
+from damage.measure.patterns import Places, in_words
+from damage.units import MILLIMETRE
+from damage.wall.geometry import joint_table, tributary_ends
+
+LEAST_SHARE = 0.5
+"""Share of the drawn length that has to lie on joints [-]."""
+WIDTH_ERROR = 0.05 * MILLIMETRE
+"""Error of widths where a survey says none [m]: half the least step of a crack-width card."""
+NEAR_M = 0.225
+"""How near a crack of the run is to one of the survey, and the other way round, to count as at its place [m]."""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """The cracks of a survey on the joints of a wall.
+
+    file, sha256: of the file; pattern: CrackPattern as drawn; table: DataFrame, a row each joint: joint, crack,
+    length_m, opening_m, slip_m, width_m (of the widest crack there), offset (1 seen, 0 not, NaN unknown);
+    n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m: largest distance of joints from the lines
+    that they stand for; detection_limit_m, width_error_m: of the file, else THRESHOLD and WIDTH_ERROR;
+    looked_at: joints that were looked at (n_joints,): all of them where the survey names no area without a crack;
+    notes: sentences on what was assumed.
+    """
+
+    file: str
+    sha256: str
+    pattern: CrackPattern
+    table: pd.DataFrame
+    n_joints: int
+    share_on_joints: float
+    apart_m: float
+    detection_limit_m: float
+    width_error_m: float
+    looked_at: np.ndarray
+    notes: tuple[str, ...]
+
+    @property
+    def cracks(self):
+        """The stretches as drawn, a DataFrame as of CrackPattern, with column `offset`."""
+        return self.pattern.stretches.assign(offset=self.pattern.offset)
+
+    @property
+    def count(self):
+        """Number of cracks, by the labels of the file."""
+        return self.pattern.stretches["crack"].nunique()
+
+    @property
+    def areas_without_crack(self):
+        """Rectangles (n, 4) [m]: x, z, x, z of opposite corners."""
+        return self.pattern.clear
+
+    @property
+    def opening_m(self):
+        """Opening of each contact point (n_joints,) [m], 0 where there is no crack."""
+        return self._of_joints("opening_m")
+
+    @property
+    def width_m(self):
+        """Crack width of each contact point (n_joints,) [m], 0 where there is none."""
+        return self._of_joints("width_m")
+
+    @property
+    def psi(self):
+        """Psi [-] of the cracks as they were drawn."""
+        parts = self.pattern.stretches
+        return float(psi_value(self.count, mean_width(parts["width_m"], self.pattern.length_m)))
+
+    def as_dict(self):
+        """Its key numbers, fit for JSON."""
+        widths = self.pattern.stretches["width_m"]
+        return {"file": self.file, "sha256": self.sha256, "cracks": self.count,
+                "crack_length_m": float(self.pattern.length_m.sum()), "psi": self.psi,
+                "max_width_mm": float(widths.max() / MILLIMETRE) if len(widths) else 0.0,
+                "share_on_joints": self.share_on_joints, "apart_m": self.apart_m,
+                "detection_limit_mm": self.detection_limit_m / MILLIMETRE,
+                "width_error_mm": self.width_error_m / MILLIMETRE, "notes": list(self.notes)}
+
+    def _of_joints(self, name):
+        values = np.zeros(self.n_joints)
+        values[self.table["joint"]] = self.table[name]
+        return values
+
+
+def read_survey(path, wall, tolerance=None):
+    """The Survey of a crack file, at its last load level, on the joints of a Layout.
+
+    tolerance [m]: how far from a joint a crack may be drawn, None for half a brick's length.  Raises InputError, too,
+    where less than LEAST_SHARE of the drawn length lies on joints.
+    """
+    path = Path(path)
+    return survey_of(read_cracks(path)[-1], wall, path.name, hashlib.sha256(path.read_bytes()).hexdigest(), tolerance)
+
+
+def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
+    """The Survey of a CrackPattern on the joints of a Layout; other arguments and errors as of `read_survey`."""
+    parts = pattern.stretches
+    paths = crack_paths(parts, wall, tolerance)
+    check_share(paths, file, wall)
+    offset = np.full(len(parts), np.nan) if pattern.offset is None else pattern.offset
+    stretch = paths.table["stretch"].to_numpy(int)
+    found = paths.table[["joint", "length_m"]].assign(
+        crack=parts["crack"].to_numpy()[stretch], width_m=parts["width_m"].to_numpy(float)[stretch],
+        opening_m=opening_of(parts)[stretch] * paths.table["across"], offset=offset[stretch])
+    found["slip_m"] = np.sqrt(np.maximum(found["width_m"]**2 - found["opening_m"]**2, 0.0))
+    found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
+        "joint", ignore_index=True)
+    limit, error = pattern.detection_limit_m, pattern.width_error_m
+    known = [THRESHOLD if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
+    return Survey(file, sha256, pattern, found, wall.n_joints, paths.share, paths.apart_m, *known,
+                  _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
+
+
+def check_share(paths, file, wall):
+    """Raise InputError where less than LEAST_SHARE of the length of CrackPaths lies on joints."""
+    if paths.share < LEAST_SHARE:
+        raise InputError(
+            f"{file}: {paths.on_joints_m:.2f} of {paths.drawn_m:.2f} m of its cracks run along joints of wall "
+            f"{wall.wall.name} ({100 * paths.share:.0f} %); expected at least {100 * LEAST_SHARE:.0f} %, places on "
+            "this wall, x from its left end and z from its base [m]; look at them")
+
+
+def opening_of(parts):
+    """Opening across the stretches of a CrackPattern (n,) [m]; of a width alone all is opening."""
+    return parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)
+
+
+def _looked_at(clear, on_cracks, wall):
+    x, z = (getattr(wall.contacts, name)[:wall.n_joints] for name in "xz")
+    if len(clear) == 0:
+        return np.ones(wall.n_joints, bool)
+    low, high = np.minimum(clear[:, :2], clear[:, 2:]), np.maximum(clear[:, :2], clear[:, 2:])
+    place = np.column_stack([x, z])[:, np.newaxis]
+    seen = ((place >= low) & (place <= high)).all(axis=2).any(axis=1)
+    seen[on_cracks] = True
+    return seen
+
+
+def _assumed(pattern, known):
+    """Sentences on what a survey does not say; known: detection limit and error of widths that are taken [m]."""
+    words = ("detection limit", "error of widths"), (pattern.detection_limit_m, pattern.width_error_m)
+    for word, given, taken in zip(*words, known):
+        if isnan(given):
+            yield f"the survey gives no {word}: {taken / MILLIMETRE:g} mm is taken"
+    if len(pattern.clear) == 0:
+        yield "the survey names no area without a crack: the whole wall is taken as looked at"
+    alone = pattern.stretches["opening_m"].isna().to_numpy()
+    if alone.any():
+        yield (f"{pattern.length_m[alone].sum():.2f} m of cracks give their width alone: all of it is taken as opening "
+               "across the line")
+
+
+# --- beside a simulated pattern ---------------------------------------------------------------------
+
+def visible(survey, opening_m, offset_m):
+    """Widths (n_joints,) [m] of a simulated pattern as the surveyor would have seen them, 0 where there is nothing to
+    be seen: below the detection limit, or where nobody looked."""
+    width = np.hypot(opening_m, offset_m)
+    return np.where(survey.looked_at & cracked(width, survey.detection_limit_m), width, 0.0)
+
+
+def distance(survey, opening_m, offset_m, wall):
+    """Distance [-] of a simulated pattern from a Survey, 0 to 1, as the module says.
+
+    opening_m, offset_m: (n_joints,) of the contact points of the Layout `wall` [m].
+    """
+    places, width, table = places_on(wall), visible(survey, opening_m, offset_m), survey.table
+    offset, drawn = table["offset"].to_numpy(float), np.zeros((4, wall.n_joints))
+    drawn[:, table["joint"]] = np.array([table["width_m"], np.ones(len(table)), offset == 1, ~np.isnan(offset)]
+                                        ) * table["length_m"].to_numpy()
+    moved = cracked(np.abs(offset_m), survey.detection_limit_m) & (width > 0)
+    f, surveyed_m, f_offset, known_m, g, g_offset = places.sums(
+        [*drawn, places.length * width, places.length * moved])
+    squares = [_relative(np.maximum(np.abs(f - g) - survey.width_error_m * surveyed_m, 0.0), f, g)]
+    if (of := known_m > 0).any():
+        squares.append(_relative((f_offset - g_offset)[of], f_offset[of], g_offset[of]))
+    return float(np.sqrt(np.mean(squares)))
+
+
+def _relative(difference, f, g):
+    size = float(np.sum(f**2 + g**2))
+    return float(np.sum(difference**2)) / size if size > 0 else 0.0
+
+
+def places_on(wall):
+    """The Places of the joints of a Layout."""
+    contacts, n = wall.contacts, wall.n_joints
+    return Places(contacts.x[:n], contacts.z[:n], contacts.length[:n], (wall.wall.length, wall.wall.built_height))
+
+
+def beside(survey, opening_m, offset_m, wall):
+    """A Survey beside a simulated pattern, a plain dictionary; arguments as of `distance`.
+
+    pattern: fractions skill score of the visible cracks with its controls, as of `damage.measure.patterns`; widths: of
+    survey and run, each [survey, run]; positions: shares of the length of each that has a crack of the other within
+    NEAR_M [-], None without a crack.
+    """
+    places, width = places_on(wall), visible(survey, opening_m, offset_m)
+    here, there, drawn = survey.width_m > 0, width > 0, survey.as_dict()
+    ends = tributary_ends(joint_table(wall))
+    count = int(crack_numbers(there, close_pairs(ends)).max(initial=0))
+    return {
+        "survey": drawn, "distance": distance(survey, opening_m, offset_m, wall),
+        "pattern": places.scores(here, there),
+        "widths": {"cracks": [survey.count, count],
+                   "joints_m": [float(places.length[here].sum()), float(places.length[there].sum())],
+                   "max_width_mm": [drawn["max_width_mm"], float(width.max(initial=0.0) / MILLIMETRE)],
+                   "mean_width_mm": [float(mean_width(survey.width_m, places.length) / MILLIMETRE),
+                                     float(mean_width(width, places.length) / MILLIMETRE)],
+                   "psi": [survey.psi, float(psi_value(count, mean_width(width, places.length)))]},
+        "positions": {"of_survey": _near(places, here, there), "of_run": _near(places, there, here),
+                      "within_m": NEAR_M}}
+
+
+def _near(places, flags, others):
+    """Share of the length of flagged joints that has one of the others within NEAR_M [-]; None without a flag."""
+    if not flags.any():
+        return None
+    if not others.any():
+        return 0.0
+    tree = scipy.spatial.cKDTree(np.column_stack([places.x[others], places.z[others]]))
+    near = tree.query(np.column_stack([places.x[flags], places.z[flags]]))[0] <= NEAR_M
+    return float(places.length[flags][near].sum() / places.length[flags].sum())
+
+
+def describe_beside(found):
+    """The result of `beside` as lines."""
+    survey, positions = found["survey"], found["positions"]
+    shares = ["-" if positions[name] is None else f"{100 * positions[name]:.0f} %" for name in ("of_survey", "of_run")]
+    return [
+        f"survey {survey['file']}: {survey['cracks']} cracks, {survey['crack_length_m']:.2f} m, "
+        f"{100 * survey['share_on_joints']:.0f} % of it on joints, up to {1e3 * survey['apart_m']:.0f} mm away",
+        f"seen from {survey['detection_limit_mm']:g} mm, +-{survey['width_error_mm']:g} mm",
+        f"{'':16}{'survey':>10}{'run':>10}",
+        *(f"{name:16}{here:>10.3g}{there:>10.3g}" for name, (here, there) in found["widths"].items()),
+        f"pattern of visible cracks: {in_words(found['pattern'])}",
+        f"positions: {shares[0]} of the survey's length has a crack of the run within "
+        f"{1e3 * positions['within_m']:.0f} mm, {shares[1]} of the run's one of the survey",
+        f"distance {found['distance']:.2f} (0: as the survey, 1: nothing at the same place)",
+        *(f"note: {note}" for note in survey["notes"])]

@@ -1,0 +1,203 @@
+"""Synthetic claims of known truth: coverage of the sheet's intervals, answers, and errors.
+
+    python3 paper/claim_coverage.py CLAIM... [--asked-of CLAIM] [--offsets] [--rows ROWS.csv]
+
+CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by both causes (B), by
+the earthquakes alone (E), and by the settlement alone (S), where the earthquakes of the address did not occur.  A
+surveyor sees cracks from 0.1 mm on, each crack's width within 0.05 mm, rounded to 0.05 mm, and misses one, a narrow one
+rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no claim.  The
+sheet answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of another wall, whose
+joints the cracks are laid on.
+
+Prints a table: claims; answers, and those that are wrong; for each prior of settlement the share of claims, weighted by
+that prior, whose true widths lie in the 90 % intervals; then the same for the draws alone, whatever their number.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from damage.claim.answer import BUT_FOR, LEAST_DRAWS, PRIORS
+from damage.claim.likeness import STATES, Seen, distances, kernel, pairwise, seen_of, strange_share, surveyed
+from damage.claim.numbers import Likeness, answers, claimed, standing
+from damage.claim.twins import NAME, read_twins
+from damage.errors import InputError
+from damage.index import THRESHOLD
+from damage.measure.crack_file import pattern_of
+from damage.measure.cracks import close_pairs, crack_numbers, crack_table, cracked
+from damage.measure.survey import survey_of
+from damage.studies.definition import load_study
+from damage.units import MILLIMETRE
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+from paper.bench import arguments, option, print_row, print_table
+
+LIMIT, ERROR, STEP = 0.1 * MILLIMETRE, 0.05 * MILLIMETRE, 0.05 * MILLIMETRE
+CLAIMS = {"B": "both", "E": "earthquakes", "S": "settlement"}
+"""{kind of claim: state of the twins that is surveyed}."""
+
+
+class Library:
+    """The draws of a claim's folder, seen as a surveyor sees them, and their distances from one another."""
+
+    def __init__(self, folder, offsets):
+        study = load_study(Path(folder) / NAME, "reference")
+        self.name = Path(study.runs[0].wall).stem
+        self.wall = lay_out(load_wall(study.runs[0].wall), ModelOptions(supports="bricks"))
+        self.twins = read_twins(folder, self.wall)
+        blank = survey_of(pattern_of(self.table("none", 0), 1, 0.0), self.wall)
+        self.blank = replace(blank, detection_limit_m=LIMIT, width_error_m=ERROR)
+        self.seen = [seen_of(self.blank, self.twins.opening_m[name], self.twins.offset_m[name], self.wall)
+                     for name in STATES]
+        self.shown = claimed(self.twins, self.seen)
+        self.known = np.full(self.seen[0].area.shape[1], float(offsets))
+        self.pairs = pairwise(Seen(*map(np.concatenate, zip(*self.seen))).at(self.shown.ravel()), ERROR, self.known)
+
+    def table(self, state, k):
+        """Crack table of a draw (index) in a state."""
+        return crack_table(self.twins.ends, self.twins.opening_m[state][k], self.twins.offset_m[state][k], LIMIT)
+
+    def answer(self, survey, left_out=None):
+        """What all draws but one (index) say of a Survey on this wall."""
+        mine, known = surveyed(survey, self.wall)
+        away = np.array([distances(mine, one, ERROR, known) for one in self.seen])
+        others = np.arange(len(self.twins)) != left_out
+        kept = (self.shown & others).ravel()[self.shown.ravel()]
+        strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
+        weight = kernel(away, standing(self.twins))[:, others]
+        return answers(self.twins.at(others), Likeness(away[:, others], weight, strange), survey.as_dict())
+
+
+def surveyed_wall(library, state, k, rng, offsets):
+    """(Survey of a draw in a state as a surveyor draws it, its CrackPattern); None where nothing is seen."""
+    twins = library.twins
+    opening, offset = twins.opening_m[state][k].astype(float), twins.offset_m[state][k].astype(float)
+    width = np.hypot(opening, offset)
+    crack = crack_numbers(cracked(width, LIMIT / 2), close_pairs(twins.ends))
+    error = rng.uniform(-ERROR, ERROR, crack.max(initial=0) + 1)
+    shown = np.where(crack > 0, np.round(np.maximum(width + error[crack], 0.0) / STEP) * STEP, 0.0)
+    shown = np.where(cracked(shown, LIMIT), shown, 0.0)
+    numbers = np.unique(crack[shown > 0])
+    if len(numbers) > 1:
+        narrow = 1 / np.array([shown[crack == one].max() for one in numbers])
+        shown[crack == rng.choice(numbers, p=narrow / narrow.sum())] = 0.0
+    if not shown.any():
+        return None
+    pattern = pattern_of(crack_table(twins.ends, shown, 0 * shown, LIMIT), 1, 0.0)
+    joint = np.flatnonzero(shown)
+    seen_offset = cracked(np.abs(offset[joint]), LIMIT).astype(float) if offsets else np.full(len(joint), np.nan)
+    table = pd.DataFrame({"joint": joint, "crack": crack[joint], "length_m": twins.length_m[joint],
+                          "opening_m": shown[joint], "slip_m": 0.0, "width_m": shown[joint], "offset": seen_offset})
+    return replace(library.blank, pattern=pattern, table=table), pattern
+
+
+def truth(twins, kind, k):
+    """({of BUT_FOR: whether it is so}, {before, added, left: widest crack [mm]}) of a claim of a draw."""
+    width = {name: values[k] / MILLIMETRE for name, values in twins.width_m.items()}
+    now = width[CLAIMS[kind]]
+    without_e = {"B": width["settlement"], "E": width["none"], "S": width["settlement"]}[kind]
+    without_s = {"B": width["earthquakes"], "E": width["earthquakes"], "S": width["none"]}[kind]
+    hidden_e, hidden_s = (not cracked(one * MILLIMETRE, THRESHOLD) for one in (without_e, without_s))
+    return dict(zip(BUT_FOR, (hidden_e, hidden_s, hidden_e and hidden_s))), {
+        "before": without_e, "added": now - without_e, "left": now}
+
+
+def rows_of(library, of, offsets, seed=1):
+    """A row a claim of the draws of one Library, answered from the draws of another, or from its own others."""
+    rows = []
+    for k in range(len(library.twins)):
+        for kind, state in CLAIMS.items():
+            if library.twins.fell[state][k]:
+                continue
+            rng = np.random.default_rng([seed, int(library.twins.numbers[k]), ord(kind)])
+            drawn = surveyed_wall(library, state, k, rng, offsets)
+            if drawn is None:
+                continue
+            row = {"wall": library.name, "asked_of": of.name, "life": int(library.twins.numbers[k]), "kind": kind}
+            try:
+                survey = drawn[0] if of is library else replace(
+                    survey_of(drawn[1], of.wall), detection_limit_m=LIMIT, width_error_m=ERROR)
+            except InputError:
+                rows.append(row | {"reasons": "refused"})
+                continue
+            found = of.answer(survey, k if of is library else None)
+            rows.append(row | judged(found, *truth(library.twins, kind, k)))
+    return pd.DataFrame(rows)
+
+
+def judged(found, but_for, width):
+    """A claim's row: reasons for no answer, verdicts and whether they are wrong, widths in their intervals."""
+    row = {"reasons": " ".join(one["why"] for one in found["no_answer"]), "strange": found["stranger_than"],
+           "draws": min(found["effective_draws"].values())}
+    for name in BUT_FOR:
+        said = found["verdict"][name]
+        row |= {f"{name}": but_for[name], f"said_{name}": said,
+                f"wrong_{name}": said != "open" and (said == "yes") != but_for[name]}
+    for prior in map(str, PRIORS):
+        row[f"p_{prior}"] = found["like_survey"][prior]["not_without_earthquakes"]["share"]
+        for what, true in width.items():
+            for table in ("like_survey", "all_draws"):
+                three = (found["crack_width_mm"][prior][table] or {}).get(what)
+                row[f"{table}_{what}_{prior}"] = three and three[0] - 1e-9 <= true <= three[2] + 1e-9
+            row[f"wide_{what}_{prior}"] = three and found["crack_width_mm"][prior]["like_survey"][what][2] - \
+                found["crack_width_mm"][prior]["like_survey"][what][0]
+    return row
+
+
+def coverage(rows, column):
+    """Shares of claims by prior, those of B with the prior's probability, E with the rest: words."""
+    shares = []
+    for prior in PRIORS:
+        of = {kind: rows.loc[rows["kind"] == kind, f"{column}_{prior}"].dropna().astype(float) for kind in "BE"}
+        shares.append(f"{prior * of['B'].mean() + (1 - prior) * of['E'].mean():.2f}" if all(map(len, of.values()))
+                      else "-")
+    return ", ".join(shares)
+
+
+def print_rows(rows, title):
+    """Rows of the table of one set of claims, by kind."""
+    for kind in CLAIMS:
+        mine = rows[rows["kind"] == kind]
+        if not len(mine):
+            continue
+        sheet = mine[mine["reasons"] == ""]
+        said = [(f"said_{name}", f"wrong_{name}") for name in BUT_FOR] if "said_" + BUT_FOR[0] in mine else []
+        decided = sum(int((sheet[said_] != "open").sum()) for said_, _ in said)
+        wrong = sum(int(sheet[wrong_].astype(bool).sum()) for _, wrong_ in said)
+        others = mine[mine["reasons"].isin(["", "draws"])]
+        decided_2 = sum(int((others[said_] != "open").sum()) for said_, _ in said)
+        wrong_2 = sum(int(others[wrong_].astype(bool).sum()) for _, wrong_ in said)
+        print_row(title, kind, len(mine), len(mine) - len(sheet), *(
+            int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")),
+            decided, wrong, decided_2, wrong_2)
+
+
+def main():
+    asked = arguments(__doc__, option("claims", nargs="+", type=Path), option("--asked-of", type=Path),
+                      option("--offsets", action="store_true"), option("--rows", type=Path))
+    libraries = [Library(folder, asked.offsets) for folder in asked.claims]
+    other = asked.asked_of and Library(asked.asked_of, asked.offsets)
+    tables = [rows_of(one, other or one, asked.offsets) for one in libraries]
+    if asked.rows:
+        pd.concat(tables).to_csv(asked.rows, index=False)
+    print_table("wall", "claim", "claims", "no answer", "refused", f"below {LEAST_DRAWS} draws", "strange", "small",
+                "answers", "wrong", f"answers below {LEAST_DRAWS} draws, too", "wrong")
+    for one, rows in zip(libraries, tables):
+        print_rows(rows, f"{one.name} ({len(one.twins)} draws)")
+    print()
+    print_table("wall", *(f"{what}: {table.replace('_', ' ')}" for what in ("before", "added", "left")
+                          for table in ("like_survey", "all_draws")))
+    for one, rows in zip(libraries, tables):
+        if "draws" in rows:
+            print_row(one.name, *(coverage(rows, f"{table}_{what}") for what in ("before", "added", "left")
+                                  for table in ("like_survey", "all_draws")))
+
+
+if __name__ == "__main__":
+    main()

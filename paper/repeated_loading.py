@@ -1,0 +1,303 @@
+"""Spandrels and walls that were loaded again and again, beside Korswagen's tests (2024): tables of
+docs/validation/shaken-walls.md.
+
+    python3 paper/repeated_loading.py [spandrels] [laws] [walls]        # docs/tables/benchmarks/repeated_*.csv
+
+A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held down near its ends.
+A wall is pushed to a drift and back, one way and then two ways.  Both are steered by displacement; the force at each
+repetition is that at the amplitude.
+"""
+
+import math
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from damage import Joint, Opening, Wall, brick_of_masonry
+from damage.law.modes import natural_modes
+from damage.mechanics.tables import RIGID, Z
+from damage.reference.solver import ReferenceSolver
+from damage.run.schedule import SOFTENING_STEP_FACTOR
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+
+OUT = REPOSITORY / "docs" / "tables" / "benchmarks"
+REPETITIONS = 30
+BETA_S = 1e-6
+
+
+class Masonry(NamedTuple):
+    """modulus [Pa]; tensile_strength, cohesion [Pa]; friction [-]; energies: G_I, G_II [J/m2]; brick: length, height,
+    thickness with the mortar's share [m]; density [kg/m3]."""
+
+    modulus: float
+    tensile_strength: float
+    cohesion: float
+    friction: float
+    energies: tuple
+    brick: tuple
+    density: float = 1650.0
+
+
+CLAY = Masonry(3.6e9, 0.16e6, 0.17e6, 0.82, (11.3, 210.0), (0.2183, 0.0589, 0.100))
+SILICATE = Masonry(4.0e9, 0.16e6, 0.17e6, 0.82, (11.3, 210.0), (0.2223, 0.0806, 0.102), 1800.0)
+"""Clay as tabulated; calcium silicate has no tabulated properties: those of clay, and a modulus of its own."""
+
+
+def joint_of(masonry):
+    """The softening Joint of a Masonry; an apex beyond f_t, which the law needs, keeps the tensile strength."""
+    strength = min(masonry.tensile_strength, masonry.cohesion / masonry.friction)
+    return Joint(tensile_strength=strength, cohesion=masonry.cohesion, friction_angle=math.atan(masonry.friction),
+                 mode_i_fracture_energy=masonry.energies[0], mode_ii_fracture_energy=masonry.energies[1])
+
+
+def bricks_of(masonry, joint):
+    """The Brick of a Masonry."""
+    return brick_of_masonry(masonry.modulus, joint, **dict(zip(("length", "height", "thickness"), masonry.brick)),
+                            density=masonry.density)
+
+
+class Specimen:
+    """A wall in the reference solver that is moved by displacement; `force` [N] and `measure` [m] are its readings."""
+
+    def __init__(self, layout):
+        self.layout = layout
+        modes = natural_modes(layout, 1)
+        self.wall = ReferenceSolver(layout, SOFTENING_STEP_FACTOR * modes.critical_time_step_s, beta=BETA_S)
+        self.wall.damp(local=0.7, beta=BETA_S)
+
+    def advance(self, time_s):
+        """Let time pass."""
+        self.wall.run(max(1, round(time_s / self.wall.time_step)))
+
+
+class Spandrel(Specimen):
+    """supports_m, loads_m: distances between the two supports in the middle of its base, and between the two places
+    at its top that are held down."""
+
+    def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, cov=0.35):
+        joint = joint_of(masonry)
+        brick = bricks_of(masonry, joint)
+        wall = Wall("spandrel", bricks * brick.length, courses * brick.height, precompression=0.0, brick=brick,
+                    joint=joint)
+        super().__init__(lay_out(wall, ModelOptions(supports="bricks", contacts="gauss", cells=2, strength_cov=cov,
+                                                    strength_seed=seed)))
+        middle, bodies, supports = wall.length / 2, self.layout.bodies, self.layout.supports
+        self._pushed = [int(np.argmin(np.abs(supports.x - middle - side * supports_m / 2))) for side in (-1, 1)]
+        top = np.flatnonzero(bodies.course == bodies.course.max())
+        held = [top[np.argmin(np.abs(bodies.x[top] - middle - side * loads_m / 2))] for side in (-1, 1)]
+        near = np.argsort(np.abs(bodies.x[top] - middle))[:4]
+        self._ends = top[[near[np.argmin(bodies.x[top][near])], near[np.argmax(bodies.x[top][near])]]]
+        self._drop_other_supports()
+        self.advance(0.05)
+        for body in held:
+            self.wall.system.inverse_mass[body, Z] = self.wall.system.velocity[body, Z] = 0.0
+        self._zero = self._reading()
+
+    def _drop_other_supports(self):
+        """Let all supports but two be far below."""
+        others = [k for k in range(len(self.layout.supports)) if k not in self._pushed]
+        self.wall.system.place[len(self.layout.bodies) + np.array(others), Z] -= 0.05
+        self.wall.refresh()
+
+    def _reading(self):
+        first, second = self._ends
+        return self.wall.displacement[second, 0] - self.wall.displacement[first, 0]
+
+    @property
+    def measure(self):
+        """CMOD over the middle of the top course [m]."""
+        return self._reading() - self._zero
+
+    @property
+    def force(self):
+        """Upward force of both supports [N]."""
+        return -float(self.wall.support_force[self._pushed, 1].sum())
+
+    def move(self, speed):
+        """Speed of the supports upwards [m/s]."""
+        velocities = np.zeros((len(self.layout.supports), RIGID))
+        velocities[self._pushed, Z] = speed
+        self.wall.move_supports(velocities)
+
+
+SPEED, LOOK_S = 4e-3, 5e-5
+STEPS_M, UNLOADED_N, TOO_FAR_S = (50e-6, 100e-6, 150e-6), 2e3, 1.0
+
+
+def until(specimen, speed, reached):
+    """Move until `reached()`; returns the largest force [N], None where that takes too long."""
+    specimen.move(speed)
+    largest, time_s = -math.inf, 0.0
+    while not reached():
+        specimen.advance(LOOK_S)
+        time_s += LOOK_S
+        largest = max(largest, specimen.force)
+        if time_s > TOO_FAR_S:
+            return None
+    return largest
+
+
+def repeated(specimen, amplitudes=STEPS_M, repetitions=REPETITIONS, speed=SPEED):
+    """Table of a protocol, unloaded to UNLOADED_N: amplitude and what is left of it unloaded [micrometres], repetition,
+    force [N] at the amplitude and largest force on the way."""
+    rows = []
+    for amplitude in amplitudes:
+        for repetition in range(1, repetitions + 1):
+            largest = until(specimen, speed, lambda amplitude=amplitude: specimen.measure >= amplitude)
+            if largest is None:
+                return pd.DataFrame(rows)
+            rows.append({"amplitude_um": 1e6 * amplitude, "repetition": repetition, "force_n": specimen.force,
+                         "largest_n": largest})
+            if until(specimen, -speed, lambda: specimen.force <= UNLOADED_N) is None:
+                return pd.DataFrame(rows)
+            rows[-1]["unloaded_um"] = 1e6 * specimen.measure
+    return pd.DataFrame(rows)
+
+
+# --- walls -------------------------------------------------------------------------------------------
+
+WINDOW = Opening(left=0.66, width=0.78, height=1.51, sill=0.66)
+DRIFT, WALL_SPEED, WALL_REPETITIONS = 0.27e-3, 8e-3, 15
+
+
+class PushedWall(Specimen):
+    """A wall of 3.07 x 2.69 m with a window, a cantilever under 0.12 MPa, whose beam on top is moved."""
+
+    def __init__(self, masonry, seed, cov=0.35):
+        joint = joint_of(masonry)
+        wall = Wall("wall", 3.07, 2.69, openings=[WINDOW], precompression=0.12e6, brick=bricks_of(masonry, joint),
+                    joint=joint, lintel="concrete")
+        super().__init__(lay_out(wall, ModelOptions(top="beam", contacts="gauss", cells=2, strength_cov=cov,
+                                                    strength_seed=seed)))
+        self.advance(0.3)
+        self.wall.hold(self.layout.pushed_bodies, rotation=False)
+        self._zero = self.wall.displacement[self.layout.pushed_bodies[0], 0]
+
+    @property
+    def measure(self):
+        """Displacement of the beam [m]."""
+        return self.wall.displacement[self.layout.pushed_bodies[0], 0] - self._zero
+
+    @property
+    def force(self):
+        """Force on the beam [N]."""
+        return self.wall.push_force()
+
+    def move(self, speed):
+        """Speed of the beam [m/s]."""
+        self.wall.push(speed)
+
+
+def pushed(specimen, protocol, drift, repetitions):
+    """Rows of a protocol, "one-way" or "two-way": force [N] at the amplitude in each repetition, both ways."""
+    amplitude, rows = drift * specimen.layout.wall.height, []
+    for repetition in range(1, repetitions + 1):
+        until(specimen, WALL_SPEED, lambda: specimen.measure >= amplitude)
+        rows.append({"protocol": protocol, "drift": drift, "repetition": repetition, "plus_n": specimen.force})
+        if protocol == "two-way":
+            until(specimen, -WALL_SPEED, lambda: specimen.measure <= -amplitude)
+            rows[-1]["minus_n"] = specimen.force
+            until(specimen, WALL_SPEED, lambda: specimen.measure >= 0)
+        else:
+            until(specimen, -WALL_SPEED, lambda: specimen.measure <= 0)
+    return rows
+
+
+SPANDRELS = {"clay": (CLAY, 9, 6, 0.388, 0.803), "calcium silicate": (SILICATE, 7, 6, 0.398, 0.819)}
+
+
+def spandrels(seeds):
+    """All repetitions of spandrels."""
+    tables = [repeated(Spandrel(*SPANDRELS[name], seed)).assign(material=name, draw=seed)
+              for seed in seeds for name in SPANDRELS]
+    pd.concat(tables).to_csv(OUT / "repeated_spandrels.csv", index=False, float_format="%.6g")
+
+
+STRONG = 10.0
+"""Factor on G_II of the joints that slip hardly consumes."""
+
+
+def laws(seeds):
+    """What takes the force: clay spandrels whose joints slip does not consume, brittle ones, and a slower test."""
+    first, second = CLAY.energies
+    cases = {"as tabulated": (CLAY, SPEED), "a quarter of the speed": (CLAY, SPEED / 4),
+             "ten times G_II": (CLAY._replace(energies=(first, STRONG * second)), SPEED),
+             "ten times G_I": (CLAY._replace(energies=(STRONG * first, second)), SPEED),
+             "brittle": (CLAY._replace(energies=(None, None)), SPEED)}
+    tables = []
+    for name, (masonry, speed) in cases.items():
+        for seed in seeds:
+            specimen = Spandrel(masonry, *SPANDRELS["clay"][1:], seed)
+            tables.append(repeated(specimen, STEPS_M[:2], speed=speed).assign(case=name, draw=seed))
+            pd.concat(tables).to_csv(OUT / "repeated_laws.csv", index=False, float_format="%.6g")
+
+
+def walls(seeds):
+    """All repetitions of clay walls, first one way, then two ways."""
+    tables = []
+    for seed in seeds:
+        specimen = PushedWall(CLAY, seed)
+        for step in (1.0, 2.0):
+            for protocol in ("one-way", "two-way"):
+                tables.append(pd.DataFrame(pushed(specimen, protocol, step * DRIFT, WALL_REPETITIONS)).assign(
+                    draw=seed))
+                pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
+
+
+TESTED = {"clay": ("18 to 29", "90 to 740", "15 to 21"), "calcium silicate": ("29 to 35", "90 to 190", "13 to 15")}
+"""Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of clay of all; force
+lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
+TESTED_WALLS = {"one-way": "-16 to -51", "two-way": "+4 to -13, -57 to +1"}
+"""Change of the force by a repetition [N], of two ways each."""
+
+
+def summary():
+    """The table beside the tests, from the tables of all repetitions."""
+    rows = []
+    for material, of_all in pd.read_csv(OUT / "repeated_spandrels.csv").groupby("material"):
+        peaks, places, lost, late = [], [], [], []
+        for _, one in of_all.groupby("draw"):
+            highest = one.loc[one["largest_n"].idxmax()]
+            peaks.append(highest["largest_n"] / 1e3)
+            places.append(highest["amplitude_um"])
+            force = one.pivot_table(index="amplitude_um", columns="repetition", values="force_n")
+            lost.append(100 * (1 - force[REPETITIONS] / force[1]).mean())
+            late.append(100 * (1 - force[REPETITIONS] / force[2]).mean())
+        rows += [{"case": f"spandrels, {material}", "quantity": quantity, "model": f"{min(values):.3g} to "
+                  f"{max(values):.3g}", "test": tested} for quantity, values, tested in zip(
+                      ("peak force [kN]", "CMOD at the peak [µm], steps of 50", "force lost in 30 repetitions [%]"),
+                      (peaks, places, lost), TESTED[material])]
+        rows.append({"case": f"spandrels, {material}", "quantity": "... of that after the second [%]",
+                     "model": f"{min(late):.3g} to {max(late):.3g}", "test": ""})
+    walls = pd.read_csv(OUT / "repeated_walls.csv")
+    for (drift, protocol), one in walls.groupby(["drift", "protocol"], sort=False):
+        last = one["repetition"].max() - 1
+        change = [(abs(one[side].iloc[-1]) - abs(one[side].iloc[0])) / last
+                  for side in ("plus_n", "minus_n") if one[side].notna().all()]
+        rows.append({"case": f"wall, clay, {protocol}", "quantity": f"change a repetition at {1e3 * drift:.2g} per mil "
+                     "[N]", "model": ", ".join(f"{value:+.0f}" for value in change), "test": TESTED_WALLS[protocol]})
+    pd.DataFrame(rows).to_csv(OUT / "repeated_loading.csv", index=False)
+    laws = pd.read_csv(OUT / "repeated_laws.csv")
+    pd.DataFrame([{"joints": name, "CMOD [µm]": f"{step:g}", "first force [kN]": f"{force.iloc[0] / 1e3:.3g}", **{
+        f"after {count}": f"{force.iloc[count - 1] / force.iloc[0]:.2f}" for count in (2, 5, 10, 30)}}
+        for (name, step), force in laws.groupby(["case", "amplitude_um"], sort=False)["force_n"]]).to_csv(
+            OUT / "repeated_causes.csv", index=False)
+
+
+def main(asked):
+    for name, make, seeds in (("spandrels", spandrels, (1, 2, 3)), ("laws", laws, (1,)),
+                              ("walls", walls, (1,))):
+        if not asked or name in asked:
+            make(seeds)
+    summary()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,349 @@
+"""The wall US-1 of a shaking table, shaken by its runs in sequence; the tables of docs/validation/shaken-walls.md.
+
+    python3 paper/shaken_wall.py FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
+    python3 paper/shaken_wall.py FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
+    python3 paper/shaken_wall.py FOLDER choices         # what load, bearing, stiffness and law change
+
+FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
+"""
+
+import hashlib
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+from scipy.signal import butter, sosfiltfilt
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from damage import Brick, Joint, Wall
+from damage.history.buffer import Buffer
+from damage.law.modes import natural_modes
+from damage.measure.cycles import natural_period
+from damage.motion.intensity import response_spectrum
+from damage.motion.loading import Recorded
+from damage.motion.record import Record
+from damage.motion.sequence import Event
+from damage.reference.ensembles import Ensemble
+from damage.reference.session import BACKEND
+from damage.run.run import Run
+from damage.run.schedule import choose_time_step
+from damage.run.settings import RunSettings
+from damage.run.turns import as_they_end
+from damage.units import GRAVITY
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import RULE
+from damage.wall.restraints import Restraint
+
+TABLES = REPOSITORY / "docs" / "tables"
+HEIGHT_M, COURSES, WIDTH_M, THICK_M, DENSITY = 2.58, 43, 1.292, 0.21, 1885.0
+SENSORS_M = 0.66, 1.26, 2.06
+PERIOD_S, DAMPING = 0.09153, 0.05
+"""First period before run 1, and damping of the spectral displacement of each run at that period."""
+MOTIONS = {"HU12": ("hu12_x6_table_velocity_mm_s.txt", None), "FR76": ("fr76_x1_table_velocity_mm_s.txt", 12.0)}
+"""Strong phases of table velocity [mm/s] at 0.005 s, and where they are low-passed [Hz]."""
+STEP_S, REST_S = 0.005, 1.5
+DRAWS, COV = 16, 0.35
+CHOSEN_ON = 10
+"""The last run that the bearing may be chosen on."""
+RIGID_PA = 1e15
+"""Modulus of the bricks: all compliance is the joints', by the measured period."""
+
+
+class Case(NamedTuple):
+    """load_n: on the top [N]; stiffness [N/m], friction, play [m]: of the bearing, stiffness None where the top is
+    driven; moving_kg: mass that slides with it; period_s: to which the joints' stiffness is fitted; cohesion [Pa];
+    softens: whether joints soften; damping: ratio at the first period."""
+
+    load_n: float = 10.35e3
+    stiffness: float | None = 3e6
+    friction: float = 0.1
+    play: float = 3e-3
+    moving_kg: float = 50.0
+    period_s: float = PERIOD_S
+    cohesion: float = 0.3e6
+    softens: bool = True
+    damping: float = 0.0
+    cells: int = 8
+
+
+def strip(case, normal_stiffness):
+    """The Wall of a Case with joints of this stiffness [Pa/m]."""
+    energies = {"mode_i_fracture_energy": RULE, "mode_ii_fracture_energy": RULE} if case.softens else {}
+    joint = Joint(normal_stiffness, 0.4 * normal_stiffness, math.radians(36.9), 0.875 * case.cohesion, case.cohesion,
+                  **energies)
+    brick = Brick(2 * THICK_M, HEIGHT_M / COURSES, WIDTH_M, DENSITY, young_modulus=RIGID_PA,
+                  shear_modulus=RIGID_PA / 2.5)
+    bearing = {} if case.stiffness is None else {
+        name: getattr(case, name) for name in ("stiffness", "friction", "play")}
+    return Wall("us-1", THICK_M, HEIGHT_M, precompression=case.load_n / (THICK_M * WIDTH_M), brick=brick, joint=joint,
+                restraints=[Restraint("top", **bearing, mass=case.moving_kg)])
+
+
+def fitted(case):
+    """The Wall of a Case whose first period is the measured one."""
+    def excess(exponent):
+        return natural_modes(lay_out(strip(case, 10**exponent), ModelOptions(contacts="gauss", cells=case.cells)),
+                             1).period_s[0] - case.period_s
+
+    if excess(12.0) > 0:
+        raise ValueError(f"{case}: the bearing alone is softer than the measured period")
+    return strip(case, 10**brentq(excess, 8.5, 12.0, xtol=1e-4))
+
+
+# --- motions -------------------------------------------------------------------------------------------
+
+def read_runs(folder, last=None):
+    """Rows of the table of runs, up to run `last`."""
+    return pd.read_csv(folder / "US1_IM_vs_EDP.csv").iloc[:last]
+
+
+def strong_phase(folder, name):
+    """The acceleration of a strong phase as a Record; its size is that of the file."""
+    file, lowpass_hz = MOTIONS[name]
+    lines = [line for line in (folder / file).read_text().splitlines() if not line.startswith("#")]
+    velocity = 1e-3 * np.array(" ".join(lines).split(), float)
+    if lowpass_hz:
+        velocity = sosfiltfilt(butter(4, lowpass_hz, fs=1 / STEP_S, output="sos"), velocity)
+    return Record(name, STEP_S, np.gradient(velocity, STEP_S))
+
+
+def displacement_mm(record):
+    """Spectral displacement at PERIOD_S [mm]."""
+    rested = replace(record, acceleration_m_s2=np.append(record.acceleration_m_s2, np.zeros(100)))
+    return 1e3 * GRAVITY * response_spectrum(rested, PERIOD_S, DAMPING)[0] * (PERIOD_S / 2 / math.pi)**2
+
+
+def synthetic(pga_g, sd_mm, seed=0, duration_s=10.0):
+    """A motion of this peak acceleration and spectral displacement: white noise below the corner that gives both,
+    under a rising and falling window."""
+    time_s = np.arange(round(duration_s / STEP_S)) * STEP_S
+    white = np.random.default_rng(seed).standard_normal(len(time_s)) * np.sin(np.pi * time_s / duration_s)**2
+
+    def below(corner_hz):
+        noise = sosfiltfilt(butter(4, (0.5, corner_hz), "bandpass", fs=1 / STEP_S, output="sos"), white)
+        return Record(f"EC40-like-{seed}", STEP_S, noise * pga_g * GRAVITY / np.abs(noise).max())
+
+    corners = np.geomspace(2.0, 40.0, 60)
+    found = [displacement_mm(below(corner)) - sd_mm for corner in corners]
+    first = next(k for k in range(len(found) - 1) if found[k] < 0 <= found[k + 1])
+    return below(brentq(lambda corner: displacement_mm(below(corner)) - sd_mm, corners[first], corners[first + 1],
+                        xtol=0.01))
+
+
+def events_of(folder, runs, with_synthetic=False):
+    """(Event of each run that has a motion, numbers of these runs)."""
+    phases = {name: strong_phase(folder, name) for name in MOTIONS}
+    sizes = {name: displacement_mm(record) for name, record in phases.items()}
+    loadings = {name: Recorded(record) for name, record in phases.items()}
+    events, numbers = [], []
+    for run in runs.itertuples():
+        if run.rec in loadings:
+            events.append(Event(loadings[run.rec], run.sd_T1 / sizes[run.rec], REST_S))
+        elif with_synthetic:
+            events.append(Event(Recorded(synthetic(run.pga, run.sd_T1, run.run)), 1.0, REST_S))
+        else:
+            continue
+        numbers.append(run.run)
+    return events, numbers
+
+
+# --- runs --------------------------------------------------------------------------------------------
+
+class Watched(Run):
+    """A run whose displacements at the sensors are kept: a row a sample in `kept`, of stage number, time [s] and
+    displacements [m]."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        z = self.layout.bodies.z[:self.layout.n_bricks]
+        self._bodies = [int(np.argmin(np.abs(z - height))) for height in SENSORS_M]
+        self._ends, self.kept = [stage.end_step for stage in self.stages], []
+
+    def take_samples(self, now):
+        """As of Run."""
+        moved = self._motion(now)[:, self._bodies, 0]
+        stage = np.searchsorted(self._ends, now.clock)
+        self.kept.extend(np.column_stack([stage, now.clock * self.solver.time_step, moved]))
+        return super().take_samples(now)
+
+
+def shaken(case, wall, events, seed):
+    """A generator as `simulate` of one draw, which returns its table of events: peak and residual [mm] at the sensors,
+    the period after it [s]."""
+    model = ModelOptions(contacts="gauss", cells=case.cells, strength_cov=COV, strength_seed=seed)
+    settings = RunSettings(events[0].loading, model, events=tuple(events), sequence=tuple(
+        event.factor for event in events), rest_s=REST_S, beta_s=None,
+        alpha_1_s=4 * math.pi * case.damping / case.period_s, relaxation="adaptive", accept_implausible=True)
+    settings = settings.for_joint(wall.joint, BACKEND.softening)
+    layout = lay_out(wall, model)
+    modes = natural_modes(layout)
+    settings = settings.for_period(float(modes.period_s[0]))
+    step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
+    run = Watched(layout, settings, BACKEND.make(layout, step, settings), Buffer(layout), lambda *_: True)
+    yield from run.settle_under_gravity()
+    run.start(modes.shape[0])
+    yield from run.run_all()
+    return table_of(np.array(run.kept), run.collapsed_at_s)
+
+
+def table_of(kept, collapsed_at_s):
+    """Rows of `shaken`: an event is three stages, motion, rest, settling."""
+    rows, before = [], np.zeros(len(SENSORS_M))
+    for first in range(0, 3 * (int(kept[:, 0].max()) // 3 + 1), 3):
+        in_event = kept[(kept[:, 0] >= first) & (kept[:, 0] < first + 3)]
+        rest = in_event[in_event[:, 0] == first + 1]
+        late = rest[len(rest) // 2:]
+        end = in_event[-1, 2:]
+        period = natural_period(late[:, 1], late[:, 4]) if len(late) > 20 else None
+        rows.append([*1e3 * np.abs(in_event[:, 2:] - before).max(axis=0), *1e3 * (end - before), *1e3 * end,
+                     np.nan if period is None else period])
+        before = end
+    names = [f"{what}_{1e3 * height:.0f}" for what in ("peak_mm", "residual_mm", "moved_mm") for height in SENSORS_M]
+    table = pd.DataFrame(rows, columns=[*names, "period_after_s"])
+    table["collapsed"] = False
+    table.loc[table.index[-1], "collapsed"] = collapsed_at_s is not None
+    return table
+
+
+def draws_of(cases, events, seeds, numbers):
+    """Table of all draws of cases {name: Case}: a row a case, seed and run."""
+    todo = [(name, seed) for name in cases for seed in seeds]
+    walls = {name: fitted(case) for name, case in cases.items()}
+    runs = (shaken(cases[name], walls[name], events, seed) for name, seed in todo)
+    tables = []
+    for number, table in as_they_end(runs, Ensemble().move, 8):
+        name, seed = todo[number]
+        tables.append(table.assign(case=name, seed=seed, run=numbers[:len(table)]))
+        print(f"{name}, draw {seed}: {len(table)} runs", file=sys.stderr, flush=True)
+    return pd.concat(tables).sort_values(["case", "seed", "run"], ignore_index=True)
+
+
+# --- the bearing, on runs 1 to 10 --------------------------------------------------------------------
+
+STIFFNESSES, FRICTIONS, PLAYS_M = (3e6, 5e6, 1e7, 1e8), (0.02, 0.05, 0.1, 0.2, 0.4), (1e-3, 3e-3, 10e-3)
+LOADS_N = 10.35e3, 27e3
+PEAKS = ["peak_disp_bot_mm", "peak_disp_mid_mm", "peak_disp_top_mm"]
+"""Columns of measured peaks at SENSORS_M."""
+
+
+def bearings(folder):
+    """How far the peaks of runs 1 to 10 are from the test by each bearing: root mean square of ln(model / test)."""
+    runs = read_runs(folder, CHOSEN_ON)
+    events, numbers = events_of(folder, runs)
+    tested = pd.read_csv(folder / "exp_Test9_tilt.csv", nrows=CHOSEN_ON).set_index("run").loc[numbers, PEAKS]
+    cases = {f"{load:g} {stiffness:g} {friction:g} {play:g}": Case(load, stiffness, friction, play)
+             for load in LOADS_N for stiffness in STIFFNESSES for friction in FRICTIONS for play in PLAYS_M}
+    rows = []
+    for name, table in draws_of(cases, events, [1], numbers).groupby("case", sort=False):
+        if len(table) < len(numbers):  # it fell
+            continue
+        peaks = table[[f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]].to_numpy()
+        apart = np.log(peaks / tested.to_numpy())
+        rows.append([*map(float, name.split()), np.sqrt(np.mean(apart**2)), *apart.mean(axis=0), *peaks[-1]])
+    table = pd.DataFrame(rows, columns=["load_n", "stiffness_n_m", "friction", "play_m", "error", *(
+        f"bias_{1e3 * height:.0f}" for height in SENSORS_M), *(f"run10_mm_{1e3 * height:.0f}" for height in SENSORS_M)])
+    keep(table.sort_values(["error", "load_n", "stiffness_n_m", "friction", "play_m"]), "us1_bearings")
+
+
+def keep(table, name, folder=TABLES / "benchmarks"):
+    """Write a table; returns its path."""
+    path = folder / f"{name}.csv"
+    table.to_csv(path, index=False, float_format="%.5g")
+    print(path)
+    return path
+
+
+# --- the prediction ----------------------------------------------------------------------------------
+
+LAST = 25
+"""Run of the second wall alone: the motion of run 22 times 2."""
+QUANTILES = 5, 50, 95
+
+
+def prediction(folder):
+    """US-1's runs beside the test, and those of the second wall, 16 draws."""
+    runs = read_runs(folder)
+    events, numbers = events_of(folder, runs)
+    strongest = events[numbers.index(22)]
+    events, numbers = [*events, replace(strongest, factor=2 * strongest.factor)], [*numbers, LAST]
+    draws = draws_of({"prediction": Case()}, events, range(1, DRAWS + 1), numbers)
+    keep(draws, "us1_draws")
+    of_runs = quantiles(draws)
+    tested = pd.read_csv(folder / "exp_Test9_metrics.csv").set_index("run")["resid_rel_mm"]
+    period = pd.read_csv(folder / "exp_Test9_period_psd.csv").set_index("run")["T1_best_s"]
+    table = runs.set_index("run")[["rec", "sf", "pga", "pgv", "edp"]].rename(columns={
+        "rec": "record", "sf": "scale", "pga": "pga_g", "pgv": "pgv_m_s", "edp": "tested_peak_mm"})
+    table["tested_residual_mm"], table["tested_period_s"] = tested, period
+    keep(table.join(of_runs).reset_index(), "us1_prediction")
+    second = of_runs.reindex(range(1, LAST + 1)).reset_index(names="run")
+    path = keep(second, "us2_prediction", TABLES)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    path.with_suffix(".sha256").write_text(f"{digest}  {path.name}\n")
+
+
+def quantiles(draws):
+    """Quantiles over draws by run: of the peak and the residual at 2.06 m, and of the period before the run; of a wall
+    that fell no more than that it did."""
+    found = {}
+    fallen = draws["collapsed"]
+    for run, of_run in draws.assign(
+            peak_mm=draws["peak_mm_2060"].where(~fallen, np.inf), residual_mm=draws["residual_mm_2060"].where(~fallen),
+            period_s=draws.groupby(["case", "seed"])["period_after_s"].shift(fill_value=PERIOD_S)).groupby("run"):
+        found[run] = {f"{name}_{q}": np.percentile(of_run[name], q, method="nearest") if len(of_run) else np.nan
+                      for name in ("peak_mm", "residual_mm", "period_s") for q in QUANTILES}
+    return pd.DataFrame.from_dict(found, orient="index")
+
+
+# --- choices -----------------------------------------------------------------------------------------
+
+CHOICES = {
+    "as predicted": {}, "load 27 kN": {"load_n": 27e3}, "play 1 mm": {"play": 1e-3}, "play 10 mm": {"play": 10e-3},
+    "friction 0.3": {"friction": 0.3}, "top driven": {"stiffness": None}, "bearing 1e7 N/m": {"stiffness": 1e7},
+    "brittle joints": {"softens": False}, "cohesion 0.15 MPa": {"cohesion": 0.15e6}, "5 % damping": {"damping": 0.05},
+    "period 0.08 s": {"period_s": 0.08}, "4 contact points": {"cells": 4}}
+CHOICE_DRAWS, CHOICE_RUNS = 3, (10, 17, 21, 22, 24)
+EC40_RUNS = range(1, 13)
+"""Runs up to the first one after the last of EC40."""
+
+
+def choices(folder):
+    """What each choice changes: five of the runs in sequence, three draws; and runs 1 to 12 with and without motions
+    like EC40."""
+    runs = read_runs(folder).set_index("run", drop=False)
+    events, numbers = events_of(folder, runs.loc[list(CHOICE_RUNS)])
+    seeds, rows = range(1, CHOICE_DRAWS + 1), []
+    for name, change in CHOICES.items():
+        of_runs = quantiles(draws_of({name: Case()._replace(**change)}, events, seeds, numbers))
+        rows.append({"choice": name, **{f"peak_mm_{run}": peak for run, peak in of_runs["peak_mm_50"].items()},
+                     "residual_mm_24": of_runs["residual_mm_50"].get(24),
+                     "period_s_24": of_runs["period_s_50"].get(24)})
+        keep(pd.DataFrame([{"choice": "test", **{f"peak_mm_{run}": runs["edp"][run] for run in CHOICE_RUNS}}, *rows]),
+             "us1_choices")
+    tables = {with_them: quantiles(draws_of({"prediction": Case()}, found[0], seeds, found[1]))["peak_mm_50"]
+              for with_them in (False, True)
+              for found in [events_of(folder, runs.loc[list(EC40_RUNS)], with_them)]}
+    keep(pd.DataFrame({"without_mm": tables[False], "with_mm": tables[True], "tested_mm": runs["edp"]}).dropna(
+        subset=["with_mm"]).rename_axis("run").reset_index(), "us1_ec40")
+
+
+def main():
+    try:
+        folder, name = Path(sys.argv[1]), sys.argv[2]
+        {"bearings": bearings, "prediction": prediction, "choices": choices}[name](folder)
+    except (IndexError, KeyError, OSError) as error:
+        print(f"error: {error}: expected FOLDER bearings|prediction|choices, FOLDER with the files of "
+              "docs/validation/shaken-walls.md; give both", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,308 @@
+"""Claims: twins are the bits of single runs, but-for by hand, weights, refusals, and the sheet in two languages."""
+
+import json
+import re
+import string
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import one_line_error
+
+import damage
+from damage.__main__ import main
+from damage.claim.answer import (
+    BUT_FOR,
+    effective,
+    quantiles,
+    reasons,
+    share,
+    table,
+    verdict,
+    widths,
+    wilson,
+    worlds_of,
+)
+from damage.claim.likeness import KERNEL, Seen, distances, kernel, pairwise, seen_of, strange_share, surveyed
+from damage.claim.make import layout_of
+from damage.claim.numbers import enough
+from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins
+from damage.exposure.lives import read_address
+from damage.html.words import LANGUAGES, all_words, number
+from damage.measure.cracks import close_pairs
+from damage.measure.evidence import QUANTITIES
+from damage.measure.kept import SETTLED, START, patterns_of, read_patterns
+from damage.measure.survey import distance, read_survey
+from damage.motion.settlement import PROFILES
+from damage.run.options import parse_run
+
+WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
+CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
+          "A,1,0,0,0.6,no,0.1,0.05\nA,2,0.3,0,,,,\n")
+WORDS = ("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--above", "12", "--strong", "0.2", "0.3",
+         "--rest", "0.1", "-j", "1")
+"""Short motions of the narrow wall."""
+
+
+@pytest.fixture(scope="module")
+def claimed(tmp_path_factory):
+    """Folder of a claim of three draws; the survey and the wall lie above it."""
+    folder = tmp_path_factory.mktemp("claim")
+    (folder / "narrow.py").write_text(WALL)
+    (folder / "survey.csv").write_text(CRACKS)
+    assert main(words(folder)) == 0
+    return folder / "out"
+
+
+def words(folder, *more, draws=3):
+    return ["claim", str(folder / "narrow.py"), *WORDS, "--cracks", str(folder / "survey.csv"), "--draws", str(draws),
+            "--out", str(folder / "out"), *more]
+
+
+def equal(one, other):
+    return all(np.array_equal(mine, theirs, equal_nan=True) for mine, theirs in zip(one, other, strict=True))
+
+
+def kept(folder, point, number):
+    return read_patterns(folder / "patterns" / f"{point}_from1_reference_s{number}.npz")
+
+
+class TestTwins:
+    def test_a_twin_is_the_single_run_bit_for_bit(self, claimed):
+        """With both causes, by the earthquakes alone and by the settlement alone, which no earthquake follows (the time
+        step is that of the twins: by default it follows the records')."""
+        wall, out = claimed.parent / "narrow.py", claimed.parent / "alone"
+        for point in (SHAKEN, BOTH):
+            history = damage.run(wall, address=claimed / f"{point}.address.toml", life=2, rest=0.1, strength_cov=0.3,
+                                 supports="bricks", out=out / f"{point}.h5")
+            assert equal(patterns_of(history), kept(claimed, point, 2))
+        ground = read_address(claimed / f"{BOTH}.address.toml").settlement(2)
+        settled = patterns_of(damage.run(wall, settle=ground.profile, distortion=ground.distortion, strength_cov=0.3,
+                                         strength_seed=2, dt=history.time_step_s,
+                                         out=out / "settled.h5"))
+        twin = kept(claimed, BOTH, 2)
+        whole = [one.at(SETTLED, 1000) for one in (settled, twin)]
+        assert np.array_equal(*whole) and whole[0].any()
+
+    def test_what_was_lost_is_made_again_and_more_draws_change_no_other(self, claimed):
+        before = {path.name: path.read_bytes() for path in (claimed / "patterns").iterdir()}
+        (claimed / "patterns" / f"{BOTH}_from1_reference_s2.npz").unlink()
+        assert main(words(claimed.parent, draws=4)) == 0
+        after = {path.name: path.read_bytes() for path in (claimed / "patterns").iterdir()}
+        assert len(after) == 8 and {name: after[name] for name in before} == before
+
+    def test_states_of_the_twins(self, claimed):
+        layout = layout_of(claimed.parent / "narrow.py")
+        twins = read_twins(claimed, layout)
+        assert not twins.width_m["none"].any() and (twins.width_m["settlement"] > 0).any()
+        rows = [json.loads(line) for line in (claimed / "records.jsonl").read_text().splitlines() if '"run"' in line]
+        psi = {one["run"]: one["row"] for one in rows}
+        for k, life in enumerate(twins.numbers):
+            row = psi[f"{BOTH}_from1_reference_s{life}"]
+            assert twins.psi["both"][k] == pytest.approx(row["residual_psi"], abs=1e-6)
+            assert twins.psi["settlement"][k] == pytest.approx(row["settled_psi"], abs=1e-6)
+
+    def test_a_damaged_pattern_is_refused(self, claimed, tmp_path):
+        (tmp_path / "one.npz").write_bytes((claimed / "patterns" / f"{BOTH}_from1_reference_s1.npz").read_bytes()[:400])
+        assert "delete it" in one_line_error(read_patterns, tmp_path / "one.npz")
+
+    def test_patterns_take_kilobytes(self, claimed):
+        assert max(path.stat().st_size for path in (claimed / "patterns").iterdir()) < 9000
+        assert START in kept(claimed, SHAKEN, 1).moment and SETTLED not in kept(claimed, SHAKEN, 1).moment
+
+
+class TestGround:
+    ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
+
+    def draws(self, tmp_path, more=""):
+        (tmp_path / "a.toml").write_text(self.ADDRESS + more)
+        return read_address(tmp_path / "a.toml")
+
+    def test_the_ground_is_drawn_beside_the_motions(self, tmp_path):
+        rest = self.draws(tmp_path)
+        moved = self.draws(tmp_path, "settle = ['hogging', 'knick']\ndistortion = [0.001, 0.004]\n")
+        assert moved.life(5).equals(rest.life(5)) and rest.settlement(5) is None
+        found = [moved.settlement(k) for k in range(1, 401)]
+        log = np.log([one.distortion for one in found])
+        assert {one.profile for one in found} == {"hogging", "knick"}
+        assert log.min() >= np.log(0.001) and log.max() <= np.log(0.004)
+        assert log.mean() == pytest.approx(np.log(0.002), abs=4 * log.std() / 20)
+        assert found[3] == moved.settlement(4)
+
+    @pytest.mark.parametrize("more", [
+        "settle = ['hogging']\n", "settle = ['dome']\ndistortion = [0.001, 0.002]\n",
+        "settle = ['tilt']\ndistortion = [0.002, 0.001]\n", "distortion = [0.001, 0.002]\n"])
+    def test_a_bad_ground_is_refused(self, tmp_path, more):
+        assert "expected" in one_line_error(self.draws, tmp_path, more)
+
+    def test_two_settlements_are_refused(self, tmp_path):
+        self.draws(tmp_path, "settle = ['tilt']\ndistortion = [0.001, 0.002]\n")
+        line = ["--address", str(tmp_path / "a.toml"), "--life", "1"]
+        assert parse_run(line, "t", "reference").settlement.profile == "tilt"
+        assert "lives draw the settlement" in one_line_error(parse_run, [*line, "--settle", "knick"], "t", "reference")
+
+
+def made(**width_mm):
+    """Twins of draws whose only contact point has these widths [mm] by what acted."""
+    n = len(width_mm["both"])
+    opening = {name: np.reshape(width_mm.get(name, [0.0] * n), (n, 1)) * 1e-3 for name in STATES}
+    return Twins(np.arange(1, n + 1), opening, {name: np.zeros((n, 1)) for name in opening},
+                 {name: np.isinf(values[:, 0]) for name, values in opening.items()}, np.zeros((1, 2, 2)), np.ones(1),
+                 {}, pd.DataFrame())
+
+
+FOUR = made(both=[0.5, 0.5, 0.05, 0.3], earthquakes=[0.2, 0.05, 0.05, 0.2], settlement=[0.05, 0.05, 0.01, 0.3])
+"""Draws: earthquakes alone do it; neither alone; nothing; each does."""
+
+
+class TestButFor:
+    def test_shares_by_hand(self):
+        """By a prior of 0.5 all eight worlds weigh the same; where the ground rested, E stands."""
+        found = table(worlds_of(FOUR, 0.5))
+        assert {name: row["share"] for name, row in found.items()} == pytest.approx({
+            "both": 5 / 8, "earthquakes": 2 / 4, "settlement": 1 / 8, "none": 0.0,
+            "not_without_earthquakes": 4 / 5, "not_without_settlement": 1 / 5, "neither_alone": 1 / 5})
+
+    def test_a_prior_of_settled_ground_alone(self):
+        found = table(worlds_of(FOUR, 1.0))
+        assert found["both"]["share"] == 3 / 4 and found["settlement"]["share"] == 1 / 4
+        assert found["not_without_settlement"]["share"] == pytest.approx(1 / 3)
+
+    def test_weights_take_the_place_of_draws(self):
+        like = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]])
+        found = table(worlds_of(FOUR, 0.5, like))
+        assert found["neither_alone"]["share"] == 1.0 and found["neither_alone"]["draws"] == 1.0
+
+    def test_both_worlds_of_a_draw_are_one_draw(self):
+        assert effective(worlds_of(FOUR, 0.3).weight) == pytest.approx(4)
+        assert effective(np.array([[1.0, 3.0], [0.0, 0.0]])) == pytest.approx(16 / 10)
+        assert effective(np.zeros((2, 3))) == 0 and share(np.ones((2, 3)), np.zeros((2, 3)))["share"] is None
+
+    def test_wilson(self):
+        """Of 10 of 10: Brown, Cai and DasGupta (2001), 0.722 to 1."""
+        assert wilson(1.0, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
+        assert wilson(0.5, 20) == pytest.approx((0.2993, 0.7007), abs=1e-4)
+
+    def test_widths(self):
+        found = widths(worlds_of(FOUR, 1.0))
+        assert found["left"] == pytest.approx([0.05, 0.3, 0.5]) and found["before"] == pytest.approx([0.01, 0.05, 0.3])
+        assert found["added"] == pytest.approx([0.0, 0.04, 0.45])
+
+    def test_a_wall_that_fell_counts_as_visible_and_has_no_width(self):
+        fell = made(both=[np.inf, 0.5], earthquakes=[0.05, 0.05], settlement=[0.05, 0.05])
+        assert table(worlds_of(fell, 1.0))["both"]["share"] == 1.0
+        assert widths(worlds_of(fell, 1.0))["left"] == pytest.approx([0.5, 0.5, 0.5])
+        assert list(kernel(np.zeros(2), ~fell.fell["both"])) == [0.0, 1.0]
+
+    def test_quantiles(self):
+        assert quantiles([3.0, 1.0, 2.0], [1.0, 1.0, 1.0]) == [1.0, 2.0, 3.0]
+        assert quantiles([3.0, 1.0], [1.0, 0.0]) == [3.0] * 3 and quantiles([1.0], [0.0]) is None
+
+    def test_psi_of_many_is_that_of_each(self):
+        ends = np.array([[[0.0, 0.0], [0.1, 0.0]], [[0.1, 0.0], [0.2, 0.0]], [[1.0, 0.0], [1.1, 0.0]]])
+        width = np.array([[1e-4, 0, 0], [1e-4, 1e-4, 1e-4], [0, 0, 0]])
+        found = psi_of(width, np.full(3, 0.1), close_pairs(ends))
+        assert found == pytest.approx([2 * 0.1**0.3, 2 * 2**0.15 * 0.1**0.3, 0.0])
+
+
+class TestAnswer:
+    def tables(self, *bounds):
+        return {str(k): {name: {"share": (low + high) / 2, "low": low, "high": high} for name in BUT_FOR}
+                for k, (low, high) in enumerate(bounds)}
+
+    def test_all_priors_have_to_agree_by_their_whole_intervals(self):
+        name = BUT_FOR[0]
+        assert verdict(self.tables((0.9, 1.0), (0.95, 1.0)))[name] == "yes"
+        assert verdict(self.tables((0.0, 0.1), (0.0, 0.05)))[name] == "no"
+        for bounds in (((0.9, 1.0), (0.89, 1.0)), ((0.0, 0.1), (0.9, 1.0)), ((0.0, 0.11), (0.0, 0.1))):
+            assert verdict(self.tables(*bounds))[name] == "open"
+
+    @pytest.mark.parametrize("change, draws, strange, why", [
+        ({}, 50.0, 0.95, []), ({}, 49.9, 0.0, ["draws"]), ({}, 60.0, 0.951, ["strange"]),
+        ({"share_on_joints": 0.79}, 60.0, 0.0, ["off_joints"]), ({"max_width_mm": 0.09}, 60.0, 0.0, ["small"])])
+    def test_no_answer(self, change, draws, strange, why):
+        survey = {"max_width_mm": 0.1, "share_on_joints": 0.8} | change
+        assert [code for code, _ in reasons(survey, draws, strange)] == why
+
+    def test_more_draws_until_intervals_are_narrow_and_draws_enough(self):
+        def numbers(low, high, why):
+            return {"all_draws": {"0.5": {"both": {"share": 0.5, "low": low, "high": high}}},
+                    "no_answer": [{"why": one} for one in why]}
+
+        assert enough(numbers(0.4, 0.6, [])) and enough(numbers(0.4, 0.6, ["small"]))
+        assert not enough(numbers(0.39, 0.6, [])) and not enough(numbers(0.4, 0.6, ["draws"]))
+
+
+class TestLikeness:
+    def test_distances_are_those_of_the_survey(self, claimed):
+        layout = layout_of(claimed.parent / "narrow.py")
+        twins, survey = read_twins(claimed, layout), read_survey(claimed.parent / "survey.csv", layout)
+        mine, known = surveyed(survey, layout)
+        seen = seen_of(survey, twins.opening_m["both"], twins.offset_m["both"], layout)
+        found = distances(mine, seen, survey.width_error_m, known)
+        assert known.any() and found == pytest.approx([
+            distance(survey, twins.opening_m["both"][k], twins.offset_m["both"][k], layout) for k in range(len(twins))])
+
+    def test_kernel(self):
+        assert kernel(np.array([0.0, KERNEL]), np.ones(2, bool)) == pytest.approx([1.0, np.exp(-0.5)])
+
+    def test_a_survey_unlike_all_is_stranger_than_all(self):
+        rng = np.random.default_rng(0)
+        area = 1 + 0.1 * rng.standard_normal((30, 20))
+        seen = Seen(area, np.ones_like(area), np.zeros_like(area))
+        pairs = pairwise(seen, 0.0, np.zeros(20))
+        other = Seen(np.flip(np.eye(20)[:1] * 20, axis=1), np.ones((1, 20)), np.zeros((1, 20)))
+        assert strange_share(distances(other, seen, 0.0, np.zeros(20)), pairs) == 1.0
+        middle = Seen(np.ones((1, 20)), np.ones((1, 20)), np.zeros((1, 20)))
+        assert strange_share(distances(middle, seen, 0.0, np.zeros(20)), pairs) < 0.1
+
+
+class TestSheet:
+    def test_every_share_of_the_sheet_is_in_the_json(self, claimed):
+        page, numbers = (claimed / "claim.html").read_text(), json.loads((claimed / "claim.json").read_text())
+        for row in numbers["all_draws"]["0.5"].values():
+            if row["share"] is not None:
+                assert f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})" in page
+        assert numbers["shaking"]["last_event_utc"].startswith("2014-12-30")
+        assert "<strong>The list of earthquakes ends on 2014-12-30." in page
+        assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
+
+    def test_it_loads_nothing_and_runs_nothing(self, claimed):
+        page = (claimed / "claim.html").read_text()
+        assert not re.search(r"<script|<link|<img|src=|url\(|@import|http", page)
+
+    def test_both_languages_are_whole(self):
+        for key, texts in all_words().items():
+            assert texts.keys() == set(LANGUAGES), key
+            fields = [{name for _, name, *_ in string.Formatter().parse(text) if name} for text in texts.values()]
+            assert fields[0] == fields[1], key
+        wanted = [*(f"quantity {one.name}" for one in QUANTITIES if one.value), *(f"profile_{one}" for one in PROFILES),
+                  *(f"{name}_{said}" for name in BUT_FOR for said in ("yes", "no", "open")),
+                  *(f"why_{why}" for why in ("draws", "strange", "off_joints", "small"))]
+        assert [key for key in wanted if key not in all_words()] == []
+
+    def test_a_dutch_sheet_has_no_english_text(self, claimed):
+        assert main(words(claimed.parent, "--language", "nl", draws=4)) == 0
+        page = re.sub(r"\s+", " ", (claimed / "claim.html").read_text())
+        assert '<html lang="nl">' in page and "Geen antwoord" in page
+        parts = [part.strip() for texts in all_words().values() for part in re.split(r"\{\w+\}", texts["en"])
+                 if texts["en"] != texts["nl"]]
+        assert [part for part in parts if len(part) > 12 and part in page] == []
+
+    def test_numbers_by_language(self):
+        assert number("en", 1234.5) == "1200" and number("nl", 0.125) == "0,12" and number("nl", None) == "-"
+
+
+class TestBadInput:
+    @pytest.mark.parametrize("more, said", [
+        (["--levels", "l.csv", "--settle", "knick"], "expected one of them"),
+        (["--distortion", "1/500"], "--distortion belongs to --settle"), (["--settle", "dome"], "--settle dome"),
+        (["--at", "52.09", "5.12"], "from the nearest epicentre"), (["--language", "fr"], "invalid choice")])
+    def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, capsys, more, said):
+        assert main([*words(claimed.parent), *more, "--out", str(tmp_path / "new")]) == 2
+        assert said in capsys.readouterr().err and not (tmp_path / "new" / "runs").exists()
+
+    def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, capsys):
+        (tmp_path / "far.csv").write_text(CRACKS.replace("0.3,0,", "9,0,"))
+        assert main([*words(claimed.parent), "--cracks", str(tmp_path / "far.csv"), "--out", str(tmp_path / "o")]) == 2
+        assert "run along joints" in capsys.readouterr().err

@@ -1,0 +1,245 @@
+"""Restraints: strips in one-way bending between floors, and party walls, against closed forms and in both solvers."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.linalg import eigvals
+from scipy.optimize import brentq
+
+import damage
+from damage.errors import InputError
+from damage.law.modes import natural_modes
+from damage.mechanics.tables import FRICTION, PULLS, SLIPPED_BY
+from damage.reference.lanes import run_together
+from damage.reference.solver import ReferenceSolver
+from damage.units import GRAVITY
+from damage.wall.data import wall_from
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.restraints import THICK_M, Restraint
+
+THICK, WIDTH, DENSITY = 0.21, 1.292, 1885.0
+DRY = Joint(1e10, 4e9, math.atan(0.75), 0.0, 0.0)
+GAUSS, TOP = ModelOptions(contacts="gauss", cells=4), Restraint("top")
+
+
+def strip(courses=10, course=0.258, joint=DRY, load=38e3, modulus=1e15, restraint=TOP, options=GAUSS):
+    """Layout of a column of courses one brick long: a strip of a wall in one-way bending."""
+    brick = Brick(2 * THICK, course, WIDTH, DENSITY, young_modulus=modulus, shear_modulus=modulus / 2.5)
+    return lay_out(Wall("strip", THICK, courses * course, precompression=load, brick=brick, joint=joint,
+                        restraints=[restraint]), options)
+
+
+class TestStrip:
+    @staticmethod
+    def mechanism(layout, k, free):
+        """Force [N] on the pushed course and its displacement [m] at which it vanishes, of rigid blocks that turn about
+        the outermost contact points of the base, joint k and the top; a free top turns about the beam's middle."""
+        wall, bodies = layout.wall, layout.bodies
+        lever, height = np.ptp(layout.contacts.x), wall.built_height
+        low, high = k * wall.brick.height, height - k * wall.brick.height + (THICK_M / 2 if free else 0.0)
+        below = GRAVITY * bodies.mass[:k].sum()
+        above, load = GRAVITY * bodies.mass[k:-1].sum(), GRAVITY * layout.top_mass
+        bricks = below / 2 / low + above * (1 / low + 0.5 / high)
+        force = (load * (1 / low + (0.5 if free else 1.0) / high) + bricks) * lever
+        slope = load * (1 / low + 1 / high) + bricks
+        up = bodies.z[layout.drift_bodies[0]]
+        moved = min(up / low, (low + high - up) / high)  # of the pushed course over that of the hinge
+        return force / moved, force / slope * moved
+
+    @pytest.mark.parametrize(("rotation", "load"), [("fixed", 38e3), ("fixed", 150e3), ("free", 38e3)])
+    def test_mechanism_load_and_displacement_capacity_follow_the_closed_form(self, rotation, load):
+        layout = strip(load=load, restraint=Restraint("top", rotation))
+        wall = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+        wall.damp(local=0.7)
+        wall.run(round(0.4 / wall.time_step))
+        wall.hold(layout.pushed_bodies, rotation=False)
+        wall.push(speed := 1e-3)
+        wall.run(round(0.02 / speed / wall.time_step))
+        found = []
+        while (place := wall.displacement[layout.drift_bodies[0], 0]) < 0.07:
+            wall.run(40)
+            found.append((place, wall.push_force()))
+        slope, at_first = np.polyfit(*np.transpose(found), 1)
+        force, capacity = min(self.mechanism(layout, k, rotation == "free") for k in range(1, 10))
+        assert_allclose([at_first, -at_first / slope], [force, capacity], rtol=0.02)
+        moved = wall.displacement[-1]
+        assert moved[0] == 0.0 and (moved[2] == 0.0) == (rotation == "fixed") and moved[1] > 1e-3
+
+    def test_the_first_period_is_that_of_a_clamped_timoshenko_beam(self):
+        """Symmetric modes of cosh and cos about the middle, deflection and rotation zero at the ends."""
+        young, shear, half = 2.5e9, 1e9, 2.58 / 2
+        layout = strip(43, 0.06, Joint(1e14, 4e13, tensile_strength=0.2e6), modulus=young)
+        area, radius2 = THICK * WIDTH, THICK**2 / 12
+
+        def ends(frequency):
+            inertia = DENSITY * (2 * math.pi * frequency)**2
+            b, c = inertia * (1 / young + 1 / shear), inertia / young * (inertia / shear - 1 / radius2)
+            root = math.sqrt(b**2 / 4 - c)
+            p, q = math.sqrt(root - b / 2), math.sqrt(root + b / 2)  # w = cosh p x, cos q x
+            turn_p, turn_q = p + inertia / shear / p, q - inertia / shear / q
+            return (math.cosh(p * half) * turn_q * math.sin(q * half)
+                    + turn_p * math.sinh(p * half) * math.cos(q * half))
+
+        assert_allclose(natural_modes(layout).period_s[0], 1 / brentq(ends, 10.0, 60.0), rtol=0.02)
+        assert area * 2.58 * DENSITY == pytest.approx(layout.bodies.mass[:-1].sum())
+
+    def test_a_bearing_in_series_lengthens_the_period_of_a_stiff_strip(self):
+        """A block and the beam on the shear springs of both joints and the bearing."""
+        layout, joint = strip(1, joint=Joint(1e14, 1e9), restraint=Restraint("top", stiffness=3e8)), 1e9 * THICK * WIDTH
+        squares = eigvals([[2 * joint, -joint], [-joint, joint + 3e8]], np.diag(layout.bodies.mass)).real
+        assert_allclose(natural_modes(layout).period_s[0], 2 * math.pi / math.sqrt(squares.min()), rtol=1e-3)
+
+    def test_the_load_stays_constant_on_a_light_beam(self):
+        light, heavy = (strip(restraint=Restraint("top", mass=mass)) for mass in (100.0, None))
+        assert light.total_mass == pytest.approx(heavy.total_mass) and light.bodies.mass[-1] == 100.0
+        for layout in (light, heavy):
+            wall = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+            wall.damp(local=0.7)
+            wall.run(round(0.5 / wall.time_step))
+            assert_allclose(wall.base_reaction(), GRAVITY * layout.total_mass, rtol=1e-4)
+
+
+class TestBearing:
+    TOP = Restraint("top", stiffness=2e6, friction=0.3, play=0.004)
+
+    def path(self):
+        return np.interp(np.arange(81), np.arange(0, 81, 16), [0.0, 0.02, -0.02, 0.02, -0.003, 0.001])
+
+    def test_the_step_follows_the_law_and_its_slip_is_friction(self):
+        """k (u - s), |F| up to mu N while the play lasts: a cycle over all of it takes 4 play mu N."""
+        layout = strip(restraint=self.TOP)
+        load, slip, forces = GRAVITY * layout.top_mass, 0.0, []
+        wall = ReferenceSolver(layout, 1e-5)
+        beam = len(layout.bodies) - 1
+        for place in self.path():
+            moved = wall.displacement
+            moved[beam, 0] = place
+            wall.displacement = moved
+            slip = self.TOP.slip(place, slip, load)
+            forces.append(2e6 * (place - slip))
+            assert_allclose(wall.system.bearings[beam, [SLIPPED_BY, PULLS]], [slip, forces[-1]], rtol=1e-12)
+            if place in (0.02, -0.02):
+                assert slip == math.copysign(0.004, place)
+        work = sum(0.5 * (one + other) * (b - a) for (one, other), (a, b) in zip(
+            pairwise([0.0, *forces]), pairwise([0.0, *self.path()]))) - 0.5 * forces[-1]**2 / 2e6
+        assert_allclose(wall.energy[FRICTION], work, rtol=1e-9)
+
+    def test_a_slow_cycle_takes_four_plays_of_friction(self):
+        layout, work, slip = strip(restraint=self.TOP), 0.0, 0.0
+        load, before = GRAVITY * layout.top_mass, 0.0
+        path = np.interp(np.arange(8001), [0, 2000, 6000, 8001], [0, 0.02, -0.02, 0.02])
+        for k, place in enumerate(path):
+            new = self.TOP.slip(place, slip, load)
+            force = 2e6 * (place - new)
+            work += 0.5 * (before + force) * (new - slip) * (k > 2000)
+            slip, before = new, force
+        assert_allclose(work, 4 * 0.004 * 0.3 * load, rtol=1e-5)
+
+    def test_eight_walls_together_have_the_bits_of_each_alone(self):
+        def make(k):
+            joint = Joint(4e9, 1.6e9, tensile_strength=2e4, cohesion=4e4)
+            wall = ReferenceSolver(strip(joint=joint, restraint=self.TOP, options=ModelOptions(
+                strength_cov=0.2, strength_seed=k)), 1e-4)
+            wall.run(100)
+            wall.start(np.column_stack([6 * np.sin(np.arange(4000) * 1e-4 * 50), np.zeros(4000)]))
+            return wall
+
+        together, alone = [[make(k) for k in range(5)] for _ in range(2)]
+        run_together(together, 4000)
+        for wall in alone:
+            wall.run(4000)
+        for one, other in zip(together, alone):
+            assert_array_equal(one.displacement, other.displacement)
+            assert_array_equal(one.system.bearings, other.system.bearings)
+            assert one.system.bearings[-1, SLIPPED_BY] != 0.0
+
+
+def test_party_walls_share_the_inertia_of_a_block_by_their_stiffness():
+    """One brick under a steady acceleration: u = m a / (k_s A of the bed joint + k_n A of both head joints)."""
+    brick = Brick(0.225, 0.075, 0.1, 2000.0, young_modulus=1e15, shear_modulus=1e15)
+    layout = lay_out(Wall("block", 0.225, 0.075, precompression=0.0, brick=brick, joint=Joint(1e9, 4e7, cohesion=1e9,
+                          tensile_strength=1e9), restraints=[Restraint("left"), Restraint("right")]))
+    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s)
+    wall.damp(local=0.7)
+    wall.start(np.full((4000, 2), [2.0, 0.0]))
+    wall.run(4000)
+    stiffness = 4e7 * 0.225 * 0.1 + 2 * 1e9 * 0.075 * 0.1
+    assert_allclose(wall.displacement[0, 0], -layout.bodies.mass[0] * 2.0 / stiffness, rtol=5e-3)
+    assert_array_equal(wall.displacement[1:], 0.0)
+
+
+SMALL = """
+name = "small"
+length = 0.21
+height = 1.5
+precompression = 38e3
+brick = { length = 0.42, height = 0.15, thickness = 1.292, density = 1885 }
+joint = { normal_stiffness = 4e9, shear_stiffness = 1.6e9, tensile_strength = 0.05e6, cohesion = 0.08e6 }
+[[restraints]]
+side = "top"
+stiffness = 2e6
+friction = 0.3
+play = 0.002
+mass = 200
+"""
+PARTY = """
+name = "party"
+length = 0.7
+height = 0.6
+precompression = 200e3
+joint = { normal_stiffness = 1e10, shear_stiffness = 4e9, tensile_strength = 0.1e6, cohesion = 0.2e6 }
+[[restraints]]
+side = "left"
+"""
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize(("text", "period", "peak"), [(SMALL, 0.15, 0.45), (PARTY, 0.1, 0.2)],
+                         ids=["top", "side"])
+def test_both_solvers_agree(tmp_path, yade_command, damage_command, text, period, peak):
+    (tmp_path / "wall.toml").write_text(text)
+    words = ["--harmonic", period, peak, "--rest", 0.1, "--contacts", "gauss", "--cells", 4,
+             "--no-pictures", "--quiet"]
+    for name, run in (("reference", lambda *more: damage_command("reference", *more)), ("yade", yade_command)):
+        done = run(tmp_path / "wall.toml", *words, "--out", tmp_path / f"{name}.h5")
+        assert done.returncode == 0, done.stderr
+    yade, reference = (damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "reference"))
+    drift = [history.series["drift_ratio"].to_numpy() for history in (yade, reference)]
+    assert np.abs(drift[1]).max() > 1e-5 and len(reference.events) > 0
+    assert_allclose(drift[0], drift[1], atol=0.05 * np.abs(drift[1]).max())
+    assert reference.masonry_wall == wall_from_text(text)
+
+
+def wall_from_text(text):
+    import tomllib
+    return wall_from(tomllib.loads(text))
+
+
+def test_a_wall_of_its_dictionary_has_its_restraints():
+    wall = wall_from_text(SMALL)
+    assert Wall.from_dict(wall.as_dict()) == wall and "restraints" not in Wall("plain", 1.0, 1.0).as_dict()
+
+
+@pytest.mark.parametrize(("made", "said"), [
+    (lambda: Restraint("bottom"), "top"),
+    (lambda: Restraint("left", "free"), "party wall"),
+    (lambda: Restraint("top", play=0.01), "stiffness"),
+    (lambda: strip(load=0.0), "precompression"),
+    (lambda: strip(restraint=Restraint("top", mass=1e6)), "precompression weighs"),
+    (lambda: strip(options=ModelOptions(top="uniform")), "--top uniform"),
+    (lambda: Wall("twice", 1.0, 1.0, restraints=[Restraint("top")] * 2), "2 restraints"),
+    (lambda: Wall("none", 1.0, 1.0, restraints=[Opening(0.3, 0.3, 0.3)]), "Restraint")])
+def test_what_cannot_be_is_refused(made, said):
+    with pytest.raises(InputError, match=said):
+        made()
+
+
+def test_a_push_that_keeps_the_middle_from_turning_is_refused(tmp_path, damage_command):
+    (tmp_path / "wall.toml").write_text(SMALL)
+    done = damage_command("reference", tmp_path / "wall.toml", "--pushover", 1, "--boundary", "fixed")
+    assert done.returncode == 2 and "leave --boundary out" in done.stderr
