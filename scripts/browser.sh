@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Opens reports (python3 -m damage report) and the site of the documents in a real browser, Debian's Chromium, without
-# a network.
+# Opens reports (python3 -m damage report), the site of the documents and the page of a claim (python3 -m damage app) in
+# a real browser, Debian's Chromium, without a network.
 #
-#     bash scripts/browser.sh                            # the tests of both there
+#     bash scripts/browser.sh                            # the tests of all three there
 #     bash scripts/browser.sh FILE.html                  # time from its opening to its drawn wall, five cold starts
 #     bash scripts/browser.sh FILE.html --shots DIR      # and pictures of it on screen and, in grey, on paper
 #
@@ -19,4 +19,4 @@ if [ $# -gt 0 ]; then
     exec "$PYTHON" "$root/benchmarks/report_in_browser.py" "$@"
 fi
 cd "$root"
-exec "$PYTHON" -m pytest -q -m long tests/test_html_browser.py tests/test_site_browser.py
+exec "$PYTHON" -m pytest -q -m long tests/test_html_browser.py tests/test_site_browser.py tests/test_app_browser.py

@@ -6,6 +6,7 @@
 #     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
 #     source scripts/environment.sh browser # as site, with pytest and selenium; Chromium and its driver
+#     source scripts/environment.sh app     # a Python with the packages and Flask, for python3 -m damage app
 #     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
 #     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff
 #
@@ -225,10 +226,14 @@ _env_main() {
     case ${1:-run} in
         run) ;;
         cluster) modules+=(snakemake) ;;
-        test) modules+=(snakemake pytest xdist hypothesis) ;;
-        coverage) modules+=(snakemake pytest xdist hypothesis coverage) ;;
+        test) modules+=(snakemake pytest xdist hypothesis flask) ;;
+        coverage) modules+=(snakemake pytest xdist hypothesis flask coverage) ;;
+        app)
+            modules+=(flask)
+            _env_programs=()
+            ;;
         browser)
-            modules+=(pytest hypothesis selenium sphinx myst_parser furo)
+            modules+=(pytest hypothesis selenium sphinx myst_parser furo flask)
             _env_programs=(chromium chromedriver pdftoppm)
             ;;
         site)
@@ -240,7 +245,7 @@ _env_main() {
             _env_programs=(shellcheck)
             ;;
         *)
-            _env_say "error: environment.sh $1: expected run, cluster, test, coverage, browser, site or gates; correct the call"
+            _env_say "error: environment.sh $1: expected run, cluster, test, coverage, browser, app, site or gates; correct the call"
             return 2
             ;;
     esac

@@ -24,6 +24,7 @@ ROOMS = [
     ("damage.html", "damage.export"),
     ("damage.batch",),
     ("damage.claim",),
+    ("damage.app",),
     ("damage.commands",),
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),

@@ -27,8 +27,8 @@ from damage.claim.likeness import KERNEL, Seen, distances, kernel, pairwise, see
 from damage.claim.make import layout_of
 from damage.claim.numbers import enough
 from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins
-from damage.claim.words import LANGUAGES, all_words, number
 from damage.exposure.lives import read_address
+from damage.html.words import LANGUAGES, all_words, number
 from damage.measure.cracks import close_pairs
 from damage.measure.evidence import QUANTITIES
 from damage.measure.kept import SETTLED, START, patterns_of, read_patterns
@@ -129,8 +129,9 @@ class TestGround:
         assert log.mean() == pytest.approx(np.log(0.002), abs=4 * log.std() / 20)
         assert found[3] == moved.settlement(4)
 
-    @pytest.mark.parametrize("more", ["settle = ['hogging']\n", "settle = ['dome']\ndistortion = [0.001, 0.002]\n",
-                                      "settle = ['tilt']\ndistortion = [0.002, 0.001]\n", "distortion = [0.001, 0.002]\n"])
+    @pytest.mark.parametrize("more", [
+        "settle = ['hogging']\n", "settle = ['dome']\ndistortion = [0.001, 0.002]\n",
+        "settle = ['tilt']\ndistortion = [0.002, 0.001]\n", "distortion = [0.001, 0.002]\n"])
     def test_a_bad_ground_is_refused(self, tmp_path, more):
         assert "expected" in one_line_error(self.draws, tmp_path, more)
 

@@ -10,6 +10,7 @@ import tomllib
 from dataclasses import replace
 from fnmatch import fnmatch
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -32,7 +33,8 @@ from paper.evidence import Point, load_runs
 pytest.importorskip("jinja2")
 
 from damage.html.packing import quantised, unpack_arrays
-from damage.html.report import page, plotly_code, write_report
+from damage.html.plain import plain
+from damage.html.report import Words, page, plotly_code, write_report
 from damage.html.run_part import MOST_INSTANTS, MOST_POINTS, points, preview, still
 from damage.html.study_part import figures
 from damage.html.tables import digits_of
@@ -117,6 +119,43 @@ def make_study(folder, *histories, title="a study"):
     write_table(points_of(summary), folder / "tables" / "points.csv")
     (folder / "study.toml").write_text(f'name = "mine"\ntitle = "{title}"\n')
     return folder
+
+
+class TestInShort:
+    def plain(self, language="en", members=None, collapsed=None, **changes):
+        history = SimpleNamespace(sequence=(1.0,) * 3, collapsed_at_s=collapsed)
+        summary = {"settled_psi": 1.2, "max_crack_width_mm": 0.9, "evidence": {}}
+        row = {"settled_crack_width_mm": 0.2, "residual_crack_width_mm": 0.5, "pgv_m_s": 0.04}
+        return plain(history, summary, row | changes, members, language)
+
+    def test_what_is_left_what_was_added_and_the_velocity(self):
+        found = self.plain()
+        assert [(value, unit) for _, value, _, unit, _ in found["cards"]] == [
+            (0.5, "mm"), (pytest.approx(0.3), "mm"), (pytest.approx(40), "mm/s")]
+        assert len(found["lines"]) == 5 and "0.5 mm is left, of which 0.3 mm came with the motion" in found["lines"][3]
+
+    def test_ranges_are_over_the_members(self):
+        members = pd.DataFrame({"settled_crack_width_mm": [0.2, 0.1], "residual_crack_width_mm": [0.5, 0.9],
+                                "pgv_m_s": [0.04, 0.04]})
+        cards = self.plain(members=members)["cards"]
+        assert [more for *_, more in cards] == ["2 members: 0.5 to 0.9", "2 members: 0.3 to 0.8", "2 members: 40 to 40"]
+
+    def test_in_dutch(self):
+        found = self.plain("nl")
+        assert found["lines"][0].startswith("De muur is 3 keer geschud; de sterkste beweging had een trillingssnelheid")
+        assert [shown for _, _, shown, *_ in found["cards"]] == ["0,5", "0,3", "40"]
+
+    @pytest.mark.parametrize("changes, said", [
+        ({"residual_crack_width_mm": 0.05, "settled_crack_width_mm": None}, "below 0.1 mm no crack is visible"),
+        ({"residual_crack_width_mm": None}, "no end at rest"), ({"collapsed": 1.0}, "part of the wall fell")])
+    def test_the_end(self, changes, said):
+        assert said in self.plain(**changes)["lines"][3]
+
+    def test_it_is_in_the_page(self, one, page_of_one):
+        assert "In short" in page_of_one.text and "The technical part follows." in page_of_one.text
+        dutch = Page(page([one.path], [], Words(language="nl")))
+        assert "In het kort" in dutch.text and {"class": "plain", "lang": "nl", "aria-label": "In het kort"} in \
+            dutch.all("section")
 
 
 class TestOneRun:

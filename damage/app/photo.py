@@ -27,14 +27,18 @@ def cleaned(data):
         raise InputError(f"the photograph has {len(data) / 1e6:.3g} MB; expected up to {MOST_BYTES / 1e6:g}; make it "
                          "smaller")
     try:
-        with warnings.catch_warnings(), Image.open(io.BytesIO(data), formats=FORMATS) as picture:
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore")
+            picture = Image.open(io.BytesIO(data), formats=FORMATS)
             if picture.width * picture.height > MOST_PIXELS:
                 raise InputError(f"the photograph has {picture.width} x {picture.height} pixels; expected up to "
                                  f"{MOST_PIXELS / 1e6:g} million; make it smaller")
             upright = ImageOps.exif_transpose(picture).convert("RGB")
     except InputError:
         raise
+    except Image.DecompressionBombError as error:
+        raise InputError(f"the photograph has too many pixels; expected up to {MOST_PIXELS / 1e6:g} million; make it "
+                         "smaller") from error
     except Exception as error:  # of a damaged file Pillow raises many kinds
         raise InputError(f"the photograph cannot be read; expected {' or '.join(FORMATS)}; save it as such") from error
     upright.thumbnail((LONGEST_PX, LONGEST_PX))

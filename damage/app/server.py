@@ -2,8 +2,8 @@
 
 A request is answered only with the host name of the loopback interface in its Host (other sites that point their name
 here are refused), with an Origin of this page or none, and with the token that the program printed: in the address at
-the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides, too.  The page
-asks for nothing of another machine; its Content-Security-Policy forbids it.
+the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides.  The page asks
+for nothing of another machine; its Content-Security-Policy forbids it.
 """
 
 import secrets
@@ -17,8 +17,8 @@ from damage.errors import InputError, RunError
 from damage.files import json_text
 
 PAGE = Path(__file__).parent / "page"
-ASSETS = {"app.js": "text/javascript; charset=utf-8", "app.css": "text/css; charset=utf-8"}
-POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
+ASSETS = {"icon.svg": "image/svg+xml", "app.js": "text/javascript; charset=utf-8", "app.css": "text/css; charset=utf-8"}
+POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
           "base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
 SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Of the sheet, which has its style and pictures in itself; it can be printed."""
@@ -32,7 +32,6 @@ def make_app(out, port, token):
     from flask import Flask
 
     app = Flask("damage.app", static_folder=None, template_folder=str(PAGE))
-    app.config["MAX_CONTENT_LENGTH"] = MOST_BYTES + 1
     app.desk = Desk(out)
     hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
     _guard(app, hosts, token)
@@ -51,15 +50,17 @@ def _guard(app, hosts, token):
     @app.before_request
     def check():
         origin = request.headers.get("Origin")
-        if request.headers.get("Host") not in hosts or request.headers.get("Sec-Fetch-Site") in ("cross-site", "same-site"):
-            abort(403)
-        if origin is not None and origin not in {f"http://{host}" for host in hosts}:
+        here = origin is None or origin in {f"http://{host}" for host in hosts}
+        elsewhere = request.headers.get("Sec-Fetch-Site") in ("cross-site", "same-site")
+        if request.headers.get("Host") not in hosts or elsewhere or not here:
             abort(403)
         first = request.path == "/" and request.method == "GET" and known(request.args.get("token"))
         if not first and not known(request.cookies.get(COOKIE)):
             abort(403)
         if request.method != "GET" and not (origin and known(request.headers.get(HEADER))):
             abort(403)
+        if request.method != "GET" and (request.content_length is None or request.content_length > MOST_BYTES):
+            abort(413)
 
     @app.after_request
     def label(response):
@@ -113,7 +114,7 @@ def _calls(app):
             with lock:
                 return Response(json_text(work()), content_type="application/json")
         except (InputError, RunError, OSError) as error:
-            return Response(json_text({"error": str(error)}), 400, content_type="application/json")
+            return Response(json_text({"error": str(error)}), content_type="application/json")  # no fault of the page
 
     @app.get("/api/<name>")
     def look(name):
@@ -129,12 +130,22 @@ def _calls(app):
     def call(name):
         if name not in methods:
             abort(404)
-        if not request.is_json or (request.content_length or 0) > MOST_JSON:
-            abort(413 if request.is_json else 415)
-        given = request.get_json(silent=True)
-        if not isinstance(given, dict) or set(given) != set(methods[name]):
+        given = _object(request)
+        if set(given) != set(methods[name]):
             abort(400)
         return answer(lambda: getattr(app.desk, name)(**given))
+
+
+def _object(request):
+    """The JSON object that a request has; anything else ends it."""
+    from flask import abort
+
+    if not request.is_json:
+        abort(415)
+    if request.content_length > MOST_JSON:
+        abort(413)
+    given = request.get_json(silent=True)
+    return given if isinstance(given, dict) else abort(400)
 
 
 def serve(out, port=0, opened=True):
@@ -154,7 +165,8 @@ def serve(out, port=0, opened=True):
     server = make_server("127.0.0.1", port, None, threaded=True, request_handler=Quiet)
     server.app = app = make_app(out, server.server_port, token)
     address = f"http://127.0.0.1:{server.server_port}/?token={token}"
-    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it", flush=True)
+    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it",
+          flush=True)
     if opened:
         webbrowser.open(address)
     try:

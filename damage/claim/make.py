@@ -3,9 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from damage.batch.command import run_study
 from damage.batch.folder import ROOT
-from damage.batch.plan import Plan, duration
 from damage.claim.answer import LEAST_DRAWS
 from damage.claim.numbers import enough, numbers_of
 from damage.claim.sheet import sheet
@@ -18,6 +16,7 @@ from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for, facts
 from damage.measure.summary import summarise
 from damage.measure.survey import read_survey
+from damage.run.options import fraction
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
@@ -47,6 +46,8 @@ class Claim:
 
 def make_claim(claim, out, jobs):
     """Make the sheet of a Claim in a folder with so many processes; returns the exit status.  Raises InputError."""
+    from damage.batch.command import run_study
+
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
     choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
@@ -77,6 +78,8 @@ def layout_of(wall):
 
 def _state_time(claim, out, jobs, steps):
     """Print the expected time of the first draws, and of the most that may follow, before anything starts."""
+    from damage.batch.plan import Plan, duration
+
     words = []
     for draws in dict.fromkeys((steps[0], steps[-1])):
         low, high = Plan(_study(claim, out, draws), out, jobs).seconds
@@ -100,7 +103,9 @@ def _ground(claim):
     """The settlement that was taken, fit for JSON."""
     if not claim.settlement:
         return {"drawn": list(DRAWN[0]), "distortion": list(DRAWN[1])}
-    return {"profile": Path(str(claim.settlement["settle"])).name, "distortion": claim.settlement.get("distortion")}
+    distortion = claim.settlement.get("distortion")
+    return {"profile": Path(str(claim.settlement["settle"])).name,
+            "distortion": None if distortion is None else fraction(str(distortion))}
 
 
 def _evidence(out, study):

@@ -1,21 +1,18 @@
 """The sheet of a claim: one A4 page of HTML, in English or Dutch, of the numbers of `damage.claim.numbers`."""
 
-from functools import cache, partial
-from pathlib import Path
+from functools import partial
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from damage.claim.answer import BUT_FOR, LEAST_DRAWS, MOST_OFF_JOINTS, ROWS, STRANGEST
-from damage.claim.words import number, words
+from damage.html.words import environment, number, of_hundred, words
 from damage.index import THRESHOLD
 from damage.measure.cracks import cracked, ends_of
 from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
-PAGE = Path(__file__).parent
 MARGIN_MM, THINNEST_MM, DRAWN_MM = 60, 10, 40
 """Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and what 1 mm adds."""
 _LIMITS = {"draws": LEAST_DRAWS, "strange": 100 * STRANGEST, "off_joints": 100 * MOST_OFF_JOINTS,
@@ -31,24 +28,12 @@ def sheet(numbers, wall, survey, twins, language, json_name):
         least, middle, most = (shown(round(value, 2) + 0.0) for value in three) if three else "-" * 3
         return say("range", least=least, middle=middle, most=most) if three else "-"
 
-    return _environment().get_template("sheet.html").render(
-        numbers=numbers, words=say, shown=shown, language=language, cell=_cell, ranges=ranges,
+    return environment().get_template("claim.html").render(
+        numbers=numbers, words=say, shown=shown, language=language, cell=of_hundred, ranges=ranges,
         answer=_answer(numbers, say), why=_why(numbers, say, shown), rows=ROWS, but_for=BUT_FOR,
         pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
         evidence=_evidence(numbers["evidence"], say), json_name=json_name,
         software=f"masonry-damage {VERSION}, commit {commit()}")
-
-
-@cache
-def _environment():
-    return Environment(loader=FileSystemLoader(PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-                       lstrip_blocks=True)
-
-
-def _cell(row):
-    """A share of 100 with its interval."""
-    return "-" if row["share"] is None else (
-        f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})")
 
 
 def _answer(numbers, say):

@@ -90,10 +90,10 @@ GROUPS = {
     "first steps": ("demo", "new-wall", "help"),
     "a wall": ("materials", "draw", "modes", "wall-schema"),
     "ground motion": ("record", "exposure", "catalogue"),
-    "one run": ("reference", "index", "check", "info", "plot", "animate", "report", "tables", "compare", "export",
-                "cracks", "cycles", "laboratory"),
+    "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report", "tables", "compare",
+                "export", "cracks", "cycles", "laboratory"),
     "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
-    "lives at an address": ("life", "lives", "claim"),
+    "lives at an address": ("life", "lives", "claim", "app"),
 }
 """Title -> names of commands, all in the order in which help lists them."""
 
@@ -112,6 +112,7 @@ EXAMPLES = {
     "check": ("check run.h5", "check results/quick/runs/*.h5"),
     "info": ("info run.h5", "info run.h5 --json"),
     "plot": ("plot run.h5 --out pictures", "plot results/quick/runs/run.h5 --out pictures/run"),
+    "stresses": ("stresses run.h5 --joint 0.5,0.3", "stresses run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
     "animate": ("animate run.h5", "animate run.h5 --window 1 2 --magnify 200 --out run.mp4"),
     "report": ("report run.h5", 'report results/quick --title "Quick study" --author "A. Name" --out report.html'),
     "tables": ("tables run run.h5 --out run", "tables summary first.h5 second.h5 --out summary.csv"),
@@ -130,6 +131,7 @@ EXAMPLES = {
     "dictionary": ("dictionary --out tables", "dictionary --out docs/reference"),
     "life": ("life symmetric --at 53.36 6.75 --out results/life",
              "life my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"),
+    "app": ("app --out results/claim", "app --out results/claim --port 8765 --no-browser"),
     "claim": ("claim my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
               "claim my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
               "--language nl --out results/claim"),

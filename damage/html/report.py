@@ -2,10 +2,9 @@
 
 import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from jinja2.utils import htmlsafe_json_dumps
 
 from damage.errors import InputError
@@ -15,12 +14,13 @@ from damage.html.charts import over_time, states_legend
 from damage.html.run_part import run_part
 from damage.html.study_part import documents, figures, runs_of, studies_below, study_part
 from damage.html.tables import energy_balance, measures, parameters, versions
+from damage.html.words import PAGE, environment
+from damage.html.words import words as texts
 from damage.index import THRESHOLD
 from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
-PAGE = Path(__file__).parent / "page"
 """The template of the page, its style, its program and the code of plotly.js that draws: `plotly-basic.min.js` is its
 partial bundle `basic` as its makers publish it (MIT licence, beside it): `npm pack plotly.js-basic-dist-min@4.1.1`.
 The whole library, which the Python package plotly ships, makes reports 2 MB larger and takes twice as long to draw."""
@@ -48,12 +48,13 @@ ENDINGS = (".html", ".htm")
 
 @dataclass(frozen=True)
 class Words:
-    """Texts of an author for a report: title, None for wall and motion; author; text with blank lines between
-    paragraphs."""
+    """Texts of a report: title, None for wall and motion; author; text with blank lines between paragraphs; language of
+    its summary."""
 
     title: str | None = None
     author: str | None = None
     text: str | None = None
+    language: str = "en"
 
     @property
     def paragraphs(self):
@@ -85,12 +86,13 @@ def page(files, folders, words=Words()):
     studies = [study for folder in folders for study in studies_below(folder)]
     histories, unread = _worst(studies, len(LETTERS) - len(files))
     histories = [*map(read_history, files), *histories]
-    runs = list(map(run_part, histories, LETTERS))
+    runs = [run_part(*one, words.language) for one in zip(histories, LETTERS)]
     letters = {history.path.resolve(): letter for history, letter in zip(histories, LETTERS)}
     parts = [study_part(folder, {path.stem: letter for path, letter in letters.items()
                                  if path.parent == (folder / "runs").resolve()}) for folder in studies]
-    return _environment().get_template("report.html").render(
-        runs=runs, studies=parts, of_folders=[_of_folder(folder, studies) for folder in folders],
+    return environment().get_template("report.html").render(
+        runs=runs, language=words.language, words=partial(texts, words.language), studies=parts,
+        of_folders=[_of_folder(folder, studies) for folder in folders],
         first=[(f"Run {run['letter']}, {run['file']}" if len(runs) > 1 or parts else run["file"], run["first"])
                for run in runs if run["first"]]
         + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
@@ -102,12 +104,6 @@ def page(files, folders, words=Words()):
         data=_for_program(runs), style=(PAGE / "report.css").read_text(encoding="utf-8"),
         program=(PAGE / "report.js").read_text(encoding="utf-8"), library=plotly_code() if runs else "",
         library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
-
-
-@cache
-def _environment():
-    return Environment(loader=FileSystemLoader(PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-                       lstrip_blocks=True)
 
 
 def _worst(studies, most):

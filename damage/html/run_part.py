@@ -5,6 +5,7 @@ import numpy as np
 from damage.draw.preview import wall_preview
 from damage.draw.run import (
     ENERGIES,
+    contact_force_picture,
     has_heap,
     has_sequence,
     heap_picture,
@@ -19,6 +20,7 @@ from damage.history.info import info
 from damage.history.moments import STATES, joint_states, nearest_snapshot, support_motion
 from damage.history.schema import is_moving
 from damage.html.packing import as_png, pack_arrays, quantised
+from damage.html.plain import plain
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import has_stresses
 from damage.measure.energy import energy_groups
@@ -33,21 +35,26 @@ SERIES = (*COMPONENTS, "drift_ratio", "base_shear_kn", "base_x_g", "base_z_g", *
 """Lines over time that the file holds of each run."""
 
 
-def run_part(history, letter):
-    """Everything about one History, a dictionary for the page; letter: what the page calls the run.
+def run_part(history, letter, language="en"):
+    """Everything about one History, a dictionary for the page; letter: what the page calls the run; language: of its
+    summary.
 
     Raises InputError of a file without a sample.
     """
-    summary, index = summarise(history), history.index()
+    summary, index, row = summarise(history), history.index(), summary_row(history)
     part = {"letter": letter, "title": run_title(history), "solver": history.solver,
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
             "evidence": _evidence(summary["evidence"]),
-            "row": summary_row(history), "info": info(history), "history": history,
+            "row": row,
+            "plain": plain(history, summary, row, members_of(history), language), "info": info(history),
+            "history": history,
             "key": _key_numbers(history, summary, index), "still": still(history),
             "preview": preview(history),
             "sequence": as_png(sequence_picture(history)) if has_sequence(history) else None,
             "heap": as_png(heap_picture(history)) if has_heap(history) else None,
             "stress": as_png(stress_picture(history)) if has_stresses(history) else None,
+            "forces": [] if history.joint_stress_pa is None else [
+                (moment, as_png(contact_force_picture(history, moment))) for moment in ("rest", "max")],
             "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
 

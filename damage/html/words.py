@@ -1,0 +1,44 @@
+"""Templates of pages, and words in English and Dutch, from page/words.toml."""
+
+import tomllib
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+PAGE = Path(__file__).parent / "page"
+"""Templates, styles, programs and words of pages."""
+LANGUAGES = "en", "nl"
+
+
+@cache
+def environment():
+    """What renders the templates of PAGE."""
+    return Environment(loader=FileSystemLoader(PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+                       lstrip_blocks=True)
+
+
+@cache
+def all_words():
+    """{key: {language: text}}."""
+    return tomllib.loads((PAGE / "words.toml").read_text(encoding="utf-8"))
+
+
+def words(language, key, **values):
+    """The text of a key with its values."""
+    return all_words()[key][language].format(**values)
+
+
+def number(language, value, digits=2):
+    """A number with so many significant digits; a dash for None."""
+    if value is None:
+        return "-"
+    text = f"{float(f'{value:.{digits}g}'):.10g}"
+    return text.replace(".", ",") if language == "nl" else text
+
+
+def of_hundred(row):
+    """A share with its interval, {"share", "low", "high"}, of 100; a dash where there is none."""
+    if row["share"] is None:
+        return "-"
+    return f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})"

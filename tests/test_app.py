@@ -1,0 +1,327 @@
+"""The page of a claim: who is refused, what an upload may be, where it writes, words of both languages."""
+
+import io
+import json
+import re
+import socket
+import subprocess
+import sys
+import time
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+
+pytest.importorskip("flask", reason="Flask is not installed: python3-flask")
+from PIL import Image
+
+from damage.__main__ import main
+from damage.app.desk import Desk, words
+from damage.app.photo import MARGIN_M, cleaned, homography, rectified
+from damage.app.server import HEADER, PAGE, make_app
+from damage.errors import InputError
+
+PORT, TOKEN = 8765, "a token of the test"
+FRONT = """name = "house"
+length = 1.125
+height = 0.6
+precompression = 0.1e6
+lintel = "timber"
+
+[[openings]]
+left = 0.3375
+width = 0.45
+height = 0.3
+sill = 0.15
+"""
+CRACK = {"points": [[0.02, 0.1], [0.3, 0.3]], "width_mm": 0.4, "offset": "no"}
+HERE = f"127.0.0.1:{PORT}"
+
+
+def exif_photo(width=400, height=300, orientation=1):
+    """A photograph, bytes of JPEG: dark with a light upper left quarter, with a place and a camera in its metadata."""
+    picture = Image.new("RGB", (width, height), (40, 40, 40))
+    picture.paste((230, 230, 230), (0, 0, width // 2, height // 2))
+    exif = picture.getexif()
+    exif[0x0112], exif[0x010F] = orientation, "Camera of A. Name"
+    exif.get_ifd(0x8825).update({1: "N", 2: (53.0, 22.0, 4.3)})
+    file = io.BytesIO()
+    picture.save(file, "JPEG", exif=exif, comment=b"a comment")
+    return file.getvalue()
+
+
+@pytest.fixture
+def app(tmp_path):
+    return make_app(tmp_path / "out", PORT, TOKEN)
+
+
+@pytest.fixture
+def client(app):
+    """A client that has the token, as the page has it."""
+    client = app.test_client()
+    assert client.get(f"/?token={TOKEN}", headers={"Host": HERE}).status_code == 302
+    return client
+
+
+def call(client, name, given, **headers):
+    """(status, answer) of what the page posts."""
+    usual = {"Host": HERE, "Origin": f"http://{HERE}", HEADER: TOKEN}
+    more = {"data": given} if isinstance(given, bytes) else {"json": given}
+    answer = client.post(f"/api/{name}", headers={key: value for key, value in (usual | headers).items()
+                                                  if value is not None}, **more)
+    return answer.status_code, answer.get_json(silent=True)
+
+
+def done(client, name, **given):
+    status, answer = call(client, name, given)
+    assert status == 200 and "error" not in answer, answer
+    return answer
+
+
+def refused(client, name, **given):
+    status, answer = call(client, name, given)
+    assert status == 200 and set(answer) == {"error"} and "\n" not in answer["error"]
+    return answer["error"]
+
+
+# --- who is refused ------------------------------------------------------------------------------------------
+
+def test_the_token_leaves_the_address_and_becomes_a_strict_cookie(app):
+    client = app.test_client()
+    answer = client.get(f"/?token={TOKEN}", headers={"Host": HERE})
+    assert answer.status_code == 302 and TOKEN not in answer.headers["Location"]
+    cookie = answer.headers["Set-Cookie"]
+    assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
+    answer = client.get("/", headers={"Host": HERE})
+    assert answer.status_code == 200 and TOKEN in answer.text
+    for name, word in (("Content-Security-Policy", "default-src 'none'"), ("X-Content-Type-Options", "nosniff"),
+                       ("Referrer-Policy", "no-referrer"), ("Cache-Control", "no-store")):
+        assert word in answer.headers[name]
+
+
+@pytest.mark.parametrize("path", ["/", "/?token=wrong", "/api/state", "/assets/app.js", "/files/survey.csv"])
+def test_without_the_token_nothing_is_given(app, path):
+    assert app.test_client().get(path, headers={"Host": HERE}).status_code == 403
+
+
+@pytest.mark.parametrize("headers", [
+    {"Host": "attacker.example"}, {"Host": f"attacker.example:{PORT}"}, {"Host": "127.0.0.1:80"},
+    {"Origin": "http://attacker.example"}, {"Origin": "null"}, {"Origin": f"http://{HERE}.attacker.example"},
+    {"Origin": None}, {HEADER: None}, {HEADER: "wrong"}, {"Sec-Fetch-Site": "cross-site"},
+    {"Sec-Fetch-Site": "same-site"}], ids=str)
+def test_strangers_requests_are_refused(client, headers):
+    """Another name for this machine, another page in the same browser, a page of another port, all with the cookie."""
+    assert call(client, "stop", {}, **headers)[0] == 403
+    assert call(client, "stop", {})[0] == 200
+
+
+def test_what_is_no_call_of_the_page_is_refused(client):
+    assert call(client, "stop", {"more": 1})[0] == 400 and call(client, "stop", [1])[0] == 400
+    assert call(client, "progress", {})[0] == 404 and call(client, "_given", {})[0] == 404
+    assert call(client, "stop", b"{}", **{"Content-Type": "text/plain"})[0] == 415
+    assert call(client, "front", {"text": "x" * 2_100_000})[0] == 413
+    assert call(client, "photograph", b"x" * 20_100_000)[0] == 413
+    for name in ("../../etc/passwd", "claim.log", "house.toml", "claim/../survey.csv"):
+        assert client.get(f"/files/{name}", headers={"Host": HERE}).status_code == 404
+
+
+def test_it_listens_on_the_loopback_interface_alone(tmp_path):
+    """The command as a user starts it: its address answers with the token alone, and this machine's others do not."""
+    process = subprocess.Popen([sys.executable, "-m", "damage", "app", "--no-browser", "--out", str(tmp_path / "o")],
+                               cwd=REPOSITORY, stdout=subprocess.PIPE, text=True)
+    try:
+        address = re.search(r"http://127\.0\.0\.1:(\d+)/\?token=(\S{40,})", process.stdout.readline())
+        port = int(address[1])
+        with socket.create_connection(("127.0.0.1", port), 10) as caller:
+            caller.sendall(f"GET / HTTP/1.0\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+            assert b" 403 " in caller.recv(100)
+        for host in {"127.0.0.2", socket.gethostbyname(socket.gethostname())} - {"127.0.0.1"}:
+            with pytest.raises((ConnectionError, TimeoutError)), socket.create_connection((host, port), 2):
+                pass
+    finally:
+        process.terminate()
+        process.wait(20)
+        process.stdout.close()
+
+
+# --- photographs -------------------------------------------------------------------------------------------
+
+def test_metadata_are_removed_and_the_picture_is_turned(client, tmp_path):
+    """Orientation 6: the camera lay on its side, the light quarter is above right when it is upright."""
+    assert call(client, "photograph", exif_photo(orientation=6))[0] == 200
+    data = (tmp_path / "out/photo.jpg").read_bytes()
+    for word in (b"Exif", b"Camera", b"comment", b"ICC_PROFILE"):
+        assert word not in data
+    picture = Image.open(io.BytesIO(data))
+    assert picture.size == (300, 400) and not dict(picture.getexif())
+    assert picture.getpixel((250, 50))[0] > 200 > 60 > picture.getpixel((50, 50))[0]
+
+
+def png_that_claims(width, height):
+    """A PNG of a few bytes whose header says that it is so large."""
+    import struct
+    import zlib
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    parts = [(b"IHDR", head), (b"IDAT", zlib.compress(b"\0" * 100)), (b"IEND", b"")]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in parts)
+
+
+@pytest.mark.parametrize("data, said", [
+    (b"", "cannot be read; expected JPEG or PNG"), (b"<svg onload='x()'/>", "cannot be read"),
+    (exif_photo()[:900], "cannot be read"),
+    (png_that_claims(10_000, 10_000), "10000 x 10000 pixels; expected up to 50"),
+    (png_that_claims(2**31 - 1, 2**31 - 1), "too many pixels; expected up to 50"),
+    (b"\xff" * 20_000_001, "20 MB; expected up to 20")], ids=["empty", "svg", "cut", "bomb", "huge", "bytes"])
+def test_what_is_no_photograph_is_one_line(data, said):
+    with pytest.raises(InputError, match=said):
+        cleaned(data)
+
+
+def test_four_points_straighten_a_photograph():
+    """A front of 2 x 1 m with a dark square of 0.4 m, seen from an angle, is there again in its own size and place."""
+    scene = np.full((600, 900), 230, np.uint8)
+    places = np.array([[0, 0], [2, 0], [2, 1], [0, 1]], float)
+    pixels = np.array([[100, 520], [820, 450], [780, 120], [130, 60]], float)
+    there = homography(pixels, places)
+    x, y = np.meshgrid(np.arange(900) + 0.5, np.arange(600) + 0.5)
+    u, v, w = there @ np.stack([x.ravel(), y.ravel(), np.ones(x.size)])
+    on_wall = (np.abs(u / w - 1.2) < 0.2) & (np.abs(v / w - 0.5) < 0.2)
+    scene.ravel()[on_wall] = 20
+    file = io.BytesIO()
+    Image.fromarray(scene).convert("RGB").save(file, "JPEG", quality=95)
+    straight = np.asarray(Image.open(io.BytesIO(rectified(file.getvalue(), pixels, places, 2.0, 1.0))).convert("L"))
+    px_m = straight.shape[1] / (2 + 2 * MARGIN_M)
+    rows, columns = np.nonzero(straight < 100)
+    inside = (np.abs(columns / px_m - MARGIN_M - 1.2) < 0.3) & (np.abs(1 + MARGIN_M - rows / px_m - 0.5) < 0.3)
+    rows, columns = rows[inside], columns[inside]
+    assert [columns.min() / px_m - MARGIN_M, columns.max() / px_m - MARGIN_M] == pytest.approx([1.0, 1.4], abs=0.01)
+    assert [1 + MARGIN_M - rows.max() / px_m, 1 + MARGIN_M - rows.min() / px_m] == pytest.approx([0.3, 0.7], abs=0.01)
+
+
+@pytest.mark.parametrize("pixels, said", [
+    ([[0, 0], [300, 0], [0, 200], [300, 200]], "no convex quadrilateral"),
+    ([[0, 0], [100, 100], [200, 200], [0, 200]], "too near each other|no convex"),
+    ([[0, 0], [1, 0], [1, 1], [0, 1]], "too near each other"), ([[0, 0]], "expected 4 to 4 points"),
+    ([[0, 0], [1, 0], [1, "1"], [0, 1]], "expected a number"), ("no", "expected 4 to 4 points")])
+def test_bad_points_are_one_line(client, pixels, said):
+    done(client, "front", text=FRONT)
+    call(client, "photograph", exif_photo())
+    assert re.search(said, refused(client, "straighten", pixels=pixels, places=[[0, 0], [1, 0], [1, 0.6], [0, 0.6]]))
+
+
+# --- the claim's parts --------------------------------------------------------------------------------------
+
+def test_a_survey_that_was_drawn_is_on_the_joints_and_read_back(client, tmp_path):
+    done(client, "front", text=FRONT)
+    found = done(client, "survey", cracks=[CRACK], areas=[[[0.8, 0.1], [1.1, 0.5]]], limit_mm=0.1, error_mm=0.05)
+    assert found["share_on_joints"] == 1.0 and len(found["joints"]) > 3 and found["psi"] == pytest.approx(2 * 0.4**0.3)
+    state = client.get("/api/state", headers={"Host": HERE}).get_json()
+    assert state["drawn"] == {"cracks": [CRACK], "areas": [[0.8, 0.1, 1.1, 0.5]], "limit_mm": 0.1, "error_mm": 0.05}
+    assert main(["cracks", str(tmp_path / "out/survey.csv"), "--wall", str(tmp_path / "out/house.toml")]) == 0
+
+
+def drawn(*cracks):
+    return {"cracks": list(cracks), "areas": [], "limit_mm": 0.1, "error_mm": 0}
+
+
+@pytest.mark.parametrize("name, given, said", [
+    ("survey", drawn(CRACK | {"width_mm": "1; rm"}), "width of crack"),
+    ("survey", drawn(CRACK | {"points": [[0.02, 0.1]]}), "2 to 500"),
+    ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"), ("survey", drawn(1), "crack 1: expected"),
+    ("survey", drawn() | {"cracks": {}}, "up to 500 cracks"),
+    ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),
+    ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"), ("front", {"text": 3}, "characters of TOML"),
+    ("front", {"text": "import os"}, "the front"), ("levels", {"text": "x,z\n1,1\n"}, "no column x_m"),
+    ("address", {"latitude": None, "longitude": 6.7}, "latitude"),
+    ("address", {"latitude": 52.0, "longitude": 5.0}, "km"),
+    ("start", {"latitude": 53.3, "longitude": 6.7, "settle": None, "distortion": None, "draws": None, "language": "en"},
+     "the survey is missing")])
+def test_what_the_page_cannot_do_is_one_line(client, tmp_path, name, given, said):
+    done(client, "front", text=FRONT)
+    message = refused(client, name, **given)
+    assert re.search(said, message) and "Traceback" not in message
+    assert {path.name for path in (tmp_path / "out").iterdir()} <= {"house.toml", "survey.csv", "levels.csv"}
+    assert (tmp_path / "out/house.toml").read_text() == FRONT
+
+
+def test_levels_are_a_profile(client):
+    done(client, "front", text=FRONT)
+    found = done(client, "levels", text="x_m,height_m\n0,0.5\n1.1,0.498\n")
+    assert max(found["uz_m"]) == 0 and found["notes"][0].endswith("level when it was built")
+
+
+def test_a_link_out_of_the_folder_is_not_followed(client, tmp_path):
+    other = tmp_path / "other.txt"
+    other.write_text("kept")
+    (tmp_path / "out/photo.jpg").symlink_to(other)
+    status, answer = call(client, "photograph", exif_photo())
+    assert status == 200 and "photo.jpg is a link" in answer["error"] and other.read_text() == "kept"
+
+
+def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
+    """Whose command line is that of the claim."""
+    desk = Desk(tmp_path / "out")
+    desk.front(FRONT)
+    desk.survey([CRACK], [], 0.1, 0.05)
+    start = {"latitude": 53.36786, "longitude": 6.71359, "settle": "hogging", "distortion": 1 / 2000, "draws": 200,
+             "language": "nl"}
+    for wrong in ({"settle": "--help"}, {"distortion": None}, {"draws": 1}, {"language": "fr"}, {"latitude": "53"}):
+        with pytest.raises(InputError):
+            desk.start(**start | wrong)
+    assert desk.start(**start)["running"]
+    with pytest.raises(InputError, match="running already"):
+        desk.start(**start)
+    until = time.monotonic() + 120
+    while not any("expected: 400 runs of 200 draws" in line for line in desk.progress()["lines"]):
+        assert time.monotonic() < until and desk.running, desk.progress()
+        time.sleep(0.2)
+    assert not desk.stop()["running"] and str(tmp_path) not in json.dumps(desk.progress()["lines"])
+
+
+def test_without_flask_the_command_is_one_line(monkeypatch, tmp_path, capsys):
+    monkeypatch.setitem(sys.modules, "werkzeug.serving", None)
+    assert main(["app", "--out", str(tmp_path / "o")]) == 2
+    assert "install Debian's package python3-flask" in capsys.readouterr().err
+
+
+# --- words -------------------------------------------------------------------------------------------------
+
+class Texts(HTMLParser):
+    """Texts and attributes of a page that people read."""
+
+    def __init__(self):
+        super().__init__()
+        self.found, self.tags = [], []
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.found += [value for name, value in attributes if name in ("aria-label", "title", "placeholder", "alt")]
+
+    def handle_data(self, data):
+        if data.strip() and self.tags[-1] != "script":
+            self.found.append(data.strip())
+
+
+def test_every_text_of_the_page_is_in_both_languages(app, client):
+    """The template has no text of its own, the program no word in quotes that people read, and no word is unused."""
+    table = words()
+    assert all(set(text) == {"en", "nl"} and all(text.values()) for text in table.values())
+    places = [set(re.findall(r"{\w+}", text[language])) for text in table.values() for language in ("en", "nl")]
+    assert places[::2] == places[1::2]
+    same = {key for key, text in table.items() if text["en"] == text["nl"]}
+    assert same == {"magnitude", "stop"}
+    for language in ("en", "nl"):
+        page = Texts()
+        page.feed(client.get(f"/?language={language}", headers={"Host": HERE}).text)
+        known = {text[language] for text in table.values()} | {"EN", "NL"} | {
+            table["point"][language].replace("{number}", str(number)) for number in range(1, 5)}
+        assert set(page.found) <= known, set(page.found) - known
+    template, program = ((PAGE / name).read_text(encoding="utf-8") for name in ("app.html", "app.js"))
+    used = set(re.findall(r"words\.(\w+)", template + program)) | set(re.findall(r'fill\("(\w+)"', program)) | set(
+        re.findall(r'"(\w+)"', program)) | {"hogging", "sagging", "tilt", "knick", "levels"}
+    assert set(table) <= used
+    spoken = re.findall(r'textContent = ["`]([^"`$]+)', program) + re.findall(r'say\("[\w-]+", "(.+?)"', program)
+    assert spoken == []

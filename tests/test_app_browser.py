@@ -1,0 +1,258 @@
+"""The page of a claim in a real browser without a network: photograph, drawing, sheet; keys, narrow, dark, languages.
+
+`bash scripts/browser.sh` installs what these need and runs them.
+"""
+
+import re
+import threading
+import tomllib
+from shutil import which
+
+import pytest
+from conftest import REPOSITORY
+
+pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
+pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
+from selenium.webdriver.support.wait import WebDriverWait
+from test_app import FRONT, exif_photo
+
+from benchmarks.report_in_browser import BROWSER, DRIVER, browser, screenshot
+from damage.app.server import make_app
+
+pytestmark = [pytest.mark.long, pytest.mark.skipif(
+    not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]
+TOKEN = "a token of the test"
+WORDS = tomllib.loads((REPOSITORY / "damage/app/words.toml").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def driver():
+    with browser() as driver:
+        yield driver
+
+
+@pytest.fixture
+def page(driver, tmp_path):
+    """(driver, application) with the page open in English."""
+    from werkzeug.serving import make_server
+
+    server = make_server("127.0.0.1", 0, None, threaded=True)
+    server.app = app = make_app(tmp_path / "claim", server.server_port, TOKEN)
+    app.answers, inner = [], app.wsgi_app
+
+    def watched(environ, start):
+        def begin(status, *more):
+            app.answers.append((environ["PATH_INFO"], status[:3]))
+            return start(status, *more)
+        return inner(environ, begin)
+
+    app.wsgi_app = watched
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    driver.set_window_size(1300, 1000)
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    app.address = f"http://127.0.0.1:{server.server_port}/?token={TOKEN}"
+    open_page(driver, app.address)
+    yield driver, app
+    app.desk.stop()
+    driver.get("about:blank")
+    server.shutdown()
+
+
+def open_page(driver, address):
+    driver.get_log("browser")
+    driver.get(address)
+    ready(driver)
+
+
+def ready(driver):
+    WebDriverWait(driver, 20).until(lambda driver: driver.execute_script("return document.body.dataset.ready") == "yes")
+
+
+def by(driver, name):
+    return driver.find_element("id", name)
+
+
+def write(driver, name, text):
+    """Type into a field; a text of several lines is set, as pasting does."""
+    if "\n" in text:
+        driver.execute_script("arguments[0].value = arguments[1]", by(driver, name), text)
+    else:
+        by(driver, name).clear()
+        by(driver, name).send_keys(text)
+
+
+def press(driver, name, said, seconds=20):
+    """Press a button and wait for its word; returns it."""
+    driver.execute_script("arguments[0].textContent = ''", by(driver, said))
+    by(driver, name).click()
+    WebDriverWait(driver, seconds).until(lambda driver: by(driver, said).text)
+    return by(driver, said).text
+
+
+def click_at(driver, name, across, up):
+    """Click on a canvas at shares of its width and height, from below left."""
+    canvas = by(driver, name)
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+    size = canvas.size
+    ActionChains(driver).move_to_element_with_offset(
+        canvas, round((across - 0.5) * size["width"]), round((0.5 - up) * size["height"])).click().perform()
+
+
+def silent(driver):
+    """The console has nothing to say, and all requests went to the loopback interface."""
+    asked = {url for entry in driver.get_log("performance") for url in
+             re.findall(r'"url":"(https?://[^"]+)"', entry["message"])}
+    assert [entry for entry in driver.get_log("browser") if entry["level"] != "DEBUG"] == []
+    assert {url for url in asked if not url.startswith("http://127.0.0.1:")} == set()
+
+
+def test_from_a_photograph_to_the_sheet(page, tmp_path):
+    driver, _ = page
+    write(driver, "latitude", "53.36786")
+    write(driver, "longitude", "6,71359")
+    assert "ends on 2022-01-26" in press(driver, "show-earthquakes", "said-address")
+    assert by(driver, "said-address").find_element("tag name", "strong").value_of_css_property("font-weight") == "700"
+    assert len(driver.find_elements("css selector", "#earthquakes tbody tr")) == 8
+    write(driver, "front-text", FRONT)
+    assert "1.125 × 0.6 m" in press(driver, "use-front", "said-front")
+    photo = tmp_path / "photo.jpg"
+    photo.write_bytes(exif_photo())
+    by(driver, "photo-file").send_keys(str(photo))
+    WebDriverWait(driver, 20).until(lambda driver: by(driver, "photo").is_displayed())
+    for across, up in ((0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.2, 0.8)):
+        click_at(driver, "photo", across, up)
+    assert press(driver, "straighten", "said-photo") == WORDS["straightened"]["en"]
+    for across, up in ((0.12, 0.3), (0.35, 0.6)):
+        click_at(driver, "front", across, up)
+    by(driver, "finish").click()
+    assert len(driver.find_elements("css selector", "#drawn tbody tr")) == 1
+    said = press(driver, "put-on-joints", "said-cracks")
+    assert re.match(r"100 % of 0\.\d+ m of cracks lies on joints", said)
+    screenshot(driver, tmp_path / "page.png")
+    Select(by(driver, "settle")).select_by_value("hogging")
+    write(driver, "draws", "2")
+    by(driver, "start").click()
+    WebDriverWait(driver, 240).until(lambda driver: by(driver, "said-compute").text not in ("", WORDS["running"]["en"]))
+    assert by(driver, "said-compute").text == WORDS["done"]["en"], by(driver, "log").text
+    silent(driver)
+    by(driver, "sheet").click()
+    driver.switch_to.window(driver.window_handles[-1])
+    assert "Cracks in a front" in driver.title and "mm" in driver.find_element("tag name", "body").text
+    driver.close()
+    driver.switch_to.window(driver.window_handles[0])
+    assert {path.name for path in (tmp_path / "claim").iterdir()} == {
+        "house.toml", "photo.jpg", "straight.jpg", "survey.csv", "claim.log", "claim"}
+
+
+def test_by_keys_alone(page):
+    """A crack, an area and its deletion without a mouse; the cross says where it is, and is seen."""
+    driver, _ = page
+    write(driver, "front-text", FRONT)
+    by(driver, "use-front").send_keys(Keys.ENTER)
+    WebDriverWait(driver, 20).until(lambda driver: by(driver, "said-front").text)
+    canvas = by(driver, "front")
+    driver.execute_script("arguments[0].focus()", canvas)
+    assert driver.switch_to.active_element == canvas
+    assert canvas.value_of_css_property("outline-style") == "solid"
+    canvas.send_keys(*[Keys.ARROW_LEFT] * 20, Keys.ENTER, *[Keys.ARROW_RIGHT] * 15, Keys.ENTER, Keys.BACKSPACE,
+                     Keys.ENTER, "f")
+    assert by(driver, "cross").text.startswith("Cross at x = ")
+    (row,) = driver.find_elements("css selector", "#drawn tbody tr")
+    assert "a crack" in row.text and re.search(r"0\.19\d|0\.2", row.text)
+    press(driver, "put-on-joints", "said-cracks")
+    Select(by(driver, "tool")).select_by_value("area")
+    canvas.send_keys(*[Keys.ARROW_UP] * 5, Keys.ENTER, *[Keys.ARROW_UP, Keys.ARROW_RIGHT] * 5, Keys.ENTER)
+    rows = driver.find_elements("css selector", "#drawn tbody tr")
+    assert len(rows) == 2
+    rows[1].find_element("tag name", "button").send_keys(Keys.ENTER)
+    assert len(driver.find_elements("css selector", "#drawn tbody tr")) == 1
+    silent(driver)
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+def test_narrow_and_dark(page, dark):
+    """390 px wide nothing is cut off; text and its ground have a contrast of 4.5 or more."""
+    driver, _ = page
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
+        {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+    try:
+        write(driver, "front-text", FRONT)
+        press(driver, "use-front", "said-front")
+        press(driver, "show-earthquakes", "said-address")  # an error: no address
+        assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
+        for name in ("said-front", "said-address", "show-earthquakes", "cross", "latitude"):
+            assert contrast(driver, by(driver, name)) >= 4.5, name
+        ground = by(driver, "h-front").value_of_css_property("color")
+        assert (sum(map(int, re.findall(r"\d+", ground)[:3])) > 500) is dark
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    silent(driver)
+
+
+def contrast(driver, element):
+    """Contrast of an element's text and the page's ground (WCAG 2)."""
+    def luminance(colour):
+        parts = [int(one) / 255 for one in re.findall(r"\d+", colour)[:3]]
+        linear = [one / 12.92 if one <= 0.03928 else ((one + 0.055) / 1.055)**2.4 for one in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    ground = driver.find_element("tag name", "body").value_of_css_property("background-color")
+    lights = sorted(map(luminance, (element.value_of_css_property("color"), ground)))
+    return (lights[1] + 0.05) / (lights[0] + 0.05)
+
+
+def test_dutch_and_what_was_drawn_stays(page):
+    """A change of language keeps what was drawn, so does another session of the server's folder."""
+    driver, app = page
+    write(driver, "front-text", FRONT)
+    press(driver, "use-front", "said-front")
+    for across, up in ((0.15, 0.3), (0.3, 0.6)):
+        click_at(driver, "front", across, up)
+    by(driver, "finish").click()
+    press(driver, "put-on-joints", "said-cracks")
+    driver.find_element("css selector", 'nav a[lang="nl"]').click()
+    ready(driver)
+    assert driver.title == WORDS["title"]["nl"] and by(driver, "start").text == WORDS["start"]["nl"]
+    assert WORDS["crack"]["nl"] in driver.find_element("css selector", "#drawn tbody tr").text
+    driver.execute_script("sessionStorage.clear(); window.onpagehide = null; cracks = []; areas = [];")
+    open_page(driver, app.address)
+    assert app.desk.state()["drawn"]["cracks"][0]["width_mm"] == 0.3
+    silent(driver)
+
+
+def test_a_page_of_another_site_gets_nothing(page):
+    """What a stranger's page in the same browser asks for is refused by its Origin, whatever it knows."""
+    driver, app = page
+    from http.server import BaseHTTPRequestHandler, HTTPServer
+
+    class Stranger(BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(b"<title>stranger</title>")
+
+        def log_message(self, *_):
+            pass
+
+    server = HTTPServer(("127.0.0.1", 0), Stranger)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    driver.get(f"http://127.0.0.1:{server.server_port}/")
+    root = app.address.partition("?")[0]
+    for options in ("{mode: 'no-cors', credentials: 'include'}",
+                    "{method: 'POST', mode: 'no-cors', credentials: 'include', body: '{}'}"):
+        driver.execute_async_script(
+            f"const done = arguments[0]; fetch('{root}api/stop', {options}).then(() => done(), () => done())")
+    seen = driver.execute_async_script(
+        f"const done = arguments[0]; fetch('{root}api/state', {{credentials: 'include'}})"
+        ".then((answer) => done(answer.status), () => done('refused'))")
+    assert seen == "refused" and {status for path, status in app.answers if path == "/api/stop"} == {"403"}
+    assert ("/api/state", "403") in app.answers
+    driver.get_log("browser")
+    server.shutdown()
