@@ -25,7 +25,7 @@ from damage.app.server import make_app
 pytestmark = [pytest.mark.long, pytest.mark.skipif(
     not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]
-TOKEN = "a token of the test"
+TOKEN, ROOT = "a token of the test", "/room"
 WORDS = tomllib.loads((REPOSITORY / "damage/app/words.toml").read_text(encoding="utf-8"))
 
 
@@ -41,7 +41,7 @@ def page(driver, tmp_path):
     from werkzeug.serving import make_server
 
     server = make_server("127.0.0.1", 0, None, threaded=True)
-    server.app = app = make_app(tmp_path / "claim", server.server_port, TOKEN)
+    server.app = app = make_app(tmp_path / "claim", server.server_port, TOKEN, ROOT)
     app.answers, inner = [], app.wsgi_app
 
     def watched(environ, start):
@@ -54,7 +54,7 @@ def page(driver, tmp_path):
     threading.Thread(target=server.serve_forever, daemon=True).start()
     driver.set_window_size(1300, 1000)
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
-    app.address = f"http://127.0.0.1:{server.server_port}/?token={TOKEN}"
+    app.address = f"http://127.0.0.1:{server.server_port}{ROOT}/?token={TOKEN}"
     open_page(driver, app.address)
     yield driver, app
     app.desk.stop()
@@ -252,7 +252,7 @@ def test_a_page_of_another_site_gets_nothing(page):
     seen = driver.execute_async_script(
         f"const done = arguments[0]; fetch('{root}api/state', {{credentials: 'include'}})"
         ".then((answer) => done(answer.status), () => done('refused'))")
-    assert seen == "refused" and {status for path, status in app.answers if path == "/api/stop"} == {"403"}
-    assert ("/api/state", "403") in app.answers
+    assert seen == "refused" and {status for path, status in app.answers if path == f"{ROOT}/api/stop"} == {"403"}
+    assert (f"{ROOT}/api/state", "403") in app.answers
     driver.get_log("browser")
     server.shutdown()
