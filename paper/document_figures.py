@@ -1,9 +1,10 @@
-"""Figures of four documents, drawn from docs/tables and, of contact points, from the layout of a small wall.
+"""Figures of five documents, drawn from docs/tables and, of contact points, from the layout of a small wall.
 
     python3 paper/document_figures.py [FOLDER]      # by default docs/pictures
 
 writes thirty_years.png (docs/paper/thirty-years.md), settled_walls.png (docs/paper/settled-walls.md),
-after_the_peak.png (docs/validation/after-the-peak.md) and model_contact_points.png (docs/model/model.md).
+after_the_peak.png (docs/validation/after-the-peak.md), shaken_walls.png (docs/validation/shaken-walls.md) and
+model_contact_points.png (docs/model/model.md).
 """
 
 import re
@@ -323,9 +324,37 @@ def places_of(layout, bricks, point):
             opening * np.array([-np.sin(mean), np.cos(mean)]))
 
 
+# --- shaken walls -------------------------------------------------------------------------------------
+
+@styled
+def shaken_walls():
+    """Peaks of the wall US-1 by run beside the draws, and the force that clay spandrels keep by repetition."""
+    runs = pd.read_csv(TABLES / "benchmarks" / "us1_prediction.csv")
+    figure, axes = grid(1, 2, 2.2, WIDTH, width_ratios=(1.35, 1))
+    left, right = axes.flat
+    letter(left, 0, "US-1, largest displacement at 2.06 m [mm]")
+    low, middle, high = (runs[f"peak_mm_{share}"] for share in (5, 50, 95))
+    left.errorbar(runs["run"], middle, yerr=[middle - low, np.minimum(high, 1e3) - middle], ls="", marker="s", ms=3,
+                  mfc="none", color=BLUE, elinewidth=1.0)
+    left.plot(runs["run"], runs["tested_peak_mm"], ls="", marker="o", ms=3.5, color=ORANGE)
+    left.set(yscale="log", xlabel="run", ylim=(0.1, 300))
+    letter(right, 1, "clay spandrels, force over the first")
+    forces = pd.read_csv(TABLES / "benchmarks" / "repeated_spandrels.csv")
+    steps = {50: (SKY, "o"), 100: (BLUE, "s"), 150: (GREEN, "^")}
+    for (_, step), one in forces[forces["material"] == "clay"].groupby(["draw", "amplitude_um"]):
+        right.plot(one["repetition"], one["force_n"] / one["force_n"].iloc[0], color=steps[step][0], lw=0.9)
+    right.axhspan(0.79, 0.85, color=ORANGE, alpha=0.25, lw=0)
+    right.set(xlabel="repetition", ylim=(0, 1.05), xlim=(1, 30))
+    add_heading(figure, "A shaken wall and spandrels that were loaded again and again, beside tests")
+    return finish(figure, [
+        Line2D([], [], color=ORANGE, marker="o", ls="", ms=4, label="test (spandrels: mean of three steps)"),
+        Line2D([], [], color=BLUE, marker="s", mfc="none", ms=4, ls="-", label="median and 90 % of 16 draws"),
+        *(Line2D([], [], color=colour, label=f"{step} µm") for step, (colour, _) in steps.items())], 2)
+
+
 # --- all ----------------------------------------------------------------------------------------------
 
-FIGURES = thirty_years, settled_walls, after_the_peak, model_contact_points
+FIGURES = thirty_years, settled_walls, after_the_peak, shaken_walls, model_contact_points
 
 
 def main(words):

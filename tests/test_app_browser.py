@@ -1,4 +1,4 @@
-"""The page of a claim in a real browser without a network: photograph, drawing, sheet; keys, narrow, dark, both languages.
+"""The page of a claim in a real browser without a network: photograph, drawing, sheet; keys, narrow, dark, languages.
 
 `bash scripts/browser.sh` installs what these need and runs them.
 """
@@ -25,7 +25,7 @@ from damage.app.server import make_app
 pytestmark = [pytest.mark.long, pytest.mark.skipif(
     not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]
-TOKEN = "a token of the test"
+TOKEN, ROOT = "a token of the test", "/room"
 WORDS = tomllib.loads((REPOSITORY / "damage/app/words.toml").read_text(encoding="utf-8"))
 
 
@@ -41,7 +41,7 @@ def page(driver, tmp_path):
     from werkzeug.serving import make_server
 
     server = make_server("127.0.0.1", 0, None, threaded=True)
-    server.app = app = make_app(tmp_path / "claim", server.server_port, TOKEN)
+    server.app = app = make_app(tmp_path / "claim", server.server_port, TOKEN, ROOT)
     app.answers, inner = [], app.wsgi_app
 
     def watched(environ, start):
@@ -54,7 +54,7 @@ def page(driver, tmp_path):
     threading.Thread(target=server.serve_forever, daemon=True).start()
     driver.set_window_size(1300, 1000)
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
-    app.address = f"http://127.0.0.1:{server.server_port}/?token={TOKEN}"
+    app.address = f"http://127.0.0.1:{server.server_port}{ROOT}/?token={TOKEN}"
     open_page(driver, app.address)
     yield driver, app
     app.desk.stop()
@@ -111,7 +111,7 @@ def silent(driver):
 
 
 def test_from_a_photograph_to_the_sheet(page, tmp_path):
-    driver, app = page
+    driver, _ = page
     write(driver, "latitude", "53.36786")
     write(driver, "longitude", "6,71359")
     assert "ends on 2022-01-26" in press(driver, "show-earthquakes", "said-address")
@@ -150,7 +150,7 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
 
 def test_by_keys_alone(page):
     """A crack, an area and its deletion without a mouse; the cross says where it is, and is seen."""
-    driver, app = page
+    driver, _ = page
     write(driver, "front-text", FRONT)
     by(driver, "use-front").send_keys(Keys.ENTER)
     WebDriverWait(driver, 20).until(lambda driver: by(driver, "said-front").text)
@@ -158,8 +158,8 @@ def test_by_keys_alone(page):
     driver.execute_script("arguments[0].focus()", canvas)
     assert driver.switch_to.active_element == canvas
     assert canvas.value_of_css_property("outline-style") == "solid"
-    canvas.send_keys(*[Keys.ARROW_LEFT] * 20, Keys.ENTER, *[Keys.ARROW_RIGHT] * 15, Keys.ENTER, Keys.BACKSPACE, Keys.ENTER,
-                     "f")
+    canvas.send_keys(*[Keys.ARROW_LEFT] * 20, Keys.ENTER, *[Keys.ARROW_RIGHT] * 15, Keys.ENTER, Keys.BACKSPACE,
+                     Keys.ENTER, "f")
     assert by(driver, "cross").text.startswith("Cross at x = ")
     (row,) = driver.find_elements("css selector", "#drawn tbody tr")
     assert "a crack" in row.text and re.search(r"0\.19\d|0\.2", row.text)
@@ -176,7 +176,7 @@ def test_by_keys_alone(page):
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 def test_narrow_and_dark(page, dark):
     """390 px wide nothing is cut off; text and its ground have a contrast of 4.5 or more."""
-    driver, app = page
+    driver, _ = page
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
         {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
@@ -227,7 +227,7 @@ def test_dutch_and_what_was_drawn_stays(page):
 
 
 def test_a_page_of_another_site_gets_nothing(page):
-    """What a stranger's page in the same browser asks for is refused, by its Origin, whatever it knows of the address."""
+    """What a stranger's page in the same browser asks for is refused by its Origin, whatever it knows."""
     driver, app = page
     from http.server import BaseHTTPRequestHandler, HTTPServer
 
@@ -245,14 +245,14 @@ def test_a_page_of_another_site_gets_nothing(page):
     threading.Thread(target=server.serve_forever, daemon=True).start()
     driver.get(f"http://127.0.0.1:{server.server_port}/")
     root = app.address.partition("?")[0]
-    for options in ("{mode: 'no-cors', credentials: 'include'}", "{method: 'POST', mode: 'no-cors', credentials: 'include',"
-                    " headers: {'Content-Type': 'text/plain'}, body: '{}'}"):
+    for options in ("{mode: 'no-cors', credentials: 'include'}",
+                    "{method: 'POST', mode: 'no-cors', credentials: 'include', body: '{}'}"):
         driver.execute_async_script(
             f"const done = arguments[0]; fetch('{root}api/stop', {options}).then(() => done(), () => done())")
     seen = driver.execute_async_script(
         f"const done = arguments[0]; fetch('{root}api/state', {{credentials: 'include'}})"
         ".then((answer) => done(answer.status), () => done('refused'))")
-    assert seen == "refused" and {status for path, status in app.answers if path == "/api/stop"} == {"403"}
-    assert ("/api/state", "403") in app.answers
+    assert seen == "refused" and {status for path, status in app.answers if path == f"{ROOT}/api/stop"} == {"403"}
+    assert (f"{ROOT}/api/state", "403") in app.answers
     driver.get_log("browser")
     server.shutdown()

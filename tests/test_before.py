@@ -43,7 +43,8 @@ def halves(folder, wall, **options):
 
 @pytest.mark.parametrize("wall, options", [
     (SMALL, {}), (SMALL, {"settle": "hogging", "distortion": 1 / 500}),
-    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"), {}),
+    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"),
+     {"mass_scaling": "none"}),  # else each half is accepted, or repeated, by itself
     (Wall("fibres", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"),
      {"fibres": 8, "beta": 0.0}),
 ], ids=["brittle", "settled", "soft", "fibres"])

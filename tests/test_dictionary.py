@@ -38,6 +38,9 @@ def test_tables_of_a_run(history, name):
     if name == "bricks":
         history = replace(history, stress_pa=np.zeros((1, len(history.bodies), 5, 3)),
                           snapshot_time_s=history.snapshot_time_s[:1])
+    history = replace(history, joint_stress_pa=np.full((len(history.series), len(history.joints), 2), -1e5),
+                      point_displacement=np.zeros((len(history.series), 1, 2)),
+                      parameters=history.parameters | {"points": [[0.1, 0.1]]})
     assert set(RUN_TABLES[name](history)) == known(f"RUN_{name}.csv")
 
 

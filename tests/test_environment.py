@@ -13,7 +13,7 @@ from conftest import REPOSITORY
 TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
 NO_PACKAGES = f'exec {sys.executable} -I -S "$@"'  # a Python as it comes, without any package
 MODULES = ("numpy", "scipy", "pandas", "h5py", "matplotlib", "numba", "snakemake", "pytest", "xdist", "hypothesis",
-           "jinja2", "obspy")
+           "jinja2", "flask", "obspy")
 
 
 class Machine:
@@ -134,7 +134,7 @@ class TestMissing:
         missing, command = done.stderr.splitlines()
         packages = ["yade", *(f"python3-{name}" for name in ("numpy", "scipy", "pandas", "h5py", "matplotlib",
                                                              "numba", "jinja2")),
-                    "snakemake", "python3-pytest", "python3-pytest-xdist", "python3-hypothesis"]
+                    "snakemake", "python3-pytest", "python3-pytest-xdist", "python3-hypothesis", "python3-flask"]
         assert missing == f"error: missing on this machine: {' '.join(packages)}"
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 
@@ -165,7 +165,7 @@ class TestMissing:
     def test_an_unknown_group_is_refused(self, machine):
         done = machine.source("everything")
         assert done.returncode == 2
-        assert done.stderr == ("error: environment.sh everything: expected run, cluster, test, coverage, browser, "
+        assert done.stderr == ("error: environment.sh everything: expected run, cluster, test, coverage, browser, app, "
                                "site or gates; correct the call\n")
 
 

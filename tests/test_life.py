@@ -167,7 +167,7 @@ class TestAddress:
         assert abs(np.log(median.scale)) == pytest.approx(np.abs(np.log(others)).min())
         life = draws.life(3)
         (drawn,) = draws.event("2012-08-16T20:30", 3).itertuples(index=False)
-        assert tuple(drawn) == tuple(life[life["id"] == median.id].itertuples(index=False))[0]
+        assert tuple(drawn) == next(life[life["id"] == median.id].itertuples(index=False))
         with pytest.raises(InputError, match="--event 2023-01-01: no event then in .* whose last is of 2014-12-30"):
             draws.event("2023-01-01")
         with pytest.raises(InputError, match="--event 2006: no event then"):

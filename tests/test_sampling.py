@@ -1,6 +1,5 @@
 """Runs with records in coarse steps: both samplings of one motion give one result."""
 
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,10 +13,8 @@ from damage.measure.tables import summary_row
 from damage.motion.formats import read_record
 from damage.motion.intensity import sa_g
 from damage.motion.loading import Recorded
-from damage.reference.session import BACKEND
 from damage.run.opening import describe_sampling
 from damage.run.options import parse_run
-from damage.run.repeat import settings_of
 from damage.run.report import describe
 
 STIFF = damage.Wall("stiff", 0.84, 1.5, precompression=0.1e6,
@@ -126,13 +123,3 @@ def test_members_take_the_interpolated_motion(tmp_path, damage_command):
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("record: its step of 0.01 s is more than a tenth of the first period") == 1
     assert done.stdout.count("record interpolated, as lines between its samples would take off") == 1
-
-
-def test_a_run_that_is_repeated_gets_the_interpolated_motion(runs, tmp_path):
-    """A solver that keeps no state repeats the run that another continues, by its command."""
-    done = SimpleNamespace(command=f"yade stiff.py --record {sampled(tmp_path, 0.02)} --rest 0.1", path="first.h5",
-                           parameters=runs[0.02].parameters, eigen_period_s=runs[0.02].eigen_period_s)
-    again = settings_of(done, STIFF.joint, BACKEND)
-    assert again.loading.as_dict() == runs[0.02].parameters["loading"]
-    done.eigen_period_s = 0.2
-    assert "no longer describes it: loading was" in one_line_error(settings_of, done, STIFF.joint, BACKEND)

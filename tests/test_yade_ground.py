@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import REPOSITORY, SHORT
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import damage
 from damage.measure.compare import compare_drift
@@ -90,35 +90,36 @@ def halves(tmp_path_factory, yade_command):
         return yade_command(*SHORT, path, "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0, "--no-pictures",
                             *words, cwd=folder)
 
-    done = [run("--sequence", "1,0.6", "--out", "whole.h5"), run("--out", "first.h5"),
+    done = [run("--sequence", "1,0.6", "--out", "whole.h5"), run("--out", "first.h5", "--checkpoint", "10"),
             run("--sequence", "0.6", "--continue", "first.h5", "--out", "second.h5")]
     assert [one.returncode for one in done] == [0, 0, 0], done
-    return folder, run, done[-1].stdout
+    return folder, run, done[-1].stderr
 
 
-def test_a_run_that_continues_repeats_the_first_half_and_says_so(halves):
-    folder, _, printed = halves
-    assert "the yade solver keeps no state: it repeats " in printed and "--out first.h5" in printed
+def test_a_run_that_continues_starts_from_a_checkpoint_and_says_what_that_executes(halves):
+    folder, _, said = halves
+    assert "first.checkpoint: YADE executes the names of the engines in the scene that it holds" in said
+    assert not (folder / "whole.checkpoint").exists()
     whole, second = (damage.read_history(folder / f"{name}.h5") for name in ("whole", "second"))
     n = len(second.series)
     assert second.broken[0].any() and n == np.sum(whole.series["shock"] == 2) + 1
     for name in second.series.columns.drop(["time_s", "shock", "stage"]):
         expected = whole.series[name].to_numpy()[1 - n:]
-        assert_allclose(second.series[name].to_numpy()[1:], expected, rtol=0,
-                        atol=1e-12 * np.max(np.abs(expected), initial=0), err_msg=name)
+        # The work that comes in is summed over time, which begins at zero again: the length of a step rounds otherwise.
+        assert_allclose(second.series[name].to_numpy()[1:], expected, err_msg=name, rtol=0, atol=1e-12 * np.max(
+            np.abs(expected), initial=0) if name in ("input_energy_j", "damping_energy_j") else 0)
     for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
-        expected = np.asarray(getattr(whole, name), float)[-n:]
-        assert_allclose(np.asarray(getattr(second, name), float), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+        assert_array_equal(getattr(second, name), getattr(whole, name)[-n:], name)
 
 
 @pytest.mark.parametrize("change, said", [
     (("--dt", "2e-5"), "expected that of this run, 2e-05 s; give --dt"),
     (("--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
 ])
-def test_what_cannot_be_repeated_is_one_line(halves, change, said):
+def test_what_cannot_continue_is_one_line(halves, change, said):
     _, run, _ = halves
     done = run("--continue", "first.h5", "--out", "other.h5", *change)
-    _, line = done.stderr.strip().splitlines()  # the first one is YADE's own
+    line = done.stderr.strip().splitlines()[-1]
     assert done.returncode == 2 and said in line and line.startswith("error: ")
 
 
@@ -129,4 +130,6 @@ def test_a_first_half_of_the_other_solver_is_one_line(halves, damage_command):
     assert done.returncode == 0, done.stderr
     done = run("--continue", "reference.h5", "--out", "other.h5")
     assert done.returncode == 2 and "--continue reference.h5: " in done.stderr
+    done = run("--continue", "whole.h5", "--out", "other.h5")
+    assert done.returncode == 2 and "no whole.checkpoint beside it" in done.stderr
     assert not (folder / "other.h5").exists()

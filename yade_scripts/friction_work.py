@@ -48,6 +48,18 @@ class FrictionWork:
         self._near = list(self._watched.values())
         self._rest += stored
 
+    def watch_again(self, contacts, keys, states, slid):
+        """Take over the state of another one: contacts: {(id1, id2): interaction}; keys, states: of those watched, in
+        their order: shear force in the last step (3) [N], closed, half the compliance [m/N], whether it is checked;
+        slid: YADE's sum [J]."""
+        self._watched = {}
+        for key, (*before, closed, half, _) in zip(map(tuple, keys), states):
+            contact = contacts[key]
+            one = self._watched[key] = _Watched(contact.geom, contact.phys.shearForce, contact.geom.shearInc, half)
+            one.before, one.closed = Vector3(before), bool(closed)
+        self._near = [one for one, state in zip(self._watched.values(), states) if state[-1]]
+        self._law.initPlasticDissipation(slid)
+
     def choose(self, reach):
         """Check only contacts that are closed, or open by less than a reach [m], until the next call."""
         self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -reach]

@@ -130,9 +130,9 @@ class _AtRest:
         self._is_at_rest = is_at_rest
 
     def recall(self, solver):
-        return self._is_at_rest
+        return () if self._is_at_rest else None
 
-    def keep(self, solver):
+    def keep(self, solver, looks):
         """The scene itself is what is kept."""
 
 

@@ -18,6 +18,7 @@ from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE
 from damage.wall.kinematics import CORNER_RADIUS, ContactKinematics
 from damage.wall.restraints import top_of
+from yade_scripts import checkpoint
 from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
@@ -349,13 +350,27 @@ class YadeSolver(Solver):
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken) + self._in_bearing(),
             input_j=self._input_energy - self._in_springs(), friction_j=friction,
-            fracture_j=tracker.fracture_energy, damping_j=None)
+            fracture_j=tracker.fracture_energy, damping_j=None,
+            joint_stress_pa=self.scene.joint_stresses(self.layout.n_joints) if self.with_stresses else None)
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()
 
     def base_reaction(self):
         return self.scene.base_reaction()
+
+    def saved_state(self):
+        """None: YADE's state is in checkpoints, not in the history."""
+
+    def resume(self, state):
+        checkpoint.restore(self, state)
+        self.clock, self._input_time = 0, 0.0
+
+    def checkpoint(self):
+        return checkpoint.tables_of(self)
+
+    def restore(self, tables):
+        checkpoint.restore(self, tables)
 
     def drain_events(self):
         events, self._events = self._events, []

@@ -1,4 +1,4 @@
-"""What the page of a claim asks for: front, address, photograph, survey, levels, runs; each in the folder --out alone."""
+"""What the page of a claim asks for: front, address, photograph, survey, levels, runs; all in the folder --out."""
 
 import contextlib
 import csv
@@ -178,7 +178,8 @@ class Desk:
     def progress(self):
         """How far the runs are: the last lines of their log."""
         log, status = self.path(LOG), self.job and self.job.poll()
-        lines = log.read_text(encoding="utf-8", errors="replace").replace("\r", "\n").split("\n") if log.exists() else []
+        text = log.read_text(encoding="utf-8", errors="replace") if log.exists() else ""
+        lines = text.replace("\r", "\n").split("\n")
         return {"running": self.running, "status": status,
                 "lines": [line.replace(str(self.out) + os.sep, "") for line in lines if line.strip()][-TAIL:],
                 "sheet": f"{RESULTS}/claim.html" if self.path(f"{RESULTS}/claim.html").exists() else None}

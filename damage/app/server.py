@@ -2,8 +2,9 @@
 
 A request is answered only with the host name of the loopback interface in its Host (other sites that point their name
 here are refused), with an Origin of this page or none, and with the token that the program printed: in the address at
-the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides, too.  The page
-asks for nothing of another machine; its Content-Security-Policy forbids it.
+the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides.  All addresses
+lie below a random one, the cookie's path: browsers send cookies to every port of a machine.  The page asks for nothing of
+another machine; its Content-Security-Policy forbids it.
 """
 
 import secrets
@@ -27,20 +28,21 @@ MOST_JSON = 2_000_000
 COOKIE, HEADER = "damage_app", "X-Damage-Token"
 
 
-def make_app(out, port, token):
-    """The Flask application for a claim in the folder `out`, reached at a port; token: what a request has to know."""
+def make_app(out, port, token, root):
+    """The Flask application for a claim in the folder `out`, reached at a port; token: what a request has to know;
+    root: what all its addresses begin with, such as "/a3Bd"."""
     from flask import Flask
 
     app = Flask("damage.app", static_folder=None, template_folder=str(PAGE))
     app.desk = Desk(out)
     hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
-    _guard(app, hosts, token)
-    _pages(app, token)
-    _calls(app)
+    _guard(app, hosts, token, f"{root}/")
+    _pages(app, token, root)
+    _calls(app, root)
     return app
 
 
-def _guard(app, hosts, token):
+def _guard(app, hosts, token, page):
     """Refuse strangers before anything else, and say in every answer what the page may do."""
     from flask import abort, request
 
@@ -54,7 +56,7 @@ def _guard(app, hosts, token):
         elsewhere = request.headers.get("Sec-Fetch-Site") in ("cross-site", "same-site")
         if request.headers.get("Host") not in hosts or elsewhere or not here:
             abort(403)
-        first = request.path == "/" and request.method == "GET" and known(request.args.get("token"))
+        first = request.path == page and request.method == "GET" and known(request.args.get("token"))
         if not first and not known(request.cookies.get(COOKIE)):
             abort(403)
         if request.method != "GET" and not (origin and known(request.headers.get(HEADER))):
@@ -71,28 +73,28 @@ def _guard(app, hosts, token):
         return response
 
 
-def _pages(app, token):
+def _pages(app, token, root):
     """The page, its program and style, and the files of the claim that it may show."""
     from flask import abort, make_response, redirect, render_template, request
 
-    @app.get("/")
+    @app.get(f"{root}/")
     def page():
         language = request.args.get("language", LANGUAGES[0])
         language = language if language in LANGUAGES else LANGUAGES[0]
         if "token" in request.args:  # out of the address, where others could read it
-            response = redirect(f"/?language={language}")
-            response.set_cookie(COOKIE, token, httponly=True, samesite="Strict")
+            response = redirect(f"{root}/?language={language}")
+            response.set_cookie(COOKIE, token, path=f"{root}/", httponly=True, samesite="Strict")
             return response
         texts = {key: text[language] for key, text in words().items()}
         return render_template("app.html", language=language, token=token, words=texts, languages=LANGUAGES)
 
-    @app.get("/assets/<name>")
+    @app.get(f"{root}/assets/<name>")
     def asset(name):
         if name not in ASSETS:
             abort(404)
         return make_response((PAGE / name).read_bytes(), {"Content-Type": ASSETS[name]})
 
-    @app.get("/files/<path:name>")
+    @app.get(f"{root}/files/<path:name>")
     def file(name):
         if name not in SHOWN or not (path := app.desk.path(name)).is_file():
             abort(404)
@@ -100,7 +102,7 @@ def _pages(app, token):
         return make_response(path.read_bytes(), {"Content-Type": SHOWN[name], **more})
 
 
-def _calls(app):
+def _calls(app, root):
     """What the page asks for: POST /api/NAME with a JSON object of the arguments of a method of Desk."""
     from flask import Response, abort, request
 
@@ -116,26 +118,36 @@ def _calls(app):
         except (InputError, RunError, OSError) as error:
             return Response(json_text({"error": str(error)}), content_type="application/json")  # no fault of the page
 
-    @app.get("/api/<name>")
+    @app.get(f"{root}/api/<name>")
     def look(name):
         if name not in ("state", "progress"):
             abort(404)
         return answer(getattr(app.desk, name))
 
-    @app.post("/api/photograph")
+    @app.post(f"{root}/api/photograph")
     def photograph():
         return answer(lambda: app.desk.photograph(request.get_data()))
 
-    @app.post("/api/<name>")
+    @app.post(f"{root}/api/<name>")
     def call(name):
         if name not in methods:
             abort(404)
-        if not request.is_json or request.content_length > MOST_JSON:
-            abort(413 if request.is_json else 415)
-        given = request.get_json(silent=True)
-        if not isinstance(given, dict) or set(given) != set(methods[name]):
+        given = _object(request)
+        if set(given) != set(methods[name]):
             abort(400)
         return answer(lambda: getattr(app.desk, name)(**given))
+
+
+def _object(request):
+    """The JSON object that a request has; anything else ends it."""
+    from flask import abort
+
+    if not request.is_json:
+        abort(415)
+    if request.content_length > MOST_JSON:
+        abort(413)
+    given = request.get_json(silent=True)
+    return given if isinstance(given, dict) else abort(400)
 
 
 def serve(out, port=0, opened=True):
@@ -151,11 +163,12 @@ def serve(out, port=0, opened=True):
         def log_request(self, *_):  # the address of the first one has the token
             pass
 
-    token = secrets.token_urlsafe(32)
+    token, root = secrets.token_urlsafe(32), f"/{secrets.token_hex(8)}"
     server = make_server("127.0.0.1", port, None, threaded=True, request_handler=Quiet)
-    server.app = app = make_app(out, server.server_port, token)
-    address = f"http://127.0.0.1:{server.server_port}/?token={token}"
-    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it", flush=True)
+    server.app = app = make_app(out, server.server_port, token, root)
+    address = f"http://127.0.0.1:{server.server_port}{root}/?token={token}"
+    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it",
+          flush=True)
     if opened:
         webbrowser.open(address)
     try:

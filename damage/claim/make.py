@@ -16,6 +16,7 @@ from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for, facts
 from damage.measure.summary import summarise
 from damage.measure.survey import read_survey
+from damage.run.options import fraction
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
@@ -102,7 +103,9 @@ def _ground(claim):
     """The settlement that was taken, fit for JSON."""
     if not claim.settlement:
         return {"drawn": list(DRAWN[0]), "distortion": list(DRAWN[1])}
-    return {"profile": Path(str(claim.settlement["settle"])).name, "distortion": claim.settlement.get("distortion")}
+    distortion = claim.settlement.get("distortion")
+    return {"profile": Path(str(claim.settlement["settle"])).name,
+            "distortion": None if distortion is None else fraction(str(distortion))}
 
 
 def _evidence(out, study):

@@ -53,7 +53,7 @@ def _exposure(asked):
     show(asked, exposure.as_dict(), describe)
 
 
-@command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has after it; "
+@command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has later; "
          "the file is text, of https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
          file_arg("later", "FILE", "text of an FDSN event service, or CSV"),
          file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
@@ -164,9 +164,10 @@ def _claim(asked):
         asked.out, asked.jobs or os.cpu_count())
 
 
-@command("a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step; it listens on the "
-         "loopback interface alone and writes below --out only (needs Flask: python3-flask)",
-         arg("--port", type=number_from(0, 65535, int), default=0, metavar="N", help="of the page (default: a free one)"),
+@command("a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step; it listens on "
+         "the loopback interface alone and writes below --out only (needs Flask: python3-flask)",
+         arg("--port", type=number_from(0, 65535, int), default=0, metavar="N", help="of the page (default: a free "
+             "one)"),
          arg("--no-browser", dest="opened", action="store_false", help="print the page's address, open no browser"),
          out("folder of the claim"))
 def _app(asked):

@@ -86,6 +86,29 @@ def _plot(asked):
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 
 
+@command("stresses of the joints of a run with --stresses: at moments, of chosen joints over time, thrust in piers and "
+         "arches", HISTORY, JSON,
+         arg("--at", metavar="MOMENT,...", default="rest,max,end", help="rest, max, end, times [s] (default "
+             "rest,max,end)"),
+         arg("--joint", action="append", default=[], metavar="NAME", help="a row of the joints, the place X,Z [m] of "
+             "the nearest, or bed:X,Z, head:X,Z; repeatable"),
+         out("folder for tables, of each joint over time too, and pictures", required=False))
+def _stresses(asked):
+    from damage.measure.joint_stress import describe, stress_report
+
+    history, moments = read_history(asked.history), asked.at.split(",")
+    report = stress_report(history, moments, asked.joint)
+    if asked.out:
+        from damage.draw.run import contact_force_picture
+        from damage.history.info import origin
+        from damage.measure.tables import write_stresses
+
+        write_stresses(history, asked.out, moments, [one["joint"] for one in report["joints"]])
+        save([(f"contact_forces_{moment}", contact_force_picture(history, moment)) for moment in moments], asked.out,
+             origin(history))
+    show(asked, report, describe)
+
+
 @command("the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there", HISTORY,
          out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
          arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the run (default: all of it, "

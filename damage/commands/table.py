@@ -90,8 +90,8 @@ GROUPS = {
     "first steps": ("demo", "new-wall", "help"),
     "a wall": ("materials", "draw", "modes", "wall-schema"),
     "ground motion": ("record", "exposure", "catalogue"),
-    "one run": ("reference", "index", "check", "info", "plot", "animate", "report", "tables", "compare", "export",
-                "cracks", "cycles", "laboratory"),
+    "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report", "tables", "compare",
+                "export", "cracks", "cycles", "laboratory"),
     "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
     "lives at an address": ("life", "lives", "claim", "app"),
 }
@@ -112,6 +112,7 @@ EXAMPLES = {
     "check": ("check run.h5", "check results/quick/runs/*.h5"),
     "info": ("info run.h5", "info run.h5 --json"),
     "plot": ("plot run.h5 --out pictures", "plot results/quick/runs/run.h5 --out pictures/run"),
+    "stresses": ("stresses run.h5 --joint 0.5,0.3", "stresses run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
     "animate": ("animate run.h5", "animate run.h5 --window 1 2 --magnify 200 --out run.mp4"),
     "report": ("report run.h5", 'report results/quick --title "Quick study" --author "A. Name" --out report.html'),
     "tables": ("tables run run.h5 --out run", "tables summary first.h5 second.h5 --out summary.csv"),

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from damage.draw import style
-from damage.draw.run import THIN, draw_wall, joint_handles
+from damage.draw.run import THIN, draw_wall, joint_handles, show_all
 from damage.draw.wall import DRAWN, check_magnify, magnification, shape_at, wall_shape
 from damage.errors import InputError
 from damage.files import whole_or_nothing
@@ -141,12 +141,8 @@ def _update(drawn, shape):
 
 def _widen(ax, history, snapshots, magnify):
     """Set axes limits that contain the bodies in all frames; returns their height over width."""
-    points = np.concatenate([body_corners(history.bodies, history.displacement[k].astype(float), magnify).reshape(-1, 2)
-                             for k in snapshots])
-    margin = 0.02 * np.ptp(points, axis=0).max()
-    low, high = np.minimum(points.min(axis=0), 0) - margin, points.max(axis=0) + margin
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    return (high[1] - low[1]) / (high[0] - low[0])
+    return show_all(ax, *(body_corners(history.bodies, history.displacement[k].astype(float), magnify)
+                          for k in snapshots), ground=False)
 
 
 def _draw_below(ax, history, samples, until_s):

@@ -17,12 +17,13 @@ from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import choose_sample, sample_at
+from damage.history.moments import choose_sample, choose_samples, sample_at
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import principal_stresses
 from damage.measure.cycles import shocks_table
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
+from damage.measure.joint_stress import contact_forces, sections, sections_table
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners, kinds_of_bodies
@@ -32,6 +33,8 @@ JOINT_COLOURS = {"elastic": style.GREEN, "intact": "0.8", "broken": "0.5", "slip
 SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
 """{slip criterion: its note in a legend}."""
 THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}  # [pt], width of lines of joints that are not cracked
+KERN = 1 / 6
+"""Largest eccentricity over the length of a section that is pressed all over."""
 DASHES = {"elastic": (0, (3, 2))}
 """{state: dashes} of lines that are not solid, in widths of the line."""
 
@@ -120,7 +123,7 @@ def heap_picture(history):
     after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
     handles = [Patch(facecolor=face, edgecolor=style.DARK if edge == "none" else edge, linewidth=0.3, label=label)
                for _, face, edge, label in layers if label]
-    return _with_words(figure, _show_all(ax, before, now), history,
+    return _with_words(figure, show_all(ax, before, now), history,
                        [f"{after_s:.2f} s after the first brick fell, not magnified"], handles)
 
 
@@ -150,8 +153,55 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
     handles = [Line2D([], [], color=colour, lw=0.9, label=f"{label}, up to {max(size, 0.0) / 1e6:.2g} MPa")
                for colour, label, size in ((style.VERMILLION, "tension", stress.max()),
                                            (style.BLUE, "compression", -stress.min()))]
-    return _with_words(figure, _show_all(ax, shape.corners), history,
+    return _with_words(figure, show_all(ax, shape.corners), history,
                        [f"principal stresses at the bricks' centres, {history.snapshot_time_s[at]:.2f} s"], handles)
+
+
+@style.styled
+def contact_force_picture(history, moment="max"):
+    """Figure of the undeformed wall in true scale: at each contact point a line along its force, as long as that is
+    large; over piers and arches where the thrust passes, and the middle third of their sections.
+
+    InputError where the run kept no stresses.
+    """
+    (sample,), bodies = choose_samples(history, [moment]), history.bodies
+    force, place = contact_forces(history, sample), history.joints[["x_m", "z_m"]].to_numpy()
+    corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])
+    figure, ax = style.new_figure(1.0)
+    ax.add_collection(PolyCollection(corners, facecolors=[style.BODY_COLOURS[kind] for kind in kinds],
+                                     edgecolors="0.85", linewidths=0.2))
+    size = np.hypot(*force.T)
+    largest = max(size.max(), 1.0)
+    half = 0.5 * history.masonry_wall.brick.length / largest * force
+    pulls = history.joint_stress_pa[sample, :, 0] > 0
+    ax.add_collection(LineCollection(np.stack([place - half, place + half], axis=1), linewidths=0.6,
+                                     colors=np.where(pulls, style.VERMILLION, style.BLUE)))
+    _draw_thrust(ax, history, moment)
+    handles = [*(Line2D([], [], color=colour, lw=0.9, label=f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
+                 for colour, label, of in ((style.BLUE, "compression", ~pulls), (style.VERMILLION, "tension", pulls))),
+               Line2D([], [], color=style.BLACK, lw=0.9, label="thrust"),
+               Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third")]
+    time_s = history.series["time_s"].iloc[sample]
+    return _with_words(figure, _show_all(ax, corners), history, [f"contact forces, {moment}: {time_s:.3f} s"], handles)
+
+
+def _draw_thrust(ax, history, moment):
+    """Draw the thrust lines of the parts, broken where a section is under tension, or the thrust outside of it."""
+    table = sections_table(history, [moment]).set_index(["part", "place_m"])
+    found = {}
+    for part, left, right, is_bed, across, _ in sections(history):
+        row = table.loc[part, across]
+        inside = abs(row["eccentricity_m"]) <= row["length_m"] / 2
+        middle, along = np.array([(left + right) / 2, across]), np.array([1.0, 0.0])
+        middle, along = (middle, along) if is_bed else (middle[::-1], along[::-1])
+        third = KERN * row["length_m"] * along
+        thrust = row[["thrust_x_m", "thrust_z_m"]].to_numpy(float) if inside else np.full(2, np.nan)
+        found.setdefault(part, []).append((thrust, middle - third, middle + third))
+    for lines in found.values():
+        thrust, lower, upper = np.moveaxis(np.array(lines), 1, 0)
+        ax.plot(*thrust.T, color=style.BLACK, lw=0.9, marker=".", ms=2)
+        for edge in (lower, upper):
+            ax.plot(*edge.T, color=style.BLACK, lw=0.5, ls=":")
 
 
 def draw_wall(ax, shape):
@@ -166,14 +216,14 @@ def draw_wall(ax, shape):
                                          linewidths=widths, linestyles=DASHES.get(state, "-"), capstyle="butt",
                                          zorder=layer))
     if not shape.ground_moves:
-        return _show_all(ax, shape.corners)
+        return show_all(ax, shape.corners)
     ax.add_collection(PolyCollection(shape.supports, facecolors=style.GROUND_COLOUR, edgecolors=style.DARK,
                                      linewidths=0.3, label="supports", zorder=0))
     ax.axhline(0, color=style.DARK, lw=0.4, ls=":", zorder=0)
-    return _show_all(ax, shape.corners, shape.supports, ground=False)
+    return show_all(ax, shape.corners, shape.supports, ground=False)
 
 
-def _show_all(ax, *corners, ground=True):
+def show_all(ax, *corners, ground=True):
     """Set axes in true scale that contain all corners, (..., 2) [m], with the ground if asked for; returns their height
     over width."""
     points = np.concatenate([some.reshape(-1, 2) for some in corners])
@@ -381,14 +431,16 @@ def save_all(history, folder):
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
 
     Base shear against drift is left out where there is no motion, as of ground that settles alone.  The picture of the
-    heap is included where bricks were followed beyond the collapse, that of stresses where bricks are deformable, that
-    of the events where there are several.
+    heap is included where bricks were followed beyond the collapse, that of stresses where bricks are deformable, those
+    of forces at rest and at the maximum index where the run kept stresses, that of the events where there are several.
     """
     still = () if is_moving(history.series).any() else ("hysteresis",)
     always = {name: draw for name, draw in PICTURES.items() if name not in still}
     chosen = always | ({"heap": heap_picture} if has_heap(history) else {}) | (
         {} if history.stress_pa is None else {"stress_max": stress_picture}) | (
-        {"sequence": sequence_picture} if has_sequence(history) else {})
+        {"sequence": sequence_picture} if has_sequence(history) else {}) | (
+        {} if history.joint_stress_pa is None else
+        {f"contact_forces_{moment}": partial(contact_force_picture, moment=moment) for moment in ("rest", "max")})
     return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))
 
 

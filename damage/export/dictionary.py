@@ -11,13 +11,15 @@ import pandas as pd
 
 from damage.exposure.exposure import COLUMNS as EXPOSURE
 from damage.files import write_text
-from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, TABLES, Column
+from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, STATIC_STAGE, TABLES, Column
 from damage.index import COMPONENTS
 from damage.life.comparison import CHOICES, READINGS
 from damage.life.results import COLUMNS as LIVES
 from damage.life.results import CONTRIBUTIONS, YEARLY
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, each
 from damage.measure.cycles import BY_OTHERS
+from damage.measure.joint_stress import JOINT, SECTIONS, STRESSES
+from damage.measure.joint_stress import POINTS as MATERIAL_POINTS
 from damage.measure.summary import MEASURES
 from damage.measure.tables import write_table
 from damage.studies.after_damage import BEFORE
@@ -195,6 +197,8 @@ DICTIONARY = {
     "summary.csv, study.h5 runs": RUNS | MEMBERS, "points.csv, study.h5 points": POINTS,
     "RUN_index.csv": INDEX, "RUN_events.csv": EVENTS, "RUN_joints.csv": JOINTS_OF_A_RUN, "RUN_cycles.csv": CYCLES,
     "RUN_shocks.csv": SHOCKS, "RUN_storeys.csv": STOREYS, "RUN_bricks.csv": each(BRICKS),
+    "RUN_static_stage.csv": STATIC_STAGE, "RUN_stresses.csv": STRESSES, "RUN_sections.csv": SECTIONS,
+    "RUN_points.csv": MATERIAL_POINTS, "joint_N.csv": JOINT,
     "fragility_INTENSITY.csv": FRAGILITY,
     "fragility_after_damage_INTENSITY.csv": AFTER_DAMAGE, "fragility_INTENSITY_at.csv": AT,
     "efficiency.csv": EFFICIENCY, "left_out.csv, unseen.csv": LEFT_OUT,

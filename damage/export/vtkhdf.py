@@ -198,15 +198,17 @@ class WallCells:
     def joint_fields(self, sample):
         """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m (not of
         a history without), crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
-        at_shear_limit."""
+        at_shear_limit; joint_normal_stress_pa, joint_shear_stress_pa of a run with --stresses."""
         history, slip = self.history, "displacement"
-        metres = {"opening_m": history.opening_m[sample], "accumulated_slip_m": history.slip_m[sample]}
+        numbers = {"opening_m": history.opening_m[sample], "accumulated_slip_m": history.slip_m[sample]}
         if history.offset_m is not None:
-            metres["offset_m"] = history.offset_m[sample]
-        metres["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
+            numbers["offset_m"] = history.offset_m[sample]
+        numbers["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
+        if history.joint_stress_pa is not None:
+            numbers |= dict(zip(("joint_normal_stress_pa", "joint_shear_stress_pa"), history.joint_stress_pa[sample].T))
         codes = {"broken": history.broken[sample], "at_shear_limit": history.at_limit[sample]}
         return {
-            **{name: self._joined(0.0, values).astype(np.float32) for name, values in metres.items()},
+            **{name: self._joined(0.0, values).astype(np.float32) for name, values in numbers.items()},
             "state": self._joined(-1, joint_states(history, sample, slip)).astype(np.int8),
             **{name: self._joined(0, values).astype(np.int8) for name, values in codes.items()}}
 

@@ -23,7 +23,8 @@ class Buffer:
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
         # Of series, frames and ground whole columns, of the other groups rows in the order of theirs.
-        self._rows = {"events": [], "snapshots": []}
+        self._rows = {"events": [], "snapshots": [], "static_stage": []}
+        self._beside = {"stresses": [], "points": []}  # blocks of rows
         self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
         self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
                         for name, column in schema.FRAMES.items()}
@@ -41,9 +42,10 @@ class Buffer:
                     *({name: np.asarray(values)[np.newaxis] for name, values in columns.items()}
                       for columns in (contacts, ground or {})))
 
-    def extend(self, stage, rows, joints, contacts, ground):
+    def extend(self, stage, rows, joints, contacts, ground, beside=None):
         """Add n samples, as `append` one: rows: {column: (n,)}, of one length; contacts: {column: (n, n_active)} of
-        these joints, zero in all others; ground: {column: (n, n_supports, 3)}."""
+        these joints, zero in all others; ground: {column: (n, n_supports, 3)}; beside: {"stresses": (n, n_joints, 2),
+        "points": (n, n_points, 2)} of a run that keeps them."""
         count = len(next(iter(contacts.values())))
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
         first = 0
@@ -56,6 +58,9 @@ class Buffer:
                 self._frames[name][given, joints] = values[taken]
             for name, column in self._ground.items():
                 column[given] = ground[name][taken] if name in ground else 0.0
+            for group, values in (beside or {}).items():
+                (column,) = schema.GROWING[group].values()
+                self._beside[group].append(np.array(values[taken], column.dtype))
             self._count, first = given.stop, stop
             if self._count == CHUNK:
                 self.flush()
@@ -70,6 +75,10 @@ class Buffer:
         (n_bodies, 5, 3) [Pa] of deformable bricks."""
         self._rows["snapshots"].append((time_s, np.array(displacement, "f4"),
                                         *([] if stress_pa is None else [np.array(stress_pa, "f4")])))
+
+    def look(self, time_s, unbalanced_force):
+        """Add a look at the static stage: time since its start [s], unbalanced over contact forces [-]."""
+        self._rows["static_stage"].append((time_s, unbalanced_force))
 
     def static_stage(self, **values):
         """Store the results of the static stage; keys are those of STATIC."""
@@ -113,9 +122,10 @@ class Buffer:
             columns["series"] = [column[:self._count].copy() for column in self._series.values()]
             columns["ground"] = [column[:self._count].copy() for column in self._ground.values()]
             columns["frames"] = [column[:self._count] for column in self._frames.values()]
+        columns |= {group: [np.concatenate(blocks)] for group, blocks in self._beside.items() if blocks}
         for sink in self._sinks:
             sink.store(columns)
-        for rows in self._rows.values():
+        for rows in (*self._rows.values(), *self._beside.values()):
             rows.clear()
         for column in self._frames.values():
             column[:self._count] = 0

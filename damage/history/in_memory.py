@@ -3,7 +3,8 @@
 Most contact points are intact most of the time, so a chunk of samples stores the active ones only.
 """
 
-from functools import partial
+import json
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,10 @@ class Memory:
         self.path, self.where = path, f"in memory, and in {path} should the run fail"
         self._layout, self._attributes, self._new_file = layout, attributes, new_file
         self._values, self._parts, self._n_bytes, self._file = {}, [], 0, None
+
+    @cached_property
+    def _parameters(self):
+        return json.loads(self._attributes["parameters_json"])
 
     @property
     def is_torn(self):
@@ -82,7 +87,7 @@ class Memory:
         values |= {f"{group}/{name}": self._column(group, number, name)
                    for group, columns in schema.GROWING.items() if group != "frames"
                    for number, name in enumerate(columns)
-                   if self._layout.strain is not None or f"{group}/{name}" not in schema.OPTIONAL}
+                   if schema.is_kept(f"{group}/{name}", self._layout.strain is not None, self._parameters)}
         joints, frames = self._active_frames()
         values |= {f"frames/{name}": rows for name, rows in frames.items()}
         return checked(history_of(path, self._attributes, values, joints=joints))
@@ -90,7 +95,8 @@ class Memory:
     def _column(self, group, number, name):
         """All rows of a column, of this number in its group."""
         parts = [part[group][number] for part in self._parts if part.get(group)]
-        sizes = {"bodies": len(self._layout.bodies), "supports": len(self._layout.supports)}
+        sizes = {"bodies": len(self._layout.bodies), "supports": len(self._layout.supports),
+                 "joints": self._layout.n_joints, "points": len(self._parameters.get("points", ()))}
         _, *shape = schema.SHAPES.get(f"{group}/{name}", schema.SHAPES[group])
         none = np.empty((0, *(sizes.get(of, of) for of in shape)), schema.GROWING[group][name].dtype)
         return np.concatenate([none, *parts])

@@ -48,6 +48,25 @@ def sample_at(history, time_s):
     return int(np.argmin(np.abs(times - time_s)))
 
 
+def choose_samples(history, moments):
+    """Samples of the words `rest` (the first), `max` (of DI), `end`, or times [s]."""
+    times = history.series["time_s"].to_numpy()
+    samples = []
+    for moment in moments:
+        try:
+            time_s = float(moment)
+        except ValueError:
+            if moment not in ("rest", "max", "end"):
+                raise InputError(f"--at {moment}: expected rest, max, end or a time [s]; choose another") from None
+            samples.append(choose_sample(history, 0 if moment == "rest" else moment)[0])
+            continue
+        if not (len(times) and times[0] - 1e-9 <= time_s <= times[-1] + 1e-9):
+            raise InputError(f"--at {moment}: expected rest, max, end, or a time within the history's "
+                             f"{len(times)} samples; choose another")
+        samples.append(int(np.argmin(np.abs(times - time_s))))
+    return samples
+
+
 def nearest_snapshot(history, time_s):
     """Index of the snapshot nearest to a time, None where none is near."""
     times = history.snapshot_time_s

@@ -112,6 +112,10 @@ class History:
     n_bodies, 5, 3) along x, along z and shear at the centre and the corners of each brick, None where bricks are rigid.
     supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
     (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
+    joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of each contact point,
+    None without `--stresses`; point_displacement: (n_times, n_points, 2) along x and z of the material `points` [m],
+    None without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force), None
+    before schema version 8.
     static: results of the static stage; parameters: everything that defined the run, as stored in the file; `loading`,
     `model` and `masonry_wall` return most of it as records; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
@@ -144,6 +148,9 @@ class History:
     support_displacement: np.ndarray | None = None
     support_force: np.ndarray | None = None
     stress_pa: np.ndarray | None = None
+    joint_stress_pa: np.ndarray | None = None
+    point_displacement: np.ndarray | None = None
+    static_stage: pd.DataFrame | None = None
 
     def __repr__(self):
         return (f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {how_it_ended(self)}, "
@@ -197,6 +204,11 @@ class History:
     def joint_length_m(self):
         """Tributary length of each contact point, zero on the cut of a brick: (n_joints,) [m]."""
         return np.where(self.joints["kind"] == "brick", 0.0, self.joints["length_m"])
+
+    @property
+    def points(self):
+        """Places (x, z) of the material points in the undeformed wall [m], a list."""
+        return [tuple(place) for place in self.parameters.get("points", [])]
 
     @property
     def sequence(self):
@@ -316,7 +328,7 @@ def read_history(path):
 def _open(path, believe=lambda n_bytes: None):
     """Read a file with an intact seal here, any other in a separate process."""
     try:
-        with h5py.File(path, "r", libver="latest", swmr=_is_growing(path)) as file:
+        with opened(path) as file:
             _check_schema(file, path)
             believe(check_structure(file))
             history = _read(file, path)
@@ -349,10 +361,15 @@ def _unreadable(path, error):
     return InputError(f"{path} cannot be read as a history ({said}); expected an HDF5 file that a run wrote")
 
 
+def opened(path):
+    """The HDF5 file of a history, open for reading."""
+    return h5py.File(path, "r", libver="latest", swmr=_is_growing(path))
+
+
 def _is_growing(path):
     """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  Read in this mode, a damaged
     finished file would make HDF5 wait for ever."""
-    with path.open("rb") as file:
+    with Path(path).open("rb") as file:
         block = file.read(HEAD_BYTES + 12)
     start = 0 if block.startswith(HDF5) else HEAD_BYTES
     return block[start + 11:start + 12] >= b"\4"  # of its consistency flags that of a single writer with many readers
@@ -387,7 +404,8 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
     tables = tables_of(version)
     # A killed run may have flushed one column more often than another: cut to the shortest.
     series, n_times = _columns(values, "series", min(
-        len(values[f"{group}/{name}"]) for group in ("series", "frames", "ground") for name in tables[group]))
+        len(values[f"{group}/{name}"]) for group in ("series", "frames", "ground", "stresses", "points")
+        for name in tables[group] if f"{group}/{name}" in values))
     events, _ = _columns(values, "events", min(len(values[f"events/{name}"]) for name in TABLES["events"]))
     snapshots = {name: values[f"snapshots/{name}"] for name in TABLES["snapshots"] if f"snapshots/{name}" in values}
     n_snapshots = min(map(len, snapshots.values()))
@@ -408,11 +426,21 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
         series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
         snapshot_time_s=snapshots["time_s"][:n_snapshots], displacement=snapshots["displacement"][:n_snapshots],
         stress_pa=snapshots["stress_pa"][:n_snapshots] if "stress_pa" in snapshots else None, **ground,
+        **{field: values[path][:n_times] for field, path in (("joint_stress_pa", "stresses/joint_stress_pa"),
+                                                             ("point_displacement", "points/displacement"))
+           if path in values}, static_stage=_static_stage(values, tables["static_stage"]),
         **(frames if joints is None else
            {name: partial(_at_all_joints, rows, joints, n_joints) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would compute it from dense frames
         vars(history).update(active=_sparse(ActiveContacts, joints, frames), states=_sparse(States, joints, frames))
     return history
+
+
+def _static_stage(values, columns):
+    """Looks at the static stage as a DataFrame, None of a file without them."""
+    found = {name: values[f"static_stage/{name}"] for name in columns}
+    n_looks = min(map(len, found.values()), default=0)
+    return pd.DataFrame({name: rows[:n_looks] for name, rows in found.items()}) if columns else None
 
 
 def _frames(values, columns, n_times):

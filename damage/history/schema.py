@@ -3,9 +3,10 @@
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 7
+SCHEMA_VERSION = 8
 """1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints that crush, 4 no
-supports and no joints that end, 5 no stresses, 6 no settlement and no state of the solver."""
+supports and no joints that end, 5 no stresses, 6 no settlement and no state of the solver, 7 no stresses of joints, no
+material points and no course of the static stage."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling", "settlement")
 EVENTS = ("tension", "shear", "opened", "slipped")
@@ -113,13 +114,35 @@ SNAPSHOTS = {
                         "positive, weight included; at the centre and at the corners, counter-clockwise from the lower "
                         "left; zero of caps", "f4", since=6),
 }
+STRESSES = {
+    "joint_stress_pa": Column("Pa", "only with `--stresses`: normal stress, tension positive, and shear stress, signed "
+                              "as `slip_m`, of each contact point: its force over its area", "f4", since=8),
+}
+POINTS = {
+    "displacement": Column("m", "only with `--point`: of each material point, in the order of the run's parameter "
+                           "`points`, along x and z since the end of the static stage", since=8),
+}
+STATIC_STAGE = {
+    "time_s": Column("s", "since the start of the static stage, every 500 steps", since=8),
+    "unbalanced_force": Column("1", "mean resultant on a body over mean contact force, the solve ratio of UDEC and "
+                               "YADE: the stage ends below 1e-5", since=8),
+}
 STATE = "state/solver"
 STATE_COLUMN = Column("bytes", "NumPy archive of the solver's own tables at the end of a complete run, with which "
                       "another run continues; empty where there is none; its content belongs to one version of the "
                       "model's code", "u1", since=7)
-OPTIONAL = {"snapshots/stress_pa"}
+OPTIONAL = {"snapshots/stress_pa", "stresses/joint_stress_pa", "points/displacement"}
 """Datasets that only some runs have."""
-GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
+
+
+def is_kept(path, deforms, parameters):
+    """Whether a run has a dataset of OPTIONAL; deforms: whether its bricks do; parameters: of the run."""
+    return {"snapshots/stress_pa": deforms, "stresses/joint_stress_pa": bool(parameters.get("stresses")),
+            "points/displacement": bool(parameters.get("points"))}.get(path, True)
+
+
+GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS,
+           "stresses": STRESSES, "points": POINTS, "static_stage": STATIC_STAGE}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
 
@@ -139,7 +162,8 @@ def codes_of(version):
 SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
           "series": ("samples",), "frames": ("samples", "joints"), "ground": ("samples", "supports", 3),
           "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3),
-          "snapshots/stress_pa": ("snapshots", "bodies", 5, 3)}
+          "snapshots/stress_pa": ("snapshots", "bodies", 5, 3), "stresses": ("samples", "joints", 2),
+          "points": ("samples", "points", 2), "static_stage": ("looks",)}
 """Of the datasets of a group, or of one: what they have as many of."""
 CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""

@@ -138,7 +138,7 @@ def check_parameters(parameters):
     """Raise InputError unless the parameters of a run consist of tables, numbers and text, as a run writes them."""
     optional = dict.fromkeys(("settlement", "cracked", "life", "event"), (dict, type(None)))
     kinds = optional | {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list,
-                        "events": list, "motions": list}
+                        "events": list, "motions": list, "points": list, "stresses": bool}
     numbers = (float, int)
     if not isinstance(parameters, dict):
         raise InputError("its parameters are no table")
@@ -149,6 +149,9 @@ def check_parameters(parameters):
             raise InputError(f"parameter {name} is {value!r:.80}, expected {wanted}")
         if isinstance(value, numbers) and not abs(value) < _HUGE:
             raise InputError(f"parameter {name} is {value!r:.80}, expected a number that can be")
+    for place in parameters.get("points", []):
+        if not (isinstance(place, list) and len(place) == 2 and all(isinstance(one, numbers) for one in place)):
+            raise InputError(f"parameter points is {place!r:.80}, expected places x, z")
     for factor in parameters.get("sequence", [1.0]) or [None]:
         check_number("a factor of parameter sequence", factor, "a number that can be", lambda value: abs(value) < _HUGE)
     _check_events(parameters)
@@ -173,6 +176,7 @@ def check_values(history):
     _check_columns("joints", joints, infinite=("tensile_strength_pa", "cohesion_pa"))
     _check_columns("bodies", bodies)
     _check_columns("events", events)
+    _check_columns("static_stage", {} if history.static_stage is None else history.static_stage)
     # A column that a solver does not provide is empty: it has all its values or none.
     empty = [name for name, values in series.items() if values.dtype.kind == "f" and np.isnan(values.to_numpy()).all()
              and name not in ("time_s", "drift_ratio")]
@@ -182,6 +186,7 @@ def check_values(history):
             values = table[name].to_numpy()
             massless = name == "mass_kg" and bodies["course"].to_numpy() == SIDE_COURSE  # party walls
             _refuse(~(values > 0) & ~np.asarray(massless), name, "a number above zero", values)
+    _check_points(history)
     n_supports = 1 if history.supports is None else len(history.supports)
     for table, name, least, end in ((joints, "first_body", -n_supports, len(bodies)),
                                     (joints, "second_body", 0, len(bodies)), (events, "joint", 0, len(joints))):
@@ -191,6 +196,7 @@ def check_values(history):
     _refuse(np.diff(time_s, prepend=-np.inf) <= 0, "time_s", "a later time than before", time_s)
     for name, frames in (*((name, getattr(history.active, name)) for name in ("opening_m", "slip_m", "offset_m")),
                          ("displacement", history.displacement), ("stress_pa", history.stress_pa),
+                         ("joint_stress_pa", history.joint_stress_pa), ("points", history.point_displacement),
                          ("ground/displacement", history.support_displacement)):
         # Of the extremes first, which takes no memory: of what is no number both are none, too.
         if frames is None or (-_HUGE < frames.min(initial=0.0) and frames.max(initial=0.0) < _HUGE):
@@ -199,6 +205,13 @@ def check_values(history):
         if not fine.all():
             raise InputError(f"{name} is no number that can be in row {int(np.argmin(fine))}: its run "
                              "blew up, give it a smaller --dt")
+
+
+def _check_points(history):
+    """Raise InputError where the material points are not those of the parameters."""
+    if history.point_displacement is not None and history.point_displacement.shape[1] != len(history.points):
+        raise InputError(f"points/displacement is of {history.point_displacement.shape[1]} points, expected each of "
+                         f"parameter points, {len(history.points)}")
 
 
 def _check_columns(table, frame, infinite=()):

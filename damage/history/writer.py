@@ -42,19 +42,19 @@ class File:
     """
 
     def __init__(self, path, layout, attributes, versions, overwrite=False):
-        self.path, self.where = Path(path), str(path)
+        self.path, self.where, self.attributes = Path(path), str(path), attributes
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(self.path, Head(**head_of(attributes["solver"], versions)))
             _write_run(self._file, attributes)
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
-            self._growing = _create_growing(self._file, layout)
+            self._growing = _create_growing(self._file, layout, json.loads(attributes["parameters_json"]))
             self._state = self._file.create_dataset(schema.STATE, shape=(0,), maxshape=(None,), chunks=(1 << 16,),
                                                     dtype=schema.STATE_COLUMN.dtype)
             self._state.attrs["unit"] = schema.STATE_COLUMN.unit
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file
-            self._lock = _lock(self.path, fcntl.LOCK_SH)
+            self._lock = lock(self.path, fcntl.LOCK_SH)
             self._file.flush()
 
     @property
@@ -73,6 +73,20 @@ class File:
             self._file.close()
             self._lock.close()
             self.path.unlink()
+
+    def rows(self):
+        """Numbers of rows in the file, of each group of GROWING in turn."""
+        return [len(self._growing[group][0]) if self._growing[group] else 0 for group in schema.GROWING]
+
+    def copy_rows(self, file, counts):
+        """Copy what another open file holds of the same run: the static stage, and so many rows of each group."""
+        with self._writing():
+            for name in schema.STATIC:
+                self._file["static"][name][()] = file["static"][name][()]
+            for group, count in zip(schema.GROWING, counts):
+                for dataset in self._growing[group]:
+                    _copy(dataset, file[dataset.name], count)
+            self._file.flush()
 
     def keep_state(self, state):
         with self._writing():
@@ -116,11 +130,23 @@ class HistoryWriter(Buffer):
     `command` where it is not that of this process.
     solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model", the digest of the
     model's code, where they are known.
+    file: its File.
     """
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, File(path, layout, attributes, versions, overwrite))
+        self._take(layout, File(path, layout, attributes, versions, overwrite))
+
+    @classmethod
+    def of(cls, layout, file):
+        """The writer that goes on with a File."""
+        writer = cls.__new__(cls)
+        writer._take(layout, file)
+        return writer
+
+    def _take(self, layout, file):
+        super().__init__(layout, file)
+        self.file = file
 
 
 def check_output(path, overwrite=False):
@@ -153,13 +179,13 @@ def _check_taken(path, overwrite):
         raise InputError(f"{path} exists already: it is kept; give --overwrite or another --out")
     if not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
         raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
-    _lock(path, fcntl.LOCK_EX).close()
+    lock(path, fcntl.LOCK_EX).close()
 
 
 def _create_file(path, overwrite):
     check_output(path, overwrite)
     if path.exists():
-        with _lock(path, fcntl.LOCK_EX):
+        with lock(path, fcntl.LOCK_EX):
             path.unlink()
     try:
         return h5py.File(path, "x", libver="v110", userblock_size=HEAD_BYTES)  # which Debian 12's HDF5 reads, too
@@ -167,7 +193,7 @@ def _create_file(path, overwrite):
         raise InputError(f"{path} exists now: another run began it at this moment; give another --out") from None
 
 
-def _lock(path, kind):
+def lock(path, kind):
     """The file of a history, open and locked until it is closed: LOCK_SH by the run that writes it, LOCK_EX by one that
     would replace it.  Raises InputError where another has it; a file system without locks has none."""
     file = open(path, "rb")  # noqa: SIM115, open as long as the lock is held
@@ -231,16 +257,18 @@ def _write_tables(file, layout):
             file.create_dataset(f"{group}/{name}", data=values).attrs["unit"] = schema.TABLES[group][name].unit
 
 
-def _create_growing(file, layout):
+def _create_growing(file, layout, parameters):
     """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of ground of the
-    supports, those of displacements of the bodies."""
+    supports, those of displacements of the bodies; parameters: of the run."""
     shapes = {"frames": (layout.n_joints,), "ground": (len(layout.supports), 3),
+              "stresses": (layout.n_joints, 2), "points": (len(parameters.get("points", ())), 2),
               "displacement": (len(layout.bodies), 3), "stress_pa": (len(layout.bodies), 5, 3)}
-    chunks = {"events": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
+    chunks = {"events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     made = {group: [] for group in schema.GROWING}
     for group, columns in schema.GROWING.items():
+        file.create_group(group)
         for name, column in columns.items():
-            if f"{group}/{name}" in schema.OPTIONAL and layout.strain is None:
+            if not schema.is_kept(f"{group}/{name}", layout.strain is not None, parameters):
                 continue
             shape = shapes.get(group, shapes.get(name, ()))
             made[group].append(file.create_dataset(
@@ -250,6 +278,12 @@ def _create_growing(file, layout):
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
     return made
+
+
+def _copy(dataset, rows, count):
+    """Append the first rows of another dataset, chunk by chunk."""
+    for first in range(0, count, dataset.chunks[0]):
+        _extend(dataset, rows[first:min(count, first + dataset.chunks[0])])
 
 
 def _extend(dataset, rows):

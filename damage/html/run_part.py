@@ -5,6 +5,7 @@ import numpy as np
 from damage.draw.preview import wall_preview
 from damage.draw.run import (
     ENERGIES,
+    contact_force_picture,
     has_heap,
     has_sequence,
     heap_picture,
@@ -52,6 +53,8 @@ def run_part(history, letter, language="en"):
             "sequence": as_png(sequence_picture(history)) if has_sequence(history) else None,
             "heap": as_png(heap_picture(history)) if has_heap(history) else None,
             "stress": as_png(stress_picture(history)) if has_stresses(history) else None,
+            "forces": [] if history.joint_stress_pa is None else [
+                (moment, as_png(contact_force_picture(history, moment))) for moment in ("rest", "max")],
             "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
 

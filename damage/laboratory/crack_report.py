@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError, warn
-from damage.history.moments import choose_sample
+from damage.history.moments import choose_samples
 from damage.history.reader import read_history
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.laboratory.dic import measure, patterns_of_fields, read_field
@@ -81,25 +81,6 @@ def _only_with(what, given, needs=("wall",), without=()):
 
 
 # --- a history ------------------------------------------------------------------------------------
-
-def choose_samples(history, moments):
-    """Samples of the words `max` (of DI), `end`, or times [s]."""
-    times = history.series["time_s"].to_numpy()
-    samples = []
-    for moment in moments:
-        try:
-            time_s = float(moment)
-        except ValueError:
-            if moment not in ("max", "end"):
-                raise InputError(f"--at {moment}: expected max, end or a time [s]; choose another") from None
-            samples.append(choose_sample(history, moment)[0])
-            continue
-        if not (len(times) and times[0] - 1e-9 <= time_s <= times[-1] + 1e-9):
-            raise InputError(f"--at {moment}: expected max, end, or a time within the history's "
-                             f"{len(times)} samples; choose another")
-        samples.append(int(np.argmin(np.abs(times - time_s))))
-    return samples
-
 
 def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
     """The cracks of the history at `path`, a dictionary; written to `export` if it is given."""

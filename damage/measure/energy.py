@@ -88,6 +88,15 @@ class Balance:
         self._scale = max(self._scale, np.abs(rows["input_energy_j"]).max())
 
     @property
+    def state(self):
+        """What it knows so far, (4,); can be assigned."""
+        return np.array([self._first, self._largest, self._scale, self._n], float)
+
+    @state.setter
+    def state(self, values):
+        self._first, self._largest, self._scale, self._n = *values[:3], int(values[3])
+
+    @property
     def error(self):
         """Energy balance error so far [-]; None as of `energy_error`."""
         return self._largest / self._scale if self._n > 1 and self._scale > self._noise else None

@@ -1,10 +1,12 @@
 """Tables of histories as CSV for spreadsheets and scripts, with units in the column names.
 
-`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, for a
-sequence _shocks.csv, for a wall with floors _storeys.csv, of deformable bricks _bricks.csv, and STEM_info.json, their
-origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.  With `--members
-N`, a run repeated with slightly scattered strengths as a measure of its precision, FILE_members.csv beside FILE.h5, the
-history of the first member, has a row for each member with the columns of summary.csv.
+`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv,
+_static_stage.csv (the unbalanced force over it), for a sequence _shocks.csv, for a wall with floors _storeys.csv, of
+deformable bricks _bricks.csv, with --stresses _stresses.csv and _sections.csv, with --point _points.csv, and
+STEM_info.json, their origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` writes a row for each
+history. With `--members N`, a run repeated with slightly scattered strengths as a measure of its precision,
+FILE_members.csv beside FILE.h5, the history of the first member, has a row for each member with the columns of
+summary.csv.
 """
 
 from dataclasses import asdict
@@ -23,6 +25,7 @@ from damage.measure.brick_stress import bricks_table, has_stresses
 from damage.measure.columns import read_table, slip_criteria
 from damage.measure.cycles import cycles_table, index_by_all, shocks_table
 from damage.measure.damage_index import storeys_table
+from damage.measure.joint_stress import MOMENTS, joint_history, points_table, sections_table, stresses_table
 from damage.measure.summary import flat_summary
 from damage.motion.intensity import APPLIED, motion_measures
 from damage.provenance import measures_digest
@@ -125,25 +128,40 @@ def _with_first(table, *columns):
 
 
 RUN_TABLES = {"index": index_table, "events": events_table, "joints": joints_table, "cycles": cycles_table,
-              "shocks": shocks_table, "storeys": storeys_table, "bricks": bricks_table}
+              "shocks": shocks_table, "storeys": storeys_table, "bricks": bricks_table,
+              "static_stage": lambda history: history.static_stage, "stresses": stresses_table,
+              "sections": sections_table, "points": points_table}
+
+
+def _has(history):
+    """{table of RUN_TABLES that only some runs have: whether a History has it}."""
+    return {"shocks": history.series["shock"].iloc[-1] > 1, "storeys": history.masonry_wall.floors,
+            "bricks": has_stresses(history), "static_stage": history.static_stage is not None,
+            "stresses": history.joint_stress_pa is not None, "sections": history.joint_stress_pa is not None,
+            "points": history.point_displacement is not None}
 
 
 def write_run_tables(history, stem, names=RUN_TABLES):
     """Write tables of a run to STEM_index.csv and so on, and their origin to STEM_info.json; returns the paths.
 
-    names: keys of RUN_TABLES; `shocks` is left out of a run with a single event, `storeys` of a wall without floors,
-    `bricks` of rigid bricks.  Raises InputError where the history has no sample.
+    names: keys of RUN_TABLES; those that a run has not (`_has`) are left out.  Raises InputError where the history has
+    no sample.
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
-    if history.series["shock"].iloc[-1] == 1:
-        names = [name for name in names if name != "shocks"]
-    if not history.masonry_wall.floors:
-        names = [name for name in names if name != "storeys"]
-    if not has_stresses(history):
-        names = [name for name in names if name != "bricks"]
+    has = _has(history)
+    names = [name for name in names if has.get(name, True)]
     return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
             *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
+
+
+def write_stresses(history, folder, moments=MOMENTS, joints=()):
+    """Write stresses.csv and sections.csv of a History at moments, and joint_N.csv of chosen joints over time; returns
+    the paths."""
+    folder = Path(folder)
+    tables = {"stresses": stresses_table(history, moments), "sections": sections_table(history, moments),
+              **{f"joint_{row}": joint_history(history, row) for row in joints}}
+    return [write_table(table, folder / f"{name}.csv") for name, table in tables.items()]
 
 
 def write_table(table, path):

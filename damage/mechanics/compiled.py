@@ -105,11 +105,6 @@ KERNEL = Package(Path(__file__).parent, (
 compiled, inlined, entry = KERNEL.compiled, KERNEL.inlined, KERNEL.entry
 
 
-def forget_types(function):
-    """Free what numba keeps of the calls of an entry: the types of NamedTuples, for a compilation that may follow."""
-    getattr(function, "_types_active_call", []).clear()  # numba itself does so only when it compiles
-
-
 def is_cached():
     """Whether numba has cached the step, which every run needs, of these sources."""
     return KERNEL.is_cached("step.run")

@@ -14,35 +14,50 @@ two registers for a vector.
 """
 
 import operator
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import typeof, types
 from numba.core import cgutils, typing
 from numba.extending import lower_builtin, models, register_model, type_callable
 
 WIDTH = 8
 
 
+def argument(kind):
+    """A NamedTuple class for arguments of compiled functions: numba gets their type from themselves, found once.
+
+    numba 0.56, which Debian 12 has, would read names of fields from freed memory, often not know a type again, and keep
+    800 bytes a call.  Without `_asdict` it asks for `_numba_type_` instead.
+    """
+    return type(kind.__name__, (kind,), {"__doc__": kind.__doc__, "__module__": kind.__module__, "_asdict": property(),
+                                         "_numba_type_": cached_property(typeof)})
+
+
+@argument
 class One(NamedTuple):
     """Width of a table of one wall."""
 
     lane: int
 
 
+@argument
 class Lane(NamedTuple):
     """A single wall, by its place, in a table of eight."""
 
     lane: int
 
 
+@argument
 class Eight(NamedTuple):
     """Width of a table of eight walls."""
 
     lane: int
 
 
+@argument
 class Rows(NamedTuple):
     """Eight rows of a table of one wall at once, from a row on."""
 

@@ -25,7 +25,7 @@ import numpy as np
 from damage.law.joint_law import TENSION
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import add, load, store
+from damage.mechanics.eight import add, argument, load, store
 from damage.mechanics.rows import push_body
 from damage.mechanics.tables import (
     COS1,
@@ -76,6 +76,7 @@ class Touch(NamedTuple):
     damping: float
 
 
+@argument
 class Loose(NamedTuple):
     """Tables of the loose contacts of one wall.
 

@@ -11,7 +11,7 @@ from damage.law.joint_law import elastic_energy
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import either, lane, lanes, load, wall_of, zero
+from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.loose import STORED
 from damage.mechanics.rows import first_force
 from damage.mechanics.scaling import scaled_kinetic_energy
@@ -46,6 +46,7 @@ FIELD_NAMES = "opening_m", "slip_m", "offset_m", "state"
 """Names of FIELDS: columns of FRAMES of the history."""
 
 
+@argument
 class Stiffness(NamedTuple):
     """Area [m2], normal and shear stiffness [Pa/m] of the contacts, each (contacts,)."""
 
@@ -54,16 +55,19 @@ class Stiffness(NamedTuple):
     shear: np.ndarray
 
 
+@argument
 class Samples(NamedTuple):
     """Samples of one or several walls.
 
-    contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement:
+    contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; stress: (walls,
+    samples, 2, contacts) normal, tension positive, and shear [Pa]; displacement:
     (walls, samples, bodies, coordinates) [m, m, rad, m sqrt(kg) ...], the supports last; support_force: (walls,
     samples, supports, 3) of the wall on them [N, N, N m]; totals: (walls, samples, TOTALS).
     """
 
     contacts: np.ndarray
     stored: np.ndarray
+    stress: np.ndarray
     displacement: np.ndarray
     support_force: np.ndarray
     totals: np.ndarray
@@ -73,6 +77,7 @@ class Samples(NamedTuple):
         """Samples with all values zero; system: System of one of the walls, whose last bodies are the supports."""
         n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
+                   np.zeros((n_walls, n_samples, 2, n_contacts)),
                    np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
                    np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
 
@@ -114,14 +119,14 @@ def observe(n, tables, strain, loose, matrix, ending, stiffness, samples, taken)
 
 @inlined
 def observe_stored(n, tables, ending, stiffness, samples, taken):
-    """Write the elastic energies of all contact points."""
+    """Write the elastic energies and stresses of all contact points."""
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
-        stored = stiffness.area[c] * elastic_energy(
-            load(n, tables.readings, c, READ_SIGMA), load(n, tables.readings, c, READ_TAU), stiffness.normal[c],
-            stiffness.shear[c])
+        sigma, tau = load(n, tables.readings, c, READ_SIGMA), load(n, tables.readings, c, READ_TAU)
+        stored = stiffness.area[c] * elastic_energy(sigma, tau, stiffness.normal[c], stiffness.shear[c])
         for w in range(lanes(n)):
             if ending >> w & 1:
                 samples.stored[w, taken[w], c] = lane(stored, w)
+                samples.stress[w, taken[w], 0, c], samples.stress[w, taken[w], 1, c] = lane(sigma, w), lane(tau, w)
 
 
 @inlined

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 
 from damage.law.joint_law import ContactState, ElasticRange, Material
-from damage.mechanics.eight import WIDTH
+from damage.mechanics.eight import WIDTH, argument
 
 X, Z, ROTATION = range(3)
 """Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was built along x and z
@@ -127,6 +127,7 @@ class System(namedtuple("System", (
     __slots__ = ()
 
 
+@argument
 class Tables(namedtuple("Tables", (
         "bodies inertia interfaces limits contacts strengths states readings energy events values n_events "
         "relaxation last turning bearings radiation bench sums others used lines first second every"))):
@@ -143,8 +144,6 @@ class Tables(namedtuple("Tables", (
     springs and stay intact.  Its inertia, last and radiation are in the order of columns: a field of eight rows is a
     vector.
     """
-
-    __slots__ = ()
 
 
 SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
@@ -254,6 +253,7 @@ def table(dtype, n, **fields):
     return rows
 
 
+@argument
 class Strain(NamedTuple):
     """Strain modes of deformable bricks: stiffness, damping: (bodies, modes) of each mode [1/s2, 1/s], the supports
     last; shapes: (kinds, 2, modes) displacement along the normal and the tangent of a contact point by a unit of each
@@ -265,6 +265,7 @@ class Strain(NamedTuple):
     rows: np.ndarray
 
 
+@argument
 class Matrix(NamedTuple):
     """Mass matrix of selective mass scaling as a block factor L D L', its nodes in the order of elimination; a node has
     three coordinates of a body.
@@ -284,6 +285,7 @@ class Matrix(NamedTuple):
     room: np.ndarray
 
 
+@argument
 class Law(NamedTuple):
     """Joint law of a wall: Material, threshold of the events OPENED and SLIPPED [m]."""
 

@@ -16,7 +16,6 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.mechanics import step as kernel
 from damage.mechanics import tables
-from damage.mechanics.compiled import forget_types
 from damage.mechanics.eight import EIGHT, ONE, WIDTH
 
 MOST_LANES = WIDTH
@@ -109,7 +108,6 @@ class Lanes:
                    np.array([wall.controls for wall in walls], float), field,
                    np.array([wall.step - wall.first_step for wall in walls]), ends, ending, any_wall.stiffness, samples,
                    np.zeros(len(walls), int))
-        forget_types(kernel.run)
 
     def room(self, n_samples):
         """Samples of all walls, all zero."""

@@ -45,23 +45,25 @@ class Settled:
         self._state = walls.take(digest) if known else None
 
     def recall(self, solver):
-        """Set a solver that has not moved to the end of its static stage; returns False where the cache lacks it."""
+        """Set a solver that has not moved to the end of its static stage; returns the looks at that stage, None where
+        the cache lacks it."""
         if self._state is None:
-            return False
+            return None
         self._state.put_into(solver)
-        return True
+        return self._state.looks
 
-    def keep(self, solver):
-        """Store the state of a solver at the end of its static stage, unless its bricks have found new contacts by
-        then."""
+    def keep(self, solver, looks):
+        """Store the state of a solver at the end of its static stage, and the looks at it, unless its bricks have found
+        new contacts by then."""
         if solver.loose is None or not solver.loose.counts.any():
-            self._walls.put(self._digest, State(solver))
+            self._walls.put(self._digest, State(solver, looks))
 
 
 class State:
-    """Copy of the tables of a ReferenceWall and its clock."""
+    """Copy of the tables of a ReferenceWall and its clock; looks: at its static stage, (time [s], unbalanced force)."""
 
-    def __init__(self, wall):
+    def __init__(self, wall, looks=()):
+        self.looks = tuple(looks)
         self._step, of = wall.step, (wall.lanes.tables, wall.lanes.lane_of(wall))
         self._tables = join([of], capacity=int(wall.system.n_events[0]))
 

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
-from damage.mechanics.loose import LARGEST
+from damage.mechanics.loose import LARGEST, PAIRS
 from damage.mechanics.samples import ELASTIC, KINETIC
-from damage.mechanics.tables import OPENED, PULLS, RIGID, SLIPPED, STIFFNESS, X, Z
+from damage.mechanics.tables import LOGS, OPENED, PULLS, RIGID, SHARED, SLIPPED, STIFFNESS, WORK, Tables, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
 
@@ -16,6 +17,8 @@ STATE_TABLES = ("place", "velocity", "force", "trig", "limits", "states", "readi
                 "radiation", "bearings")
 """Fields of System that a step changes; masses, contact parameters, the log of events, and what follows from the rest
 are left out."""
+LOOSE_TABLES = "bounds", "seen", "order", "pairs", "springs", "counts", "energy"
+"""Fields of Loose that outlast a step."""
 
 
 class ReferenceSolver(ReferenceWall, Solver):
@@ -87,10 +90,12 @@ class ReferenceSolver(ReferenceWall, Solver):
         totals, joints = samples.totals, self.active_contacts()
         bodies, supports = np.split(samples.displacement[..., :RIGID], [len(self.layout.bodies)], axis=1)
         strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
+        stress = np.moveaxis(self.of_joints(samples.stress), 1, 2) if self.with_stresses else None
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
                         np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC] + self._in_bearing(),
-                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain)
+                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain,
+                        stress)
 
     def _in_bearing(self):
         """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a time."""
@@ -124,6 +129,32 @@ class ReferenceSolver(ReferenceWall, Solver):
                 getattr(self.system, name)[:] = state[name]
         for kind, passed in self._passed.items():
             passed[:] = state[f"passed_{kind}"]
+
+    def _whole(self):
+        """Views of all tables of this wall that outlast a step, {name: array}."""
+        tables, lane = self.lanes.tables, self.lanes.lane_of(self)
+        found = {name: of[lane] if name in LOGS else of[..., lane] for name, of in zip(Tables._fields, tables)
+                 if name not in SHARED + WORK}
+        loose = {} if self.loose is None else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
+        return found | loose | {f"passed_{kind}": passed for kind, passed in self._passed.items()}
+
+    def checkpoint(self):
+        return {name: np.array(table, order="C") for name, table in self._whole().items()} | {
+            "clock": np.array(self.clock), "is_driven": np.array(self._is_driven)}
+
+    def restore(self, tables):
+        if self.loose is not None:
+            pairs, order, counts = (tables[f"loose_{name}"] for name in ("pairs", "order", "counts"))
+            n, room = len(order), len(pairs)
+            if not (0 <= pairs.min() <= pairs.max() < n and np.array_equal(np.sort(order), np.arange(n))
+                    and counts.min() >= 0 and counts[PAIRS] <= room):
+                raise InputError("the loose contacts of the checkpoint are of bodies that this wall has not; run it "
+                                 "again")
+        if tables["n_events"][0] < 0 or tables["clock"] < 0:
+            raise InputError("the clock of the checkpoint, or its number of events, is below zero; run it again")
+        for name, table in self._whole().items():
+            table[:] = tables[name]
+        self.step, self._is_driven = self.first_step + int(tables["clock"]), bool(tables["is_driven"])
 
     def drain_events(self):
         if self.layout.fibres is None and self.system.n_events[0] == 0:

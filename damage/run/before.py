@@ -10,7 +10,7 @@ import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
 from damage.errors import InputError, one_line, warn
-from damage.history.reader import read_history
+from damage.history.reader import opened, read_history
 from damage.history.schema import STATE
 from damage.history.structure import stored_bytes
 from damage.history.writer import layout_tables
@@ -44,8 +44,8 @@ def read_state(path, layout, model, solver):
         with h5py.File(path, "r") as file:
             packed = stored_bytes(file, STATE, most) if STATE in file else np.zeros(0, "u1")
         if len(packed):
-            return _unpacked(packed, like)
-    except _UNREADABLE as error:
+            return unpacked(packed, like)
+    except UNREADABLE as error:
         raise InputError(f"--continue {path}: its state of the solver cannot be read ({one_line(error)}); expected "
                          "what a run of this wall wrote; run it again") from error
     raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
@@ -54,16 +54,19 @@ def read_state(path, layout, model, solver):
 
 _UNPACKED_MORE = 8192
 """Bytes of an array's header in an archive, and of its name."""
-_UNREADABLE = (InputError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, OSError, RuntimeError,
-               TypeError, SyntaxError)
+UNREADABLE = (InputError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, OSError, RuntimeError,
+              TypeError, SyntaxError)
 """What reading a damaged archive raises."""
 
 
-def _unpacked(packed, like):
+def unpacked(packed, like=None):
     """The tables of an archive (`as_bytes`), {name: array}, that have the names, types and shapes of `like`: nothing is
-    unpacked that is larger than its table, and no scalar fills one."""
+    unpacked that is larger than its table, and no scalar fills one.  None: of any names and shapes, without objects."""
     found = {}
     with zipfile.ZipFile(io.BytesIO(packed.tobytes())) as archive:
+        if like is None:
+            return {entry.filename.removesuffix(".npy"): np.load(io.BytesIO(archive.read(entry)), allow_pickle=False)
+                    for entry in archive.infolist()}
         sizes = {entry.filename.removesuffix(".npy"): entry.file_size for entry in archive.infolist()}
         if sizes.keys() != like.keys():
             other = ", ".join(sorted(sizes.keys() ^ like.keys()))
@@ -88,27 +91,28 @@ def _check_table(name, content, table):
     content.seek(0)
 
 
-def read_earlier(path, layout, model):
+def read_earlier(path, layout, model, option="--continue", ended=True):
     """The History of a run that another one continues.
 
-    layout: damage.wall.layout.Layout of the wall that continues; model: digest of the model's code.  Raises InputError
-    where the history is none, is not complete, or is of another wall or another version of the model.
+    layout: damage.wall.layout.Layout of the wall that continues; model: digest of the model's code; option: that asks
+    for it; ended: whether it has to be complete.  Raises InputError where the history is none, is not complete, or is
+    of another wall or another version of the model.
     """
     history = read_history(path)
-    if not history.complete or history.collapsed_at_s is not None:
+    if ended and (not history.complete or history.collapsed_at_s is not None):
         how = "collapsed" if history.complete else history.status
         raise InputError(f"--continue {path}: its run is {how}; expected a complete run of a wall that stands; run it "
-                         "again")
+                         "again" + ("" if history.complete else f", or go on with it: --resume {path}"))
     made_by = history.versions.get("model")
     if made_by != model:
-        raise InputError(f"--continue {path}: made by another version of the model ({made_by}, this is {model}), whose "
+        raise InputError(f"{option} {path}: made by another version of the model ({made_by}, this is {model}), whose "
                          "state has another meaning; run the first half again with this one")
-    with h5py.File(path, "r") as file:
+    with opened(path) as file:
         wanted = {f"{group}/{name}": values for group, columns in layout_tables(layout).items()
                   for name, values in columns.items()}
         other = [name for name, values in wanted.items() if not np.array_equal(file[name][()], values)]
         if other:
-            raise InputError(f"--continue {path}: the history of another wall, {history.wall}: {other[0]} differs from "
+            raise InputError(f"{option} {path}: the history of another wall, {history.wall}: {other[0]} differs from "
                              f"that of {layout.wall.name}; expected the same wall, model options, --scatter and "
                              "--seed; give them")
     return history
@@ -116,12 +120,17 @@ def read_earlier(path, layout, model):
 
 def zero_of(state, now):
     """Instants `now` with the values at the first run's time zero in place of KEPT."""
-    return now._replace(**{name: state[f"zero_{name}"] for name in KEPT})
+    return now._replace(**{name: state[f"zero_{name}"] for name in _kept(now)})
 
 
 def with_zero(state, zero):
     """A solver's state with the KEPT values of Instants at time zero."""
-    return state | {f"zero_{name}": np.asarray(getattr(zero, name)) for name in KEPT}
+    return state | {f"zero_{name}": np.asarray(getattr(zero, name)) for name in _kept(zero)}
+
+
+def _kept(zero):
+    """KEPT, and of deformable bricks their strain, which moves material points."""
+    return KEPT if zero.strain is None else (*KEPT, "strain")
 
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------

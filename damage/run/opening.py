@@ -3,6 +3,8 @@
 import math
 
 from damage.motion.record import FINER
+from damage.run.schedule import sample_steps, stages
+from damage.run.watch import MaterialPoints
 from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.lintels import describe_share, elastic_share
@@ -61,6 +63,22 @@ def event_lines(settings):
                                              f", drawn in life {event['life']}")
     return [f"event of {event['time_utc']} UTC, M {event['magnitude']:g} at {event['place']}: PGV of {pgv}; record "
             f"{event['record']} x {event['scale']:.3g}, {event['start_s']:g} to {event['end_s']:g} s"]
+
+
+def kept_lines(settings, layout, time_step):
+    """Lines on what RunSettings keep beside the usual: bricks of material points, size of the joints' stresses.
+
+    Raises InputError where a point lies in no brick.
+    """
+    lines = [f"point {x:g} {z:g}: in brick {body}, course {layout.bodies.course[body]}" for (x, z), body in zip(
+        settings.points, MaterialPoints(layout, settings.points).bodies if settings.points else ())]
+    if not settings.stresses:
+        return lines
+    interval = sample_steps(time_step, settings.mass_scaling)
+    samples = stages(settings, layout, time_step, interval)[-1].end_step // interval + 1
+    return [*lines, f"stresses of {layout.n_joints} contact points at {samples} samples: "
+            f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, "
+            "in the file up to four fifths of that"]
 
 
 def record_lines(settings):

@@ -2,6 +2,7 @@
 
 import argparse
 import hashlib
+import math
 import os
 import re
 import sys
@@ -105,6 +106,9 @@ def parse_run(arguments, prog, solver):
     return RunSettings(**_fields_of(RunSettings, parsed) | _motion(parsed) | {
         "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": _model(parsed),
         "continued": getattr(parsed, "continue") and str(getattr(parsed, "continue")), "alpha_1_s": alpha_1_s,
+        "checkpoint_s": math.inf if parsed.checkpoint is None else 60 * parsed.checkpoint,
+        "points": tuple(map(tuple, parsed.point or ())),
+        "resumed": parsed.resume and str(parsed.resume), "out": parsed.out or parsed.resume,
         "beta_s": beta_s, "command": f"{prog} {shown_command(arguments)}".strip()})
 
 
@@ -144,6 +148,13 @@ def _option(action, name, value):
         if not isinstance(value, bool):
             raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return [option] if value is action.const else []
+    if isinstance(action, argparse._AppendAction):
+        try:
+            rows = np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
+        except (TypeError, ValueError):
+            raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these; "
+                             "correct it") from None
+        return [word for one in rows for word in (option, *map(str, one))]
     values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
     words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
     return [option, *words] if action.nargs else [option, ",".join(words)]
@@ -215,7 +226,7 @@ def _add_settlement(group):
 
 def _add_before(group):
     group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
-                       "same wall, as if it had continued; YADE repeats that run first")
+                       "same wall, as if it had continued; in YADE one with --checkpoint")
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
                        "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
     group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
@@ -325,6 +336,16 @@ def _add_run(group, solver):
     group.add_argument("--out", type=file_path, metavar="FILE.h5", help="history file "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
+    group.add_argument("--stresses", action="store_true", help="keep normal and shear stress of all joints at every "
+                       "sample (docs/guides/reading-results.md); the run says first how large they are")
+    group.add_argument("--point", nargs=2, type=float, action="append", metavar=("X_M", "Z_M"), help="keep the "
+                       "displacement of this point of the wall at every sample; repeatable")
+    group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
+                       "FILE.checkpoint after so many minutes of computing each, and in YADE at the end (default: at "
+                       "an interruption)")
+    group.add_argument("--resume", type=file_path, metavar="FILE.h5", help="go on with this run, which was interrupted "
+                       "or killed, from its last checkpoint; the other options as they were. A checkpoint of YADE can "
+                       "execute code: go on with runs of your own only")
     _add_settings(group, "rest_s", "time_step_s")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
@@ -392,8 +413,8 @@ def _life_of(parsed):
         return None
     others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
-        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
-                         "motions; leave the other out")
+        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides "
+                         "the motions; leave the other out")
     return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
 
 

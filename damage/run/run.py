@@ -27,6 +27,7 @@ from damage.run.solver import LOOK_STEPS, NO_MOTION
 from damage.run.watch import (
     BaseMotion,
     Borne,
+    MaterialPoints,
     fastest_fallen,
     have_fallen,
     have_left,
@@ -47,15 +48,19 @@ class Run:
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
     writer: a Buffer of a history; keep_going(run, time_s): called now and then, returns False to stop (an interrupt);
     settled: where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the
-    end of another run (`damage.run.before.read_state`, or `end_state`), which this one continues in place of the static
-    stage.
-    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
+    end of another run (`damage.run.before.read_state`, `damage.run.checkpoint.read_end`), which this one continues in
+    place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None; resumed: tables of the
+    checkpoint of this very run from which it goes on, or None.
+    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed;
+    has_kept_its_end: whether its last checkpoint is that of its end.
     """
 
-    def __init__(self, layout, settings, solver, writer, keep_going, settled=None, state=None):
+    def __init__(self, layout, settings, solver, writer, keep_going, settled=None, state=None, *, checkpoints=None,
+                 resumed=None):
         self.layout, self.settings, self.solver = layout, settings, solver
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
-        self._state = state
+        self._state, self._checkpoints, self._resumed = state, checkpoints, resumed
+        self._number, self.has_kept_its_end = -1, False  # of the stage; in a checkpoint
         self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
         self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
@@ -67,13 +72,15 @@ class Run:
         self._modal_velocity, self._set_in_motion_j = None, 0.0  # at time zero; energy that came in with it
         self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        self._lowest, self._at_rest = lowest_places(layout), 0.0  # motion at the end of settling
+        self._lowest, self._at_rest = lowest_places(layout), np.zeros((1, len(layout.bodies), 3))  # when settled
         self._borne = Borne(layout) if settings.mass_scaling == SELECTIVE else None
+        self._points = MaterialPoints(layout, settings.points) if settings.points else None
+        solver.with_stresses, self._looks = settings.stresses, []  # (time [s], unbalanced force) in the static stage
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
         self._balance_j, self._damped_j = state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
-        if settings.perturb_m > 0 and state is None:
+        if settings.perturb_m > 0 and state is None and resumed is None:
             random = np.random.default_rng(settings.seed)
             solver.shift(random.normal(0, settings.perturb_m, (len(layout.bodies), 2)))
 
@@ -112,14 +119,21 @@ class Run:
         if n == 0 and self._state is None:
             solver.add_static_displacement()
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n if n else np.ones(1)))
+        if self._resumed is not None:
+            if self._resumed["stage"] >= 0:  # the rest is in the history
+                return True
+            solver.restore(self._resumed)
         if self._state is not None:
             solver.resume(self._state)
-        elif self._settled is None or not self._settled.recall(solver):
+        elif self._resumed is not None or self._settled is None or (looks := self._settled.recall(solver)) is None:
             finished = yield from self._come_to_rest()
             if not finished:
                 return False
             if self._settled is not None:
-                self._settled.keep(solver)
+                self._settled.keep(solver, self._looks)
+        else:
+            for look in looks:
+                self.writer.look(*look)
         events, now = solver.drain_events(), solver.instants()
         self.writer.static_stage(
             base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
@@ -130,10 +144,12 @@ class Run:
 
     def _come_to_rest(self):
         """Advance until the wall is at rest; returns False when interrupted."""
-        while self.keep_going(self, self.time):
+        while self._goes_on():
             yield from self._advance(LOOK_STEPS)
-            held = self.time - self._ramp_s
-            if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
+            held, unbalanced = self.time - self._ramp_s, self._unbalanced_force()
+            self._looks.append((self.time, unbalanced))
+            self.writer.look(*self._looks[-1])
+            if held >= HOLD_S and (unbalanced < AT_REST or held > HOLD_AT_MOST_S):
                 return True
         return False
 
@@ -166,6 +182,8 @@ class Run:
             self._zero, self._set_in_motion_j = zero_of(self._state, now), float(self._state["set_in_motion_j"])
         self._last = self._snapshot(0.0, now, self._motion(now), -1)
         self.stage = self.stages[0].name
+        if self._resumed is not None and self._resumed["stage"] >= 0:
+            self._restore(self._resumed)
 
     def _take_hold(self):
         drive = self.settings.loading.drive
@@ -198,22 +216,50 @@ class Run:
             self._check_rest()
         self._write_events(self.solver.drain_events())
         self.writer.snapshot(*self._last)
-        if finished and self.collapsed_at_s is None and (state := self.solver.saved_state()) is not None:
-            self.writer.keep_state(as_bytes(state | self._carried))
+        if finished and self.collapsed_at_s is None:
+            if (state := self.solver.saved_state()) is not None:
+                self.writer.keep_state(as_bytes(state | self._carried))
+            if self._checkpoints and self._checkpoints.keeps_end:
+                self._checkpoints.write(self.tables())
+                self.has_kept_its_end = True
         if self.collapsed_at_s is not None and (self.settings.past_collapse_s > 0 or self.settings.after_fall):
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
 
-    @property
-    def end_state(self):
-        """What a run that continues with this very solver needs, {name: array}."""
-        return self._carried | {"inferred_j": np.array([self._balance_j, self._damped_j])}
+    def tables(self):
+        """Everything that the next steps depend on, {name: array}: a checkpoint."""
+        now = self.solver.instants()
+        time_s, *last = self._last or self._snapshot(0.0, now, now.displacement, 0)
+        return self.solver.checkpoint() | self._carried | {
+            "stage": np.array(self._number), "samples": np.array(self._samples), "last_time_s": np.array(float(time_s)),
+            **{f"last_{k}": np.asarray(values, float) for k, values in enumerate(last)},
+            "inferred_j": np.array([self._balance_j, self._damped_j], float), "balance": self._balance.state,
+            "at_rest": self._at_rest}
+
+    def _restore(self, tables):
+        """Go back to where a checkpoint was written after the static stage."""
+        self._number, self._samples = int(tables["stage"]), int(tables["samples"])
+        self.stage = self.stages[self._number].name
+        if self.settings.settlement and self._number > 0:
+            self._take_hold()
+        self.solver.restore(tables)
+        self._zero, self._set_in_motion_j = zero_of(tables, self._zero), float(tables["set_in_motion_j"])
+        self._last = (float(tables["last_time_s"]), *(tables[f"last_{k}"] for k in range(len(self._last) - 1)))
+        self._balance_j, self._damped_j = tables["inferred_j"].tolist()
+        self._balance.state, self._at_rest = tables["balance"], tables["at_rest"]
+
+    def _goes_on(self):
+        """Whether no one interrupts; writes a checkpoint where one does, or where it is due."""
+        goes_on = self.keep_going(self, self.time)
+        if self._checkpoints and (not goes_on or self._checkpoints.due()):
+            self._checkpoints.write(self.tables())
+        return goes_on
 
     @property
     def _carried(self):
         """What a run that continues needs beside the solver's state, {name: array}."""
         return with_zero({"set_in_motion_j": np.array(self._set_in_motion_j),
-                          "base_moves": np.array(self._base_motion is not None)}, self._zero)
+                          "base_moves": np.array(self._base_motion is not None)}, self._zero or self.solver.instants())
 
     def _follow_the_fall(self):
         """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no longer describe the
@@ -265,13 +311,14 @@ class Run:
 
     def _run_stages(self):
         solver = self.solver
-        for stage in self.stages:
-            self.stage = stage.name
-            if stage.start_step == self._zero_step > 0:
+        for number in range(max(self._number, 0), len(self.stages)):
+            stage, has_begun = self.stages[number], number == self._number
+            self.stage, self._number = stage.name, number
+            if stage.start_step == self._zero_step > 0 and not has_begun:
                 self._set_in_motion()
             solver.damp(**self._damping(stage.name))
             while solver.clock < stage.end_step:
-                if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
+                if self.collapsed_at_s is not None or not self._goes_on():
                     return False
                 yield from self._advance(min(stage.end_step - solver.clock, self._stretch()), self.sample_steps,
                                          self.take_samples, stage.start_step)
@@ -364,7 +411,7 @@ class Run:
         ground = {"displacement": now.support_displacement - self._zero.support_displacement,
                   "force": now.support_force}
         self.writer.extend(self.stage, rows, now.joints, *({name: values[:end] for name, values in columns.items()}
-                                                           for columns in (now.contacts, ground)))
+                                                           for columns in (now.contacts, ground, self._beside(now))))
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
@@ -376,6 +423,14 @@ class Run:
             events = [event for event in events if end > 0 and event[0] <= now.clock[end - 1]]
         self._write_events(events)
         self._samples += end
+
+    def _beside(self, now):
+        """Stresses of the joints and displacements of material points, of a run that keeps them, as of
+        `Buffer.extend`."""
+        found = {} if now.joint_stress_pa is None else {"stresses": now.joint_stress_pa}
+        if self._points is not None:
+            found["points"] = np.subtract(*(self._points.of(one.displacement, one.strain) for one in (now, self._zero)))
+        return found
 
     def _snapshot(self, time_s, now, motion, k):
         """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of sample k."""

@@ -163,10 +163,10 @@ def check_size(settings, layout, time_step):
     if steps > MOST_STEPS:
         raise InputError(f"a run of {length_s:.6g} s in {steps:.3g} steps of {time_step:.3g} s: expected up to "
                          f"{MOST_STEPS:.0e} steps; give a larger --dt, less damping (--beta), or a shorter run")
-    states = steps / interval * layout.n_joints
+    states = steps / interval * layout.n_joints * (23 / 15 if settings.stresses else 1)  # bytes of each
     if states > MOST_STATES:
         raise InputError(f"{steps / interval:.3g} samples of {layout.n_joints} contact points: expected up to "
-                         f"{MOST_STATES:.0e} states in all; give a shorter run, or fewer --cells")
+                         f"{MOST_STATES:.0e} states in all; give a shorter run, fewer --cells, or no --stresses")
 
 
 def base_acceleration(settings, schedule, time_step):

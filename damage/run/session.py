@@ -32,9 +32,9 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
-from damage.run.opening import event_lines, opening_lines, record_lines, sequence_lines
+from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed
+from damage.run.opening import event_lines, kept_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
-from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
@@ -57,7 +57,8 @@ class Backend:
     do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
-    keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
+    keeps_state: whether the history has the state at its end, from which another run continues; it is in a checkpoint
+    otherwise;
     begins(run): called with the Run before its first step; move, most: takes steps of so many runs at a time, as of
     `damage.run.turns.as_they_end`.
     """
@@ -82,9 +83,9 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     return reported(lambda: _run(backend, wall_file, make_wall, arguments, prog))
 
 
-def reported(work, of=""):
+def reported(work):
     """The exit status of `work()`, which returns one; its errors are printed, in one line where they are no fault of
-    this software, with the words `of` before it.  A WriteError ends this process."""
+    this software.  A WriteError ends this process."""
     try:
         return work()
     except SystemExit as exit_:  # --help
@@ -93,11 +94,11 @@ def reported(work, of=""):
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except Exception as error:
-        return report_error(error, of)
+        return report_error(error)
 
 
-def report_error(error, of):
-    """Print an error, as `reported` does; returns the exit status."""
+def report_error(error, of=""):
+    """Print an error, as `reported` does, with the words `of` before it; returns the exit status."""
     if isinstance(error, WriteError):
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -209,6 +210,8 @@ def _run_to_its_pictures(prepared, show):
     settings, out = prepared.settings, prepared.writer.path
     with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
         (status,) = take_turns([simulate(prepared, keep_going)])
+    if status == EXIT_INTERRUPTED and checkpoint_path(out).exists():
+        print(f"to go on with it, give the same command with --resume {out} in place of --out")
     try:
         report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
     except MemoryError:
@@ -220,9 +223,10 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first;
-    repeats: (RunSettings, time step) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of
-    the history, write(parameters=...): makes another."""
+    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it goes on, None
+    of a run that begins; checkpoints: what writes them, None where there is no file; repeats: (RunSettings, time step)
+    of runs that follow until one is accepted (`damage.run.scheme`); parameters: of the history, write(parameters=...):
+    makes another."""
 
     backend: Backend
     settings: RunSettings
@@ -231,7 +235,8 @@ class Prepared:
     time_step: float
     writer: Buffer
     state: dict | None = None
-    earlier: tuple[RunSettings, ...] = ()
+    resumed: dict | None = None
+    checkpoints: Checkpoints | None = None
     repeats: tuple[tuple[RunSettings, float], ...] = ()
     parameters: dict = field(default_factory=dict)
     write: Callable | None = None
@@ -245,7 +250,10 @@ class Prepared:
             "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": code}
         print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
         self.writer.begin_again(partial(self.write, parameters=parameters))
-        return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters)
+        if self.checkpoints:
+            self.checkpoints.remove()
+        return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters,
+                       resumed=None)
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -261,9 +269,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
-    check_output(out, settings.overwrite)
-    if settings.pictures:
-        check_pictures(out, settings.overwrite)
+    _check_out(out, settings)
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     if settings.cracked:
         layout = with_cracks(layout, settings.cracked)
@@ -272,10 +278,63 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    (settings, time_step), *repeats = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]),
-                                              fastest_decay(layout))
+    plans = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]), fastest_decay(layout))
+    began, repeated = _began(settings)
+    (settings, time_step), *repeats = next((plans[k:] for k, (one, step_s) in enumerate(plans)
+                                            if began == (one.mass_scaling, step_s)), plans)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
+    _warn_of(backend, settings, wall, time_step, modes.critical_time_step_s)
+    made_by = versions(backend.code) | backend.versions
+    state = _past(backend, settings, layout, made_by["model"], time_step)
+    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
+          *record_lines(settings), *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n",
+          flush=True)
+    parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
+                  "time_step_s": time_step, **repeated,
+                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
+                  "pier_stress_pa": layout.pier_stress,
+                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
+                                     settings.loading.applied_across())}
+    parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
+    write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
+    writer, tables = None, None
+    if settings.resumed:
+        writer, tables = resumed(out, layout, parameters, made_by["model"], _like(backend, settings, layout, time_step))
+    writer = writer or write(parameters=parameters)
+    print(f"history: {writer.where}", flush=True)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, tables,
+                    _checkpoints(backend, settings, writer), tuple(repeats), parameters, write)
+
+
+def _began(settings):
+    """(mass scaling, time step [s]) and {"repeats", "repeated_for"} of the history with which a run goes on."""
+    before = read_history(settings.resumed).parameters if settings.resumed else {}
+    return ((before.get("mass_scaling"), before.get("time_step_s")),
+            {"repeats": before.get("repeats", 0), "repeated_for": before.get("repeated_for")})
+
+
+def _check_out(out, settings):
+    """Raise InputError where a run that begins would replace what is there."""
+    if settings.resumed:
+        return
+    check_output(out, settings.overwrite)
+    if settings.pictures:
+        check_pictures(out, settings.overwrite)
+
+
+def _checkpoints(backend, settings, writer):
+    """The Checkpoints of a run with a file of its own, None of any other."""
+    if not isinstance(writer, HistoryWriter):
+        return None
+    checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+    if not settings.resumed:
+        checkpoints.remove()  # of the run that this one replaces
+    return checkpoints
+
+
+def _warn_of(backend, settings, wall, time_step, critical_s):
+    """Warn of choices that do not suit this wall; time_step, critical_s [s]."""
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
@@ -283,36 +342,24 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     if isinstance(settings.loading, Recorded) and not settings.events:
         warn(*end_warnings(settings.loading.applied()), code="end_velocity")
     if wall.joint.softens:
-        warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening),
+        warn(*softening_warnings(settings, time_step, critical_s, backend.softening),
              code="softening_step")
-    made_by = versions(backend.code) | backend.versions
-    state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
-          *record_lines(settings), *sequence_lines(settings), sep="\n", flush=True)
-    parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, "repeats": 0, "repeated_for": None,
-                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
-                  "pier_stress_pa": layout.pier_stress,
-                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
-                                     settings.loading.applied_across())}
-    parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
-    write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
-    writer = write(parameters=parameters)
-    print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier, tuple(repeats), parameters,
-                    write)
 
 
 def _past(backend, settings, layout, model, time_step):
-    """`state` and `earlier` of a Prepared run; model: digest of the model's code; time_step [s]."""
+    """`state` of a Prepared run; model: digest of the model's code; time_step [s]."""
     if not settings.continued:
-        return None, ()
+        return None
     if backend.keeps_state:
-        return read_state(settings.continued, layout, model, backend.make(layout, time_step, settings)), ()
-    earlier = earlier_runs(settings, layout, backend, model, time_step)
-    print(f"the {backend.name} solver keeps no state: it repeats {', '.join(one.command for one in earlier)}",
-          flush=True)
-    return None, earlier
+        return read_state(settings.continued, layout, model, backend.make(layout, time_step, settings))
+    return read_end(settings.continued, layout, model, backend.name, time_step)
+
+
+def _like(backend, settings, layout, time_step):
+    """What the tables of a checkpoint look like, {name: array}; None of a solver whose checkpoints hold a scene."""
+    if not backend.keeps_state:
+        return None
+    return Run(layout, settings, backend.make(layout, time_step, settings), None, None).tables()
 
 
 @contextmanager
@@ -349,7 +396,13 @@ def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
-        run, finished = yield from _all_runs(prepared, solver, keep_going, settled)
+        run = Run(layout, prepared.settings, solver, writer, keep_going, settled, prepared.state,
+                  checkpoints=prepared.checkpoints, resumed=prepared.resumed)
+        prepared.backend.begins(run)
+        finished = yield from run.settle_under_gravity()
+        if finished:
+            run.start(prepared.modes.shape[0])
+            finished = yield from run.run_all()
         keep_going(run, run.duration_s)  # nothing is left of one that ended early
         if run.fall:
             print(run.fall, flush=True)
@@ -363,6 +416,8 @@ def _simulate(prepared, keep_going, settled):
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
+        if finished and prepared.checkpoints and not run.has_kept_its_end:
+            prepared.checkpoints.remove()
     except RunError:
         status = None if prepared.repeats else status  # its history begins again
         raise
@@ -370,29 +425,6 @@ def _simulate(prepared, keep_going, settled):
         if status is not None:
             writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
-
-
-def _all_runs(prepared, solver, keep_going, settled):
-    """Take all steps of a Prepared run, and before them of those that it repeats: a generator as `simulate`, which
-    returns the last Run and whether it came to its end."""
-    state, first_mode = prepared.state, prepared.modes.shape[0]
-    for settings in (*prepared.earlier, prepared.settings):
-        last = settings is prepared.settings
-        run = Run(prepared.layout, settings, solver, prepared.writer if last else Buffer(prepared.layout),
-                  keep_going, settled, state)
-        if last:
-            prepared.backend.begins(run)
-        finished = yield from run.settle_under_gravity()
-        if finished:
-            run.start(first_mode)
-            finished = yield from run.run_all()
-        if not finished or last:
-            break
-        if run.collapsed_at_s is not None:
-            raise RunError(f"{settings.command}: the wall collapsed when it was repeated; expected it to stand, as "
-                           "before; give YADE one thread (-j1), whose runs can be repeated")
-        state = run.end_state
-    return run, finished and last
 
 
 class _Interrupts:

@@ -85,12 +85,14 @@ class RunSettings:
     relaxation, settling: how static solutions are found, and how a wall settles after a motion, one of RELAXATIONS,
     settling None for local, adaptive with mass scaling; perturb_m: size of random offsets of the bricks [m], scatter:
     coefficient of variation of the joints' strengths [-], both drawn with `seed`: by it the members of an ensemble
-    differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long bodies are followed after the
-    first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case, but with sharper corners);
-    after_fall: follow them until they rest; accept_implausible: do not check whether the wall and the motion are
-    plausible; out: history file, None for a name of its own below `results/`;
-    quiet: print warnings and errors only; console: when YADE's prompt comes, "before" or "after" the run, or None;
-    command: what asked for it.
+    differ; members: how many runs with seeds from `seed` on; checkpoint_s: computing time between two checkpoints [s],
+    infinity for one at an interruption only; resumed: history of this very run, which goes on from its checkpoint, or
+    None; past_collapse_s: how long bodies are followed after the first brick fell [s]; new_contacts: loose bricks
+    collide (in YADE they do in any case, but with sharper corners); after_fall: follow them until they rest; stresses:
+    keep those of all joints at every sample; points: places (x, z) in the undeformed wall whose displacement is kept
+    [m]; accept_implausible: do not check whether the wall and the motion are plausible; out: history file, None for a
+    name of its own below `results/`; quiet: print warnings and errors only; console: when YADE's prompt comes, "before"
+    or "after" the run, or None; command: what asked for it.
     """
 
     loading: object
@@ -128,8 +130,12 @@ class RunSettings:
                             "the first")
     past_collapse_s: float = quantity("s", 0, LONGEST_S, default=0.0, option="past-collapse", metavar="S",
                                       help="follow the bricks for so long after the first one fell (default 0)")
+    checkpoint_s: float = math.inf
+    resumed: str | None = None
     new_contacts: bool = False
     after_fall: bool = False
+    stresses: bool = False
+    points: tuple[tuple[float, float], ...] = ()
     accept_implausible: bool = False
     out: Path | None = None
     overwrite: bool = False
@@ -173,6 +179,12 @@ class RunSettings:
             raise InputError("--after-fall without --new-contacts: bricks would fall through each other; give both")
         if not self.loading.moves and not self.settlement:
             raise InputError("no motion and no settlement: expected one of them; give one")
+        if self.members > 1 and (self.resumed or self.checkpoint_s < math.inf):
+            raise InputError("--members with --checkpoint or --resume: expected a single run, as members step "
+                             "together; leave these out")
+        if self.resumed and (self.overwrite or self.out not in (None, Path(self.resumed))):
+            raise InputError(f"--resume {self.resumed} with --out or --overwrite: expected one of them, as the run "
+                             "goes on in the file that it has; leave the other out")
         if self.continued and (self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s):
             raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall "
                              "that continues from its last state; leave these out")
@@ -264,7 +276,8 @@ class RunSettings:
         """Settings of each member: seeds 1, 2, ... or from `seed` on, scatter SCATTER where neither it nor `perturb_m`
         is given."""
         first, scatter = self.seed or 1, self.scatter or (0.0 if self.perturb_m else SCATTER)
-        return [replace(self, members=1, seed=first + k, scatter=scatter) for k in range(self.members)]
+        return [replace(self, members=1, seed=first + k, scatter=scatter, stresses=self.stresses and k == 0)
+                for k in range(self.members)]
 
     @property
     def duration_s(self):
@@ -285,6 +298,8 @@ class RunSettings:
                 "settling": self.settles, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
                 "new_contacts": self.new_contacts, "after_fall": self.after_fall,
+                **({"stresses": True} if self.stresses else {}),
+                **({"points": [list(place) for place in self.points]} if self.points else {}),
                 "command": self.command}
 
 

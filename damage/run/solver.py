@@ -24,7 +24,9 @@ class Instants(NamedTuple):
     top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
     that came in or were dissipated since `start`;
     damping_j: None where the solver does not compute it: the run then infers it from the balance;
-    strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)], None of rigid ones.
+    strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)], None of rigid ones;
+    joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear stress of all contact points, signed as
+    their slip, None of a solver without `with_stresses`.
     """
 
     clock: np.ndarray
@@ -41,6 +43,7 @@ class Instants(NamedTuple):
     fracture_j: np.ndarray
     damping_j: np.ndarray | None
     strain: np.ndarray | None = None
+    joint_stress_pa: np.ndarray | None = None
 
     @classmethod
     def one(cls, **values):
@@ -59,6 +62,8 @@ class Solver(Protocol):
 
     time_step: float
     clock: int
+    with_stresses = False
+    """Whether Instants hold the stresses of the joints; a run sets it."""
     stretch_samples = 0
     """Samples for which a run asks at once; none: up to its next look."""
 
@@ -125,6 +130,13 @@ class Solver(Protocol):
 
     def resume(self, state):
         """Take over what `saved_state` returned of a solver of the same layout; steps count from the last `start`."""
+
+    def checkpoint(self):
+        """Everything that the next steps depend on, {name: array}, those that were asked for before included."""
+
+    def restore(self, tables):
+        """Go back to where `checkpoint` was taken of a solver of the same layout, after a `start`, and a `hold` where
+        there was one, with the same arguments.  Raises InputError where the tables cannot be right."""
 
     def drain_events(self):
         """Events since the last call, tuples (step since `start`, joint, kind, normal stress, shear stress, opening,

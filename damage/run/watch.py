@@ -2,9 +2,14 @@
 
 import numpy as np
 
+from damage.errors import InputError
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.law.states import ENDED
 from damage.units import GRAVITY
+from damage.wall.kinematics import rigid_displacement
+from damage.wall.strain import modes_of
+
+_TINY = 1e-9  # [m]
 
 
 def index_now(layout, drift_ratio, joints, opening, offset):
@@ -98,6 +103,42 @@ def unbalanced_force(layout, on_bodies, in_contacts):
     resultant = np.hypot(np.where(held[:, 0], 0.0, on_bodies[:, 0]),
                          np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass))
     return float(resultant.mean() / in_contacts.mean())
+
+
+class MaterialPoints:
+    """Points that are fixed to the bodies of a damage.wall.layout.Layout.
+
+    places: (x, z) in the undeformed wall [m].  Raises InputError where a place lies in no body.
+    """
+
+    def __init__(self, layout, places):
+        bodies, (x, z) = layout.bodies, np.array(places, float).T
+        inside = (np.abs(x[:, None] - bodies.x) <= bodies.length / 2 + _TINY) & (
+            np.abs(z[:, None] - bodies.z) <= bodies.height / 2 + _TINY)
+        for place, found in zip(places, inside):
+            if not found.any():
+                near = int(np.argmin(np.hypot(bodies.x - place[0], bodies.z - place[1])))
+                raise InputError(f"--point {place[0]:g} {place[1]:g}: no brick is there; expected x and z in the "
+                                 f"undeformed wall [m]; the nearest brick has its centre at {bodies.x[near]:.4g} "
+                                 f"{bodies.z[near]:.4g}")
+        self.bodies = inside.argmax(axis=1)
+        self._arms = x - bodies.x[self.bodies], z - bodies.z[self.bodies]
+        self._shapes = None if layout.strain is None else np.array([
+            modes_of(layout, body).displacement(*np.array([arms]).T)[0] if body < layout.n_bricks else
+            np.zeros((2, layout.strain.n_modes)) for body, *arms in zip(self.bodies, *self._arms)])
+
+    def of(self, displacement, strain=None):
+        """Displacements since the wall was built, (n, n_points, 2) [m], by those of the bodies (n, n_bodies, 3) [m, m,
+        rad] and amplitudes of their strain modes (n, n_bodies, n_modes)."""
+        ux, uz, turn = np.moveaxis(displacement[:, self.bodies], 2, 0)
+        x, z = self._arms
+        if strain is not None:
+            more = np.einsum("pam,npm->npa", self._shapes, strain[:, self.bodies])
+            x, z = x + more[..., 0], z + more[..., 1]
+        moved = rigid_displacement(ux, uz, turn, x, z)
+        if strain is None:
+            return np.stack(moved, axis=2)
+        return np.stack(moved, axis=2) + more
 
 
 class BaseMotion:

@@ -47,8 +47,8 @@ from damage.wall.file import shipped_walls
 
 PATH_OPTIONS = ("--record", "--vertical", "--across", "--cracked", "--settle", "--address", "--continue")
 """Options that name a file; --settle may name a profile instead.  So does --sequence, where it ends in .csv."""
-RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view",
-                    "--console", "--help", "-h")
+RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--console",
+                    "--checkpoint", "--resume", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 SOLVERS = ("yade", "reference")
@@ -218,7 +218,7 @@ def _entries(table, path, root):
     for kind, what in (("runs", "run"), ("grid", "grid")):
         tables = table.get(kind, [])
         if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
-            raise InputError(f"{path}: {kind} is no list of tables; write one [[{kind}]] for each")
+            raise InputError(f"{path}: {kind} is no list of tables; expected one [[{kind}]] for each; write them")
         for number, entry in enumerate(tables, start=1):
             where = f"{path}, {what} {number}"
             _check_keys(entry, {*ENTRY_KEYS, *(GRID_KEYS if kind == "grid" else ())}, where)

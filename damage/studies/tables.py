@@ -2,7 +2,7 @@
 
 `python3 -m damage study-tables STUDY.toml DIR` writes below DIR/tables: summary.csv, a row for each run; points.csv, a
 row for each point and solver, with the median over its members under a measure's NAME and their range under NAME_min
-and NAME_max; study.h5, both of them as HDF5 (`read_study_table`); cycles.csv and shocks.csv, those of all runs.
+and NAME_max; study.h5, both of them as HDF5; cycles.csv and shocks.csv, those of all runs.
 Records (`damage.studies.records`) are all that is asked of runs; the row of a run without one comes from its history.
 """
 
@@ -16,7 +16,6 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.files import whole_or_nothing
-from damage.history.apart import apart
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, slip_criteria
 from damage.measure.register import names
@@ -124,25 +123,10 @@ def write_hdf5(tables, path):
         unfinished.write_bytes(content.getvalue())
 
 
-def read_study_table(path, table="runs"):
-    """DataFrame of one table, "runs" or "points", of a study's study.h5."""
-    def read(path, believe):
-        with h5py.File(path, "r") as file:
-            return before_offsets(pd.DataFrame({
-                name: (column.asstr()[:] if column.dtype == object else column[:])
-                for name, column in file[table].items()}))
-
-    try:
-        return apart(path, read)
-    except (OSError, InputError) as error:
-        raise InputError(f"{path} cannot be read as the tables of a study ({error}); expected study.h5 of a study, "
-                         'and "runs" or "points"') from error
-
-
-def write_study_tables(study, folder, jobs=1, records=None):
+def write_study_tables(study, folder, jobs=1):
     """Write summary.csv, points.csv and study.h5 of what there is; returns their paths, the summary last; arguments as
     of `summary_of`."""
-    records = records or read_records(folder)
+    records = read_records(folder)
     summary = summary_of(study, folder, jobs, records)
     points = points_of(summary)
     tables = folder / "tables"

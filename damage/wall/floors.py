@@ -26,8 +26,9 @@ class Floor:
 
     level [m]: of its top, laid to the nearest bed joint; mass [kg]: of all that it brings to this wall, with its
     weight; or mass_per_area [kg/m2] and tributary_width [m], across the wall: half of the span on each side that bears
-    on it, from which `on` works out the mass; left, right [m]: of the part of the wall that it rests on, right None for the wall's end; kind: "timber" or
-    "concrete" (`damage.wall.floors`); depth [m]: of a concrete slab, laid to whole courses.
+    on it, from which `on` works out the mass; left, right [m]: of the part of the wall that it rests on, right None
+    for the wall's end; kind: "timber" or "concrete" (`damage.wall.floors`); depth [m]: of a concrete slab, laid to
+    whole courses.
     """
 
     level: float = quantity("m", 1e-3, 1000.0, (0.03, 50), "on the base course; a tower")

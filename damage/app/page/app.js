@@ -22,7 +22,7 @@ async function ask(name, given, said) {
     body: given instanceof Blob ? given : JSON.stringify(given) };
   let found;
   try {
-    const answer = await fetch(`/api/${name}`, options);
+    const answer = await fetch(`api/${name}`, options);
     found = answer.headers.get("Content-Type") === "application/json" ? await answer.json() :
       { error: `HTTP ${answer.status}` };
   } catch (error) {
@@ -109,7 +109,7 @@ const picture = (file) => new Promise((done) => {
   const image = new Image();
   image.onload = () => done(image);
   image.onerror = () => done(null);
-  image.src = `/files/${file}?${Date.now()}`;
+  image.src = `files/${file}?${Date.now()}`;
 });
 
 // --- photograph

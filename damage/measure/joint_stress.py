@@ -1,0 +1,254 @@
+"""Stresses of joints (`--stresses`): forces in contact points, thrust in piers and arches, histories of one joint.
+
+A section of a pier is all of its bed joints at one height, one of an arch all of its upright joints at one place.  With
+the stresses sigma (tension positive), tau and areas A of its contact points, at s along the section from its middle:
+
+    N = sum sigma A,   V = sum tau A,   M = sum sigma A s,   e = M / N
+
+e is the eccentricity: where the thrust passes.  Joints that transmit no tension are pressed all over up to e = 1/6 of
+the section's length.  Places and directions are those of the undeformed wall: a joint that has turned by an angle has
+its forces along axes turned so.
+"""
+
+import re
+
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+from damage.history.moments import choose_samples
+from damage.history.schema import Column
+from damage.wall.lintels import ARCH_COURSE
+
+MOMENTS = "rest", "max", "end"
+"""Of the tables: the first sample, the maximum damage index, the last sample."""
+_SAME = 1e-6  # [m]
+_MEGA, _KILO = 1e6, 1e3
+
+
+def check_stresses(history):
+    """Raise InputError where a History holds no stresses of joints."""
+    if history.joint_stress_pa is None:
+        raise InputError(f"{history.path} has no stresses of joints: expected a run with --stresses; run it again so")
+
+
+def contact_forces(history, sample):
+    """Forces of the first body on the second in all contact points at a sample, along x and z, (n_joints, 2) [N]."""
+    check_stresses(history)
+    normal, shear = -history.joint_stress_pa[sample].astype(float).T * history.joints["area_m2"].to_numpy()
+    bed = (history.joints["kind"] == "bed").to_numpy()
+    return np.column_stack([np.where(bed, shear, normal), np.where(bed, normal, shear)])
+
+
+# --- sections ----------------------------------------------------------------------------------------
+
+def sections(history):
+    """Sections of the piers, and of arches: [(part, left, right [m], is_bed, place [m] across, rows of the joints)];
+    left, right: of the pier along x, or of the arch along z; part: "pier 1", ... from the left, "arch 1", ..."""
+    joints, found = history.joints, []
+    x, z, is_bed = joints["x_m"].to_numpy(), joints["z_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
+    for number, (left, right) in enumerate(history.plan.piers, 1):
+        inside = is_bed & (x > left - _SAME) & (x < right + _SAME)
+        found += [(f"pier {number}", left, right, True, *one) for one in _by_place(z, inside)]
+    for number, lintel in enumerate((one for one in history.plan.lintels if one.lintel.kind == "arch"), 1):
+        upright = ~is_bed & _in_arch(history, lintel)
+        at = np.flatnonzero(upright)
+        found += [(f"arch {number}", z[at].min(), z[at].max(), False, *one) for one in _by_place(x, upright)]
+    return found
+
+
+def _in_arch(history, lintel):
+    """Flags (n_joints,) of the contact points of an arch's bricks, whose place is a damage.wall.lintels.Place."""
+    joints, course = history.joints, history.bodies["course"].to_numpy()
+    first, second = (joints[f"{side}_body"].to_numpy() for side in ("first", "second"))
+    of_arch = (course[np.maximum(first, 0)] == ARCH_COURSE) & (first >= 0) | (course[second] == ARCH_COURSE)
+    return of_arch & (joints["x_m"] > lintel.left - _SAME) & (joints["x_m"] < lintel.right + _SAME).to_numpy()
+
+
+def _by_place(places, chosen):
+    """[(place, rows)] of the chosen contact points, rising."""
+    rounded_off = np.round(places / _SAME).astype(int)
+    return [(float(places[rows[0]]), rows) for rows in (
+        np.flatnonzero(chosen & (rounded_off == one)) for one in np.unique(rounded_off[chosen]))]
+
+
+def sections_table(history, moments=MOMENTS):
+    """Forces in the sections of piers and arches at moments (`choose_samples`), a DataFrame, a row a section and
+    moment; columns: SECTIONS."""
+    check_stresses(history)
+    area, length = (history.joints[name].to_numpy() for name in ("area_m2", "length_m"))
+    places, rows, of = history.joints[["x_m", "z_m"]].to_numpy(), [], sections(history)
+    for moment, sample in zip(moments, choose_samples(history, moments)):
+        stress, time_s = history.joint_stress_pa[sample].astype(float), float(history.series["time_s"].iloc[sample])
+        for part, *_, is_bed, across, joints in of:
+            along, (sigma, tau) = places[joints, 0 if is_bed else 1], stress[joints].T
+            middle, normal = np.average(along, weights=area[joints]), sigma @ area[joints]
+            moment_n_m = (sigma * area[joints]) @ (along - middle)
+            away = moment_n_m / normal if normal < 0 else np.nan
+            thrust = (middle + away, across) if is_bed else (across, middle + away)
+            rows.append((moment, time_s, part, across, length[joints].sum(), normal, tau @ area[joints], moment_n_m,
+                         *thrust, away, away / length[joints].sum()))
+    return pd.DataFrame(rows, columns=list(SECTIONS))
+
+
+_AT = {"moment": Column("", "rest, max (of the damage index), end, or a time"), "time_s": Column("s", "of the sample")}
+SECTIONS = _AT | {
+    "part": Column("", "pier 1, ... from the left, with its bed joints; arch 1, ... with its upright joints"),
+    "place_m": Column("m", "of the section: height of a pier's, along the wall of an arch's"),
+    "length_m": Column("m", "of the section"),
+    "normal_force_n": Column("N", "tension positive"),
+    "shear_force_n": Column("N", "on the part below, or to the left, along the section"),
+    "moment_n_m": Column("N m", "of the normal stresses about the section's middle, tension on its right or upper end "
+                         "positive"),
+    "thrust_x_m": Column("m", "where the thrust passes, along the wall; empty under tension"),
+    "thrust_z_m": Column("m", "the same, upwards"),
+    "eccentricity_m": Column("m", "of the thrust from the section's middle"),
+    "eccentricity_over_length": Column("1", "over the section's length: pressed all over up to 1/6"),
+}
+
+
+# --- contact points ----------------------------------------------------------------------------------
+
+def stresses_table(history, moments=MOMENTS):
+    """Stresses of all contact points at moments (`choose_samples`), a DataFrame, a row a contact point and moment;
+    columns: STRESSES."""
+    check_stresses(history)
+    table = history.joints.rename_axis("joint").reset_index()[["joint", "kind", "x_m", "z_m", "area_m2"]]
+    found = []
+    for moment, sample in zip(moments, choose_samples(history, moments)):
+        force = contact_forces(history, sample)
+        found.append(table.assign(
+            moment=moment, time_s=history.series["time_s"].iloc[sample],
+            normal_stress_pa=history.joint_stress_pa[sample, :, 0],
+            shear_stress_pa=history.joint_stress_pa[sample, :, 1], force_x_n=force[:, 0], force_z_n=force[:, 1]))
+    return pd.concat(found, ignore_index=True)[list(STRESSES)]
+
+
+STRESSES = _AT | {
+    "joint": Column("index", "row of `joints` of the history"), "kind": Column("code", "bed, head, brick"),
+    "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),
+    "area_m2": Column("m2", "tributary length times the thickness"),
+    "normal_stress_pa": Column("Pa", "tension positive"), "shear_stress_pa": Column("Pa", "signed as the slip"),
+    "force_x_n": Column("N", "of the first body on the second, along the wall"),
+    "force_z_n": Column("N", "the same, upwards"),
+}
+
+
+def joint_of(history, name):
+    """Row of a contact point by its name: its number, X,Z of the nearest one [m], or bed:X,Z, head:X,Z of a kind.
+
+    Raises InputError where there is none, or the nearest is further away than a brick is long.
+    """
+    joints, words = history.joints, str(name)
+    expected = f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m], or bed:X,Z"
+    if re.fullmatch(r"\d+", words):
+        if int(words) >= len(joints):
+            raise InputError(f"{expected}; choose another")
+        return int(words)
+    kind, _, place = words.rpartition(":")
+    try:
+        x, z = map(float, place.split(","))
+    except ValueError:
+        raise InputError(f"{expected}; correct it") from None
+    chosen = joints[joints["kind"] == kind] if kind else joints
+    if chosen.empty:
+        raise InputError(f"{expected}: there is no joint of kind {kind}; choose another")
+    away = np.hypot(chosen["x_m"] - x, chosen["z_m"] - z)
+    row = int(away.fillna(np.inf).idxmin())
+    if not away[row] <= history.masonry_wall.brick.length:
+        raise InputError(f"{expected}: the nearest, {row}, is at {joints['x_m'][row]:.4g},{joints['z_m'][row]:.4g}; "
+                         "choose another")
+    return row
+
+
+def joint_history(history, joint):
+    """Stresses and motion of a contact point over time, a DataFrame, a row a sample; columns: JOINT; joint: as of
+    `joint_of`."""
+    check_stresses(history)
+    row = joint_of(history, joint)
+    normal, shear = history.joint_stress_pa[:, row].T
+    return pd.DataFrame({
+        "time_s": history.series["time_s"].to_numpy(), "stage": history.series["stage"].astype(str),
+        "normal_stress_pa": normal, "shear_stress_pa": shear, "opening_m": history.opening_m[:, row],
+        "slip_m": history.slip_m[:, row],
+        "offset_m": np.nan if history.offset_m is None else history.offset_m[:, row],
+        "broken": history.broken[:, row], "at_shear_limit": history.at_limit[:, row]})
+
+
+JOINT = {
+    "time_s": Column("s", "since the start of the (first) motion"), "stage": Column("", "of the run"),
+    **{name: STRESSES[name] for name in ("normal_stress_pa", "shear_stress_pa")},
+    "opening_m": Column("m", "inelastic opening"), "slip_m": Column("m", "accumulated slip, signed"),
+    "offset_m": Column("m", "offset of the faces, signed"), "broken": Column("bool", "whether the bond has failed"),
+    "at_shear_limit": Column("bool", "whether it has failed in shear or slid, ever")}
+
+
+def points_table(history):
+    """Displacements of the material points of a History (`--point`) over time, a DataFrame, a row a point and sample;
+    columns: POINTS.  Raises InputError of a run without."""
+    if history.point_displacement is None:
+        raise InputError(f"{history.path} has no material points: expected a run with --point X Z; run it again so")
+    time_s, (n_times, n_points, _) = history.series["time_s"].to_numpy(), history.point_displacement.shape
+    places = np.array(history.points, float)
+    return pd.DataFrame({
+        "point": np.repeat(np.arange(1, n_points + 1), n_times), "x_m": np.repeat(places[:, 0], n_times),
+        "z_m": np.repeat(places[:, 1], n_times), "time_s": np.tile(time_s, n_points),
+        **{name: history.point_displacement[..., axis].T.ravel() for axis, name in enumerate(
+            ("displacement_x_m", "displacement_z_m"))}})
+
+
+POINTS = {
+    "point": Column("1", "number, in the order of --point"), "x_m": STRESSES["x_m"], "z_m": STRESSES["z_m"],
+    "time_s": JOINT["time_s"],
+    "displacement_x_m": Column("m", "along the wall, since the end of the static stage"),
+    "displacement_z_m": Column("m", "the same, upwards")}
+
+
+# --- in words ----------------------------------------------------------------------------------------
+
+def stress_report(history, moments=MOMENTS, joints=()):
+    """The stresses of a History, a dictionary: at each moment extremes over the contact points, and the section of each
+    pier and arch with the largest eccentricity; of chosen joints (`joint_of`) their extremes over time."""
+    table, of_points = sections_table(history, moments), stresses_table(history, moments)
+    rows = {str(name): joint_of(history, name) for name in joints}
+    return {"wall": history.wall, "moments": [
+        {"moment": moment, "time_s": float(one["time_s"].iloc[0]),
+         **{f"{which}_{name}": float(getattr(one[name], which)()) for name in ("normal_stress_pa", "shear_stress_pa")
+            for which in ("min", "max")},
+         "sections": _most_eccentric(table[table["moment"] == moment])}
+        for moment, one in of_points.groupby("moment", sort=False)],
+        "joints": [{"name": name, "joint": row, **{
+            f"{which}_{kind}_stress_pa": float(getattr(history.joint_stress_pa[:, row, axis], which)())
+            for axis, kind in enumerate(("normal", "shear")) for which in ("min", "max")}}
+            for name, row in rows.items()]}
+
+
+def _most_eccentric(table):
+    """Of each part its base section and that with the largest eccentricity, where it has one: rows as dictionaries."""
+    found = []
+    for _, of_part in table.groupby("part", sort=False):
+        away = of_part["eccentricity_over_length"].abs()
+        found.append(of_part.loc[away.idxmax() if away.notna().any() else of_part.index[0]].drop(
+            ["moment", "time_s"]).to_dict())
+    return found
+
+
+def describe(report):
+    """A `stress_report` as text for people."""
+    lines = [f"stresses of the joints of {report['wall']}, tension positive"]
+    for one in report["moments"]:
+        lines.append(f"{one['moment']}, {one['time_s']:.3f} s: normal {_range(one, 'normal')}, shear "
+                     f"{_range(one, 'shear')} MPa")
+        lines += [f"  {part['part']} at {part['place_m']:.3f} m: N {_kilo(part['normal_force_n'])} kN, V "
+                  f"{_kilo(part['shear_force_n'])} kN, M {_kilo(part['moment_n_m'])} kN m, e / L "
+                  f"{part['eccentricity_over_length']:.3f}" for part in one["sections"]]
+    return "\n".join(lines + [f"joint {one['joint']} ({one['name']}): normal {_range(one, 'normal')}, shear "
+                              f"{_range(one, 'shear')} MPa" for one in report["joints"]])
+
+
+def _range(numbers, kind):
+    return " to ".join(f"{numbers[f'{which}_{kind}_stress_pa'] / _MEGA + 0.0:.4f}" for which in ("min", "max"))
+
+
+def _kilo(value):
+    return f"{value / _KILO:.3f}"

@@ -1,0 +1,147 @@
+"""Checkpoints of a run: everything that its next steps depend on, in FILE.checkpoint beside its history FILE.h5.
+
+A line with the digest of the rest, then a NumPy archive without objects.  The file is written beside and renamed, so
+that a kill leaves the last checkpoint whole; rows of the history that came after it are left out by the run that goes
+on.  Of YADE the archive holds a scene (`O.save`).
+"""
+
+import hashlib
+import json
+import math
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+from damage.errors import InputError, WriteError, one_line, warn
+from damage.history.continued import continued_history
+from damage.history.schema import GROWING
+from damage.run.before import UNREADABLE, as_bytes, read_earlier, unpacked
+
+_HEAD = b"masonry-damage-checkpoint 1 sha256 "
+SCENE_IS_CODE = ("YADE executes the names of the engines in the scene that it holds: continue runs of your own, or of "
+                 "someone you trust, only")
+
+
+def checkpoint_path(history):
+    """Path of the checkpoint of a run, whose history is at this path."""
+    return Path(history).with_suffix(".checkpoint")
+
+
+class Checkpoints:
+    """Writer of a run's checkpoints.
+
+    writer: HistoryWriter of the run; every_s: computing time between two [s], infinity: at an interruption only;
+    keeps_end: whether the end of the run is one, too, of a solver that leaves no state in the history.
+    """
+
+    def __init__(self, writer, every_s=math.inf, keeps_end=False):
+        self._writer, self._every_s, self._last = writer, every_s, time.monotonic()
+        self.path, self.keeps_end = checkpoint_path(writer.path), keeps_end and every_s < math.inf
+
+    def due(self):
+        """Whether the time for the next one has come."""
+        return time.monotonic() - self._last >= self._every_s
+
+    def write(self, tables):
+        """Write a checkpoint of {name: array}."""
+        self._writer.flush()
+        of_history = {"rows": np.array(self._writer.file.rows()), "run": _digest_of(self._writer.file.attributes)}
+        content = as_bytes(tables | of_history).tobytes()
+        beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        try:
+            with beside.open("wb") as file:
+                file.write(_HEAD + hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(beside, self.path)
+        except OSError as error:  # the last one is as it was, and the run needs none
+            beside.unlink(missing_ok=True)
+            warn(f"no checkpoint written to {self.path} ({error.strerror}): make room; the run goes on",
+                 code="checkpoint")
+        self._last = time.monotonic()
+
+    def remove(self):
+        """Remove the last one, of a run that has come to its end."""
+        self.path.unlink(missing_ok=True)
+
+
+def _digest_of(attributes):
+    """Digest of the attributes of a run, (32,) bytes: two runs have different ones."""
+    words = json.dumps({name: str(value) for name, value in attributes.items()}, sort_keys=True)
+    return np.frombuffer(hashlib.sha256(words.encode()).digest(), "u1")
+
+
+def read_checkpoint(path, like=None):
+    """The tables of a checkpoint, {name: array}.
+
+    like: {name: array} of what its tables have to look like, beside those of the history; None where they hold a scene
+    of YADE, of which is said what it may do.  Raises InputError.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"no checkpoint {path}: expected a run that was interrupted, or was killed with --checkpoint "
+                         "MINUTES; run it again with that")
+    head, _, content = path.read_bytes().partition(b"\n")
+    if head != _HEAD + hashlib.sha256(content).hexdigest().encode():
+        raise InputError(f"{path} is no whole checkpoint: its digest is another one; run it again")
+    if like is None:
+        warn(f"{path}: {SCENE_IS_CODE}", code="scene")
+    else:
+        like = like | {"rows": np.zeros(len(GROWING), int), "run": np.zeros(32, "u1")}
+    try:
+        return unpacked(np.frombuffer(content, "u1"), like)
+    except UNREADABLE as error:
+        raise InputError(f"{path} cannot be read as a checkpoint of this run ({one_line(error)}); expected the wall "
+                         "and the options of the run that was interrupted; give them") from error
+
+
+def resumed(path, layout, parameters, model, like):
+    """What a run needs that goes on with that of the history at `path`: (HistoryWriter, tables of the checkpoint).
+
+    layout, parameters: of the run, which have to be those of the history; model: digest of the model's code; like: as
+    of `read_checkpoint`.  Raises InputError.
+    """
+    history = read_earlier(path, layout, model, option="--resume", ended=False)
+    if history.complete:
+        raise InputError(f"--resume {path}: its run is complete; expected one that was interrupted or killed; to start "
+                         f"another one from its end give --continue {path}")
+    now = json.loads(json.dumps(parameters, sort_keys=True))
+    other = [name for name in now | history.parameters if name not in ("command", "wall_file", "outside_validity")
+             and history.parameters.get(name) != now.get(name)]
+    if other:
+        raise InputError(f"--resume {path}: {other[0]} is {one_line(now.get(other[0]))}, and was "
+                         f"{one_line(history.parameters.get(other[0]))}; expected the options of the run that was "
+                         f"interrupted ({history.command}); give them")
+    tables = read_checkpoint(checkpoint_path(path), like)
+    if not np.array_equal(tables["run"], _digest_of(history.attributes)):
+        raise InputError(f"--resume {path}: the checkpoint beside it is of another run; expected both of one run; run "
+                         "it again")
+    try:
+        return continued_history(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
+    except WriteError:
+        raise
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"--resume {path}: the history cannot be read up to its checkpoint ({one_line(error)}); run "
+                         "it again") from error
+
+
+def read_end(path, layout, model, solver, time_step):
+    """State at the end of the run of the history at `path`, of a solver that keeps it in a checkpoint alone, {name:
+    array}; solver: its name; other arguments and errors as of `damage.run.before.read_earlier`."""
+    history = read_earlier(path, layout, model)
+    if history.solver != solver:
+        raise InputError(f"--continue {path}: a run of the {history.solver} solver; expected one of the {solver} "
+                         "solver; run it there first")
+    if history.time_step_s != time_step:
+        raise InputError(f"--continue {path}: its time step is {history.time_step_s!r} s, expected that of this run, "
+                         f"{time_step!r} s; give --dt {history.time_step_s!r}")
+    if not checkpoint_path(path).is_file():
+        raise InputError(f"--continue {path}: no {checkpoint_path(path).name} beside it; expected the checkpoint at "
+                         "the end of that run; run it again with --checkpoint 10")
+    tables = read_checkpoint(checkpoint_path(path))
+    if not np.array_equal(tables["run"], _digest_of(history.attributes)):
+        raise InputError(f"--continue {path}: the checkpoint beside it is of another run; run it again with "
+                         "--checkpoint 10")
+    return tables

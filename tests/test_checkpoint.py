@@ -1,0 +1,202 @@
+"""Checkpoints: a run that was killed or interrupted goes on to the bits of one that was not."""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from conftest import COMMAND, REPOSITORY, SHORT
+from numpy.testing import assert_array_equal
+
+import damage
+from benchmarks.same_bits import differences
+from damage.reference.session import run_reference
+from damage.run import run as run_module
+from damage.run.checkpoint import checkpoint_path, read_checkpoint
+
+SMALL = "benchmarks/small_wall.py"
+OFTEN = ("--checkpoint", "0.001")
+SHAKE = (SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.1", "--no-pictures", "--quiet")
+RUNS = {
+    "brittle": (),
+    "settled": ("--settle", "hogging", "--distortion", "1/500", "--stresses", "--point", "0.3", "0.3"),
+    "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
+    "falling": (SMALL, "--harmonic", "0.1", "1.5", "--rest", "0.1", "--new-contacts", "--after-fall", "--no-pictures",
+                "--quiet"),
+    "deformable": ("--bricks", "deformable", "--rest", "0"),
+    "fibres": ("soft.toml", "--harmonic", "0.06", "0.9", "--rest", "0", "--fibres", "4", "--perturb", "1e-8", "--seed",
+               "2", "--no-pictures", "--quiet"),
+}
+SOFT = ('name = "soft"\nlength = 0.9\nheight = 0.6\nprecompression = 0.1e6\n'
+        'joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n')
+
+
+def words_of(name, folder):
+    """The words of a run; its wall is in the folder where it does not ship."""
+    first, *more = RUNS[name] or [""]
+    if first == "soft.toml":
+        (folder / first).write_text(SOFT)
+        return [folder / first, *more]
+    return RUNS[name] if first == SMALL else (*SHAKE, *RUNS[name])
+
+
+def in_a_child(words, looks=None, name=signal.SIGKILL):
+    """Exit status of a run in a process of its own, which gets a signal at its look of this number; -9 where killed.
+
+    A checkpoint is due at every third look.
+    """
+    if (child := os.fork()) == 0:
+        status = 1
+        try:
+            seen, goes_on = [], run_module.Run._goes_on
+
+            def counted(run):
+                seen.append(run)
+                run._checkpoints.due = lambda: len(seen) % 3 == 0
+                if len(seen) == looks:
+                    os.kill(os.getpid(), name)
+                return goes_on(run)
+
+            run_module.Run._goes_on = counted
+            status = run_reference(list(map(str, words)))
+        finally:
+            os._exit(status)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_ten_kills_leave_every_bit(name, tmp_path, monkeypatch):
+    """The n-th process is killed, or every third interrupted, at its look 4, 5, 6, ...: in the static stage, too."""
+    monkeypatch.chdir(REPOSITORY)
+    words, whole, cut = words_of(name, tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
+    assert run_reference([*map(str, words), "--out", str(whole)]) == 0  # here: the children find all compiled
+    assert not checkpoint_path(whole).exists()
+    place, ended = ("--out", cut), False
+    for kills in range(10):
+        sign = signal.SIGINT if kills % 3 == 1 else signal.SIGKILL
+        status = in_a_child([*words, *OFTEN, *place], looks=4 + kills, name=sign)
+        place = ("--resume", cut)
+        if ended := status == 0:
+            break
+        assert status == (130 if sign == signal.SIGINT else -9) and checkpoint_path(cut).exists()
+    assert kills >= 4
+    if not ended:
+        assert in_a_child([*words, *place]) == 0
+    assert differences(whole, cut) == [] and not checkpoint_path(cut).exists()
+    first, second = damage.read_history(whole), damage.read_history(cut)
+    assert first.parameters == second.parameters and second.complete and len(second.series) > 20
+
+
+@pytest.fixture(scope="module")
+def interrupted(tmp_path_factory):
+    """A folder with a run that was interrupted, cut.h5."""
+    folder = tmp_path_factory.mktemp("interrupted")
+    before = os.getcwd()
+    os.chdir(REPOSITORY)
+    try:
+        assert in_a_child([*SHAKE, "--out", folder / "cut.h5"], looks=6, name=signal.SIGINT) == 130
+    finally:
+        os.chdir(before)
+    return folder
+
+
+def refused(folder, words, capsys):
+    """The one line of a run that is refused."""
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert run_reference(list(map(str, words))) == 2
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    (line,) = (line for line in capsys.readouterr().err.splitlines() if line.startswith("error: "))
+    return line
+
+
+@pytest.mark.parametrize("words, said", [
+    ((*SHAKE, "--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
+    ((*SHAKE, "--rest", "0.2"), "rest_s is 0.2, and was 0.1; expected the options of the run that was interrupted"),
+    ((*SHAKE, "--overwrite"), "with --out or --overwrite: expected one of them"),
+    ((*SHAKE, "--out", "other.h5"), "with --out or --overwrite: expected one of them"),
+    ((*SHAKE, "--members", "2"), "--members with --checkpoint or --resume: expected a single run"),
+])
+def test_another_run_than_that_of_the_checkpoint_is_one_line(interrupted, words, said, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    assert said in refused(interrupted, [*words, "--resume", interrupted / "cut.h5"], capsys)
+
+
+def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
+    path, cut = tmp_path / "cut.checkpoint", tmp_path / "cut.h5"
+    content, resume = path.read_bytes(), [*SHAKE, "--resume", cut]
+    path.write_bytes(content[:1000] + bytes([content[1000] ^ 1]) + content[1001:])
+    assert "is no whole checkpoint: its digest is another one" in refused(tmp_path, resume, capsys)
+    path.unlink()
+    assert "no checkpoint" in refused(tmp_path, resume, capsys)
+    assert in_a_child([*SHAKE, "--out", tmp_path / "other.h5"], looks=8, name=signal.SIGINT) == 130
+    shutil.copyfile(tmp_path / "other.checkpoint", path)
+    assert "the checkpoint beside it is of another run" in refused(tmp_path, resume, capsys)
+
+
+def test_a_checkpoint_that_no_run_wrote_is_one_line(interrupted, tmp_path, monkeypatch, capsys):
+    """Its digest is right, as one who means harm would have it."""
+    monkeypatch.chdir(REPOSITORY)
+    shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
+    tables = read_checkpoint(tmp_path / "cut.checkpoint")
+    for change, said in (({"bodies": np.array([{}], object)}, "table bodies is"),
+                         ({"rows": None}, "tables rows are in"),
+                         ({"states": np.zeros(3)}, "table states is 8 bytes"),
+                         ({"clock": np.array(-5)}, "the clock of the checkpoint"),
+                         ({"rows": np.array([10**7] * len(tables["rows"]))}, "cannot be read up to its checkpoint")):
+        write_checkpoint(tmp_path / "cut.checkpoint", tables | change)
+        assert run_reference([*SHAKE, "--resume", str(tmp_path / "cut.h5")]) == 2
+        assert said in capsys.readouterr().err
+        shutil.copyfile(interrupted / "cut.h5", tmp_path / "cut.h5")
+
+
+def write_checkpoint(path, tables):
+    """Write tables as a checkpoint, those that are None left out; objects, too."""
+    import hashlib
+    import io
+
+    content = io.BytesIO()
+    np.savez(content, **{name: table for name, table in tables.items() if table is not None})
+    digest = hashlib.sha256(content.getvalue()).hexdigest()
+    path.write_bytes(f"masonry-damage-checkpoint 1 sha256 {digest}\n".encode() + content.getvalue())
+
+
+def test_a_complete_run_is_not_resumed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    assert in_a_child([*SHAKE, "--rest", "0", "--out", tmp_path / "done.h5"]) == 0
+    line = refused(tmp_path, [*SHAKE, "--rest", "0", "--resume", tmp_path / "done.h5"], capsys)
+    assert "its run is complete" in line and "--continue" in line
+
+
+@pytest.mark.yade
+def test_kills_of_a_run_in_yade_leave_every_bit(tmp_path, yade_command):
+    """Killed twice and interrupted once after a checkpoint; the damaged wall's bricks collide by then."""
+    words = ("-j1", *SHORT, SMALL, "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0, "--no-pictures")
+    done = yade_command(*words, "--out", tmp_path / "whole.h5")
+    assert done.returncode == 0, done.stderr
+    cut, place = tmp_path / "cut.h5", "--out"
+    for sign in (signal.SIGKILL, signal.SIGINT, signal.SIGKILL):
+        run_until_a_checkpoint([*COMMAND, *words, *OFTEN, place, cut], checkpoint_path(cut), sign)
+        place = "--resume"
+    done = yade_command(*words, "--resume", cut)
+    assert done.returncode == 0 and "YADE executes the names of the engines" in done.stderr, done.stderr
+    assert differences(tmp_path / "whole.h5", cut) == []
+    assert_array_equal(*(damage.read_history(path).snapshot_time_s for path in (cut, tmp_path / "whole.h5")))
+
+
+def run_until_a_checkpoint(command, path, sign):
+    """Run a command until it has written two checkpoints, then send it the signal."""
+    with subprocess.Popen([*map(str, command)], cwd=REPOSITORY, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL) as run:
+        seen = {path.stat().st_mtime_ns} if path.exists() else set()
+        enough = len(seen) + 2
+        while len(seen) < enough and run.poll() is None:
+            if path.exists():
+                seen.add(path.stat().st_mtime_ns)
+            time.sleep(0.002)
+        run.send_signal(sign)
+        assert run.wait() == (130 if sign == signal.SIGINT else -sign)

@@ -1,0 +1,386 @@
+"""Stresses of joints against statics of a pier and of a flat arch, and YADE's contact forces; what is shown of them."""
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+from unittest import mock
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import REPOSITORY, SHORT, one_line_error
+from numpy.testing import assert_allclose, assert_array_equal
+from small_history import make_history
+
+import damage
+from damage import Brick, Joint, Lintel, Opening, Wall
+from damage.__main__ import main
+from damage.draw.run import save_all
+from damage.export.vtkhdf import WallCells
+from damage.html.report import write_report
+from damage.measure.joint_stress import contact_forces, joint_history, joint_of, points_table, sections_table
+from damage.measure.tables import write_run_tables
+from damage.reference.session import run_references
+from damage.reference.settled import Settled, SettledWalls
+from damage.reference.solver import ReferenceSolver
+from damage.units import GRAVITY
+from damage.wall.geometry import body_table, joint_table
+from damage.wall.kinematics import rigid_displacement
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+
+BRICK = Brick(0.2, 0.1, 0.1)
+PIER = Wall("pier", 0.2, 1.0, precompression=0.5e6, brick=BRICK, joint=Joint(tensile_strength=1e6, cohesion=1e6))
+PANEL = Wall("panel", 0.6, 0.4, precompression=0.3e6, brick=BRICK)
+SMALL = REPOSITORY / "benchmarks" / "small_wall.py"
+NO_TENSION = Joint(2e10, 1e10, 1.2, 0.0, 1e7)
+
+
+def at_rest(layout, across=0.0, steps=60000):
+    """Instants of a wall at rest under its weight and a horizontal acceleration of its base [m/s2], and the solver."""
+    solver = ReferenceSolver(layout, 2e-5)
+    solver.with_stresses = True
+    solver.damp(adaptive=1.0)
+    solver.start(np.tile([across, 0.0], (steps, 1)), np.full(1, GRAVITY))
+    for _, count in solver.advance(steps):
+        solver.run(count)
+    return solver.instants(), solver
+
+
+def as_history(layout, stress):
+    """What the measures take of a History, of one sample."""
+    joints = joint_table(layout).assign(area_m2=layout.contacts.area[:layout.n_joints])
+    return SimpleNamespace(joint_stress_pa=stress, joints=joints, bodies=body_table(layout), plan=layout.plan,
+                           masonry_wall=layout.wall, path="x.h5",
+                           index=lambda **_: pd.DataFrame({"DI": [0.0]}), series=pd.DataFrame({"time_s": [0.0]}))
+
+
+@pytest.fixture(scope="module")
+def pier():
+    """A pier of one brick under its weight, a mass on top, and a lateral field of 0.3 m/s2, at rest."""
+    layout = lay_out(PIER, ModelOptions(contacts="gauss"))
+    now, _ = at_rest(layout, 0.3)
+    return layout, now
+
+
+def carried(layout, now, z, across):
+    """Weight [N], lateral force [N] and moment about the pier's axis [N m] of what is above a height, as displaced."""
+    bodies, (ux, uz) = layout.bodies, now.displacement[0, :, :2].T
+    above, order = bodies.z > z, np.argsort(bodies.z, kind="stable")
+    axis = 0.1 + np.interp(z, np.append(0.0, bodies.z[order]), np.append(0.0, ux[order]))
+    weight, lateral = GRAVITY * bodies.mass[above], -across * bodies.mass[above]
+    arm = bodies.x[above] + ux[above] - axis
+    return weight.sum(), lateral.sum(), lateral @ (bodies.z[above] + uz[above] - z) + weight @ arm
+
+
+def test_stresses_of_a_pier_are_n_over_a_plus_m_over_w(pier):
+    layout, now = pier
+    contacts, area, modulus = layout.contacts, 0.2 * 0.1, 0.1 * 0.2**2 / 6
+    weight, lateral, moment = carried(layout, now, 0.0, 0.3)
+    base = np.flatnonzero(contacts.first[:layout.n_joints] < 0)
+    share = (contacts.x[base] - 0.1) / 0.1  # of the way to the edge
+    (normal, shear), turn = now.joint_stress_pa[0, base].T, now.displacement[0, 0, 2] / 2  # of the joint's axes
+    # The base joint is one brick's: its stress is linear.  Its four Gauss points have the second moment of the section.
+    assert contacts.area[base] @ (contacts.x[base] - 0.1)**2 == pytest.approx(modulus * 0.1)
+    assert_allclose(normal, -weight / area - share * moment / modulus, rtol=2e-4)
+    assert normal.max() - normal.min() > 0.3 * weight / area  # a lateral force that counts
+    assert_allclose(shear.sum() * 0.005, lateral * np.cos(turn) - weight * np.sin(turn), rtol=1e-7)
+    assert_allclose(shear, lateral / area, rtol=2e-2)
+
+
+def test_thrust_of_a_pier_passes_where_statics_says(pier):
+    layout, now = pier
+    table = sections_table(as_history(layout, now.joint_stress_pa), ["rest"])
+    assert list(table["part"].unique()) == ["pier 1"] and len(table) == 10
+    turn = now.displacement[0, :, 2].max()
+    for row in table.itertuples():
+        weight, lateral, moment = carried(layout, now, row.place_m, 0.3)
+        assert_allclose(row.normal_force_n, -weight, rtol=2e-5)
+        assert abs(row.shear_force_n - lateral) <= 1.01 * weight * turn  # along the joint as it has turned
+        assert_allclose(row.thrust_x_m, 0.1 + moment / weight, atol=5e-6)
+        assert_allclose(row.eccentricity_over_length, moment / weight / 0.2, atol=2.5e-5)
+
+
+def test_contact_forces_carry_every_course_and_every_brick():
+    layout = lay_out(damage.load_wall(SMALL), ModelOptions())
+    now, _ = at_rest(layout)
+    history, bodies, points = as_history(layout, now.joint_stress_pa), layout.bodies, layout.contacts
+    force = turned(layout, now, contact_forces(history, 0))
+    beds = points.z[:layout.n_joints][(history.joints["kind"] == "bed").to_numpy()]
+    for z in np.unique(np.round(beds, 9)):
+        cut = (history.joints["kind"] == "bed").to_numpy() & (np.abs(points.z[:layout.n_joints] - z) < 1e-9)
+        assert force[cut, 1].sum() == pytest.approx(GRAVITY * bodies.mass[bodies.z > z].sum(), rel=1e-9)
+    base = points.first[:layout.n_joints] < 0
+    assert force[base, 1].sum() == pytest.approx(GRAVITY * bodies.mass.sum(), rel=1e-9)
+    on_bodies = np.zeros((len(bodies), 2))
+    for sign, side in ((-1, points.first), (1, points.second)):
+        of = side[:layout.n_joints]
+        np.add.at(on_bodies, of[of >= 0], sign * force[of >= 0])
+    on_bodies[:, 1] -= GRAVITY * bodies.mass
+    glued = np.concatenate([points.first[layout.n_joints:], points.second[layout.n_joints:]])  # to the masses on top
+    on_bodies[glued] = 0.0
+    assert np.abs(on_bodies).max() < 1e-9 * GRAVITY * bodies.mass.sum()
+
+
+def turned(layout, now, force):
+    """Contact forces (n_joints, 2) along the axes of the joints as they have turned, with the mean of both bodies."""
+    ends = (side[:layout.n_joints] for side in (layout.contacts.first, layout.contacts.second))
+    turn = sum(np.where(end < 0, 0.0, now.displacement[0, end, 2]) for end in ends) / 2
+    along, up = force.T
+    return np.column_stack([along * np.cos(turn) - up * np.sin(turn), along * np.sin(turn) + up * np.cos(turn)])
+
+
+def test_thrust_of_a_flat_arch_is_the_parabola_of_its_weight():
+    """24 bricks on end over 4 bricks' length, nothing on top: H is constant, H (z - crown) = -w (x - middle)^2 / 2."""
+    brick = Brick(length=0.36, height=0.06, thickness=0.1)
+    opening = Opening(brick.length, 4 * brick.length, 8 * brick.height, 0.0, Lintel("arch", 5 * brick.height, 0.0))
+    layout = lay_out(Wall("arch", 6 * brick.length, 13 * brick.height, (opening,), 0.0, brick=brick, joint=NO_TENSION),
+                     ModelOptions(contacts="corners"))
+    now, _ = at_rest(layout, steps=120000)
+    table = sections_table(as_history(layout, now.joint_stress_pa), ["rest"])
+    arch = table[table["part"] == "arch 1"]
+    span, per_length = 4 * brick.length, GRAVITY * brick.density * brick.thickness * 5 * brick.height
+    assert_allclose(arch["place_m"].to_numpy(), brick.length + np.arange(25) * brick.height, atol=1e-9)
+    thrust, x = -arch["normal_force_n"].mean(), arch["place_m"].to_numpy() - 3 * brick.length
+    assert_allclose(arch["normal_force_n"], -thrust, rtol=2e-3)
+    assert_allclose(arch["shear_force_n"], per_length * x, atol=2e-3 * per_length * span)
+    crown = arch["thrust_z_m"].iloc[12]
+    assert_allclose(arch["thrust_z_m"], crown - per_length * x**2 / (2 * thrust), atol=2e-3 * 5 * brick.height)
+    # The arch spreads its piers: its thrust comes near H h = V L / 4, from the top in the middle to the bottom.
+    assert per_length * span**2 / 8 / (5 * brick.height) < thrust < 1.3 * per_length * span**2 / 8 / (5 * brick.height)
+    assert_allclose(table[table["part"] == "pier 1"]["normal_force_n"].iloc[0],
+                    -GRAVITY * layout.bodies.mass.sum() / 2, rtol=2e-3)
+
+
+# --- of runs ----------------------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory):
+    """A panel that cracks, with the stresses of its joints and two material points; and the same run without."""
+    folder = tmp_path_factory.mktemp("stresses")
+    words = {"harmonic": (0.05, 0.9), "cycles": 1, "rest": 0, "contacts": "gauss"}
+    return (damage.run(PANEL, **words, stresses=True, point=[(0.05, 0.05), (0.6, 0.4)], out=folder / "with.h5"),
+            damage.run(PANEL, **words, out=folder / "without.h5"))
+
+
+def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken):
+    kept, without = shaken
+    joints, series, base = kept.joints, kept.series, (kept.joints["first_body"] < 0).to_numpy()
+    assert kept.joint_stress_pa.shape == (len(series), len(joints), 2) and without.joint_stress_pa is None
+    weights = joints["area_m2"].to_numpy()[base]
+    normal, shear = np.moveaxis(kept.joint_stress_pa[:, base].astype(float), 2, 0) @ weights
+    assert -normal[0] == pytest.approx(kept.static["weight_n"], rel=1e-6)
+    assert_allclose(shear, series["base_shear_n"], atol=2e-3 * series["base_shear_n"].abs().max())
+    # Small turns: until the first joint fails the axes of joints are those of the base.
+    elastic = series["time_s"] < kept.events["time_s"].min()
+    assert elastic.sum() > 3
+    assert_allclose(shear[elastic], series["base_shear_n"][elastic], atol=1e-4 * series["base_shear_n"].abs().max())
+    for name in ("opening_m", "slip_m", "broken"):
+        assert_array_equal(getattr(kept, name), getattr(without, name))
+    pd.testing.assert_frame_equal(series, without.series)
+
+
+def test_failed_joints_transmit_no_tension(shaken):
+    kept, _ = shaken
+    opened = kept.opening_m > 1e-6
+    assert opened.any() and kept.joint_stress_pa[opened].max() == 0.0
+    assert (kept.joint_stress_pa[..., 0][kept.broken] <= 0.0).all()
+
+
+def test_the_joint_law_holds_in_what_is_kept(shaken):
+    kept, _ = shaken
+    normal, shear = np.moveaxis(kept.joint_stress_pa[:, ~kept.joints["elastic"].to_numpy()].astype(float), 2, 0)
+    joint, broken = PANEL.joint, kept.broken[:, ~kept.joints["elastic"].to_numpy()]
+    friction = np.tan(joint.friction_angle) * -np.minimum(normal, 0.0)
+    assert broken.any() and np.all(np.abs(shear) <= (friction + np.where(broken, 0.0, joint.cohesion)) * 1.0001 + 1.0)
+    assert (normal <= joint.tensile_strength * 1.0001).all()
+
+
+def test_the_static_stage_is_kept_to_where_it_ends(shaken):
+    kept, _ = shaken
+    stage = kept.static_stage
+    assert stage["unbalanced_force"].iloc[-1] == kept.static["unbalanced_force"] < 1e-5
+    assert stage["time_s"].iloc[-1] == pytest.approx(kept.static["duration_s"])
+    assert_allclose(np.diff(stage["time_s"]), 500 * kept.time_step_s)
+    assert stage["unbalanced_force"].iloc[0] > 0.1
+
+
+def test_material_points_move_with_their_bricks(shaken):
+    kept, _ = shaken
+    assert kept.points == [(0.05, 0.05), (0.6, 0.4)]
+    at = np.searchsorted(kept.series["time_s"], kept.snapshot_time_s)
+    for number, (x, z) in enumerate(kept.points):
+        bodies = kept.bodies
+        body = np.flatnonzero((abs(bodies.x_m - x) <= bodies.length_m / 2 + 1e-9)
+                              & (abs(bodies.z_m - z) <= bodies.height_m / 2 + 1e-9))[0]
+        moved = rigid_displacement(*kept.displacement[:, body].astype(float).T, x - bodies.x_m[body],
+                                   z - bodies.z_m[body])
+        assert_allclose(kept.point_displacement[at, number].T, moved, atol=1e-9)
+    assert np.abs(kept.point_displacement).max() > 1e-5
+    table = points_table(kept)
+    assert len(table) == 2 * len(kept.series) and table["point"].iloc[-1] == 2
+    assert_array_equal(table["displacement_z_m"][:len(kept.series)], kept.point_displacement[:, 0, 1])
+
+
+def test_a_point_of_a_deformable_brick_bends_with_it():
+    """A free wall of one brick's strain modes under its weight: the top of a course settles by more than its centre."""
+    soft = replace(PANEL, joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
+    history = damage.run(soft, pushover=0.005, bricks="deformable", contacts="gauss",
+                         point=[(0.3, 0.2999), (0.3, 0.3001), (0.1, 0.25)])
+    last = history.point_displacement[-1]
+    body = np.flatnonzero((np.abs(history.bodies.x_m - 0.1) < 0.01) & (np.abs(history.bodies.z_m - 0.25) < 0.01))[0]
+    assert not np.allclose(last[2], history.displacement[-1, body, :2], rtol=1e-4)  # a centre bends away, too
+    assert_allclose(last[0], last[1], atol=0.05 * np.abs(last).max())  # both sides of an intact bed joint
+
+
+def test_a_joint_by_its_number_or_place(shaken):
+    kept, _ = shaken
+    joints = kept.joints
+    assert joint_of(kept, "5") == joint_of(kept, 5) == 5
+    row = joint_of(kept, "head:0.2,0.05")
+    assert joints["kind"][row] == "head" and abs(joints["x_m"][row] - 0.2) < 1e-9
+    assert joints["kind"][joint_of(kept, "bed:0.2,0.05")] == "bed"
+    table = joint_history(kept, f"{joints['x_m'][7]},{joints['z_m'][7]}")
+    assert_array_equal(table[["normal_stress_pa", "shear_stress_pa"]], kept.joint_stress_pa[:, 7])
+    for name, said in (("400", "expected a row of the joints, 0 to"), ("9,9", "the nearest, "), ("0.1", "correct it"),
+                       ("cut:0,0", "no joint of kind cut"), ("a,b", "correct it"), ("nan,0", "the nearest")):
+        assert said in one_line_error(joint_of, kept, name)
+
+
+def test_what_is_shown_of_them(shaken, tmp_path, capsys):
+    kept, without = shaken
+    names = {path.name for path in write_run_tables(kept, tmp_path / "run")}
+    assert {"run_stresses.csv", "run_sections.csv", "run_points.csv", "run_static_stage.csv"} <= names
+    assert not {path.name for path in write_run_tables(without, tmp_path / "other")} & {
+        "other_stresses.csv", "other_sections.csv", "other_points.csv"}
+    fields = WallCells(kept).joint_fields(3)
+    assert_array_equal(fields["joint_normal_stress_pa"][len(kept.bodies):], kept.joint_stress_pa[3, :, 0])
+    assert "joint_normal_stress_pa" not in WallCells(without).joint_fields(3)
+    assert {"contact_forces_rest.png", "contact_forces_max.png"} <= {
+        path.name for path in map(type(tmp_path), save_all(kept, tmp_path / "pictures"))}
+    page = write_report([kept.path], tmp_path / "page.html").read_text()
+    assert page.count("<figcaption>Forces in the contact points ") == 2 and "at the largest DI" in page
+    words = ["--at", "rest,0.03", "--joint", "0.1,0", "--out", str(tmp_path / "st")]
+    assert main(["stresses", str(kept.path), *words]) == 0
+    shown = capsys.readouterr().out
+    assert "pier 1 at 0.000 m: N -" in shown and "joint 2 (0.1,0): normal -" in shown
+    joints = pd.read_csv(tmp_path / "st" / "joint_2.csv")
+    assert_allclose(joints["normal_stress_pa"], kept.joint_stress_pa[:, 2, 0], rtol=1e-7)
+    assert (tmp_path / "st" / "contact_forces_0.03.png").exists()
+    assert main(["stresses", str(kept.path), "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["moments"]) == 3
+
+
+@pytest.mark.parametrize("words, said", [
+    (["--at", "later"], "--at later: expected rest, max, end or a time [s]"),
+    (["--at", "99"], "--at 99: expected rest, max, end, or a time within"),
+    (["--joint", "7,7"], "--joint 7,7: expected a row of the joints"),
+])
+def test_a_wrong_word_is_one_line(shaken, words, said, capsys):
+    assert main(["stresses", str(shaken[0].path), *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_run_without_stresses_is_one_line(tmp_path, capsys):
+    make_history(tmp_path / "a.h5")
+    assert main(["stresses", str(tmp_path / "a.h5")]) == 2
+    assert "has no stresses of joints: expected a run with --stresses" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("place", [(0.1,), [(0.1, 0.1, 0.1)], "left"])
+def test_a_point_in_python_that_is_none_is_one_line(place):
+    assert "expected X_M Z_M, or a list of these" in one_line_error(damage.run, PANEL, point=place)
+
+
+@pytest.mark.parametrize("place, said", [
+    (("0.6", "0.25"), "--point 0.6 0.25: no brick is there; expected x and z in the undeformed wall [m]; the nearest"),
+    (("9", "0"), "--point 9 0: no brick is there"), (("nan", "0"), "no brick is there"),
+])
+def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, tmp_path, capsys):
+    assert main(["reference", str(SMALL), "--point", *place, "--out", str(tmp_path / "a.h5")]) == 2
+    assert said in capsys.readouterr().err and list(tmp_path.iterdir()) == []
+
+
+def test_a_run_says_before_it_how_large_they_are(tmp_path, capsys):
+    words = ["--harmonic", "0.05", "0.01", "--cycles", "1", "--rest", "0", "--no-pictures", "--point", "0.1", "0.1"]
+    assert main(["reference", str(SMALL), *words, "--stresses", "--out", str(tmp_path / "a.h5")]) == 0
+    before, _, _ = capsys.readouterr().out.partition("history: ")
+    history = damage.read_history(tmp_path / "a.h5")
+    n_bytes = history.joint_stress_pa.nbytes
+    assert (f"stresses of {len(history.joints)} contact points at {len(history.series)} samples: {n_bytes / 1e6:.3g} MB"
+            in before)
+    assert "point 0.1 0.1: in brick 5, course 1" in before
+
+
+def test_runs_that_share_a_static_stage_both_keep_its_course(tmp_path):
+    words = [str(SMALL), "--harmonic", "0.05", "0.1", "--cycles", "1", "--rest", "0"]
+    settled, recall = SettledWalls(), Settled.recall
+    with mock.patch.object(Settled, "recall", autospec=True, side_effect=recall) as recalled:
+        for name in "ab":  # one after the other: the second finds the wall at rest
+            line = name, [*words, "--out", str(tmp_path / f"{name}.h5")]
+            assert list(run_references(iter([line]), settled=settled)) == [(name, 0)]
+    assert recalled.call_count == 2 and len(settled._kept) == 1
+    first, second = (damage.read_history(tmp_path / f"{name}.h5").static_stage for name in "ab")
+    assert len(first) > 10
+    pd.testing.assert_frame_equal(first, second)
+
+
+# --- YADE ----------------------------------------------------------------------------------------------
+
+SCRIPT = f"""
+import json, sys
+sys.path.insert(0, {str(REPOSITORY)!r})
+from damage import Wall
+from yade_scripts import open_scene
+from yade_scripts.leaving import run_and_leave
+
+
+def stresses():
+    scene = open_scene(Wall("panel", 0.675, 0.3, precompression=0.3e6), harmonic=(0.05, 0.9), cycles=1, rest=0,
+                       stresses=True)
+    history = scene.finish()
+    areas = history.joints["area_m2"]
+    return {{"forces": [scene.force(joint) for joint in history.joints.index], "areas": areas.tolist(),
+            "last": history.joint_stress_pa[-1].tolist(), "broken": int(history.broken[-1].sum())}}
+
+
+run_and_leave(lambda: print(json.dumps(stresses())))
+"""
+
+
+@pytest.mark.yade
+def test_stresses_in_yade_are_its_contact_forces(tmp_path, yade_command):
+    path = tmp_path / "scene.py"
+    path.write_text(SCRIPT)
+    done = yade_command(path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = json.loads(done.stdout.splitlines()[-1])
+    forces = np.array(found["last"]) * np.array(found["areas"])[:, None]
+    assert found["broken"] > 0
+    assert_allclose(forces, found["forces"], atol=1e-6 * np.abs(found["forces"]).max())
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize("more", [(), ("--fibres", "4")], ids=["brittle", "softening"])
+def test_both_solvers_have_the_same_stresses_at_rest(more, tmp_path, yade_command, damage_command):
+    (tmp_path / "wall.toml").write_text(
+        'name = "panel"\nlength = 0.675\nheight = 0.3\nprecompression = 0.3e6\n' + (
+            "joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n" if more else ""))
+    words = ("--harmonic", "0.05", "0.05", "--cycles", "1", "--rest", "0", "--no-pictures", "--stresses", "--point",
+             "0.3", "0.1", *more)
+    script = tmp_path / "wall.py"
+    script.write_text(f"import sys\nsys.path.insert(0, {str(REPOSITORY)!r})\nfrom damage.wall.file import load_wall\n"
+                      f"def wall():\n    return load_wall({str(tmp_path / 'wall.toml')!r})\n"
+                      "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
+    for command, name in ((lambda *words: yade_command(*SHORT, script, *words), "yade"),
+                          (lambda *words: damage_command("reference", tmp_path / "wall.toml", *words), "reference")):
+        done = command(*words, "--out", tmp_path / f"{name}.h5")
+        assert done.returncode == 0, done.stdout + done.stderr
+    one, two = (damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "reference"))
+    largest = np.abs(two.joint_stress_pa[0]).max()
+    assert_allclose(one.joint_stress_pa[0], two.joint_stress_pa[0], atol=1e-3 * largest)
+    n = min(len(one.series), len(two.series))
+    assert_allclose(one.joint_stress_pa[:n], two.joint_stress_pa[:n], atol=2e-2 * largest)
+    assert_allclose(one.point_displacement[:n], two.point_displacement[:n],
+                    atol=0.02 * np.abs(two.point_displacement).max())
+    assert len(one.static_stage) > 5 and one.static_stage["unbalanced_force"].iloc[-1] < 1e-5
