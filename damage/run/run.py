@@ -10,7 +10,6 @@ from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.before import as_bytes, with_zero, zero_of
-from damage.run.scheme import check_drop
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -28,6 +27,7 @@ from damage.run.watch import (
     BaseMotion,
     Borne,
     MaterialPoints,
+    check_drop,
     fastest_fallen,
     have_fallen,
     have_left,

@@ -38,9 +38,10 @@ from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
-from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
+from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import as_they_end, run_each, take_turns
+from damage.run.watch import DROP, FAILURE
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
@@ -175,8 +176,8 @@ def _run_members(backend, wall_file, make_wall, settings):
 
 
 def _ended_member(prepared, out):
-    """(row of the table of members, warnings of its energy, History), the last two of which the first member and the
-    others lack; out: path of the first one's history."""
+    """(row of the table of members, warnings on its energy, None, or of the first member, which `report` warns of, no
+    warnings and its History); out: path of the first one's history."""
     history, path = prepared.writer.history(), prepared.writer.path
     row = member_row(history, out)
     if path == out:
@@ -199,7 +200,7 @@ def _report_members(settings, statuses, ended, out):
         return max(statuses[0], EXIT_INTERRUPTED * (worst == EXIT_INTERRUPTED))
     in_order = [ended[number] for number in sorted(ended)]
     print(f"members: {write_table(pd.DataFrame([row for row, *_ in in_order]), members_path(out))}")
-    warn(*(text for _, cautions, _ in in_order for text in cautions))
+    warn(*(text for _, warnings, _ in in_order for text in warnings))
     report(ended[0][2], pictures=settings.pictures)
     if len(ended) < settings.members:
         print(f"{len(ended)} of {settings.members} members ended: median and range are of these")
