@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from damage.errors import InputError, WriteError, one_line, warn
-from damage.history.reader import opened
+from damage.history.reader import opened, read_history
 from damage.history.schema import GROWING
 from damage.history.writer import File, HistoryWriter, lock
 from damage.run.before import UNREADABLE, as_bytes, read_earlier, unpacked
@@ -97,6 +97,18 @@ def read_checkpoint(path, like=None):
     except UNREADABLE as error:
         raise InputError(f"{path} cannot be read as a checkpoint of this run ({one_line(error)}); expected the wall "
                          "and the options of the run that was interrupted; give them") from error
+
+
+def schemes_left(path, schemes):
+    """Of the (RunSettings, time step) of `damage.run.scheme.schemes` those from the one on that the run had come to
+    whose history is at `path`, None of a run that begins; and {parameter: value} of how often it was repeated."""
+    found = {"repeats": 0, "repeated_for": None}
+    if path is None:
+        return schemes, found
+    had = read_history(path).parameters
+    came_to = [k for k, (settings, time_step) in enumerate(schemes)
+               if (settings.mass_scaling, time_step) == (had.get("mass_scaling"), had.get("time_step_s"))]
+    return schemes[came_to[0]:] if came_to else schemes, {name: had.get(name, one) for name, one in found.items()}
 
 
 def resumed(path, layout, parameters, model, like):
