@@ -11,8 +11,8 @@ joints the cracks are laid on.
 
 Prints three tables.  Claims, why there is no answer, and answers that are wrong, also where only the number of draws
 forbids one.  For each prior of settlement the share of claims, weighted by that prior, whose true widths lie in the
-90 % intervals.  What the sheet states as "not without the earthquakes" beside what was so, by a prior of 0.5, and the share
-of draws that resemble a survey, from which follows how many are needed.
+90 % intervals.  What the sheet states as "not without the earthquakes" beside what was so, by a prior of 0.5, and the
+share of draws that resemble a survey, from which follows how many are needed.
 """
 
 import sys
