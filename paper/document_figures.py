@@ -337,7 +337,7 @@ def shaken_walls():
     left.errorbar(runs["run"], middle, yerr=[middle - low, np.minimum(high, 1e3) - middle], ls="", marker="s", ms=3,
                   mfc="none", color=BLUE, elinewidth=1.0)
     left.plot(runs["run"], runs["tested_peak_mm"], ls="", marker="o", ms=3.5, color=ORANGE)
-    left.set(yscale="log", xlabel="run", ylim=(0.1, 300))
+    left.set(yscale="log", xlabel="run", ylim=(0.1, 60))
     letter(right, 1, "clay spandrels, force over the first")
     forces = pd.read_csv(TABLES / "benchmarks" / "repeated_spandrels.csv")
     steps = {50: (SKY, "o"), 100: (BLUE, "s"), 150: (GREEN, "^")}

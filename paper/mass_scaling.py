@@ -22,14 +22,13 @@ from scipy.stats import binomtest, ks_2samp
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from damage.reference.session import run_references
-
 import damage
 from damage.history.in_memory import HistoryInMemory
 from damage.law.modes import natural_modes
 from damage.measure.tables import summary_row
 from damage.mechanics.tables import FRACTURE, FRICTION
 from damage.motion.intensity import pgv_m_s
+from damage.reference.session import run_references
 from damage.reference.wall import ReferenceWall
 from damage.run import scheme
 from damage.run.options import parse_run

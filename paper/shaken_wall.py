@@ -323,7 +323,8 @@ def choices(folder):
     for name, change in CHOICES.items():
         of_runs = quantiles(draws_of({name: Case()._replace(**change)}, events, seeds, numbers))
         rows.append({"choice": name, **{f"peak_mm_{run}": peak for run, peak in of_runs["peak_mm_50"].items()},
-                     "residual_mm_24": of_runs["residual_mm_50"].get(24), "period_s_24": of_runs["period_s_50"].get(24)})
+                     "residual_mm_24": of_runs["residual_mm_50"].get(24),
+                     "period_s_24": of_runs["period_s_50"].get(24)})
         keep(pd.DataFrame([{"choice": "test", **{f"peak_mm_{run}": runs["edp"][run] for run in CHOICE_RUNS}}, *rows]),
              "us1_choices")
     tables = {with_them: quantiles(draws_of({"prediction": Case()}, found[0], seeds, found[1]))["peak_mm_50"]

@@ -9,8 +9,8 @@ from conftest import REPOSITORY, one_line_error
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from damage.measure.tables import summary_row
 from damage.errors import InputError
+from damage.measure.tables import summary_row
 from damage.studies.definition import StudyRun, load_study
 from damage.studies.grid import expand
 from damage.studies.members import runs_needed

@@ -22,7 +22,7 @@ from damage.reference.lanes import run_together
 from damage.reference.session import BACKEND
 from damage.reference.settled import _digest
 from damage.reference.wall import ReferenceWall
-from damage.run import scheme
+from damage.run import scheme, watch
 from damage.run.options import parse_run
 from damage.run.session import run_session
 from damage.run.watch import Borne
@@ -187,7 +187,7 @@ def test_settled_states_are_kept_by_the_matrix():
 
 class TestAcceptance:
     def test_repeated_members_are_counted(self, monkeypatch, tmp_path, capsys):
-        monkeypatch.setattr(scheme, "ACCEPTED_DROP_M", 1e-6)
+        monkeypatch.setattr(watch, "ACCEPTED_DROP_M", 1e-6)
         out = tmp_path / "run.h5"
         assert run_session(BACKEND, __file__, softening_wall, ["--harmonic", "0.06", "0.3", "--rest", "0.1", "--members",
                                                                "2", "--no-pictures", "--out", str(out)], "") == 0
@@ -229,7 +229,7 @@ class TestAcceptance:
         assert (found.parameters["mass_scaling"], found.parameters["repeats"]) == ("selective", 0)
 
     def test_a_falling_brick_makes_the_run_explicit_at_once(self, monkeypatch):
-        monkeypatch.setattr(scheme, "ACCEPTED_DROP_M", 1e-6)
+        monkeypatch.setattr(watch, "ACCEPTED_DROP_M", 1e-6)
         found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4)
         assert (found.parameters["repeats"], found.parameters["repeated_for"]) == (1, "drop")
         assert found.parameters["mass_scaling"] == "none"

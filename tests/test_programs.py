@@ -14,7 +14,9 @@ from environments import environment, run_in
 from numpy.testing import assert_allclose
 from test_reference import settle
 
+import damage
 from damage.__main__ import main
+from damage.errors import RunWarning
 from damage.export.opensees import write_opensees
 from damage.export.threedec import NO_STIFFNESS, write_3dec
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
@@ -273,17 +275,18 @@ def refused(capsys, *words):
 
 
 @pytest.mark.long
-def test_openseespy_settles_slides_and_rocks_as_this_project_does(tmp_path):
-    """In OpenSeesPy itself: settlement and period of a wall; a brick along a path that breaks, slides, reverses, opens
-    and closes, against the joint law; a pier that is pushed over, against its rocking by hand."""
+def test_openseespy_settles_slides_rocks_and_shakes_as_this_project_does(tmp_path):
+    """In OpenSeesPy itself: settlement and period of a wall, and the wall shaken; a brick along a path that breaks,
+    slides, reverses, opens and closes, against the joint law; a pier that is pushed over, against statics."""
     door, pier = lay_out(DOOR), lay_out(Wall("pier", 0.45, 0.3))
     brick = lay_out(Wall("brick", 0.225, 0.075, precompression=0.0))
     scripts = [str(write_opensees(layout, tmp_path / f"{layout.wall.name}.py")) for layout in (door, brick, pier)]
     path, forces = path_of_a_brick(brick)
     (tmp_path / "path.json").write_text(json.dumps(path), encoding="utf-8")
     with environment("openseespy", "openseespylinux") as python:
-        rest, along, pushed = (json.loads(run_in(python, "run_opensees.py", *words)) for words in (
+        rest, along, shaken, pushed = (json.loads(run_in(python, "run_opensees.py", *words)) for words in (
             ("weight", scripts[0]), ("path", scripts[1], str(tmp_path / "path.json")),
+            ("shake", scripts[0], "0.06", "0.1", "3", "2e-4", "1100"),
             ("push", scripts[2], str(len(pier.bodies)), "2e-6", "300")))
     settled = -static_displacement(door)[door.drift_bodies, 1].mean()
     assert_allclose([rest["settlement_m"], rest["period_s"]], [settled, natural_modes(door).period_s[0]], rtol=1e-6)
@@ -292,6 +295,10 @@ def test_openseespy_settles_slides_and_rocks_as_this_project_does(tmp_path):
     outermost = pier.contacts.x[pier.contacts.first < 0].max() - 0.225  # the last contact point at the base
     height = pier.bodies.z[-1]
     assert_allclose(pushed["shear_n"][-1], -pushed["weight_n"] * outermost / height, rtol=1e-3)  # on the ground
+    with pytest.warns(RunWarning, match="elastic"):
+        history = damage.run(DOOR, harmonic=(0.06, 0.1), cycles=3, rest=0.05)
+    assert_allclose(np.abs(shaken["top_m"]).max(), history.moving["top_displacement_m"].abs().max(), rtol=0.02)
+    assert_allclose(shaken["failed"], history.broken[-1].sum(), rtol=0.2)
 
 
 def path_of_a_brick(layout):

@@ -1,4 +1,4 @@
-"""Programs behind docs/validation/shaken-walls.md: the motions of the shaking table, impacts, and the kept prediction."""
+"""Programs behind docs/validation/shaken-walls.md: motions of the shaking table, impacts, and the kept prediction."""
 
 import hashlib
 import math
@@ -25,7 +25,8 @@ def folder(tmp_path):
         velocity = 100 * np.sin(2 * math.pi * 8 * 0.005 * np.arange(240)) * np.hanning(240)
         rows = "\n".join(" ".join(f"{value:.3f}" for value in row) for row in velocity.reshape(-1, 20))
         (tmp_path / file).write_text(f"# {name}, mm/s\n{rows}\n")
-    (tmp_path / "US1_IM_vs_EDP.csv").write_text("run,rec,pga,sd_T1\n1,HU12,0.05,0.3\n2,EC40,0.09,0.28\n3,FR76,0.1,0.6\n")
+    (tmp_path / "US1_IM_vs_EDP.csv").write_text(
+        "run,rec,pga,sd_T1\n1,HU12,0.05,0.3\n2,EC40,0.09,0.28\n3,FR76,0.1,0.6\n")
     return tmp_path
 
 

@@ -19,12 +19,12 @@ _PARTS = {
     "tracker": ("opening", "slip", "offset", "broken", "at_limit", "crushed", "ended", "dry", "_open", "_stress",
                 "_plastic", "friction_energy", "breaking_energy", "fracture_energy"),
     "crushing": ("_strength", "_limit", "_near"),
-    "scene": ("share", "dry_share", "follows", "holding", "_breaks_seen"),
+    "scene": ("share", "dry_share", "follows", "holding", "_breaks_seen", "on_top"),
     "scene.bundles": ("_weakest",),
     "model": ("signs", "bonded", "closure"),
     "model._work": ("_rest",),
     "": ("_velocity", "_top_rest", "_top_stiffness", "_supports", "_support_velocity", "_armed", "_input_power",
-         "_input_time", "_input_energy", "clock"),
+         "_input_time", "_input_energy", "clock", "_slip", "_slip_work"),
 }
 """Arrays, lists of numbers and numbers of each part of a solver; arrays keep their identity."""
 _KINDS = "tension", "shear", "opened", "slipped"

@@ -182,7 +182,7 @@ def contact_force_picture(history, moment="max"):
                Line2D([], [], color=style.BLACK, lw=0.9, label="thrust"),
                Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third")]
     time_s = history.series["time_s"].iloc[sample]
-    return _with_words(figure, _show_all(ax, corners), history, [f"contact forces, {moment}: {time_s:.3f} s"], handles)
+    return _with_words(figure, show_all(ax, corners), history, [f"contact forces, {moment}: {time_s:.3f} s"], handles)
 
 
 def _draw_thrust(ax, history, moment):

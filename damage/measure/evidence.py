@@ -145,7 +145,8 @@ QUANTITIES = (
     Quantity("stiffness", "modulus fitted to the wall", "[laboratory](../validation/laboratory.md)", "moduli of wallet "
              "tests give half or twice the measured stiffness"),
     Quantity("period of a harmonic motion", "{range}; records", "[both solvers](../validation/two-solvers.md)",
-             "one wall on a shaking table has been compared: [shaken walls](../validation/shaken-walls.md)", _largest("harmonic", "period_s", factor=False), 0.06, 1.0, "s"),
+             "one wall on a shaking table has been compared: [shaken walls](../validation/shaken-walls.md)",
+             _largest("harmonic", "period_s", factor=False), 0.06, 1.0, "s"),
     Quantity("amplitude of a harmonic motion", "{range}", "[results](../paper/results.md)", "near resonance 5 % of the "
              "period changes DI of brittle walls by a factor of 2 to 4", _largest("harmonic", "amplitude_g"),
              0.01, 0.1, "g"),

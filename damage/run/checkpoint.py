@@ -5,6 +5,7 @@ that a kill leaves the last checkpoint whole; rows of the history that came afte
 on.  Of YADE the archive holds a scene (`O.save`).
 """
 
+import fcntl
 import hashlib
 import json
 import math
@@ -15,8 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from damage.errors import InputError, WriteError, one_line, warn
-from damage.history.continued import continued_history
+from damage.history.reader import opened, read_history
 from damage.history.schema import GROWING
+from damage.history.writer import File, HistoryWriter, lock
 from damage.run.before import UNREADABLE, as_bytes, read_earlier, unpacked
 
 _HEAD = b"masonry-damage-checkpoint 1 sha256 "
@@ -97,6 +99,18 @@ def read_checkpoint(path, like=None):
                          "and the options of the run that was interrupted; give them") from error
 
 
+def schemes_left(path, schemes):
+    """Of the (RunSettings, time step) of `damage.run.scheme.schemes` those from the one on that the run had come to
+    whose history is at `path`, None of a run that begins; and {parameter: value} of how often it was repeated."""
+    found = {"repeats": 0, "repeated_for": None}
+    if path is None:
+        return schemes, found
+    had = read_history(path).parameters
+    came_to = [k for k, (settings, time_step) in enumerate(schemes)
+               if (settings.mass_scaling, time_step) == (had.get("mass_scaling"), had.get("time_step_s"))]
+    return schemes[came_to[0]:] if came_to else schemes, {name: had.get(name, one) for name, one in found.items()}
+
+
 def resumed(path, layout, parameters, model, like):
     """What a run needs that goes on with that of the history at `path`: (HistoryWriter, tables of the checkpoint).
 
@@ -119,12 +133,35 @@ def resumed(path, layout, parameters, model, like):
         raise InputError(f"--resume {path}: the checkpoint beside it is of another run; expected both of one run; run "
                          "it again")
     try:
-        return continued_history(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
+        return _goes_on_with(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
     except WriteError:
         raise
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"--resume {path}: the history cannot be read up to its checkpoint ({one_line(error)}); run "
                          "it again") from error
+
+
+def _goes_on_with(path, layout, counts, attributes):
+    """A HistoryWriter that goes on with the history at `path` after so many rows of each group of GROWING.
+
+    What the file holds up to there is copied into a new one, which takes its place once it is whole; attributes: of its
+    run, which stay.  Raises InputError where another run still writes it, ValueError where it has fewer rows.
+    """
+    lock(path, fcntl.LOCK_EX).close()  # HDF5 takes one of its own to read
+    with opened(path) as old:
+        there = [len(next(iter(old[group].values()))) if group in old and len(old[group]) else 0 for group in GROWING]
+        if any(not 0 <= count <= has for count, has in zip(counts, there)):
+            raise ValueError(f"it has {there} rows, expected {counts}")
+        beside = path.with_name(f".{path.stem}.{os.getpid()}.h5")
+        file = File(beside, layout, attributes, json.loads(attributes["versions_json"]), overwrite=True)
+        try:
+            file.copy_rows(old, counts)
+            os.replace(beside, path)
+        except BaseException:
+            beside.unlink(missing_ok=True)
+            raise
+    file.path, file.where = path, str(path)
+    return HistoryWriter.of(layout, file)
 
 
 def read_end(path, layout, model, solver, time_step):

@@ -10,7 +10,6 @@ from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.before import as_bytes, with_zero, zero_of
-from damage.run.scheme import check_drop
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -28,6 +27,7 @@ from damage.run.watch import (
     BaseMotion,
     Borne,
     MaterialPoints,
+    check_drop,
     fastest_fallen,
     have_fallen,
     have_left,
@@ -72,7 +72,7 @@ class Run:
         self._modal_velocity, self._set_in_motion_j = None, 0.0  # at time zero; energy that came in with it
         self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        self._lowest, self._at_rest = lowest_places(layout), np.zeros((1, len(layout.bodies), 3))  # when settled
+        self._lowest, self._at_rest = lowest_places(layout), 0.0  # motion at the end of settling
         self._borne = Borne(layout) if settings.mass_scaling == SELECTIVE else None
         self._points = MaterialPoints(layout, settings.points) if settings.points else None
         solver.with_stresses, self._looks = settings.stresses, []  # (time [s], unbalanced force) in the static stage
@@ -234,7 +234,7 @@ class Run:
             "stage": np.array(self._number), "samples": np.array(self._samples), "last_time_s": np.array(float(time_s)),
             **{f"last_{k}": np.asarray(values, float) for k, values in enumerate(last)},
             "inferred_j": np.array([self._balance_j, self._damped_j], float), "balance": self._balance.state,
-            "at_rest": self._at_rest}
+            "at_rest": np.zeros_like(now.displacement) + self._at_rest}
 
     def _restore(self, tables):
         """Go back to where a checkpoint was written after the static stage."""

@@ -7,10 +7,11 @@ bore it is repeated explicitly at once, since the scaled masses of failed joints
 
 from dataclasses import replace
 
-from damage.errors import InputError, RunError
+from damage.errors import InputError
 from damage.motion.loading import Harmonic, Recorded
 from damage.run.schedule import choose_time_step
-from damage.run.settings import ACCEPTED_DROP_M, ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
+from damage.run.settings import ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
+from damage.run.watch import ENERGY, NotAccepted
 from damage.wall.model_options import ModelOptions
 
 SLENDER_S = 0.15
@@ -20,15 +21,6 @@ SLENDER_STEP_S, STIFF_STEP_S, DEFORMABLE_STEP_S = 2e-4, 1e-4, 5e-5
 _SHOWN = ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")
 _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
 """Models of the runs of that table, and options that are free beside them."""
-ENERGY, DROP, FAILURE = "energy", "drop", "failure"
-
-
-class NotAccepted(RunError):
-    """A run with mass scaling that is to be repeated; code: ENERGY or DROP, FAILURE of any other RunError."""
-
-    def __init__(self, code, text):
-        super().__init__(text)
-        self.code = code
 
 
 def is_shown(settings, wall):
@@ -72,13 +64,6 @@ def check_energy(settings, error):
     if settings.mass_scaling == SELECTIVE and error is not None and not error <= ACCEPTED_ERROR:
         raise NotAccepted(ENERGY, f"energy balance error {100 * error:.2g} % with mass scaling, accepted up to "
                           f"{100 * ACCEPTED_ERROR:g} %")
-
-
-def check_drop(drop_m, time_s):
-    """Raise NotAccepted where a brick has dropped by so much [m] from what bore it; time_s: when."""
-    if drop_m > ACCEPTED_DROP_M:
-        raise NotAccepted(DROP, f"a brick has dropped by {1e3 * drop_m:.2g} mm from those that bore it by {time_s:.2f} "
-                          f"s, with mass scaling accepted up to {1e3 * ACCEPTED_DROP_M:g} mm")
 
 
 def scaling_warnings(settings, wall):

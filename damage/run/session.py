@@ -32,15 +32,16 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
-from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed
+from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
 from damage.run.opening import event_lines, kept_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
-from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
+from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import as_they_end, run_each, take_turns
+from damage.run.watch import DROP, FAILURE
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
@@ -175,8 +176,8 @@ def _run_members(backend, wall_file, make_wall, settings):
 
 
 def _ended_member(prepared, out):
-    """(row of the table of members, warnings of its energy, History), the last two of which the first member and the
-    others lack; out: path of the first one's history."""
+    """(row of the table of members, warnings on its energy, None, or of the first member, which `report` warns of, no
+    warnings and its History); out: path of the first one's history."""
     history, path = prepared.writer.history(), prepared.writer.path
     row = member_row(history, out)
     if path == out:
@@ -199,7 +200,7 @@ def _report_members(settings, statuses, ended, out):
         return max(statuses[0], EXIT_INTERRUPTED * (worst == EXIT_INTERRUPTED))
     in_order = [ended[number] for number in sorted(ended)]
     print(f"members: {write_table(pd.DataFrame([row for row, *_ in in_order]), members_path(out))}")
-    warn(*(text for _, cautions, _ in in_order for text in cautions))
+    warn(*(text for _, warnings, _ in in_order for text in warnings))
     report(ended[0][2], pictures=settings.pictures)
     if len(ended) < settings.members:
         print(f"{len(ended)} of {settings.members} members ended: median and range are of these")
@@ -249,9 +250,9 @@ class Prepared:
         parameters = self.parameters | settings.as_dict() | {
             "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": code}
         print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
-        self.writer.begin_again(partial(self.write, parameters=parameters))
         if self.checkpoints:
             self.checkpoints.remove()
+        self.writer.begin_again(partial(self.write, parameters=parameters))
         return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters,
                        resumed=None)
 
@@ -278,10 +279,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    plans = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]), fastest_decay(layout))
-    began, repeated = _began(settings)
-    (settings, time_step), *repeats = next((plans[k:] for k, (one, step_s) in enumerate(plans)
-                                            if began == (one.mass_scaling, step_s)), plans)
+    options = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]), fastest_decay(layout))
+    ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     _warn_of(backend, settings, wall, time_step, modes.critical_time_step_s)
@@ -291,7 +290,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
           *record_lines(settings), *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n",
           flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, **repeated,
+                  "time_step_s": time_step, **so_far,
                   "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
                   "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
@@ -305,13 +304,6 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     print(f"history: {writer.where}", flush=True)
     return Prepared(backend, settings, layout, modes, time_step, writer, state, tables,
                     _checkpoints(backend, settings, writer), tuple(repeats), parameters, write)
-
-
-def _began(settings):
-    """(mass scaling, time step [s]) and {"repeats", "repeated_for"} of the history with which a run goes on."""
-    before = read_history(settings.resumed).parameters if settings.resumed else {}
-    return ((before.get("mass_scaling"), before.get("time_step_s")),
-            {"repeats": before.get("repeats", 0), "repeated_for": before.get("repeated_for")})
 
 
 def _check_out(out, settings):

@@ -2,14 +2,24 @@
 
 import numpy as np
 
-from damage.errors import InputError
+from damage.errors import InputError, RunError
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.law.states import ENDED
+from damage.run.settings import ACCEPTED_DROP_M
 from damage.units import GRAVITY
 from damage.wall.kinematics import rigid_displacement
 from damage.wall.strain import modes_of
 
 _TINY = 1e-9  # [m]
+ENERGY, DROP, FAILURE = "energy", "drop", "failure"
+
+
+class NotAccepted(RunError):
+    """A run with mass scaling that is to be repeated; code: ENERGY or DROP, FAILURE of any other RunError."""
+
+    def __init__(self, code, text):
+        super().__init__(text)
+        self.code = code
 
 
 def index_now(layout, drift_ratio, joints, opening, offset):
@@ -56,6 +66,13 @@ class Borne:
         z, rotation = motion[:, :, 1], motion[:, :, 2]
         drop = z[:, self._low] + np.sin(rotation[:, self._low]) * self._arm - z[:, self._brick]
         return np.minimum.reduceat(drop, self._start, axis=1).max(axis=1, initial=0.0)
+
+
+def check_drop(drop_m, time_s):
+    """Raise NotAccepted where a brick has dropped by so much [m] from what bore it; time_s: when."""
+    if drop_m > ACCEPTED_DROP_M:
+        raise NotAccepted(DROP, f"a brick has dropped by {1e3 * drop_m:.2g} mm from those that bore it by {time_s:.2f} "
+                          f"s, with mass scaling accepted up to {1e3 * ACCEPTED_DROP_M:g} mm")
 
 
 def have_left(layout, motion, joints, state):

@@ -2,13 +2,14 @@
 
 run_opensees.py weight WALL.py: settlement of the top [m], first period [s], joints that failed, shares.
 run_opensees.py path BRICK.py PATH.json: forces on the ground along a path of the only brick [m], without rotation.
+run_opensees.py shake WALL.py PERIOD_S AMPLITUDE_G CYCLES DT_S STEPS: motion of the top [m], joints that failed.
 run_opensees.py push PIER.py NODE INCREMENT_M STEPS: base shear along a push of a node, its weight.
 """
 
 import json
 import runpy
 import sys
-from math import pi
+from math import pi, sin
 
 import openseespy.opensees as ops
 
@@ -58,6 +59,23 @@ def path(file):
     return {"forces_n": forces}
 
 
+def shake(period_s, amplitude_g, cycles, dt_s, steps):
+    assert model["weight"]()
+    at_rest, dt_s, steps = model["top"](1), float(dt_s), int(steps)
+    model["solver"](1.0, "Newton")
+    angles = [2 * pi * k * dt_s / float(period_s) for k in range(steps + 2)]
+    acceleration = [float(amplitude_g) * 9.81 * sin(angle) * (angle <= 2 * pi * float(cycles)) for angle in angles]
+    ops.timeSeries("Path", 3, "-dt", dt_s, "-values", *acceleration)
+    ops.pattern("UniformExcitation", 3, 1, "-accel", 3)
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+    top = []
+    for _ in range(steps):
+        assert model["transient"](1, dt_s)
+        top.append(model["top"](1) - at_rest)
+    return {"top_m": top, "failed": len(model["JOINTS"]) - len(model["INTACT"])}
+
+
 def push(node, increment, steps):
     found = model["weight"]()
     weight_n, shear = on_ground()[1], []
@@ -74,4 +92,4 @@ def push(node, increment, steps):
             "failed": len(model["JOINTS"]) - len(model["INTACT"])}
 
 
-print(json.dumps({"weight": weight, "path": path, "push": push}[kind](*words)))
+print(json.dumps({"weight": weight, "path": path, "shake": shake, "push": push}[kind](*words)))
