@@ -291,6 +291,10 @@ class TestLargestOfAllDirections:
         east, north = (read_record(shipped_record_path(f"BGAR_{end}")) for end in ("HGE", "HGN"))
         with pytest.raises(InputError, match="give --window"):
             on_axis_of(north, east)
+        for other in ("BGAR_HGE", "BZN1_HGN"):
+            with pytest.raises(InputError, match="of the same station"):
+                Recorded(east, window_s=(17, 27), across=on_axis_of(
+                    read_record(shipped_record_path(other)), east, (17, 27)))
         with pytest.raises(InputError, match="time step"):
             on_axis_of(Record("coarse", 0.02, np.ones(5000), start_utc=east.start_utc), east)
 

@@ -225,6 +225,8 @@ class Recorded(Loading):
         for name in ("vertical", "across"):
             if (other := getattr(self, name)) is not None:
                 _check_simultaneous(self.record, other, name)
+        if self.across is not None:
+            _check_pair(self.record, self.across)
         self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
     @cached_property
@@ -522,6 +524,15 @@ def _check_simultaneous(record: Record, other: Record, name: str) -> None:
         late_s = prepare.start_difference_s(other, record)
         if abs(late_s) > 0.5 * record.time_step_s:
             raise InputError(f"{other.name} starts {late_s:g} s after {record.name}; {correction}")
+
+
+def _check_pair(record: Record, across: Record) -> None:
+    """Two components have to be of one station, by their names where these end in channels as HGE."""
+    stations = [re.fullmatch(r"(.+)[._][A-Z]{2}[A-Z0-9]", one.name) for one in (record, across)]
+    same = record.name == across.name or (record.sha256 and record.sha256 == across.sha256)
+    if same or (all(stations) and stations[0][1] != stations[1][1]):
+        raise InputError(f"across {across.name} beside {record.name}: expected the other horizontal component of the "
+                         "same station; give that one")
 
 
 def _origin(record: Record) -> dict:
