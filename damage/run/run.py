@@ -10,7 +10,7 @@ from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.before import as_bytes, with_zero, zero_of
-from damage.run.scheme import check_drop
+from damage.run.scheme import DROP, NotAccepted, check_drop
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -330,6 +330,8 @@ class Run:
         if self._borne and self.stage != "settlement" and end > 0:
             check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
+        if self._borne and len(fell) > 0:
+            raise NotAccepted(DROP, f"a brick has fallen by {time_s[fell[0]]:.2f} s, with mass scaling")
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
         free = self.stage == "settlement" and self.settings.loading.drive.top is not None  # before it is pushed
