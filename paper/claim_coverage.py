@@ -9,8 +9,10 @@ rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without
 sheet answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of another wall, whose
 joints the cracks are laid on.
 
-Prints a table: claims; answers, and those that are wrong; for each prior of settlement the share of claims, weighted by
-that prior, whose true widths lie in the 90 % intervals; then the same for the draws alone, whatever their number.
+Prints three tables.  Claims, why there is no answer, and answers that are wrong, also where only the number of draws
+forbids one.  For each prior of settlement the share of claims, weighted by that prior, whose true widths lie in the
+90 % intervals.  What the sheet states as "not without the earthquakes" beside what was so, by a prior of 0.5, and the
+share of draws that resemble a survey, from which follows how many are needed.
 """
 
 import sys
@@ -39,6 +41,7 @@ from damage.wall.model_options import ModelOptions
 from paper.bench import arguments, option, print_row, print_table
 
 LIMIT, ERROR, STEP = 0.1 * MILLIMETRE, 0.05 * MILLIMETRE, 0.05 * MILLIMETRE
+BINS = 0, 0.25, 0.5, 0.75, 0.9, 1
 CLAIMS = {"B": "both", "E": "earthquakes", "S": "settlement"}
 """{kind of claim: state of the twins that is surveyed}."""
 
@@ -160,6 +163,21 @@ def coverage(rows, column):
     return ", ".join(shares)
 
 
+def print_calibration(one, rows):
+    """Rows of what the sheet states beside what was so, of claims of B and E, and a row on the number of draws."""
+    mine = rows[rows["kind"].isin(["B", "E"])]
+    said, so = mine["p_0.5"].astype(float), mine["not_without_earthquakes"].astype(float)
+    for low, high in zip(BINS, BINS[1:]):
+        inside = (said > low - (low == 0)) & (said <= high)
+        if inside.any():
+            print_row(one.name, f"{100 * low:g} to {100 * high:g}", int(inside.sum()), round(100 * said[inside].mean()),
+                      round(100 * so[inside].mean()))
+    resemble = (rows["draws"] / len(one.twins)).astype(float)
+    print(f"{one.name}: {100 * resemble.median():.0f} % of the draws resemble a survey (median; 5 % of claims: below "
+          f"{100 * resemble.quantile(0.05):.0f} %); of claims without {LEAST_DRAWS} of 400 draws "
+          f"{100 * (400 * resemble < LEAST_DRAWS).mean():.0f} %", file=sys.stderr)
+
+
 def print_rows(rows, title):
     """Rows of the table of one set of claims, by kind."""
     for kind in CLAIMS:
@@ -197,6 +215,11 @@ def main():
         if "draws" in rows:
             print_row(one.name, *(coverage(rows, f"{table}_{what}") for what in ("before", "added", "left")
                                   for table in ("like_survey", "all_draws")))
+    print()
+    print_table("wall", "stated of 100", "claims", "mean stated", "true of 100")
+    for one, rows in zip(libraries, tables):
+        if "draws" in rows:
+            print_calibration(other or one, rows)
 
 
 if __name__ == "__main__":

@@ -27,18 +27,21 @@ RUNS = {
     "falling": (SMALL, "--harmonic", "0.1", "1.5", "--rest", "0.1", "--new-contacts", "--after-fall", "--no-pictures",
                 "--quiet"),
     "deformable": ("--bricks", "deformable", "--rest", "0"),
+    "scaled": ("window.toml", "--harmonic", "0.06", "1.5", "--cycles", "2", "--rest", "0", "--no-pictures", "--quiet"),
     "fibres": ("soft.toml", "--harmonic", "0.06", "0.9", "--rest", "0", "--fibres", "4", "--perturb", "1e-8", "--seed",
                "2", "--no-pictures", "--quiet"),
 }
 SOFT = ('name = "soft"\nlength = 0.9\nheight = 0.6\nprecompression = 0.1e6\n'
         'joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n')
+WALLS = {"soft.toml": SOFT,  # the other's steps are repeated, with less and without mass scaling
+         "window.toml": f"{SOFT}[[openings]]\nleft = 0.3\nwidth = 0.3\nheight = 0.3\nsill = 0.15\n"}
 
 
 def words_of(name, folder):
     """The words of a run; its wall is in the folder where it does not ship."""
     first, *more = RUNS[name] or [""]
-    if first == "soft.toml":
-        (folder / first).write_text(SOFT)
+    if first in WALLS:
+        (folder / first).write_text(WALLS[first])
         return [folder / first, *more]
     return RUNS[name] if first == SMALL else (*SHAKE, *RUNS[name])
 
@@ -88,6 +91,7 @@ def test_ten_kills_leave_every_bit(name, tmp_path, monkeypatch):
     assert differences(whole, cut) == [] and not checkpoint_path(cut).exists()
     first, second = damage.read_history(whole), damage.read_history(cut)
     assert first.parameters == second.parameters and second.complete and len(second.series) > 20
+    assert (second.parameters["repeats"] > 0) == (name == "scaled")
 
 
 @pytest.fixture(scope="module")
@@ -188,13 +192,25 @@ def test_kills_of_a_run_in_yade_leave_every_bit(tmp_path, yade_command):
     assert_array_equal(*(damage.read_history(path).snapshot_time_s for path in (cut, tmp_path / "whole.h5")))
 
 
-def run_until_a_checkpoint(command, path, sign):
-    """Run a command until it has written two checkpoints, then send it the signal."""
+@pytest.mark.yade
+def test_a_top_that_turns_against_a_spring_goes_on_in_yade(tmp_path, yade_command):
+    """What acts on a brick that is held is added between two steps, and is in the checkpoint, too."""
+    words = ("-j1", *SHORT, SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures")
+    assert yade_command(*words, "--out", tmp_path / "whole.h5").returncode == 0
+    cut = tmp_path / "cut.h5"
+    run_until_a_checkpoint([*COMMAND, *words, *OFTEN, "--out", cut], checkpoint_path(cut), signal.SIGKILL, pushed=True)
+    assert yade_command(*words, "--resume", cut).returncode == 0
+    assert differences(tmp_path / "whole.h5", cut) == []
+
+
+def run_until_a_checkpoint(command, path, sign, pushed=False):
+    """Run a command until it has written two checkpoints, or pushed: one later than the static stage, then send it the
+    signal."""
     with subprocess.Popen([*map(str, command)], cwd=REPOSITORY, stdout=subprocess.DEVNULL,
                           stderr=subprocess.DEVNULL) as run:
         seen = {path.stat().st_mtime_ns} if path.exists() else set()
         enough = len(seen) + 2
-        while len(seen) < enough and run.poll() is None:
+        while run.poll() is None and (len(seen) < enough or (pushed and read_checkpoint(path)["last_time_s"] < 0.02)):
             if path.exists():
                 seen.add(path.stat().st_mtime_ns)
             time.sleep(0.002)

@@ -1,6 +1,7 @@
 """Surveys: straight lines on stepped paths, what a survey says of itself, its distance from simulated patterns."""
 
 import json
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -89,6 +90,19 @@ def test_a_survey_beside_the_wall_is_refused(tmp_path):
 def test_lines_go_on_where_the_stretch_before_ends():
     ends = np.array([[[0, 0], [1, 0]], [[1, 0], [1, 1]], [[2, 0], [3, 0]]], float)
     assert [len(one) for one in lines_of(ends)] == [3, 2] and lines_of(ends[:0]) == []
+
+
+def test_a_line_of_many_points_takes_little_memory():
+    """A zigzag of hundreds of lines through the wall, and a line of two kilometres, mostly beside it."""
+    x = np.linspace(0, 2.2, 500)
+    zigzag = np.column_stack([x, 0.75 + 0.3 * (-1.0) ** np.arange(len(x))])
+    far = np.array([[-900, 0.4], [1000, 1.2]])
+    tracemalloc.start()
+    paths = crack_paths(np.stack([zigzag[:-1], zigzag[1:]], axis=1), LAYOUT)
+    beside = crack_paths(far[np.newaxis], LAYOUT)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert paths.share > 0.5 and beside.on_joints_m == pytest.approx(2.25, abs=0.2) and most < 400e6
 
 
 # --- what a survey says of itself ----------------------------------------------------------------------

@@ -121,12 +121,8 @@ def _load_scene(scene, solver):
 
 
 def _loads():
-    """Forces and torques on the bodies that are no clumps, (n_ids, 6) [N, N m]."""
-    loads = np.zeros((len(O.bodies), 6))
-    for body in O.bodies:
-        if not body.isClump:
-            loads[body.id] = *O.forces.f(body.id, True), *O.forces.t(body.id, True)
-    return loads
+    """Forces and torques on the bodies, of clumps those of a top that is held or restrained, (n_ids, 6) [N, N m]."""
+    return np.array([(*O.forces.f(body.id, True), *O.forces.t(body.id, True)) for body in O.bodies])
 
 
 def _forces():

@@ -2,9 +2,9 @@
 
 A request is answered only with the host name of the loopback interface in its Host (other sites that point their name
 here are refused), with an Origin of this page or none, and with the token that the program printed: in the address at
-the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides.  All addresses
-lie below a random one, the cookie's path: browsers send cookies to every port of a machine.  The page asks for nothing of
-another machine; its Content-Security-Policy forbids it.
+the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides.  All
+addresses lie below a random one, the cookie's path: browsers send cookies to every port of a machine.  The page asks
+for nothing of another machine; its Content-Security-Policy forbids it.
 """
 
 import secrets

@@ -29,7 +29,10 @@ SIMPLER = 15 * MILLIMETRE
 """Distance up to which a polyline may be simplified [m]: noise of drawing by hand, less than steps of bricks."""
 AROUND_M = 1.0
 """How far from a polyline its path is searched [m]."""
+MOST_TOGETHER = 100
+"""Stretches of a polyline whose path is searched at once: a longer one is several, for memory."""
 _SAMPLE = 5 * MILLIMETRE  # pieces of lines whose distance from the path is worked out
+_CHUNK = 400  # of them at once: memory
 _SAME = 1e-6  # [m], two corners closer than this are one
 _END = 10.0  # cost of a metre between an end or a corner of the line and the corner of joints that stands for it
 
@@ -56,11 +59,13 @@ class CrackPaths:
 
 
 def lines_of(ends):
-    """Polylines (n, 2) [m] of stretches (n, 2, 2) [m] in their order: a stretch goes on where the one before ends."""
+    """Polylines (n, 2) [m] of stretches (n, 2, 2) [m] in their order: a stretch goes on where the one before ends, for
+    up to MOST_TOGETHER."""
     goes_on = np.zeros(len(ends), bool)
     goes_on[1:] = np.all(ends[1:, 0] == ends[:-1, 1], axis=1)
-    starts = np.flatnonzero(~goes_on)
-    return [np.vstack([part[:, 0], part[-1:, 1]]) for part in np.split(ends, starts[1:]) if len(part)]
+    wholes = [part for part in np.split(ends, np.flatnonzero(~goes_on)[1:]) if len(part)]
+    parts = [part for whole in wholes for part in np.split(whole, range(MOST_TOGETHER, len(whole), MOST_TOGETHER))]
+    return [np.vstack([part[:, 0], part[-1:, 1]]) for part in parts]
 
 
 def crack_paths(stretches, layout, tolerance=None):
@@ -117,10 +122,16 @@ def _distances(points, segments):
     return np.linalg.norm(away - share[..., np.newaxis] * along, axis=2)
 
 
+def _in_chunks(function, points):
+    """A function of points (n, 2) that gives (n,), for a few of them at a time."""
+    return np.concatenate([function(part) for part in np.split(points, range(_CHUNK, len(points), _CHUNK))])
+
+
 class _Network:
     """The joints of a Layout between the corners at which they meet.
 
     ends: (n_joints, 2, 2) [m]; length: (n_joints,) [m]; corners: (n_corners, 2) [m]; corner: (n_joints, 2) indices;
+    joint_of: {(corner, corner): joint};
     low, high: (n, 2) [m], corners of all bodies.
     """
 
@@ -136,11 +147,17 @@ class _Network:
         graph = scipy.sparse.coo_matrix((np.ones(len(same)), same.T), shape=(len(places),) * 2)
         corner = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
         self.corners, self.corner = places[np.unique(corner, return_index=True)[1]], corner.reshape(-1, 2)
+        self.joint_of = {tuple(sorted(pair)): number for number, pair in enumerate(self.corner.tolist())}
 
     def _has(self, points, margin):
         """Whether points (n, 2) lie in bodies, or within a margin [m] of one."""
-        points = points[:, np.newaxis]
-        return ((points >= self.low - margin) & (points <= self.high + margin)).all(axis=2).any(axis=1)
+        def inside(points):
+            low, high = self.low - margin, self.high + margin
+            near = ((low <= points.max(axis=0)) & (high >= points.min(axis=0))).all(axis=1)
+            points = points[:, np.newaxis]
+            return ((points >= low[near]) & (points <= high[near])).all(axis=2).any(axis=1)
+
+        return _in_chunks(inside, points)
 
     def covered(self, drawn, joint, tolerance, margin):
         """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these joints within the
@@ -150,7 +167,8 @@ class _Network:
             length = float(np.hypot(*(end - start)))
             n = max(1, int(np.ceil(length / _SAMPLE)))
             middle = start + (end - start) * ((np.arange(n) + 0.5) / n)[:, np.newaxis]
-            near = _distances(middle, self.ends[joint]).min(axis=1) <= tolerance * (1 + 1e-9)
+            near = _in_chunks(lambda points: _distances(points, self.ends[joint]).min(axis=1), middle) \
+                <= tolerance * (1 + 1e-9)
             covered += length * float((near & self._has(middle, margin)).mean())
         return covered
 
@@ -186,7 +204,9 @@ class _Network:
 
     def _path(self, parts, height):
         """(part, joint, unit vector of travel) of each joint of the path along parts (n_parts, 2, 2) [m] of a line."""
-        near = np.flatnonzero(_distances(self.corners, parts).min(axis=1) <= AROUND_M)
+        low, high = (pick(parts, axis=(0, 1)) for pick in (np.min, np.max))
+        near = np.flatnonzero(((self.corners >= low - AROUND_M) & (self.corners <= high + AROUND_M)).all(axis=1))
+        near = near[_distances(self.corners[near], parts).min(axis=1, initial=np.inf) <= AROUND_M]
         if len(near) == 0:
             return np.zeros(0, int), np.zeros(0, int), np.zeros((0, 2))
         local = np.full(len(self.corners), -1)
@@ -218,7 +238,6 @@ class _Network:
         here, there = nodes[:-1], nodes[1:]
         inside = here // n == there // n
         part, one, other = here[inside] // n, near[here[inside] % n], near[there[inside] % n]
-        numbers = {tuple(sorted(pair)): number for number, pair in enumerate(self.corner.tolist())}
-        joint = np.array([numbers[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int)
+        joint = np.array([self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int)
         travel = self.corners[other] - self.corners[one]
         return part, joint, travel / np.hypot(*travel.T)[:, np.newaxis]

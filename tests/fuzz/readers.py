@@ -17,6 +17,7 @@ from damage.files import DATA
 from damage.laboratory import dic
 from damage.measure import crack_file
 from damage.measure.crack_mapping import map_cracks
+from damage.measure.crack_paths import crack_paths
 from damage.motion.formats import read_record, shipped_record_path
 from damage.studies.definition import load_study
 from damage.units import GRAVITY
@@ -115,6 +116,7 @@ def _field(folder):
 def _map(path):
     for pattern in crack_file.read_cracks(path):
         map_cracks(pattern, _layout())
+        crack_paths(pattern.stretches, _layout())
 
 
 def _measure(path):
