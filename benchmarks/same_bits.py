@@ -33,7 +33,7 @@ RUNS = {
                   "none"],
     "scaled": ["walls/variants/symmetric_softening.py", "--harmonic", "0.2", "0.05", "--rest", "0.2"],
     "deformable": [SMALL, "--harmonic", "0.06", "0.8", "--rest", "0.2", "--bricks", "deformable"],
-    "house": ["walls/terrace_end.toml", "--harmonic", "0.1", "0.2", "--rest", "0.2"],
+    "house": ["walls/terrace_end.toml", "--harmonic", "0.1", "0.2", "--rest", "0.2", "--mass-scaling", "none"],
     "settled": [SMALL, "--settle", "hogging", "--distortion", "1/500", "--harmonic", "0.06", "0.4", "--rest", "0.2"],
     "crushing": ["walls/variants/comp2_4_split_and_crush.py", "--pushover", "0.05"],
     "soil": [SMALL, "--soil", "1e9", "--soil-velocity", "100", "--harmonic", "0.06", "0.6", "--rest", "0.2"],

@@ -141,7 +141,7 @@ def table(path):
     found = pd.read_csv(path)
     print_table("wall and motion", "step", "by the rule", "draws", *(
         f"{words} [%]" if words != "residual DI" else words for words in COMPARED.values()), "DI of a run [%]",
-        "least p", "energy error [%]", "time [s]")
+        "least p", "energy error [%]", "time [s]", "explicit [s]")
     for case, way in product(CASES, SCHEMES):
         own, other = (found[(found["case"] == case) & (found["scheme"] == one)].set_index("draw")
                       for one in (way, "explicit"))
@@ -153,7 +153,7 @@ def table(path):
         print_row(case.replace("_", " "), way, "yes" * (way == _by_the_rule(case)), len(own),
                   *(_difference(own[name].median(), other[name].median(), name) for name in COMPARED),
                   f"{100 * apart:.1f}", f"{min(tests):.2f}", f"{error.median():.3f} to {error.max():.3f}",
-                  f"{own['cpu_s'].median():.2f}")
+                  f"{own['cpu_s'].median():.2f}", f"{other['cpu_s'].median():.2f}")
 
 
 def _by_the_rule(case):

@@ -28,6 +28,7 @@ from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.restraints import Restraint
 
 DOOR = Wall("door", 1.35, 0.9, [Opening(0.45, 0.45, 0.6)], lintel="courses")
 CONTACT = re.compile(r"block contact (property|jmodel assign) (.*?)(?: range group-intersection (.*))?$")
@@ -248,11 +249,11 @@ def test_what_another_program_cannot_have_is_refused(option, words, said, tmp_pa
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("joint", "said"), [
-    (Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0), "soften"),
-    (Joint(compressive_strength=1e7), "crush")])
-def test_joints_that_soften_or_crush_are_refused(joint, said, tmp_path):
-    layout = lay_out(Wall("soft", 0.9, 0.45, joint=joint))
+@pytest.mark.parametrize(("has", "said"), [
+    ({"joint": Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0)}, "soften"),
+    ({"joint": Joint(compressive_strength=1e7)}, "crush"), ({"restraints": [Restraint("top")]}, "restraints")])
+def test_walls_that_soften_crush_or_are_held_are_refused(has, said, tmp_path):
+    layout = lay_out(Wall("soft", 0.9, 0.45, **has))
     for write in (write_opensees, write_3dec):
         assert said in one_line_error(write, layout, tmp_path / "out")
 

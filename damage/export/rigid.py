@@ -14,6 +14,7 @@ def check_rigid(layout, option, *, cuts=True):
         (layout.strain is not None, "deformable bricks with strain modes", "rigid ones; leave --bricks deformable out"),
         (joint.softens, "joints that soften", "brittle ones; take the wall's fracture energies out"),
         (joint.compressive_strength is not None, "joints that crush", "none; take the compressive strength out"),
+        (layout.wall.restraints, "restraints of its edges", "free ones; take the restraints out"),
         (options.soil_velocity > 0, "soil with radiation damping", "none; leave --soil-velocity out"),
         (not cuts and (layout.contacts.kind == CUT).any(), "bricks or lintels of glued parts",
          "whole ones: a lintel of courses (--lintel elastic of a wall without beams), no --brick-cells, no brick that "

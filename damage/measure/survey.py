@@ -43,7 +43,8 @@ class Survey:
     file, sha256: of the file; pattern: CrackPattern as drawn; table: DataFrame, a row each joint: joint, crack,
     length_m, opening_m, slip_m, width_m (of the widest crack there), offset (1 seen, 0 not, NaN unknown);
     n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m: largest distance of joints from the lines
-    that they stand for; detection_limit_m, width_error_m: of the file, else THRESHOLD and WIDTH_ERROR;
+    that they stand for; detection_limit_m, width_error_m: of the file, else THRESHOLD, or the narrowest surveyed width
+    below it, and WIDTH_ERROR;
     looked_at: joints that were looked at (n_joints,): all of them where the survey names no area without a crack;
     notes: sentences on what was assumed.
     """
@@ -131,7 +132,8 @@ def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
     found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
         "joint", ignore_index=True)
     limit, error = pattern.detection_limit_m, pattern.width_error_m
-    known = [THRESHOLD if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
+    narrowest = min(THRESHOLD, float(parts["width_m"].min())) if len(parts) else THRESHOLD
+    known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
     return Survey(file, sha256, pattern, found, wall.n_joints, paths.share, paths.apart_m, *known,
                   _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
 
@@ -166,7 +168,7 @@ def _assumed(pattern, known):
     words = ("detection limit", "error of widths"), (pattern.detection_limit_m, pattern.width_error_m)
     for word, given, taken in zip(*words, known):
         if isnan(given):
-            yield f"the survey gives no {word}: {taken / MILLIMETRE:g} mm is taken"
+            yield f"the survey gives no {word}: {taken / MILLIMETRE:.3g} mm is taken"
     if len(pattern.clear) == 0:
         yield "the survey names no area without a crack: the whole wall is taken as looked at"
     alone = pattern.stretches["opening_m"].isna().to_numpy()
@@ -255,7 +257,7 @@ def describe_beside(found):
     return [
         f"survey {survey['file']}: {survey['cracks']} cracks, {survey['crack_length_m']:.2f} m, "
         f"{100 * survey['share_on_joints']:.0f} % of it on joints, up to {1e3 * survey['apart_m']:.0f} mm away",
-        f"seen from {survey['detection_limit_mm']:g} mm, +-{survey['width_error_mm']:g} mm",
+        f"seen from {survey['detection_limit_mm']:.3g} mm, +-{survey['width_error_mm']:.3g} mm",
         f"{'':16}{'survey':>10}{'run':>10}",
         *(f"{name:16}{here:>10.3g}{there:>10.3g}" for name, (here, there) in found["widths"].items()),
         f"pattern of visible cracks: {in_words(found['pattern'])}",
