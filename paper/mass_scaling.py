@@ -148,7 +148,8 @@ def table(path):
         if not len(own):
             continue
         other = other.loc[own.index]
-        error, tests = 100 * own["energy_error_fraction"], [ks_2samp(own[name], other[name]).pvalue for name in COMPARED]
+        error = 100 * own["energy_error_fraction"]
+        tests = [ks_2samp(own[name], other[name]).pvalue for name in COMPARED]
         apart = (own["max_DI"] / other["max_DI"] - 1).abs().median()
         print_row(case.replace("_", " "), way, "yes" * (way == _by_the_rule(case)), len(own),
                   *(_difference(own[name].median(), other[name].median(), name) for name in COMPARED),

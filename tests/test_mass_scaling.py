@@ -20,7 +20,7 @@ from damage.mechanics.factor import scaled_mass
 from damage.mechanics.tables import DAMPING
 from damage.reference.lanes import run_together
 from damage.reference.session import BACKEND
-from damage.reference.settled import _digest
+from damage.reference.settled import digest_of
 from damage.reference.wall import ReferenceWall
 from damage.run import scheme, watch
 from damage.run.options import parse_run
@@ -157,7 +157,8 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
 @pytest.mark.parametrize("words, step_s", [
     ("", 1e-4), ("--sequence 1,0.5", 1e-4), ("--lintel none", 1e-4),
     ("--bricks deformable --contacts gauss", 5e-5), ("--mass-scaling none", None), ("--dt 1e-5", None),
-    ("--pushover 0.1", None), ("--free-vibration", None), ("--settle hogging", None), ("--settle hogging --harmonic 0.2 0.05", None),
+    ("--pushover 0.1", None), ("--free-vibration", None), ("--settle hogging", None),
+    ("--settle hogging --harmonic 0.2 0.05", None),
     ("--contacts gauss", None),
     ("--bricks deformable", None), ("--soil 1e8", None), ("--fibres 4", None), ("--new-contacts", None),
     ("--settling local", None), ("--relaxation local", None)])
@@ -182,7 +183,7 @@ def test_yade_takes_explicit_steps():
 def test_settled_states_are_kept_by_the_matrix():
     def key(**changes):
         settings = replace(parse_run([], "", "reference"), mass_scaling="selective", **changes)
-        return _digest(SimpleNamespace(layout=1, time_step=2e-4, settings=settings))
+        return digest_of(SimpleNamespace(layout=1, time_step=2e-4, settings=settings))
 
     assert key(beta_s=1e-6) == key(beta_s=1e-6) != key(beta_s=2e-6)
 
