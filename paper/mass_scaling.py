@@ -30,7 +30,7 @@ from damage.mechanics.tables import FRACTURE, FRICTION
 from damage.motion.intensity import pgv_m_s
 from damage.reference.session import run_references
 from damage.reference.wall import ReferenceWall
-from damage.run import scheme
+from damage.run import scheme, watch
 from damage.run.options import parse_run
 from damage.run.schedule import SOFTENING_STEP_FACTOR
 from damage.studies.fragility import fit
@@ -94,7 +94,7 @@ def _wall(name):
 
 def runs(folder, draws, names):
     """Append rows of all cases, draws and schemes that runs.csv lacks."""
-    scheme.ACCEPTED_ERROR = scheme.ACCEPTED_DROP_M = np.inf
+    scheme.ACCEPTED_ERROR = watch.ACCEPTED_DROP_M = np.inf
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "runs.csv"
     done = set(map(tuple, pd.read_csv(path)[FIELDS[:3]].astype(str).to_numpy())) if path.is_file() else ()
@@ -158,14 +158,14 @@ def table(path):
 
 
 def _by_the_rule(case):
-    """The scheme of a case where nothing is asked for."""
+    """The step with mass scaling of a case where nothing is asked for, None of an explicit one."""
     wall, words = CASES[case]
     settings = parse_run([*words, *(["--life", "1"] if words is LIFE else [])], "", "reference").for_joint(
         _wall(wall).joint)
     (settings, step_s), *_ = scheme.schemes(settings, _wall(wall), _modes(wall).critical_time_step_s,
                                             float(_modes(wall).period_s[0]))
     return next((step for step in SCHEMES if settings.mass_scaling == "selective" and step[1:] in ("e-4", "e-5")
-                 and np.isclose(float(step), step_s, rtol=0.01)), "local")
+                 and np.isclose(float(step), step_s, rtol=0.01)), None)
 
 
 def _difference(value, other, name):
@@ -248,13 +248,13 @@ def _stored(wall, layout):
 
 def falling():
     """Print when a spandrel without a lintel falls: explicitly, with mass scaling alone, and as a user gets it."""
-    accepted = scheme.ACCEPTED_DROP_M
+    accepted = watch.ACCEPTED_DROP_M
     print_table("draw", "explicit [s]", "mass scaling alone [s]", "as offered [s]", "repeated for")
     for draw in range(1, 9):
         times = []
         for limit, words in ((accepted, {"mass_scaling": "none"}), (np.inf, {"mass_scaling": "selective"}),
                              (accepted, {})):
-            scheme.ACCEPTED_DROP_M = limit
+            watch.ACCEPTED_DROP_M = limit
             history = damage.run(str(REPOSITORY / SYMMETRIC), BGAR[1], window=(18.2, 20.7), scale=2.5, rest=0.1,
                                  lintel="none", strength_cov=0.3, strength_seed=draw, **words)
             times.append(history.collapsed_at_s)

@@ -192,9 +192,8 @@ class TestAcceptance:
     def test_repeated_members_are_counted(self, monkeypatch, tmp_path, capsys):
         monkeypatch.setattr(watch, "ACCEPTED_DROP_M", 1e-6)
         out = tmp_path / "run.h5"
-        assert run_session(BACKEND, __file__, softening_wall, ["--harmonic", "0.06", "0.3", "--rest", "0.1",
-                                                               "--members", "2",
-                                                               "--no-pictures", "--out", str(out)], "") == 0
+        words = ["--harmonic", "0.06", "0.3", "--rest", "0.1", "--members", "2", "--no-pictures", "--out", str(out)]
+        assert run_session(BACKEND, __file__, softening_wall, words, "") == 0
         assert "2 members, 2 of them repeated" in capsys.readouterr().out
         table = pd.read_csv(tmp_path / "run_members.csv")
         assert set(table["repeated_for"]) == {"drop"} and points_of(table)["repeated"].tolist() == [2]

@@ -24,11 +24,9 @@ from damage.run.settings import (
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
 from damage.run.watch import (
-    DROP,
     BaseMotion,
     Borne,
     MaterialPoints,
-    NotAccepted,
     check_drop,
     fastest_fallen,
     have_fallen,
@@ -380,7 +378,7 @@ class Run:
             check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if self._borne and len(fell) > 0:
-            raise NotAccepted(DROP, f"a brick has fallen by {time_s[fell[0]]:.2f} s, with mass scaling")
+            check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
         free = self.stage == "settlement" and self.settings.loading.drive.top is not None  # before it is pushed
