@@ -216,8 +216,9 @@ def main():
                           for table in ("like_survey", "all_draws")))
     for one, rows in zip(libraries, tables):
         if "draws" in rows:
-            print_row(f"{one.name} ({len((other or one).twins)} draws)", *(coverage(rows, f"{table}_{what}") for what in ("before", "added", "left")
-                                  for table in ("like_survey", "all_draws")))
+            print_row(f"{one.name} ({len((other or one).twins)} draws)", *(
+                coverage(rows, f"{table}_{what}") for what in ("before", "added", "left")
+                for table in ("like_survey", "all_draws")))
     print()
     print_table("wall", "stated of 100", "claims", "mean stated", "true of 100")
     for one, rows in zip(libraries, tables):

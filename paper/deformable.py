@@ -124,8 +124,8 @@ def runs(folder):
 def simulate(wall, motion, options, out):
     """Five members of a run."""
     subprocess.run([sys.executable, "-m", "damage", "reference", wall, "--harmonic", *motion, "--rest", "1",
-                    "--contacts", "gauss", *EXPLICIT, *options, "--members", "5", "--no-pictures", "--quiet", "--overwrite",
-                    "--out", out.resolve()], cwd=REPOSITORY, check=True)
+                    "--contacts", "gauss", *EXPLICIT, *options, "--members", "5", "--no-pictures", "--quiet",
+                    "--overwrite", "--out", out.resolve()], cwd=REPOSITORY, check=True)
 
 
 def print_runs(folder):

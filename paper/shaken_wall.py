@@ -3,15 +3,19 @@
     python3 paper/shaken_wall.py FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
     python3 paper/shaken_wall.py FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
     python3 paper/shaken_wall.py FOLDER choices         # what load, bearing, stiffness and law change
+    python3 paper/shaken_wall.py FOLDER solvers         # run 21 in both solvers
 
 FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
 """
 
 import hashlib
+import json
 import math
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
@@ -22,10 +26,11 @@ from scipy.signal import butter, sosfiltfilt
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
-from damage import Brick, Joint, Wall
+from damage import Brick, Joint, Wall, read_history
 from damage.history.buffer import Buffer
 from damage.law.modes import natural_modes
 from damage.measure.cycles import natural_period
+from damage.motion.formats import write_csv
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.motion.record import Record
@@ -41,6 +46,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import RULE
 from damage.wall.restraints import Restraint
+from yade_scripts import COMMAND
 
 TABLES = REPOSITORY / "docs" / "tables"
 HEIGHT_M, COURSES, WIDTH_M, THICK_M, DENSITY = 2.58, 43, 1.292, 0.21, 1885.0
@@ -334,12 +340,54 @@ def choices(folder):
         subset=["with_mm"]).rename_axis("run").reset_index(), "us1_ec40")
 
 
+# --- both solvers ------------------------------------------------------------------------------------
+
+OPTIONS = ("--rest", "0.3", "--contacts", "gauss", "--cells", "8", "--strength-cov", str(COV), "--accept-implausible",
+           "--no-pictures", "--quiet")
+
+
+def solvers(folder):
+    """Run 21 alone, brittle joints: eight draws in the reference solver, the first of them in YADE."""
+    runs = read_runs(folder)
+    (event,), _ = events_of(folder, runs[runs["run"] == 21])
+    wall, record = fitted(Case(softens=False)), event.loading.record
+    cases = [("reference", seed) for seed in range(1, 9)] + [("yade", 1)]
+    command = {"reference": (sys.executable, "-m", "damage", "reference"), "yade": COMMAND}
+    rows = []
+    with TemporaryDirectory() as made:
+        write_csv(replace(record, acceleration_m_s2=event.factor * record.acceleration_m_s2), Path(made) / "run.csv",
+                  [])
+        (Path(made) / "wall.toml").write_text(as_toml(wall))
+        for solver, seed in cases:
+            file = f"{made}/{solver}_{seed}.h5"
+            subprocess.run([*command[solver], f"{made}/wall.toml", "--record", f"{made}/run.csv", *OPTIONS,
+                            "--strength-seed", str(seed), "--out", file], check=True, stdin=subprocess.DEVNULL,
+                           stdout=subprocess.DEVNULL, cwd=REPOSITORY)
+            history = read_history(file)
+            peak = np.abs(history.series["drift_ratio"]).max() * history.attributes["drift_height_m"]
+            rows.append({"solver": solver, "draw": seed, "peak_mm_middle": 1e3 * peak, "events": len(history.events)})
+    keep(pd.DataFrame(rows), "us1_solvers")
+
+
+def as_toml(wall):
+    """A strip as a wall file."""
+    def table(values):
+        return "{ " + ", ".join(f"{name} = {json.dumps(value)}" for name, value in values.items()
+                                if value is not None) + " }"
+
+    parts = wall.as_dict()
+    lines = [f"{name} = {json.dumps(parts[name])}" for name in ("name", "length", "height", "precompression")]
+    lines += [f"{name} = {table(parts[name])}" for name in ("brick", "joint")]
+    return "\n".join([*lines, f"restraints = [{', '.join(map(table, parts['restraints']))}]"]) + "\n"
+
+
 def main():
     try:
         folder, name = Path(sys.argv[1]), sys.argv[2]
-        {"bearings": bearings, "prediction": prediction, "choices": choices}[name](folder)
+        {"bearings": bearings, "prediction": prediction, "choices": choices,
+         "solvers": solvers}[name](folder)
     except (IndexError, KeyError, OSError) as error:
-        print(f"error: {error}: expected FOLDER bearings|prediction|choices, FOLDER with the files of "
+        print(f"error: {error}: expected FOLDER bearings|prediction|choices|solvers, FOLDER with the files of "
               "docs/validation/shaken-walls.md; give both", file=sys.stderr)
         return 2
     return 0

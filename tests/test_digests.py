@@ -117,7 +117,7 @@ def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypa
         digests.add(model_digest.__wrapped__(folder))
         path.write_text(text)
     assert len(digests) == 1 + len(modules)
-    assert {"run/watch.py", "run/before.py", "measure/crack_mapping.py", "exposure/models/bommer_2022.py",
+    assert {"run/watch.py", "run/before.py", "measure/crack_paths.py", "exposure/models/bommer_2022.py",
             "law/joint_law.py"} <= {path.relative_to(tmp_path / "damage").as_posix() for path in modules
                                      if path.is_relative_to(tmp_path / "damage")}
 
@@ -131,7 +131,7 @@ def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
         "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words", "wall/as_built": "words",
         "fields": "refuses", **dict.fromkeys(
             ("motion/loading", "motion/record", *(f"wall/{name}" for name in (
-                "floors", "kinds", "kinematics", "lintels", "model_options", "parameters", "plan"))),
+                "floors", "kinds", "kinematics", "lintels", "model_options", "parameters", "plan", "restraints"))),
             "of the model's digest")}
     modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles"}
     while left:

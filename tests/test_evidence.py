@@ -91,7 +91,7 @@ def test_the_document_has_the_ranges_of_the_code():
 
 def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypatch):
     for name in ("run_part.still", "run_part.preview", "report.plotly_code"):  # they take most of a page's time
-        monkeypatch.setattr(f"damage.html.{name}", lambda *_: "")
+        monkeypatch.setattr(f"damage.html.{name}", lambda *_: "plotly.js (basic - minified) v0")
     (tmp_path / "w.py").write_text(
         "from damage import Joint, Wall\n\n\ndef wall():\n"
         "    return Wall('high', 0.45, 0.9, precompression=0.0, joint=Joint(friction_angle=0.687))\n")

@@ -64,4 +64,4 @@ def test_the_schema_of_a_wall_has_what_its_fields_say():
     assert floor["properties"]["kind"] == {"enum": list(KINDS_OF_FLOORS)}
     assert all(one.metadata for kind in (Brick, Joint, Floor) for one in fields(kind))
     assert {one.name for kind in (Opening, Wall) for one in fields(kind) if not one.metadata} == {
-        "name", "openings", "brick", "joint", "outline", "floors", "lintel"}
+        "name", "openings", "brick", "joint", "outline", "floors", "lintel", "restraints"}

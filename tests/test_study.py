@@ -227,7 +227,8 @@ class TestTables:
         assert main(["tables", "run", str(history.path), "--out", str(tmp_path / "t" / "one")]) == 0
         assert main(["tables", "summary", str(history.path), "--out", str(tmp_path / "t" / "summary.csv")]) == 0
         assert sorted(path.name for path in (tmp_path / "t").iterdir()) == [
-            "one_cycles.csv", "one_events.csv", "one_index.csv", "one_info.json", "one_joints.csv", "summary.csv"]
+            "one_cycles.csv", "one_events.csv", "one_index.csv", "one_info.json", "one_joints.csv",
+            "one_static_stage.csv", "summary.csv"]
         index = pd.read_csv(tmp_path / "t" / "one_index.csv")
         assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
 

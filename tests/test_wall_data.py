@@ -130,10 +130,11 @@ class TestData:
         fake.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
         fake.chmod(0o755)
         given = ["-n", "a/house.toml", "--out", "x.h5"]
-        said = subprocess.run([REPOSITORY / "yade", *given], env={"PATH": f"{fake.parent}:/usr/bin:/bin"},
+        (tmp_path / "a").mkdir()
+        (tmp_path / "a/house.toml").touch()
+        said = subprocess.run([REPOSITORY / "yade", *given], env={"PATH": f"{fake.parent}:/usr/bin:/bin"}, cwd=tmp_path,
                               capture_output=True, text=True, check=True).stdout.splitlines()
         assert said[2:] == ["-n", str(REPOSITORY / "yade_scripts/wall_data.py"), *given[1:]]
-        (tmp_path / "a").mkdir()
         (tmp_path / "a/wall.py").touch()
         script = subprocess.run([REPOSITORY / "yade", "a/wall.py", "b.toml"], cwd=tmp_path, capture_output=True,
                                 text=True, check=True, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()

@@ -22,7 +22,7 @@ class SettledWalls:
 
     def of(self, prepared):
         """Settled of a Prepared run."""
-        digest = _digest(prepared)
+        digest = digest_of(prepared)
         return Settled(self, digest, digest in self._kept)
 
     def take(self, digest):
@@ -78,7 +78,7 @@ class State:
         copy_wall(self._tables, 0, wall.lanes.tables, wall.lanes.lane_of(wall))
 
 
-def _digest(prepared):
+def digest_of(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
     settings = prepared.settings
     begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,

@@ -377,6 +377,8 @@ class Run:
         if self._borne and self.stage != "settlement" and end > 0:
             check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
+        if self._borne and len(fell) > 0:
+            check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
         free = self.stage == "settlement" and self.settings.loading.drive.top is not None  # before it is pushed

@@ -25,11 +25,12 @@ _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
 
 def is_shown(settings, wall):
     """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit steps: softening joints,
-    openings, bricks that stay whole, shaken by a record or harmonically."""
+    openings, bricks that stay whole, shaken by a record or harmonically.  On ground that settles the residual DI
+    follows the damping of settling stages, which differs."""
     model = {name: getattr(settings.model, name) for name in _FREE}
     return (wall.joint.softens and len(wall.openings) > 0 and not wall.brick.splits
-            and wall.joint.compressive_strength is None
-            and not wall.restraints and isinstance(settings.loading, Harmonic | Recorded)
+            and wall.joint.compressive_strength is None and not wall.restraints
+            and settings.settlement is None and isinstance(settings.loading, Harmonic | Recorded)
             and settings.model in [replace(shown, **model) for shown in _SHOWN]
             and not settings.new_contacts and "local" not in (settings.relaxation, settings.settling))
 

@@ -112,9 +112,9 @@ class RunSettings:
     beta_s: float | None = quantity("s", 0, 1, words=(None,), default=0.0, option="beta", metavar="S", help="stiffness"
                                     f"-proportional damping (default 0, and {SOFTENING_BETA_S:g} where joints soften)")
     mass_scaling: str | None = choice(
-        MASS_SCALING, default=None, help="selective: steps of up to 2e-4 s by masses that grow with the stiffness of the "
-        "intact wall; a run that is not accepted is repeated in smaller steps (default: by the wall and its motion, "
-        "docs/validation/mass-scaling.md)")
+        MASS_SCALING, default=None, help="selective: steps of up to 2e-4 s by masses that grow with the stiffness of "
+        "the intact wall; a run that is not accepted is repeated in smaller steps (default: by the wall and its "
+        "motion, docs/validation/mass-scaling.md)")
     relaxation: str = "local"
     settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
                                   "YADE, and adaptive with mass scaling)")

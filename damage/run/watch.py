@@ -8,6 +8,7 @@ from damage.law.states import ENDED
 from damage.run.settings import ACCEPTED_DROP_M
 from damage.units import GRAVITY
 from damage.wall.kinematics import rigid_displacement
+from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE
 from damage.wall.strain import modes_of
 
 _TINY = 1e-9  # [m]
@@ -41,21 +42,23 @@ def have_fallen(motion, lowest):
 
 
 class Borne:
-    """Which bodies bear each brick of a layout: those below its bed joints or, where there is none, those that bear the
-    nearest such bricks of its course on both sides."""
+    """Which bodies bear each brick, and each part of a lintel, of a layout: those below its bed joints or, where there
+    is none, those that bear the nearest such bricks at its height on both sides."""
 
     def __init__(self, layout):
-        bodies, contacts, n = layout.bodies, layout.contacts, layout.n_bricks
-        x, below = bodies.x, [set() for _ in bodies.x]
+        bodies, contacts = layout.bodies, layout.contacts
+        borne = np.flatnonzero((bodies.course >= 0) | np.isin(bodies.course, (ARCH_COURSE, LINTEL_COURSE)))
+        x, z, below = bodies.x, bodies.z, [set() for _ in bodies.x]
         for pair in np.column_stack([contacts.first, contacts.second])[~contacts.upright].tolist():
-            low, high = sorted(pair, key=lambda body: -np.inf if body < 0 else bodies.z[body])
+            low, high = sorted(pair, key=lambda body: -np.inf if body < 0 else z[body])
             below[high].add(low)
-        lies = np.flatnonzero([bool(of) for of in below[:n]])
-        for brick in sorted({*range(n)} - {*lies}):
+        lies = np.array([brick for brick in range(layout.n_bricks) if below[brick]])
+        for brick in [brick for brick in borne if not below[brick]]:
+            near = lies[np.abs(z[lies] - z[brick]) < 0.45 * (bodies.height[lies] + bodies.height[brick])]
             for side in (-1, 1):
-                beside = lies[(bodies.course[lies] == bodies.course[brick]) & (side * (x[lies] - x[brick]) > 0)]
+                beside = near[side * (x[near] - x[brick]) > 0]
                 below[brick] |= below[min(beside, key=lambda one: abs(x[one] - x[brick]))] if len(beside) else set()
-        pairs = [(brick, low) for brick in range(n) for low in below[brick] if low >= 0]
+        pairs = [(brick, low) for brick in borne for low in below[brick] if low >= 0]
         self._brick, self._low = np.array(sorted(pairs), int).reshape(-1, 2).T
         self._start = np.flatnonzero(np.diff(self._brick, prepend=-1))
         reach = bodies.length[self._low] / 2
