@@ -51,9 +51,11 @@ class Library:
 
     def __init__(self, folder, offsets):
         study = load_study(Path(folder) / NAME, "reference")
-        self.name = Path(study.runs[0].wall).stem
         self.wall = lay_out(load_wall(study.runs[0].wall), ModelOptions(supports="bricks"))
         self.twins = read_twins(folder, self.wall)
+        ground = self.twins.settlement.drop_duplicates()
+        self.name = Path(study.runs[0].wall).stem + (
+            f", {ground['profile'].iloc[0]} 1/{1 / ground['distortion'].iloc[0]:.0f}" if len(ground) == 1 else "")
         blank = survey_of(pattern_of(self.table("none", 0), 1, 0.0), self.wall)
         self.blank = replace(blank, detection_limit_m=LIMIT, width_error_m=ERROR)
         self.seen = [seen_of(self.blank, self.twins.opening_m[name], self.twins.offset_m[name], self.wall)
@@ -207,14 +209,16 @@ def main():
     print_table("wall", "claim", "claims", "no answer", "refused", f"below {LEAST_DRAWS} draws", "strange", "small",
                 "answers", "wrong", f"answers below {LEAST_DRAWS} draws, too", "wrong")
     for one, rows in zip(libraries, tables):
-        print_rows(rows, f"{one.name} ({len(one.twins)} draws)")
+        asked_of = f" asked of {other.name}" if other else ""
+        print_rows(rows, f"{one.name}{asked_of} ({len((other or one).twins)} draws)")
     print()
     print_table("wall", *(f"{what}: {table.replace('_', ' ')}" for what in ("before", "added", "left")
                           for table in ("like_survey", "all_draws")))
     for one, rows in zip(libraries, tables):
         if "draws" in rows:
-            print_row(one.name, *(coverage(rows, f"{table}_{what}") for what in ("before", "added", "left")
-                                  for table in ("like_survey", "all_draws")))
+            print_row(f"{one.name} ({len((other or one).twins)} draws)", *(
+                coverage(rows, f"{table}_{what}") for what in ("before", "added", "left")
+                for table in ("like_survey", "all_draws")))
     print()
     print_table("wall", "stated of 100", "claims", "mean stated", "true of 100")
     for one, rows in zip(libraries, tables):

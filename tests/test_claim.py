@@ -26,6 +26,7 @@ from damage.claim.answer import (
 from damage.claim.likeness import KERNEL, Seen, distances, kernel, pairwise, seen_of, strange_share, surveyed
 from damage.claim.make import layout_of
 from damage.claim.numbers import enough
+from damage.claim.sheet import sheet
 from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins
 from damage.exposure.lives import read_address
 from damage.html.words import LANGUAGES, all_words, number
@@ -266,6 +267,18 @@ class TestSheet:
         assert numbers["shaking"]["last_event_utc"].startswith("2014-12-30")
         assert "<strong>The list of earthquakes ends on 2014-12-30." in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
+
+    def test_an_answer_says_what_the_earthquakes_added(self, claimed):
+        """Cracks of other causes may have become wider."""
+        layout = layout_of(claimed.parent / "narrow.py")
+        twins, survey = read_twins(claimed, layout), read_survey(claimed.parent / "survey.csv", layout)
+        numbers = json.loads((claimed / "claim.json").read_text()) | {"no_answer": []}
+        added = [one["like_survey"]["added"] for one in numbers["crack_width_mm"].values()]
+        least, most = min(one[0] for one in added), max(one[2] for one in added)
+        page = sheet(numbers, layout, survey, twins, "en", "claim.json")
+        least, most = (number("en", round(one, 2) + 0.0) for one in (least, most))
+        assert "No answer" not in page and (f"The earthquakes added {least} to {most} mm to the widest crack, which is "
+                                            "0.6 mm wide in the survey.") in page
 
     def test_it_loads_nothing_and_runs_nothing(self, claimed):
         page = (claimed / "claim.html").read_text()

@@ -26,23 +26,28 @@ def sheet(numbers, wall, survey, twins, language, json_name):
 
     def ranges(three):
         least, middle, most = (shown(round(value, 2) + 0.0) for value in three) if three else "-" * 3
-        return say("range", least=least, middle=middle, most=most) if three else "-"
+        return Markup("{}<small>{}</small>").format(middle, say("range", least=least, most=most)) if three else "-"
 
     return environment().get_template("claim.html").render(
         numbers=numbers, words=say, shown=shown, language=language, cell=of_hundred, ranges=ranges,
-        answer=_answer(numbers, say), why=_why(numbers, say, shown), rows=ROWS, but_for=BUT_FOR,
+        answer=_answer(numbers, say, shown), why=_why(numbers, say, shown), rows=ROWS, but_for=BUT_FOR,
         pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
         evidence=_evidence(numbers["evidence"], say), json_name=json_name,
         software=f"masonry-damage {VERSION}, commit {commit()}")
 
 
-def _answer(numbers, say):
-    """Sentences of the verdict, a list."""
+def _answer(numbers, say, shown):
+    """Sentences of the verdict, a list; the last is what the earthquakes added, over all priors."""
     found = []
     for name in BUT_FOR:
         shares = [100 * one[name]["share"] for one in numbers["like_survey"].values() if one[name]["share"] is not None]
-        ranges = f"{round(min(shares))}-{round(max(shares))}" if shares else "-"
+        ranges = "-".join(str(one) for one in sorted({round(min(shares)), round(max(shares))})) if shares else "-"
         found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
+    added = [one["like_survey"]["added"] for one in numbers["crack_width_mm"].values() if one["like_survey"]["added"]]
+    if added:
+        least, most = min(one[0] for one in added), max(one[2] for one in added)
+        found.append(say("added_width", least=shown(round(least, 2) + 0.0), most=shown(round(most, 2) + 0.0),
+                         now=shown(numbers["survey"]["max_width_mm"])))
     return found
 
 
