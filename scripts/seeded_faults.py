@@ -38,7 +38,7 @@ FAULTS = [*starmap(Fault, (
     ("wall", "inertia of a brick by m (l^2 + h^2) / 6", "damage/wall/layout.py",
      "mass * (length**2 + height**2) / 12", "mass * (length**2 + height**2) / 6", "test_layout"),
     ("wall", "a whole brick in series with a base joint", "damage/wall/kinds.py",
-     "distance[first < 0] = brick.height / 2", "distance[first < 0] = brick.height", "test_layout test_modes"),
+     "== CAP_COURSE))] = brick.height / 2", "== CAP_COURSE))] = brick.height", "test_layout test_modes"),
     ("wall", "strengths that scatter have a mean above one", "damage/wall/contact_points.py",
      "np.exp(spread * normal - spread**2 / 2)", "np.exp(spread * normal)", "test_layout test_members"),
     ("wall", "the critical time step is half as long", "damage/law/modes.py",

@@ -137,7 +137,7 @@ class TestBatch:
         after = batches.checksums()
         assert len(after) == 7 and before == {name: after[name] for name in before}
         assert all(path.stat().st_mtime_ns == time_ns for path, time_ns in times.items())
-        assert len(whole.tables()) == 15 and batches.tables() == whole.tables()
+        assert len(whole.tables()) == 18 and batches.tables() == whole.tables()
 
         more = batches.study((POINTS % "0.5").replace("members = 3", "members = 4"))
         assert batches.run(more).returncode == 0
@@ -161,7 +161,7 @@ class TestBatch:
         assert batches.run(study, "--keep", "summary", out=summary).returncode == 0
         firsts = {"drawn_reference_s1", "alone_reference"}
         assert {path.stem for path in (summary / "runs").glob("*.h5")} == firsts
-        assert batches.tables(summary) == batches.tables() and len(batches.tables()) == 13
+        assert batches.tables(summary) == batches.tables() and len(batches.tables()) == 15
         shocks = pd.read_csv(io.BytesIO(batches.tables()["shocks.csv"]))
         assert set(shocks["run"]) == {"alone_reference"} and len(shocks) == 2
 

@@ -20,7 +20,7 @@ from damage.errors import InputError
 from damage.exposure import places
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import COLUMNS, LEVELS_MM_S, Exposure
-from damage.exposure.ground_motion import COMPONENTS, GroundMotionModel, model_named, model_names
+from damage.exposure.ground_motion import COMPONENTS, ZEERIJP, GroundMotionModel, model_named, model_names
 from damage.exposure.models.bommer_2022 import Model
 
 getcontext().prec = 30
@@ -428,10 +428,6 @@ class TestCommand:
         said = capsys.readouterr()
         assert said.out == "" and said.err.startswith("error: ") and said.err.count("\n") == 1
         assert message in said.err and "expected" in said.err
-
-
-ZEERIJP = {"magnitude": 3.4, "x_m": 245789.0, "y_m": 598263.0}
-"""The earthquake: magnitude, epicentre in RD [m], as the catalogue that ships has them."""
 
 
 def station_residuals(model, vs30_m_s=200.0):

@@ -42,7 +42,7 @@ MISTAKES = {
     "two slabs in one place": ({"+": '[[floors]]\nlevel = 2.4\nmass = 900\nkind = "concrete"\n' * 2}, "floors apart"),
     "a floor of steel": ({"+": '[[floors]]\nlevel = 2.7\nmass = 100\nkind = "steel"'},
                          "expected one of timber, concrete"),
-    "a floor without mass": ({"+": "[[floors]]\nlevel = 2.7"}, "lacks mass"),
+    "a floor without mass": ({"+": "[[floors]]\nlevel = 2.7"}, "without a mass: expected mass"),
     "a floor in tonnes": ({"+": "[[floors]]\nlevel = 2.7\nmass = 0.9"}, "0.9 t is 0.9e3 kg"),
     "a heavy floor in tonnes": ({"+": "[[floors]]\nlevel = 2.7\nmass = 12"},
                                 "Floor.mass over its length = 2.72727 kg/m, expected 20 to 100000 kg/m"),

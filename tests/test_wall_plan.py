@@ -18,7 +18,7 @@ from damage.wall.plan import plan_of
 HOUSE = Wall("house", 2.0, 1.0, (Opening(0.6, 0.6, 0.4, 0.2),), 0.0, brick=Brick(length=0.2, height=0.1, thickness=0.1),
              floors=(Floor(1.0, 500.0, kind="concrete", depth=0.2), Floor(0.5, 100.0)), lintel=Lintel(height=0.2))
 """Ten courses: a window from the third to the sixth, a concrete lintel in two, and a slab in the two at the top."""
-MOST_FUNCTIONS = 16  # of the package that get a Wall while it is laid out; 40 when each worked out its part of the plan
+MOST_FUNCTIONS = 17  # of the package that get a Wall while it is laid out; 40 when each worked out its part of the plan
 
 
 class TestByHand:

@@ -307,9 +307,9 @@ def model_of(parsed):
     return ModelOptions(**_fields_of(ModelOptions, parsed))
 
 
-_NO_EFFECT = {"reference": ("--step", ("fast", "plain"), "there is one time step"),
-              "yade": ("--joints", ("face",), "joints keep their face's normal")}
-"""{solver: (option, its values, why it has no effect any more)}."""
+_NO_EFFECT = {"reference": [("--step", ("fast", "plain"), "there is one time step")],
+              "yade": [("--joints", ("face",), "joints keep their face's normal")]}
+"""{solver: [(option, its values, why it has no effect any more)]}."""
 
 
 def _add_model(group, solver):
@@ -338,7 +338,7 @@ def _add_run(group, solver):
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
     group.add_argument("--stresses", action="store_true", help="keep normal and shear stress of all joints at every "
                        "sample (docs/guides/reading-results.md); the run says first how large they are")
-    group.add_argument("--point", nargs=2, type=float, action="append", metavar=("X_M", "Z_M"), help="keep the "
+    group.add_argument("--point", nargs=2, type=number_from(-1000, 1000), action="append", metavar=("X_M", "Z_M"), help="keep the "
                        "displacement of this point of the wall at every sample; repeatable")
     group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
                        "FILE.checkpoint after so many minutes of computing each, and in YADE at the end (default: at "
@@ -354,8 +354,8 @@ def _add_run(group, solver):
                        f"come to rest; the run ends with the first fallen brick (default: they {free})")
     group.add_argument("--after-fall", action="store_true", help="with --new-contacts: follow the bricks until the "
                        f"wall rests, {AFTER_FALL_S:g} s at most (default: end with the first fallen brick)")
-    option, choices, why = _NO_EFFECT[solver]
-    group.add_argument(option, choices=choices, help=f"of no effect since {why}; accepted in this version")
+    for option, choices, why in _NO_EFFECT.get(solver, ()):
+        group.add_argument(option, choices=choices, help=f"of no effect since {why}; accepted in this version")
     if solver == "yade":
         _add_settings(group, "past_collapse_s")
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
