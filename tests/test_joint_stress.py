@@ -294,7 +294,7 @@ def test_a_point_in_python_that_is_none_is_one_line(place):
 
 @pytest.mark.parametrize("place, said", [
     (("0.6", "0.25"), "--point 0.6 0.25: no brick is there; expected x and z in the undeformed wall [m]; the nearest"),
-    (("9", "0"), "--point 9 0: no brick is there"), (("nan", "0"), "no brick is there"),
+    (("9", "0"), "--point 9 0: no brick is there"), (("nan", "0"), "expected a number"),
 ])
 def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, tmp_path, capsys):
     assert main(["reference", str(SMALL), "--point", *place, "--out", str(tmp_path / "a.h5")]) == 2

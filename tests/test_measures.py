@@ -149,8 +149,8 @@ def test_summary_row_holds_every_measure(harmonic):
         assert name in row
 
 
-WRITTEN = {"pgv_m_s": 0.02, "pgv_rotd100_m_s": 0.03, "avg_sa_g": 0.3, "sa_eigen_period_g": 0.4, "arias_m_s": 0.1, "d5_75_s": 2.0,
-           "d5_95_s": None}
+WRITTEN = {"pgv_m_s": 0.02, "pgv_rotd100_m_s": 0.03, "avg_sa_g": 0.3, "sa_eigen_period_g": 0.4, "arias_m_s": 0.1,
+           "d5_75_s": 2.0, "d5_95_s": None}
 
 
 class TestMotion:
@@ -159,8 +159,8 @@ class TestMotion:
         history.parameters.update(WRITTEN, sequence=[0.5, -2.0])
         # velocity and acceleration with the factor, squares with its square, durations not at all
         assert motion_measures(history) == pytest.approx(
-            {"pgv_m_s": 0.04, "pgv_rotd100_m_s": 0.06, "avg_sa_g": 0.6, "sa_eigen_period_g": 0.8, "arias_m_s": 0.4, "d5_75_s": 2.0,
-             "d5_95_s": None})
+            {"pgv_m_s": 0.04, "pgv_rotd100_m_s": 0.06, "avg_sa_g": 0.6, "sa_eigen_period_g": 0.8, "arias_m_s": 0.4,
+             "d5_75_s": 2.0, "d5_95_s": None})
         row = summary_row(history)
         assert {name: row[name] for name in WRITTEN} == motion_measures(history)
 

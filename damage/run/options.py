@@ -338,8 +338,8 @@ def _add_run(group, solver):
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
     group.add_argument("--stresses", action="store_true", help="keep normal and shear stress of all joints at every "
                        "sample (docs/guides/reading-results.md); the run says first how large they are")
-    group.add_argument("--point", nargs=2, type=number_from(-1000, 1000), action="append", metavar=("X_M", "Z_M"), help="keep the "
-                       "displacement of this point of the wall at every sample; repeatable")
+    group.add_argument("--point", nargs=2, type=number_from(-1000, 1000), action="append", metavar=("X_M", "Z_M"),
+                       help="keep the displacement of this point of the wall at every sample; repeatable")
     group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
                        "FILE.checkpoint after so many minutes of computing each, and in YADE at the end (default: at "
                        "an interruption)")
