@@ -23,7 +23,7 @@ from damage.claim.answer import (
     wilson,
     worlds_of,
 )
-from damage.claim.likeness import KERNEL, Seen, distances, kernel, pairwise, seen_of, strange_share, surveyed
+from damage.claim.likeness import KERNEL, kernel, pairwise, strange_share
 from damage.claim.make import layout_of
 from damage.claim.numbers import enough
 from damage.claim.sheet import sheet
@@ -33,7 +33,7 @@ from damage.html.words import LANGUAGES, all_words, number
 from damage.measure.cracks import close_pairs
 from damage.measure.evidence import QUANTITIES
 from damage.measure.kept import SETTLED, START, patterns_of, read_patterns
-from damage.measure.survey import distance, read_survey
+from damage.measure.survey import Seen, distance, distances, read_survey, seen_of, surveyed
 from damage.motion.settlement import PROFILES
 from damage.run.options import parse_run
 

@@ -6,20 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.claim.answer import BUT_FOR, PRIORS, effective, reasons, table, verdict, widths, worlds_of
-from damage.claim.likeness import (
-    KERNEL,
-    STATES,
-    Seen,
-    distances,
-    kernel,
-    pairwise,
-    seen_of,
-    strange_share,
-    strangeness,
-    surveyed,
-)
+from damage.claim.likeness import KERNEL, STATES, kernel, pairwise, strange_share, strangeness
 from damage.claim.twins import SHAKEN
 from damage.index import THRESHOLD
+from damage.measure.survey import Seen, distances, seen_of, surveyed
 from damage.units import MILLIMETRE
 
 SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
