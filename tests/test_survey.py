@@ -120,6 +120,8 @@ def test_a_file_of_today_is_read_and_says_what_is_assumed(tmp_path):
     assert found.psi == pytest.approx(2 * 0.2**0.3)
     narrow = survey(tmp_path, "1,1,0,0.15,0.03", "1,2,0.45,0.15,", header="crack,point,x_m,z_m,width_mm\n")
     assert narrow.detection_limit_m == pytest.approx(3e-5)
+    closed = survey(tmp_path, "1,1,0,0.15,0", "1,2,0.45,0.15,", header="crack,point,x_m,z_m,width_mm\n")
+    assert closed.detection_limit_m == 1e-4
 
 
 def test_new_columns_are_read_and_written_back(tmp_path):
@@ -149,6 +151,7 @@ BAD = {
     "offset-word": (line(0, 0.15, 0.45, 0.15, offset="maybe"), "line 2: offset = 'maybe': expected one of yes, no"),
     "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"),
                            "line 2: offset = no with mode = shear"),
+    "no-limit": (line(0, 0.15, 0.45, 0.15, limit=0), "line 2: detection_limit_mm is zero; expected the width"),
     "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm is negative"),
 }
 

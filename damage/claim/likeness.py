@@ -30,7 +30,7 @@ def strangeness(distance):
 
 
 def pairwise(seen, error_m, known_m):
-    """Distances (n, n) [-] of all rows of Seen from one another, each once as the survey; infinite of one from itself."""
+    """Distances (n, n) [-] of all rows of Seen from one another, each once as the survey; infinite from itself."""
     found = np.array([distances(seen.at([k]), seen, error_m, known_m) for k in range(len(seen.area))])
     np.fill_diagonal(found, np.inf)
     return found

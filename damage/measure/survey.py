@@ -123,8 +123,8 @@ def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
     found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
         "joint", ignore_index=True)
     limit, error = pattern.detection_limit_m, pattern.width_error_m
-    narrowest = min(THRESHOLD, float(parts["width_m"].min())) if len(parts) else THRESHOLD
-    known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
+    narrowest = parts["width_m"][parts["width_m"] > 0].min() if (parts["width_m"] > 0).any() else THRESHOLD
+    known = [min(THRESHOLD, float(narrowest)) if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
     return Survey(file, sha256, pattern, found, wall.n_joints, paths.share, paths.apart_m, *known,
                   _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
 
