@@ -24,7 +24,7 @@ from damage.claim.answer import (
     worlds_of,
 )
 from damage.claim.likeness import KERNEL, kernel, pairwise, strange_share
-from damage.claim.make import layout_of
+from damage.claim.make import describe, layout_of
 from damage.claim.numbers import enough
 from damage.claim.sheet import sheet
 from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins
@@ -264,9 +264,10 @@ class TestSheet:
         for row in numbers["all_draws"]["0.5"].values():
             if row["share"] is not None:
                 assert f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})" in page
-        assert numbers["shaking"]["last_event_utc"].startswith("2014-12-30")
+        assert numbers["shaking"]["catalogue_ends"] == "2014-12-30"
         assert "<strong>The list of earthquakes ends on 2014-12-30." in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
+        assert "no answer: only 3.6 of the computed walls resemble" in describe(numbers, False)
 
     def test_an_answer_says_what_the_earthquakes_added(self, claimed):
         """Cracks of other causes may have become wider."""
