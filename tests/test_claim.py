@@ -316,6 +316,12 @@ class TestBadInput:
         assert main([*words(claimed.parent), *more, "--out", str(tmp_path / "new")]) == 2
         assert said in capsys.readouterr().err and not (tmp_path / "new" / "runs").exists()
 
+    def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):
+        levels, out = tmp_path / "levels.csv", tmp_path / "o"
+        levels.write_text("x_m,height_m\n0,0.5\n0.2,0.498\n")
+        assert main([*words(claimed.parent), "--levels", str(levels), "--out", str(out)]) == 2
+        assert "expected points along all of it" in capsys.readouterr().err and not out.exists()
+
     def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, capsys):
         (tmp_path / "far.csv").write_text(CRACKS.replace("0.3,0,", "9,0,"))
         assert main([*words(claimed.parent), "--cracks", str(tmp_path / "far.csv"), "--out", str(tmp_path / "o")]) == 2

@@ -16,7 +16,7 @@ from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for, facts
 from damage.measure.summary import summarise
 from damage.measure.survey import read_survey
-from damage.run.options import fraction
+from damage.run.options import fraction, parse_run
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
@@ -52,6 +52,10 @@ def make_claim(claim, out, jobs):
     choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
     layout = layout_of(claim.wall)
+    settled = parse_run([word for name, value in claim.settlement.items() for word in (f"--{name}", value)], "",
+                        "reference").settlement
+    if settled is not None:
+        settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)
     warn(*claim.exposure.warnings, *survey.notes)
     _state_time(claim, out, jobs, steps)
