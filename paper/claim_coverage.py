@@ -25,19 +25,17 @@ import pandas as pd
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.claim.answer import BUT_FOR, LEAST_DRAWS, PRIORS
-from damage.claim.likeness import STATES, Seen, distances, kernel, pairwise, seen_of, strange_share, surveyed
+from damage.claim.likeness import STATES, kernel, pairwise, strange_share
+from damage.claim.make import layout_of
 from damage.claim.numbers import Likeness, answers, claimed, standing
 from damage.claim.twins import NAME, read_twins
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.measure.crack_file import pattern_of
 from damage.measure.cracks import close_pairs, crack_numbers, crack_table, cracked
-from damage.measure.survey import survey_of
+from damage.measure.survey import Seen, distances, seen_of, survey_of, surveyed
 from damage.studies.definition import load_study
 from damage.units import MILLIMETRE
-from damage.wall.file import load_wall
-from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 from paper.bench import arguments, option, print_row, print_table
 
 LIMIT, ERROR, STEP = 0.1 * MILLIMETRE, 0.05 * MILLIMETRE, 0.05 * MILLIMETRE
@@ -51,7 +49,7 @@ class Library:
 
     def __init__(self, folder, offsets):
         study = load_study(Path(folder) / NAME, "reference")
-        self.wall = lay_out(load_wall(study.runs[0].wall), ModelOptions(supports="bricks"))
+        self.wall = layout_of(study.runs[0].wall)
         self.twins = read_twins(folder, self.wall)
         ground = self.twins.settlement.drop_duplicates()
         self.name = Path(study.runs[0].wall).stem + (
@@ -142,7 +140,7 @@ def judged(found, but_for, width):
            "draws": min(found["effective_draws"].values())}
     for name in BUT_FOR:
         said = found["verdict"][name]
-        row |= {f"{name}": but_for[name], f"said_{name}": said,
+        row |= {name: but_for[name], f"said_{name}": said,
                 f"wrong_{name}": said != "open" and (said == "yes") != but_for[name]}
     for prior in map(str, PRIORS):
         row[f"p_{prior}"] = found["like_survey"][prior]["not_without_earthquakes"]["share"]
@@ -207,7 +205,7 @@ def main():
     if asked.rows:
         pd.concat(tables).to_csv(asked.rows, index=False)
     print_table("wall", "claim", "claims", "no answer", "refused", f"below {LEAST_DRAWS} draws", "strange", "small",
-                "answers", "wrong", f"answers below {LEAST_DRAWS} draws, too", "wrong")
+                "answers", "wrong", below := f"answers below {LEAST_DRAWS} draws, too", f"wrong ({below})")
     for one, rows in zip(libraries, tables):
         asked_of = f" asked of {other.name}" if other else ""
         print_rows(rows, f"{one.name}{asked_of} ({len((other or one).twins)} draws)")

@@ -232,6 +232,7 @@ def drawn(*cracks):
     ("survey", drawn(CRACK | {"width_mm": "1; rm"}), "width of crack"),
     ("survey", drawn(CRACK | {"points": [[0.02, 0.1]]}), "2 to 500"),
     ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"), ("survey", drawn(1), "crack 1: expected"),
+    ("survey", drawn(CRACK) | {"limit_mm": 0}, r"detection limit \[mm\]"),
     ("survey", drawn() | {"cracks": {}}, "up to 500 cracks"),
     ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),
     ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"), ("front", {"text": 3}, "characters of TOML"),

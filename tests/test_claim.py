@@ -23,8 +23,8 @@ from damage.claim.answer import (
     wilson,
     worlds_of,
 )
-from damage.claim.likeness import KERNEL, Seen, distances, kernel, pairwise, seen_of, strange_share, surveyed
-from damage.claim.make import layout_of
+from damage.claim.likeness import KERNEL, kernel, pairwise, strange_share
+from damage.claim.make import describe, layout_of
 from damage.claim.numbers import enough
 from damage.claim.sheet import sheet
 from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins
@@ -33,7 +33,7 @@ from damage.html.words import LANGUAGES, all_words, number
 from damage.measure.cracks import close_pairs
 from damage.measure.evidence import QUANTITIES
 from damage.measure.kept import SETTLED, START, patterns_of, read_patterns
-from damage.measure.survey import distance, read_survey
+from damage.measure.survey import Seen, distance, distances, read_survey, seen_of, surveyed
 from damage.motion.settlement import PROFILES
 from damage.run.options import parse_run
 
@@ -264,9 +264,10 @@ class TestSheet:
         for row in numbers["all_draws"]["0.5"].values():
             if row["share"] is not None:
                 assert f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})" in page
-        assert numbers["shaking"]["last_event_utc"].startswith("2014-12-30")
+        assert numbers["shaking"]["catalogue_ends"] == "2014-12-30"
         assert "<strong>The list of earthquakes ends on 2014-12-30." in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
+        assert "no answer: only 3.6 of the computed walls resemble" in describe(numbers, False)
 
     def test_an_answer_says_what_the_earthquakes_added(self, claimed):
         """Cracks of other causes may have become wider."""
@@ -314,6 +315,12 @@ class TestBadInput:
     def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, capsys, more, said):
         assert main([*words(claimed.parent), *more, "--out", str(tmp_path / "new")]) == 2
         assert said in capsys.readouterr().err and not (tmp_path / "new" / "runs").exists()
+
+    def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):
+        levels, out = tmp_path / "levels.csv", tmp_path / "o"
+        levels.write_text("x_m,height_m\n0,0.5\n0.2,0.498\n")
+        assert main([*words(claimed.parent), "--levels", str(levels), "--out", str(out)]) == 2
+        assert "expected points along all of it" in capsys.readouterr().err and not out.exists()
 
     def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, capsys):
         (tmp_path / "far.csv").write_text(CRACKS.replace("0.3,0,", "9,0,"))

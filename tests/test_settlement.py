@@ -100,6 +100,8 @@ def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
     assert_allclose(up - up[0], [0, -1e-3, -9e-3], atol=1e-12)
     assert settlement.vertical(4.0, 4.0) - settlement.vertical(3.8, 4.0) == pytest.approx(-8e-3 / 1.8 * 0.2)
     assert capsys.readouterr().err == ""
+    path.write_text(path.read_text().replace("2003-06-01", "20030601", 1))  # another way to write the same day
+    assert parse_run(["--settle", str(path)], "", "reference").settlement == settlement
     path.write_text("x_m,height_m\n0,1.71\n2,1.70\n4,1.71\n")
     one = parse_run(["--settle", str(path)], "", "reference").settlement
     assert one.vertical(2, 4.0) - one.vertical(0, 4.0) == pytest.approx(-0.01)

@@ -116,24 +116,26 @@ def test_a_file_of_today_is_read_and_says_what_is_assumed(tmp_path):
     assert [note.split(":")[0] for note in found.notes[:3]] == [
         "the survey gives no detection limit", "the survey gives no error of widths",
         "the survey names no area without a crack"]
-    assert found.cracks["offset"].isna().all() and found.count == 1
+    assert np.isnan(found.pattern.offset).all() and found.count == 1
     assert found.psi == pytest.approx(2 * 0.2**0.3)
     narrow = survey(tmp_path, "1,1,0,0.15,0.03", "1,2,0.45,0.15,", header="crack,point,x_m,z_m,width_mm\n")
     assert narrow.detection_limit_m == pytest.approx(3e-5)
+    closed = survey(tmp_path, "1,1,0,0.15,0", "1,2,0.45,0.15,", header="crack,point,x_m,z_m,width_mm\n")
+    assert closed.detection_limit_m == 1e-4
 
 
 def test_new_columns_are_read_and_written_back(tmp_path):
     found = survey(tmp_path, *line(0, 0.15, 0.45, 0.15, offset="no", limit=0.05, error=0.02), *AREAS)
     assert (found.detection_limit_m, found.width_error_m) == (0.05e-3, 0.02e-3)
-    assert_allclose(found.areas_without_crack, [[0, 0.9, 2.25, 1.5]])
+    assert_allclose(found.pattern.clear, [[0, 0.9, 2.25, 1.5]])
     z = LAYOUT.contacts.z[:LAYOUT.n_joints]
     assert found.looked_at[(z > 0.9) & (z < 1.5)].all() and not found.looked_at[(z > 0.2) & (z < 0.8)].any()
-    assert found.cracks["offset"].tolist() == [0.0] and found.cracks["mode"].tolist() == ["tension"]
+    assert found.pattern.offset.tolist() == [0.0] and found.pattern.stretches["mode"].tolist() == ["tension"]
     write_cracks(tmp_path / "again.csv", read_cracks(tmp_path / "survey.csv"))
     again = read_survey(tmp_path / "again.csv", LAYOUT)
     assert again.as_dict() | {"file": "", "sha256": ""} == found.as_dict() | {"file": "", "sha256": ""}
-    assert_allclose(again.areas_without_crack, found.areas_without_crack)
-    assert again.cracks["offset"].tolist() == [0.0]
+    assert_allclose(again.pattern.clear, found.pattern.clear)
+    assert again.pattern.offset.tolist() == [0.0]
 
 
 def test_a_survey_without_a_crack(tmp_path):
@@ -149,6 +151,7 @@ BAD = {
     "offset-word": (line(0, 0.15, 0.45, 0.15, offset="maybe"), "line 2: offset = 'maybe': expected one of yes, no"),
     "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"),
                            "line 2: offset = no with mode = shear"),
+    "no-limit": (line(0, 0.15, 0.45, 0.15, limit=0), "line 2: detection_limit_mm is zero; expected the width"),
     "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm is negative"),
 }
 

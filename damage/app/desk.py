@@ -16,10 +16,11 @@ from damage.app.photo import cleaned, rectified
 from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError, heard
 from damage.exposure.catalogue import read_catalogue
-from damage.exposure.exposure import Exposure
+from damage.exposure.exposure import Exposure, strongest
 from damage.exposure.ground_motion import model_named
 from damage.exposure.places import at
 from damage.files import write_text
+from damage.html.words import LANGUAGES
 from damage.measure.crack_file import COLUMNS, OF_SURVEY, read_cracks
 from damage.measure.cracks import ENDS
 from damage.measure.survey import read_survey
@@ -39,7 +40,6 @@ SHOWN = {PHOTO: "image/jpeg", STRAIGHT: "image/jpeg", f"{RESULTS}/claim.html": "
 """{file that the page may show: its type}."""
 MOST_TEXT, MOST_LINES, MOST_POINTS = 200_000, 500, 500
 """Characters of a text that is typed; cracks and areas of a survey; points of each."""
-LANGUAGES = "en", "nl"
 EVENTS = 8
 """Earthquakes that the page lists."""
 TAIL = 12  # lines of the log that the page shows
@@ -69,8 +69,7 @@ class Desk:
             check_range(what, value, -180, 180)
         exposure = Exposure(at(latitude, longitude), read_catalogue(), model_named("bommer-2022"))
         found = exposure.as_dict()
-        found["events"] = sorted(found["events"], key=lambda event: -event["median_mm_s"])[:EVENTS]
-        return found
+        return found | {"events": strongest(found, EVENTS)}
 
     def fronts(self):
         """{name: text} of the fronts that ship as data, to begin with."""
@@ -194,7 +193,7 @@ class Desk:
         return self.progress()
 
     def state(self):
-        """What there is already of the claim: after a restart the page goes on with it."""
+        """What there is already of the claim: after a restart the page continues with it."""
         house, survey = self.path(HOUSE), self.path(SURVEY)
         drawn = _redrawn(read_cracks(survey)[-1]) if survey.exists() else None
         return {"house": house.read_text(encoding="utf-8") if house.exists() else None,
@@ -242,8 +241,8 @@ def _points(what, points, least, most):
 
 def _as_csv(cracks, areas, limit_mm, error_mm):
     """The text of a crack file of what was drawn."""
-    for what, value in (("detection limit [mm]", limit_mm), ("error of widths [mm]", error_mm)):
-        check_range(what, value, 0, 100)
+    check_range("detection limit [mm]", limit_mm, 0.001, 100)
+    check_range("error of widths [mm]", error_mm, 0, 100)
     if not isinstance(cracks, list) or not isinstance(areas, list) or len(cracks) + len(areas) > MOST_LINES:
         raise InputError(f"the survey: expected up to {MOST_LINES} cracks and areas; take some out")
     names = [*COLUMNS[2:6], "width_mm", "mode", *OF_SURVEY]

@@ -77,7 +77,7 @@ def _turns(points):
 def rectified(jpeg, pixels, places, length, height):
     """A photograph (bytes) as JPEG of the plane of a wall of this length and height [m], with MARGIN_M around it.
 
-    pixels: four points (4, 2) from the upper left; places: the same on the wall, x and z up (4, 2) [m].
+    pixels: four points (4, 2), x and y down from the upper left; places: the same on the wall, x and z up (4, 2) [m].
     """
     from PIL import Image
 

@@ -12,10 +12,11 @@ import threading
 import webbrowser
 from pathlib import Path
 
-from damage.app.desk import LANGUAGES, SHOWN, Desk, words
+from damage.app.desk import SHOWN, Desk, words
 from damage.app.photo import MOST_BYTES
 from damage.errors import InputError, RunError
 from damage.files import json_text
+from damage.html.words import LANGUAGES
 
 PAGE = Path(__file__).parent / "page"
 ASSETS = {"icon.svg": "image/svg+xml", "app.js": "text/javascript; charset=utf-8", "app.css": "text/css; charset=utf-8"}

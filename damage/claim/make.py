@@ -6,7 +6,7 @@ from pathlib import Path
 from damage.batch.folder import ROOT
 from damage.claim.answer import LEAST_DRAWS
 from damage.claim.numbers import enough, numbers_of
-from damage.claim.sheet import sheet
+from damage.claim.sheet import in_words, sheet
 from damage.claim.twins import BOTH, DRAWN, read_twins, write_twins
 from damage.errors import warn
 from damage.exposure.exposure import Exposure
@@ -16,7 +16,7 @@ from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for, facts
 from damage.measure.summary import summarise
 from damage.measure.survey import read_survey
-from damage.run.options import fraction
+from damage.run.options import fraction, parse_run
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
@@ -52,6 +52,10 @@ def make_claim(claim, out, jobs):
     choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
     layout = layout_of(claim.wall)
+    settled = parse_run([word for name, value in claim.settlement.items() for word in (f"--{name}", value)], "",
+                        "reference").settlement
+    if settled is not None:
+        settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)
     warn(*claim.exposure.warnings, *survey.notes)
     _state_time(claim, out, jobs, steps)
@@ -119,9 +123,9 @@ def describe(numbers, spent):
     """The answer in a few lines of text; spent: whether the most draws were not enough."""
     lines = [f"{numbers['draws']} draws, effective number by priors of settlement "
              + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())]
-    if numbers["no_answer"]:
-        lines.append("no answer: " + ", ".join(f"{one['why']} ({one['value']:.3g})" for one in numbers["no_answer"]))
-    else:
-        lines += [f"{name.replace('_', ' ')}: {answer}" for name, answer in numbers["verdict"].items()]
-    return "\n".join([*lines, *([f"{STEPS[-1]} draws are the most that are made by themselves; --draws asks for more: "
-                                 f"at least {LEAST_DRAWS} have to resemble the survey"] if spent else [])])
+    said = in_words(numbers)
+    lines += [f"no answer: {reason}" for reason in said["why"]] or said["answer"]
+    if spent:
+        lines.append(f"{STEPS[-1]} draws did not suffice: the intervals are wide, or fewer than {LEAST_DRAWS} draws "
+                     "resemble the survey; --draws N makes more")
+    return "\n".join(lines)

@@ -5,21 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.claim.answer import BUT_FOR, PRIORS, effective, reasons, table, verdict, widths, worlds_of
-from damage.claim.likeness import (
-    KERNEL,
-    STATES,
-    Seen,
-    distances,
-    kernel,
-    pairwise,
-    seen_of,
-    strange_share,
-    strangeness,
-    surveyed,
-)
+from damage.claim.answer import BUT_FOR, PRIORS, RANGE, effective, reasons, table, verdict, widths, worlds_of
+from damage.claim.likeness import KERNEL, STATES, kernel, pairwise, strange_share, strangeness
 from damage.claim.twins import SHAKEN
+from damage.exposure.exposure import strongest
 from damage.index import THRESHOLD
+from damage.measure.survey import Seen, distances, seen_of, surveyed
 from damage.units import MILLIMETRE
 
 SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
@@ -86,14 +77,12 @@ def enough(numbers):
 def shaking(exposure, twins):
     """What shook the house: the events of the largest median PGV, and the end of the list."""
     found, gain = exposure.as_dict(), mean_gains(twins.events[SHAKEN])
-    events = sorted(found["events"], key=lambda event: -event["median_mm_s"])[:SHOWN_EVENTS]
     names = ("time_utc", "magnitude", "place", "id", "epicentral_km", "median_mm_s", "one_percent_mm_s")
     return {**{name: found[name] for name in (
-        "latitude", "longitude", "vs30_m_s", "model", "component", "from", "to", "largest_of_all_median_mm_s",
-        "largest_of_all_one_percent_mm_s", "warnings")},
-        "last_event_utc": max(event["time_utc"] for event in found["events"]), "n_events": len(found["events"]),
+        "latitude", "longitude", "vs30_m_s", "model", "component", "from", "to", "catalogue_ends",
+        "largest_of_all_median_mm_s", "largest_of_all_one_percent_mm_s", "warnings")}, "n_events": len(found["events"]),
         "events": [{**{name: event[name] for name in names}, "mean_psi_added": gain.get(event["id"], 0.0)}
-                   for event in events]}
+                   for event in strongest(found, SHOWN_EVENTS)]}
 
 
 def mean_gains(events):
@@ -108,7 +97,7 @@ def by_event(twins):
     for point, events in twins.events.items():
         for (time, name), of in events.groupby(["time_utc", "id"]):
             rows.append({"point": point, "time_utc": time, "id": name, "draws": len(of), **{
-                column: [float(one) for one in np.quantile(of[column], (0.05, 0.5, 0.95))]
+                column: [float(one) for one in np.quantile(of[column], RANGE)]
                 for column in ("psi", "crack_width_mm")}})
     return rows
 
@@ -120,7 +109,7 @@ def at_the_end(twins):
     for name, psi in twins.psi.items():
         stands = ~twins.fell[name]
         found[name] = {"fell": int(twins.fell[name].sum()), **{what: [float(one) for one in np.quantile(
-            values[stands], (0.05, 0.5, 0.95))] if stands.any() else None for what, values in (
+            values[stands], RANGE)] if stands.any() else None for what, values in (
                 ("psi", psi), ("crack_width_mm", twins.width_m[name] / MILLIMETRE))}}
     return found
 
@@ -141,5 +130,4 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
         **answers(twins, likeness_of(twins, survey, wall), survey.as_dict()),
         "at_the_end": at_the_end(twins), "by_event": by_event(twins),
         "events_per_draw": float(len(events) / events["life"].nunique()),
-        "fell": {name: int(twins.fell[name].sum()) for name in STATES},
         "evidence": evidence}

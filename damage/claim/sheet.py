@@ -30,10 +30,16 @@ def sheet(numbers, wall, survey, twins, language, json_name):
 
     return environment().get_template("claim.html").render(
         numbers=numbers, words=say, shown=shown, language=language, cell=of_hundred, ranges=ranges,
-        answer=_answer(numbers, say, shown), why=_why(numbers, say, shown), rows=ROWS, but_for=BUT_FOR,
+        **in_words(numbers, language), rows=ROWS, but_for=BUT_FOR,
         pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
         evidence=_evidence(numbers["evidence"], say), json_name=json_name,
         software=f"masonry-damage {VERSION}, commit {commit()}")
+
+
+def in_words(numbers, language="en"):
+    """{"answer": sentences of the verdict, "why": sentences on why there is none}, lists."""
+    say, shown = partial(words, language), partial(number, language)
+    return {"answer": _answer(numbers, say, shown), "why": _why(numbers, say, shown)}
 
 
 def _answer(numbers, say, shown):
@@ -71,7 +77,8 @@ def _taken(numbers, say, shown):
     return [
         ground, say("draws", n=numbers["draws"], events=shown(numbers["events_per_draw"]),
                     above=shown(numbers["choices"]["above_mm_s"]), kernel=shown(numbers["kernel"]),
-                    fell=f"{numbers['fell']['earthquakes']}, {numbers['fell']['both']}"),
+                    fell=numbers["at_the_end"]["earthquakes"]["fell"],
+                    fell_settled=numbers["at_the_end"]["both"]["fell"]),
         say("widths_used"), say("detection", limit=shown(survey["detection_limit_mm"]),
                                 error=shown(survey["width_error_mm"])),
         say("offsets_yes" if survey["offsets_known"] else "offsets_no")]

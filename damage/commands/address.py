@@ -145,7 +145,6 @@ def _claim(asked):
     import os
 
     from damage.claim.make import Claim, make_claim
-    from damage.run.options import parse_run
 
     if asked.levels and (asked.settle or asked.distortion):
         raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; "
@@ -156,11 +155,9 @@ def _claim(asked):
     if settle and is_there(settle):
         settle = str(Path(settle).resolve())
     settlement = {name: value for name, value in (("settle", settle), ("distortion", asked.distortion)) if value}
-    parse_run([word for name, value in settlement.items() for word in (f"--{name}", value)], "", "reference")
     return make_claim(
         Claim(asked.wall, _address_of(asked), _exposure_of(asked), asked.cracks,
-              {"rest": asked.rest, "strength-cov": asked.strength_cov},
-              settlement, asked.draws, asked.language),
+              {"rest": asked.rest, "strength-cov": asked.strength_cov}, settlement, asked.draws, asked.language),
         asked.out, asked.jobs or os.cpu_count())
 
 

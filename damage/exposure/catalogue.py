@@ -137,7 +137,7 @@ def write_catalogue(catalogue, path):
     """Write a Catalogue as CSV that `read_catalogue` reads; returns its path."""
     rows = as_words(pd.DataFrame({
         "date_utc": [f"{time:%Y-%m-%d}" for time in catalogue.time],
-        "time_utc": [f"{time.time().isoformat()}" for time in catalogue.time], "magnitude": catalogue.magnitude,
+        "time_utc": [time.time().isoformat() for time in catalogue.time], "magnitude": catalogue.magnitude,
         "easting_rd_m": catalogue.x_m, "northing_rd_m": catalogue.y_m, "place": catalogue.place,
         "knmi_id": catalogue.id}))
     return write_text(path, rows.to_csv(index=False, lineterminator="\n"))

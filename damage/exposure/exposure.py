@@ -128,9 +128,14 @@ class Exposure:
             "events": self.table().to_dict("records")}
 
 
+def strongest(found, rows=None):
+    """The events of `Exposure.as_dict`, those of the largest median first, up to so many."""
+    return sorted(found["events"], key=lambda event: -event["median_mm_s"])[:rows]
+
+
 def describe(found, rows=10):
     """Text: `Exposure.as_dict`, with the `rows` events of the largest median."""
-    events = sorted(found["events"], key=lambda event: -event["median_mm_s"])
+    events = strongest(found)
     over = {level: sum(event["median_mm_s"] > level for event in events) for level in LEVELS_MM_S}
     lines = [
         f"latitude {found['latitude']:.5f}, longitude {found['longitude']:.5f} (RD {found['easting_rd_m']:.0f} "

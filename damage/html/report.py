@@ -21,14 +21,12 @@ from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
-"""The template of the page, its style, its program and the code of plotly.js that draws: `plotly-basic.min.js` is its
-partial bundle `basic` as its makers publish it (MIT licence, beside it): `npm pack plotly.js-basic-dist-min@4.1.1`.
-The whole library, which the Python package plotly ships, makes reports 2 MB larger and takes twice as long to draw."""
-
 
 @cache
 def plotly_code():
-    """The code of plotly.js, text."""
+    """The code of plotly.js, text: its partial bundle `basic` as its makers publish it (MIT licence, beside it),
+    `npm pack plotly.js-basic-dist-min@4.1.1`.  The whole library, which the Python package plotly ships, makes reports
+    2 MB larger and takes twice as long to draw."""
     return (PAGE / "plotly-basic.min.js").read_text(encoding="utf-8")
 
 

@@ -28,7 +28,7 @@ REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
 NO_CRACK = "none"
 """Mode of an area that was looked at and has no crack: its points 1 and 2 are opposite corners."""
-SEEN = {"": nan, "unknown": nan, "yes": 1.0, "no": 0.0}
+SEEN = {"yes": 1.0, "no": 0.0, "unknown": nan, "": nan}
 """Words of the column `offset`."""
 STRETCHES = ("crack", "line", *ENDS, "opening_m", "slip_m", "width_m", "mode")
 BOUNDS = {"load_level": 1e6, "drift_pct": 1e3, "point": 1e9, "x_m": LONGEST_M, "z_m": LONGEST_M,
@@ -105,11 +105,13 @@ def _rows(table):
     mode = table.words("mode", "unknown")
     mode = np.where(mode == "", "unknown", mode)
     offset = table.words("offset")
-    for name, words, known in (("mode", mode, (*MODES, NO_CRACK)), ("offset", offset, ("yes", "no", "unknown", ""))):
+    for name, words, known in (("mode", mode, (*MODES, NO_CRACK)), ("offset", offset, tuple(SEEN))):
         for row in np.flatnonzero(~np.isin(words, known)):
             raise table.error(row, f"{name} = {words[row]!r}: expected one of {', '.join(filter(None, known))}")
     for name in ("opening_mm", "width_mm", *OF_SURVEY[1:]):
         table.refuse(numbers[name] < 0, f"{name} is negative; expected zero or more")
+    table.refuse(numbers["detection_limit_mm"] == 0, "detection_limit_mm is zero; expected the width from which cracks "
+                                                     "are seen; give it, or leave it empty")
     rows = pd.DataFrame({
         "level": np.nan_to_num(level, nan=1.0), "crack": table.words("crack"),
         **{name: numbers[name] for name in ("drift_pct", "point", "x_m", "z_m", *OF_SURVEY[1:])},
@@ -247,7 +249,7 @@ def _point_rows(pattern):
     """The rows of one level: each polyline's points, the last one without sizes, then the corners of clear areas."""
     head = (pattern.level, 100 * pattern.drift_ratio)
     accuracy = (pattern.detection_limit_m / MILLIMETRE, pattern.width_error_m / MILLIMETRE)
-    seen = {number: word for word, number in SEEN.items() if word in ("yes", "no")}
+    seen = {number: word for word, number in SEEN.items() if not isnan(number)}
     offset = np.full(len(pattern.stretches), nan) if pattern.offset is None else pattern.offset
     if len(pattern.stretches) == 0:
         yield (*head, "", *[None] * 6, "", "", *accuracy)

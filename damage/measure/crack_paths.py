@@ -59,8 +59,8 @@ class CrackPaths:
 
 
 def lines_of(ends):
-    """Polylines (n, 2) [m] of stretches (n, 2, 2) [m] in their order: a stretch goes on where the one before ends, for
-    up to MOST_TOGETHER."""
+    """Polylines (n, 2) [m] of stretches (n, 2, 2) [m] in their order, each of up to MOST_TOGETHER: a stretch continues
+    where the one before ends."""
     goes_on = np.zeros(len(ends), bool)
     goes_on[1:] = np.all(ends[1:, 0] == ends[:-1, 1], axis=1)
     wholes = [part for part in np.split(ends, np.flatnonzero(~goes_on)[1:]) if len(part)]

@@ -14,6 +14,7 @@ import hashlib
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -62,19 +63,9 @@ class Survey:
     notes: tuple[str, ...]
 
     @property
-    def cracks(self):
-        """The stretches as drawn, a DataFrame as of CrackPattern, with column `offset`."""
-        return self.pattern.stretches.assign(offset=self.pattern.offset)
-
-    @property
     def count(self):
         """Number of cracks, by the labels of the file."""
         return self.pattern.stretches["crack"].nunique()
-
-    @property
-    def areas_without_crack(self):
-        """Rectangles (n, 4) [m]: x, z, x, z of opposite corners."""
-        return self.pattern.clear
 
     @property
     def opening_m(self):
@@ -132,8 +123,8 @@ def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
     found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
         "joint", ignore_index=True)
     limit, error = pattern.detection_limit_m, pattern.width_error_m
-    narrowest = min(THRESHOLD, float(parts["width_m"].min())) if len(parts) else THRESHOLD
-    known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
+    narrowest = parts["width_m"][parts["width_m"] > 0].min() if (parts["width_m"] > 0).any() else THRESHOLD
+    known = [min(THRESHOLD, float(narrowest)) if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
     return Survey(file, sha256, pattern, found, wall.n_joints, paths.share, paths.apart_m, *known,
                   _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
 
@@ -186,27 +177,59 @@ def visible(survey, opening_m, offset_m):
     return np.where(survey.looked_at & cracked(width, survey.detection_limit_m), width, 0.0)
 
 
+class Seen(NamedTuple):
+    """Visible cracks in windows, (n, n_windows) each: area [m2]; length [m]; length that is seen to be offset [m]."""
+
+    area: np.ndarray
+    length: np.ndarray
+    offset: np.ndarray
+
+    def at(self, which):
+        return Seen(*(values[which] for values in self))
+
+
+def seen_of(survey, opening_m, offset_m, wall):
+    """The Seen of patterns (n, n_joints) [m] as a surveyor of that survey would have seen them."""
+    places, width = places_on(wall), visible(survey, opening_m, offset_m)
+    moved = (width > 0) & cracked(np.abs(offset_m), survey.detection_limit_m)
+    return Seen(*(places.sums(places.length * one) for one in (width, width > 0, moved)))
+
+
+def surveyed(survey, wall):
+    """(Seen of one row of a Survey itself, length (n_windows,) [m] of which it says whether it is offset)."""
+    table, drawn = survey.table, np.zeros((4, wall.n_joints))
+    offset = table["offset"].to_numpy(float)
+    drawn[:, table["joint"]] = np.array([table["width_m"], np.ones(len(table)), offset == 1, ~np.isnan(offset)]
+                                        ) * table["length_m"].to_numpy()
+    *seen, known = places_on(wall).sums(drawn)
+    return Seen(*(values[np.newaxis] for values in seen)), known
+
+
 def distance(survey, opening_m, offset_m, wall):
     """Distance [-] of a simulated pattern from a Survey, 0 to 1, as the module says.
 
     opening_m, offset_m: (n_joints,) of the contact points of the Layout `wall` [m].
     """
-    places, width, table = places_on(wall), visible(survey, opening_m, offset_m), survey.table
-    offset, drawn = table["offset"].to_numpy(float), np.zeros((4, wall.n_joints))
-    drawn[:, table["joint"]] = np.array([table["width_m"], np.ones(len(table)), offset == 1, ~np.isnan(offset)]
-                                        ) * table["length_m"].to_numpy()
-    moved = cracked(np.abs(offset_m), survey.detection_limit_m) & (width > 0)
-    f, surveyed_m, f_offset, known_m, g, g_offset = places.sums(
-        [*drawn, places.length * width, places.length * moved])
-    squares = [_relative(np.maximum(np.abs(f - g) - survey.width_error_m * surveyed_m, 0.0), f, g)]
+    one, known_m = surveyed(survey, wall)
+    other = seen_of(survey, np.atleast_2d(opening_m), np.atleast_2d(offset_m), wall)
+    return float(distances(one, other, survey.width_error_m, known_m)[0])
+
+
+def distances(one, others, error_m, known_m):
+    """Distances (n,) [-] of n patterns from one, Seen of n rows and of one.
+
+    error_m: of the widths [m]; known_m: (n_windows,) length of which offsets are known [m].
+    """
+    off = np.maximum(np.abs(one.area - others.area) - error_m * one.length, 0.0)
+    squares = [_relative(off, one.area, others.area)]
     if (of := known_m > 0).any():
-        squares.append(_relative((f_offset - g_offset)[of], f_offset[of], g_offset[of]))
-    return float(np.sqrt(np.mean(squares)))
+        squares.append(_relative((one.offset - others.offset)[:, of], one.offset[:, of], others.offset[:, of]))
+    return np.sqrt(np.mean(squares, axis=0))
 
 
 def _relative(difference, f, g):
-    size = float(np.sum(f**2 + g**2))
-    return float(np.sum(difference**2)) / size if size > 0 else 0.0
+    size = np.sum(f**2 + g**2, axis=1)
+    return np.divide(np.sum(difference**2, axis=1), size, out=np.zeros_like(size), where=size > 0)
 
 
 def places_on(wall):

@@ -40,7 +40,7 @@ const cells = (row, texts) => texts.forEach((text) => { row.insertCell().textCon
 // --- a canvas on which points are set by mouse and keys
 
 class Board {
-  // toPage: [x, y] of a point in the board's own units on the picture [0, 1]; step: of an arrow key in these units
+  // set(at): takes a point, shares of the canvas from above left; draw(pen, width, height): paints what it shows
   constructor(canvas, set, draw) {
     Object.assign(this, { canvas, set, draw, image: null, cross: [0.5, 0.5], shown: false });
     canvas.addEventListener("pointerdown", (event) => {
