@@ -12,7 +12,7 @@ import hashlib
 import math
 import sys
 from dataclasses import replace
-from itertools import product
+from itertools import product, starmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -245,8 +245,8 @@ def bearings(folder):
     runs = read_runs(folder, CHOSEN_ON)
     events, numbers = events_of(folder, runs)
     tested = pd.read_csv(folder / "exp_Test9_tilt.csv", nrows=CHOSEN_ON).set_index("run").loc[numbers, PEAKS]
-    found = [Case(*values) for values in product(LOADS_N, STIFFNESSES, FRICTIONS, PLAYS_M)]
-    cases, rows = {str(case): case for case in found}, []
+    cases = {str(case): case for case in starmap(Case, product(LOADS_N, STIFFNESSES, FRICTIONS, PLAYS_M))}
+    rows = []
     for name, table in draws_of(cases, events, [1], numbers).groupby("case", sort=False):
         if len(table) < len(numbers):  # it fell
             continue

@@ -140,7 +140,7 @@ def read_profile(path):
 
 def _of_levels(table, x, height):
     """Points (x, uz) [m] of a table of levels: those of the last date less those of the first, of one date those of a
-    course that was level when it was built.  The highest point has not settled; the ends continue straight for END_M."""
+    course that was level when it was built.  The highest point has not settled; the ends are extended by END_M."""
     day_of = table.words("date")
     for row in np.flatnonzero([not _is_date(word) for word in day_of] if "date" in table.text else np.zeros(0)):
         raise table.error(row, f"date = {day_of[row]!r}: expected a day like 2019-05-22; correct it")
