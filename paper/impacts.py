@@ -1,7 +1,7 @@
 """Energy that a block keeps at a rocking impact, beside Housner's and tested ones: a table of
 docs/validation/shaken-walls.md.
 
-    python3 paper/impacts.py        # writes docs/tables/benchmarks/impacts.csv; a minute
+    python3 paper/impacts.py        # writes docs/tables/benchmarks/impacts.csv; 15 seconds
 
 A block is let go from half its overturning angle on a dry joint without damping.  By Housner it keeps the share r^2 of
 its energy, r = 1 - 1.5 sin^2 alpha; the model's is the mean of six impacts, by the peaks of its rotation.

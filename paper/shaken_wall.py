@@ -9,11 +9,10 @@ FOLDER has the files that docs/validation/shaken-walls.md names; they have no li
 """
 
 import hashlib
-import json
 import math
-import subprocess
 import sys
 from dataclasses import replace
+from itertools import product, starmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -26,14 +25,15 @@ from scipy.signal import butter, sosfiltfilt
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
-from damage import Brick, Joint, Wall, read_history
+from damage import Brick, Joint, Wall
 from damage.history.buffer import Buffer
 from damage.law.modes import natural_modes
 from damage.measure.cycles import natural_period
+from damage.measure.energy import energy_error_of
 from damage.motion.formats import write_csv
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
-from damage.motion.record import Record
+from damage.motion.record import Record, scaled
 from damage.motion.sequence import Event
 from damage.reference.ensembles import Ensemble
 from damage.reference.session import BACKEND
@@ -46,7 +46,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import RULE
 from damage.wall.restraints import Restraint
-from yade_scripts import COMMAND
+from paper.bench import Bench, arguments, option
 
 TABLES = REPOSITORY / "docs" / "tables"
 HEIGHT_M, COURSES, WIDTH_M, THICK_M, DENSITY = 2.58, 43, 1.292, 0.21, 1885.0
@@ -66,7 +66,7 @@ RIGID_PA = 1e15
 class Case(NamedTuple):
     """load_n: on the top [N]; stiffness [N/m], friction, play [m]: of the bearing, stiffness None where the top is
     driven; moving_kg: mass that slides with it; period_s: to which the joints' stiffness is fitted; cohesion [Pa];
-    softens: whether joints soften; damping: ratio at the first period."""
+    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint."""
 
     load_n: float = 10.35e3
     stiffness: float | None = 3e6
@@ -245,15 +245,14 @@ def bearings(folder):
     runs = read_runs(folder, CHOSEN_ON)
     events, numbers = events_of(folder, runs)
     tested = pd.read_csv(folder / "exp_Test9_tilt.csv", nrows=CHOSEN_ON).set_index("run").loc[numbers, PEAKS]
-    cases = {f"{load:g} {stiffness:g} {friction:g} {play:g}": Case(load, stiffness, friction, play)
-             for load in LOADS_N for stiffness in STIFFNESSES for friction in FRICTIONS for play in PLAYS_M}
+    cases = {str(case): case for case in starmap(Case, product(LOADS_N, STIFFNESSES, FRICTIONS, PLAYS_M))}
     rows = []
     for name, table in draws_of(cases, events, [1], numbers).groupby("case", sort=False):
         if len(table) < len(numbers):  # it fell
             continue
         peaks = table[[f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]].to_numpy()
         apart = np.log(peaks / tested.to_numpy())
-        rows.append([*map(float, name.split()), np.sqrt(np.mean(apart**2)), *apart.mean(axis=0), *peaks[-1]])
+        rows.append([*cases[name][:4], np.sqrt(np.mean(apart**2)), *apart.mean(axis=0), *peaks[-1]])
     table = pd.DataFrame(rows, columns=["load_n", "stiffness_n_m", "friction", "play_m", "error", *(
         f"bias_{1e3 * height:.0f}" for height in SENSORS_M), *(f"run10_mm_{1e3 * height:.0f}" for height in SENSORS_M)])
     keep(table.sort_values(["error", "load_n", "stiffness_n_m", "friction", "play_m"]), "us1_bearings")
@@ -296,14 +295,14 @@ def prediction(folder):
 
 
 def quantiles(draws):
-    """Quantiles over draws by run: of the peak and the residual at 2.06 m, and of the period before the run; of a wall
-    that fell no more than that it did."""
+    """Quantiles over draws by run: of the peak and the residual at 2.06 m, and of the period before the run.  A wall
+    that fell has an infinite peak and no residual."""
     found = {}
     fallen = draws["collapsed"]
     for run, of_run in draws.assign(
             peak_mm=draws["peak_mm_2060"].where(~fallen, np.inf), residual_mm=draws["residual_mm_2060"].where(~fallen),
             period_s=draws.groupby(["case", "seed"])["period_after_s"].shift(fill_value=PERIOD_S)).groupby("run"):
-        found[run] = {f"{name}_{q}": np.percentile(of_run[name], q, method="nearest") if len(of_run) else np.nan
+        found[run] = {f"{name}_{q}": np.percentile(of_run[name], q, method="nearest")
                       for name in ("peak_mm", "residual_mm", "period_s") for q in QUANTILES}
     return pd.DataFrame.from_dict(found, orient="index")
 
@@ -315,7 +314,7 @@ CHOICES = {
     "load 27 kN": {"load_n": 27e3}, "brittle joints": {"softens": False}, "5 % damping": {"damping": 0.05},
     "friction 0.3": {"friction": 0.3}, "bearing 1e7 N/m": {"stiffness": 1e7}, "cohesion 0.15 MPa": {"cohesion": 0.15e6},
     "period 0.08 s": {"period_s": 0.08}, "4 contact points": {"cells": 4}}
-CHOICE_DRAWS, CHOICE_RUNS = 1, (10, 17, 21, 22, 24)
+CHOICE_RUNS = 10, 17, 21, 22, 24
 EC40_RUNS = range(1, 13)
 """Runs up to the first one after the last of EC40."""
 
@@ -325,7 +324,7 @@ def choices(folder):
     like EC40."""
     runs = read_runs(folder).set_index("run", drop=False)
     events, numbers = events_of(folder, runs.loc[list(CHOICE_RUNS)])
-    seeds, rows = range(1, CHOICE_DRAWS + 1), []
+    seeds, rows = [1], []
     for name, change in CHOICES.items():
         of_runs = quantiles(draws_of({name: Case()._replace(**change)}, events, seeds, numbers))
         rows.append({"choice": name, **{f"peak_mm_{run}": peak for run, peak in of_runs["peak_mm_50"].items()},
@@ -342,53 +341,38 @@ def choices(folder):
 
 # --- both solvers ------------------------------------------------------------------------------------
 
-OPTIONS = ("--rest", "0.3", "--contacts", "gauss", "--cells", "8", "--strength-cov", str(COV), "--accept-implausible",
-           "--no-pictures", "--quiet")
+OPTIONS = "--rest", 0.3, "--contacts", "gauss", "--cells", 8, "--strength-cov", COV, "--accept-implausible"
 
 
 def solvers(folder):
-    """Run 21 alone, brittle joints: eight draws in the reference solver, the first of them in YADE."""
+    """Run 21 alone, brittle joints: eight draws in the reference solver; the first of them in YADE, with its own time
+    step and with one of 40 microseconds."""
     runs = read_runs(folder)
     (event,), _ = events_of(folder, runs[runs["run"] == 21])
-    wall, record = fitted(Case(softens=False)), event.loading.record
-    cases = [("reference", seed) for seed in range(1, 9)] + [("yade", 1)]
-    command = {"reference": (sys.executable, "-m", "damage", "reference"), "yade": COMMAND}
-    rows = []
+    wall, rows = fitted(Case(softens=False)), []
     with TemporaryDirectory() as made:
-        write_csv(replace(record, acceleration_m_s2=event.factor * record.acceleration_m_s2), Path(made) / "run.csv",
-                  [])
-        (Path(made) / "wall.toml").write_text(as_toml(wall))
-        for solver, seed in cases:
-            file = f"{made}/{solver}_{seed}.h5"
-            subprocess.run([*command[solver], f"{made}/wall.toml", "--record", f"{made}/run.csv", *OPTIONS,
-                            "--strength-seed", str(seed), "--out", file], check=True, stdin=subprocess.DEVNULL,
-                           stdout=subprocess.DEVNULL, cwd=REPOSITORY)
-            history = read_history(file)
+        bench, motion = Bench(Path(made)), Path(made) / "run.csv"
+        write_csv(scaled(event.loading.record, event.factor), motion, [])
+        for run, seed, *more in (*((bench.run, seed) for seed in range(1, 9)), (bench.run_in_yade, 1),
+                                 (bench.run_in_yade, 1, "--dt", 4e-5)):
+            history = run(wall, ["--record", motion, *OPTIONS, "--strength-seed", seed, *more])
             peak = np.abs(history.series["drift_ratio"]).max() * history.attributes["drift_height_m"]
-            rows.append({"solver": solver, "draw": seed, "peak_mm_middle": 1e3 * peak, "events": len(history.events)})
+            rows.append({"solver": history.solver, "draw": seed, "time_step_s": history.time_step_s,
+                         "peak_mm_middle": 1e3 * peak, "events": len(history.events),
+                         "energy_balance_error_pct": 100 * energy_error_of(history)})
     keep(pd.DataFrame(rows), "us1_solvers")
 
 
-def as_toml(wall):
-    """A strip as a wall file."""
-    def table(values):
-        return "{ " + ", ".join(f"{name} = {json.dumps(value)}" for name, value in values.items()
-                                if value is not None) + " }"
-
-    parts = wall.as_dict()
-    lines = [f"{name} = {json.dumps(parts[name])}" for name in ("name", "length", "height", "precompression")]
-    lines += [f"{name} = {table(parts[name])}" for name in ("brick", "joint")]
-    return "\n".join([*lines, f"restraints = [{', '.join(map(table, parts['restraints']))}]"]) + "\n"
+PROGRAMS = {"bearings": bearings, "prediction": prediction, "choices": choices, "solvers": solvers}
 
 
 def main():
+    parsed = arguments(__doc__, option("folder", type=Path), option("tables", choices=PROGRAMS))
     try:
-        folder, name = Path(sys.argv[1]), sys.argv[2]
-        {"bearings": bearings, "prediction": prediction, "choices": choices,
-         "solvers": solvers}[name](folder)
-    except (IndexError, KeyError, OSError) as error:
-        print(f"error: {error}: expected FOLDER bearings|prediction|choices|solvers, FOLDER with the files of "
-              "docs/validation/shaken-walls.md; give both", file=sys.stderr)
+        PROGRAMS[parsed.tables](parsed.folder)
+    except FileNotFoundError as error:
+        print(f"error: no file {error.filename}: expected the files that docs/validation/shaken-walls.md names; put "
+              f"them into {parsed.folder}", file=sys.stderr)
         return 2
     return 0
 

@@ -1,6 +1,7 @@
 """Restraints: strips in one-way bending between floors, and party walls, against closed forms and in both solvers."""
 
 import math
+import tomllib
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +20,7 @@ from damage.units import GRAVITY
 from damage.wall.data import wall_from
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
+from damage.wall.new import as_toml
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.restraints import THICK_M, Restraint
 
@@ -111,7 +113,7 @@ class TestBearing:
         return np.interp(np.arange(81), np.arange(0, 81, 16), [0.0, 0.02, -0.02, 0.02, -0.003, 0.001])
 
     def test_the_step_follows_the_law_and_its_slip_is_friction(self):
-        """k (u - s), |F| up to mu N while the play lasts: a cycle over all of it takes 4 play mu N."""
+        """k (u - s), |F| up to mu N while the play lasts."""
         layout = strip(restraint=self.TOP)
         load, slip, forces = GRAVITY * layout.top_mass, 0.0, []
         wall = ReferenceSolver(layout, 1e-5)
@@ -180,22 +182,10 @@ height = 1.5
 precompression = 38e3
 brick = { length = 0.42, height = 0.15, thickness = 1.292, density = 1885 }
 joint = { normal_stiffness = 4e9, shear_stiffness = 1.6e9, tensile_strength = 0.05e6, cohesion = 0.08e6 }
-[[restraints]]
-side = "top"
-stiffness = 2e6
-friction = 0.3
-play = 0.002
-mass = 200
+restraints = [{ side = "top", stiffness = 2e6, friction = 0.3, play = 0.002, mass = 200 }]
 """
-PARTY = """
-name = "party"
-length = 0.7
-height = 0.6
-precompression = 200e3
-joint = { normal_stiffness = 1e10, shear_stiffness = 4e9, tensile_strength = 0.1e6, cohesion = 0.2e6 }
-[[restraints]]
-side = "left"
-"""
+PARTY = as_toml(Wall("party", 0.7, 0.6, precompression=200e3, joint=Joint(1e10, 4e9, tensile_strength=0.1e6,
+                     cohesion=0.2e6), restraints=[Restraint("left")]).as_dict())
 
 
 @pytest.mark.yade
@@ -216,7 +206,6 @@ def test_both_solvers_agree(tmp_path, yade_command, damage_command, text, period
 
 
 def wall_from_text(text):
-    import tomllib
     return wall_from(tomllib.loads(text))
 
 

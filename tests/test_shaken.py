@@ -2,7 +2,6 @@
 
 import hashlib
 import math
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
-from damage.wall.data import wall_from
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from paper import impacts, shaken_wall
@@ -53,12 +51,6 @@ def test_the_joints_are_as_stiff_as_the_measured_period_asks_for():
     layout = lay_out(wall, ModelOptions(contacts="gauss", cells=8))
     assert natural_modes(layout).period_s[0] == pytest.approx(shaken_wall.PERIOD_S, rel=1e-3)
     assert layout.bodies.mass[:-1].sum() == pytest.approx(1885 * 2.58 * 1.292 * 0.21)
-
-
-def test_the_strip_as_a_file_is_the_strip():
-    wall = shaken_wall.strip(Case(softens=False), 5e9)
-    again = wall_from(tomllib.loads(shaken_wall.as_toml(wall)))
-    assert again == wall
 
 
 def test_peaks_residuals_and_periods_are_those_of_each_event():

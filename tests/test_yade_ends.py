@@ -88,3 +88,19 @@ def test_a_shoved_brick_falls_alike(yade_command, tmp_path, speed):
     assert_allclose(found["offset_m"][end:], LENGTH, rtol=0.02)
     assert_allclose(found["opening_m"][end:], np.tile(found["opening_m"][end], (len(ended) - end, 1)), rtol=0, atol=0)
     assert np.ptp(found["energy_j"][end - 1:]) < 1e-6 * found["energy_j"][end]
+
+
+def test_a_run_that_continues_after_a_joint_ended_keeps_its_stresses(tmp_path, yade_command):
+    """None in the joint that ended before the checkpoint; the weight of two bricks is on the ground."""
+    (tmp_path / "pier.py").write_text(PIER.format(repository=str(REPOSITORY)))
+    words = ["-j1", tmp_path / "pier.py", "--accept-implausible", "--no-pictures", "--stresses", "--dt", 3e-5]
+    for more in (("--pushover", 70, "--speed", SPEED, "--checkpoint", 10, "--out", tmp_path / "first.h5"),
+                 ("--harmonic", 0.02, 0.01, "--cycles", 1, "--rest", 0, "--continue", tmp_path / "first.h5",
+                  "--out", tmp_path / "second.h5")):
+        done = yade_command(*words, *more)
+        assert done.returncode == 0, done.stdout + done.stderr
+    history = damage.read_history(tmp_path / "second.h5")
+    assert history.ended[0].any() and not history.joint_stress_pa[:, history.ended[0]].any()
+    area = LENGTH / 2 * history.masonry_wall.brick.thickness  # of a contact point, two a joint
+    pressed = -area * history.joint_stress_pa[:, (history.joints["first_body"] < 0).to_numpy(), 0].sum(axis=1)
+    assert_allclose(pressed.mean(), GRAVITY * history.bodies["mass_kg"][:2].sum(), rtol=0.01)

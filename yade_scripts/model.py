@@ -142,6 +142,11 @@ class YadeWall:
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
 
+    def contacts_of(self, joint):
+        """Interactions of a joint: the bond, or the dry contact that replaced it; of one that failed in part both."""
+        dry = self.frayed.get(joint)
+        return [self.bonds[joint]] if dry is None else [self.bonds[joint], dry]
+
     def _exchange(self, joint):
         """Replace a tip that crushing has made too small by one farther inside its brick."""
         place = self.frayed if joint in self.frayed else self.bonds

@@ -74,21 +74,14 @@ class Scene:
     def interactions(self, joint):
         """YADE's interactions of a contact point now: the bond, or the dry contact that replaced it; of one that has
         failed in part both."""
-        model = self.solver.model
         self._check_joint(joint)
-        return [model.bonds[joint], *([model.frayed[joint]] if joint in model.frayed else [])]
+        return self.solver.model.contacts_of(joint)
 
     def force(self, joint):
         """Normal force of a contact point, tension positive, and shear force, signed as its slip, both along the
         present joint [N]."""
-        normal = shear = 0.0
-        for contact in self.interactions(joint):
-            if not contact.isReal:
-                continue
-            n, on, along = contact.geom.normal, contact.phys.normalForce, contact.phys.shearForce
-            normal -= on.dot(n)
-            shear -= (along[0] * n[2] - along[2] * n[0]) * self.solver.scene.handed[joint]
-        return float(normal), float(shear)
+        self._check_joint(joint)
+        return self.solver.scene.force_of(joint)
 
     def _check_joint(self, joint):
         if not 0 <= joint < self.layout.n_joints:

@@ -183,19 +183,18 @@ class SceneReader:
     def joint_stresses(self, n_joints):
         """Normal stress, tension positive, and shear stress of the first contact points on their whole areas, signed as
         in `shear_stresses`, (n_joints, 2) [Pa]."""
-        forces = np.zeros((n_joints, 2))
-        for joint in range(n_joints):
-            for phys, geom in self._acting(joint):
-                n, on, along = geom.normal, phys.normalForce, phys.shearForce
-                forces[joint] -= on.dot(n), (along[0] * n[2] - along[2] * n[0]) * self.handed[joint]
-        return forces / self.area[:n_joints, np.newaxis]
+        return np.array([self.force_of(joint) for joint in range(n_joints)]) / self.area[:n_joints, np.newaxis]
 
-    def _acting(self, joint):
-        """(phys, geom) of the interactions that carry the forces of a joint: none of one that has ended."""
-        geom = self.geometries[joint]
-        found = [] if isinstance(geom, _Removed) else [(self.physics[joint], geom)]
-        dry = self.frayed.get(joint)
-        return found if dry is None else [*found, (dry.phys, dry.geom)]
+    def force_of(self, joint):
+        """Normal force of a contact point, tension positive, and shear force, signed as in `shear_stresses`, both along
+        the present joint [N]."""
+        normal = shear = 0.0
+        for contact in self.model.contacts_of(joint):
+            if contact.isReal:  # not of one that has ended
+                n, on, along = contact.geom.normal, contact.phys.normalForce, contact.phys.shearForce
+                normal -= on.dot(n)
+                shear -= (along[0] * n[2] - along[2] * n[0]) * self.handed[joint]
+        return float(normal), float(shear)
 
     def elastic_energy(self, broken):
         """Elastic energy of all bonds and dry contacts [J].

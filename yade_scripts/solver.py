@@ -30,14 +30,12 @@ TIDY_STEPS = 500
 """Steps between two deletions of contacts that are over."""
 LOOSE = 0.4e-3
 """Opening or offset of a joint [m] from which collisions are enabled: corner spheres and faces are 0.5 mm apart."""
-
-
 LOOK = """
 if hasattr(__builtins__, "masonry_solver"):
     masonry_solver.look()
 else:
     masonry_look.dead = True
-    print("a saved wall: YADE's own laws go on; no failed bond becomes a dry joint from now on")
+    print("a saved wall: YADE's own laws continue; no failed bond becomes a dry joint from now on")
 """
 """Command of the engine at the end of each step; of a scene that O.load brought into another process."""
 ON_FACE = 1e-2

@@ -8,7 +8,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from damage.draw import style
-from damage.draw.style import BODY_COLOURS, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
 from damage.units import GRAVITY
 from damage.wall.as_built import openings_as_built
 from damage.wall.geometry import body_corners, body_table, kinds_of_bodies, tributary_ends
@@ -136,7 +135,7 @@ def _box(left, bottom, right, top, colour):
 VISIBLE_SHARE = 0.08  # largest drawn displacement of a mode over the height of the wall
 
 
-@styled
+@style.styled
 def modes_picture(layout, modes):
     """Figure of the mode shapes with their periods, two in a row, over the undeformed outline.
 
@@ -144,7 +143,8 @@ def modes_picture(layout, modes):
     """
     n = len(modes.period_s)
     rows, ratio = -(-n // 2), layout.wall.built_height / layout.wall.length
-    figure = Figure(figsize=(2 * COLUMN_WIDTH, rows * (COLUMN_WIDTH * ratio + 0.25) + 0.3), layout="constrained")
+    size = 2 * style.COLUMN_WIDTH, rows * (style.COLUMN_WIDTH * ratio + 0.25) + 0.3
+    figure = Figure(figsize=size, layout="constrained")
     for number, ax in enumerate(figure.subplots(rows, 2, squeeze=False).ravel()):
         ax.axis("off")
         if number < n:
@@ -164,9 +164,10 @@ def _draw_mode(ax, layout, shape):
     corners = rest + moved * VISIBLE_SHARE * layout.wall.built_height / largest
     kinds = kinds_of_bodies(layout.bodies.course)
     ax.add_collection(PolyCollection(rest[kinds == "bricks"], facecolors="none", edgecolors="0.85", linewidths=0.3))
-    for kind, colour in BODY_COLOURS.items():
-        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=colour, edgecolors=DARK, linewidths=0.25))
-    ax.axhline(0, color=GROUND_COLOUR, lw=2, zorder=0)
+    for kind, colour in style.BODY_COLOURS.items():
+        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=colour, edgecolors=style.DARK,
+                                         linewidths=0.25))
+    ax.axhline(0, color=style.GROUND_COLOUR, lw=2, zorder=0)
     margin = 1.2 * VISIBLE_SHARE * layout.wall.built_height
     points = rest.reshape(-1, 2)
     ax.set(xlim=(points[:, 0].min() - margin, points[:, 0].max() + margin),

@@ -13,7 +13,7 @@ from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.register import measure
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
-from damage.wall.kinds import CAP_HEIGHT
+from damage.wall.kinds import CAP_COURSE, CAP_HEIGHT
 from damage.wall.restraints import top_of
 
 CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn",
@@ -234,7 +234,7 @@ def cycle_edges(history):
     """
     loading = pushed_loading(history)
     bodies, time_s = history.bodies, history.series["time_s"]
-    caps = bodies["z_m"][bodies["course"] == -1]
+    caps = bodies["z_m"][bodies["course"] == CAP_COURSE]
     free = len(caps) and top_of(history.masonry_wall) is None
     height = float(caps.mean()) if free else history.attributes["drift_height_m"]
     asked = loading.top_displacement(time_s, height)

@@ -198,7 +198,7 @@ def _only_trace(obspy, path, data: bytes):
 
 
 def _stream(obspy, data: bytes):
-    """The traces of a miniSEED file, parts that go on from each other joined; ValueError where they are too many, no
+    """The traces of a miniSEED file, parts that continue each other joined; ValueError where they are too many, no
     numbers, or of times that no calendar has."""
     stream = obspy.read(io.BytesIO(data), format="MSEED")
     if len(stream) > MOST_PARTS:

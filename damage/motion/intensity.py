@@ -65,8 +65,7 @@ def rotd100(record: Record, across: Record) -> dict:
     components at right angles with the same step, length and start: "pga_rotd100_g", "pgv_rotd100_cm_s" and
     "sa_rotd100_g", the 5 % spectrum, {period [s]: ordinate [g]}.
 
-    A direction's peak is the largest length of the vector of both components; velocity is followed in INSTANTS parts of
-    each step, between which it is exact.
+    The largest of all directions is the largest length of the vector of both components.
     """
     pair = [one.acceleration_m_s2 for one in (record, across)]
     step_s = record.time_step_s
@@ -77,10 +76,11 @@ def rotd100(record: Record, across: Record) -> dict:
 
 
 INSTANTS = 16
+"""A step at which `pgv_rotd100_m_s` looks for the peak."""
 
 
 def pgv_rotd100_m_s(record: Record, across: Record) -> float:
-    """As `pgv_m_s`, in the direction in which it is largest [m/s]."""
+    """As `pgv_m_s`, in the direction in which it is largest [m/s]; the velocity is exact at each instant looked at."""
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
 
     def velocity(one):

@@ -140,7 +140,7 @@ def read_profile(path):
 
 def _of_levels(table, x, height):
     """Points (x, uz) [m] of a table of levels: those of the last date less those of the first, of one date those of a
-    course that was level when it was built.  The highest point has not settled; ends continue straight for END_M."""
+    course that was level when it was built.  The highest point has not settled; the ends are extended by END_M."""
     dated = "date" in table.text
     day_of = np.array([_day(table, *one) if dated else date.min for one in enumerate(table.words("date"))])
     days = sorted(set(day_of))

@@ -4,6 +4,7 @@ masses (caps) and the stress below them, its floors and lintels."""
 from typing import NamedTuple
 
 from damage.units import GRAVITY
+from damage.wall.kinds import CAP_COURSE
 from damage.wall.restraints import top_of
 
 _SAME = 1e-4  # [m], sizes and places closer than this are as given
@@ -115,7 +116,7 @@ def describe_top(layout):
     restraints = [one.describe(layout.top_mass) for one in wall.restraints]
     if layout.top_mass == 0:
         return ["no mass on top: no precompression", *restraints]
-    on_top = (bodies.course == -1) & (top_of(wall) is None)
+    on_top = (bodies.course == CAP_COURSE) & (top_of(wall) is None)
     over = "the length of the wall" if of.load == "length" else "the piers alone"
     places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.plan.piers)
     return [f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), "
