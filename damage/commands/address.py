@@ -32,7 +32,7 @@ def _exposure_of(asked):
     from damage.exposure.places import at, at_rd
 
     if (asked.at is None) == (asked.rd is None):
-        raise InputError("exposure of which address? expected --at LAT LON or --rd X Y; give one of them")
+        raise InputError(f"which address? expected --at LAT LON or --rd X Y, {'not both' if asked.at else 'got none'}; give one")
     return Exposure(at(*asked.at) if asked.at else at_rd(*asked.rd),
                     read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
                     model_named(asked.model, asked.component), asked.vs30)
@@ -156,11 +156,11 @@ def _claim(asked):
     if settle and is_there(settle):
         settle = str(Path(settle).resolve())
     settlement = {name: value for name, value in (("settle", settle), ("distortion", asked.distortion)) if value}
+    exposure = _exposure_of(asked)  # first: it says where the address is missing
     parse_run([word for name, value in settlement.items() for word in (f"--{name}", value)], "", "reference")
     return make_claim(
-        Claim(asked.wall, _address_of(asked), _exposure_of(asked), asked.cracks,
-              {"rest": asked.rest, "strength-cov": asked.strength_cov},
-              settlement, asked.draws, asked.language),
+        Claim(asked.wall, _address_of(asked), exposure, asked.cracks,
+              {"rest": asked.rest, "strength-cov": asked.strength_cov}, settlement, asked.draws, asked.language),
         asked.out, asked.jobs or os.cpu_count())
 
 

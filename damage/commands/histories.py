@@ -96,7 +96,7 @@ def _plot(asked):
 def _stresses(asked):
     from damage.measure.joint_stress import describe, stress_report
 
-    history, moments = read_history(asked.history), asked.at.split(",")
+    history, moments = read_history(asked.history), list(dict.fromkeys(asked.at.split(",")))
     report = stress_report(history, moments, asked.joint)
     if asked.out:
         from damage.draw.run import contact_force_picture

@@ -140,7 +140,7 @@ def joint_of(history, name):
     Raises InputError where there is none, or the nearest is further away than a brick is long.
     """
     joints, words = history.joints, str(name)
-    expected = f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m], or bed:X,Z"
+    expected = f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m], or bed:X,Z, head:X,Z"
     if re.fullmatch(r"\d+", words):
         if int(words) >= len(joints):
             raise InputError(f"{expected}; choose another")
