@@ -32,7 +32,8 @@ def _exposure_of(asked):
     from damage.exposure.places import at, at_rd
 
     if (asked.at is None) == (asked.rd is None):
-        raise InputError(f"which address? expected --at LAT LON or --rd X Y, {'not both' if asked.at else 'got none'}; give one")
+        raise InputError(f"which address? {'both' if asked.at else 'none'} given: expected --at LAT LON or --rd X Y; give one of "
+                         "them")
     return Exposure(at(*asked.at) if asked.at else at_rd(*asked.rd),
                     read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
                     model_named(asked.model, asked.component), asked.vs30)
