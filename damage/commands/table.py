@@ -5,7 +5,7 @@ import sys
 
 from damage.errors import one_line
 from damage.files import json_text
-from damage.run.options import file_path, number_from
+from damage.run.options import WALLS_ARE_CODE, file_path, number_from
 
 COMMANDS = {}
 """Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
@@ -53,6 +53,7 @@ def out(help_, metavar="DIR", required=True):
     return output(file_arg("--out", metavar, help_, required=required))
 
 
+WALL = file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}")
 HISTORY = file_arg("history", "FILE.h5")
 HISTORIES = file_arg("histories", "FILE.h5", nargs="+")
 JSON = output(arg("--json", action="store_true", help="as JSON"))
