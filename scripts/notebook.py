@@ -10,7 +10,6 @@ import ast
 import base64
 import io
 import json
-import os
 import sys
 from contextlib import chdir, redirect_stdout
 from pathlib import Path
@@ -35,7 +34,9 @@ def run_cells(cells, folder):
             if cell["cell_type"] == "code":
                 count += 1
                 ran = {"outputs": outputs_of("".join(cell["source"]), names, count), "execution_count": count}
-            done.append(cell | (ran if cell["cell_type"] == "code" else {}))
+                done.append(cell | ran)
+            else:
+                done.append(cell)
     return done
 
 
@@ -73,4 +74,4 @@ if __name__ == "__main__":
     for path in map(Path, sys.argv[1:]):
         notebook = json.loads(path.read_text(encoding="utf-8"))
         notebook["cells"] = run_cells(notebook["cells"], path.resolve().parent)
-        print(write_text(path, json.dumps(notebook, indent=1, ensure_ascii=False) + os.linesep))
+        print(write_text(path, json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"))

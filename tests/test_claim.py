@@ -322,6 +322,10 @@ class TestBadInput:
         assert main([*words(claimed.parent), "--levels", str(levels), "--out", str(out)]) == 2
         assert "expected points along all of it" in capsys.readouterr().err and not out.exists()
 
+    def test_a_claim_without_an_address_is_refused(self, tmp_path, capsys):
+        assert main(["claim", "symmetric", "--cracks", "no.csv", "--out", str(tmp_path / "new")]) == 2
+        assert "which address? none given: expected --at LAT LON or --rd X Y" in capsys.readouterr().err
+
     def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, capsys):
         (tmp_path / "far.csv").write_text(CRACKS.replace("0.3,0,", "9,0,"))
         assert main([*words(claimed.parent), "--cracks", str(tmp_path / "far.csv"), "--out", str(tmp_path / "o")]) == 2

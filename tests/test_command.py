@@ -61,6 +61,11 @@ def test_an_unknown_option_names_the_nearest(words, meant, capsys):
     assert error.count("\n") == 1 and f"did you mean {meant}? see --help" in error
 
 
+def test_tables_of_two_runs_do_not_share_a_name(capsys):
+    assert main(["tables", "run", "a.h5", "b.h5", "--out", "stem"]) == 2
+    assert "tables run of 2 histories: expected one" in capsys.readouterr().err
+
+
 def help_of(*words):
     with suppress(SystemExit):
         main(list(words))

@@ -3,10 +3,10 @@
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, arg, command, file_arg, group, out, output, save, show
+from damage.commands.table import JSON, WALL, arg, command, file_arg, group, out, output, save, show
 from damage.errors import InputError, warn
 from damage.files import is_there, write_text
-from damage.run.options import WALLS_ARE_CODE, file_path, number_from
+from damage.run.options import file_path, number_from
 
 _ADDRESS = (
     group("address",
@@ -32,7 +32,8 @@ def _exposure_of(asked):
     from damage.exposure.places import at, at_rd
 
     if (asked.at is None) == (asked.rd is None):
-        raise InputError("exposure of which address? expected --at LAT LON or --rd X Y; give one of them")
+        raise InputError(f"which address? {'both' if asked.at else 'none'} given: expected --at LAT LON or --rd X Y; "
+                         "give one of them")
     return Exposure(at(*asked.at) if asked.at else at_rd(*asked.rd),
                     read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
                     model_named(asked.model, asked.component), asked.vs30)
@@ -106,8 +107,7 @@ def _lives_options(within, strong):
 
 @command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
          "damage carried over, their motions and the joints' strengths drawn; the same command continues",
-         file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
-         *_lives_options(10.0, (0.05, 0.1)),
+         WALL, *_ADDRESS, *_lives_options(10.0, (0.05, 0.1)),
          group("lives", arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N",
                             help="lives (default 100)")),
          group("batch", arg("--slurm", action="store_true", help="as jobs of a SLURM cluster")),
@@ -131,7 +131,7 @@ def _life(asked):
 
 @command("a claim: the same front with and without the earthquakes, with and without settlement, beside a survey of "
          "its cracks; one sheet that prints on A4, and every number as JSON; the same command continues",
-         file_arg("wall", "HOUSE.toml", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
+         WALL, *_ADDRESS,
          group("survey", file_arg("--cracks", "SURVEY.csv", "its cracks (docs/reference/crack-format.md)",
                                   required=True)),
          *_lives_options(3.5, (0.05, 0.15)),
@@ -155,8 +155,9 @@ def _claim(asked):
     if settle and is_there(settle):
         settle = str(Path(settle).resolve())
     settlement = {name: value for name, value in (("settle", settle), ("distortion", asked.distortion)) if value}
+    exposure = _exposure_of(asked)  # first: it says where the address is missing
     return make_claim(
-        Claim(asked.wall, _address_of(asked), _exposure_of(asked), asked.cracks,
+        Claim(asked.wall, _address_of(asked), exposure, asked.cracks,
               {"rest": asked.rest, "strength-cov": asked.strength_cov}, settlement, asked.draws, asked.language),
         asked.out, asked.jobs or os.cpu_count())
 

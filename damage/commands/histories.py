@@ -96,7 +96,7 @@ def _plot(asked):
 def _stresses(asked):
     from damage.measure.joint_stress import describe, stress_report
 
-    history, moments = read_history(asked.history), asked.at.split(",")
+    history, moments = read_history(asked.history), list(dict.fromkeys(asked.at.split(",")))
     report = stress_report(history, moments, asked.joint)
     if asked.out:
         from damage.draw.run import contact_force_picture
@@ -215,9 +215,11 @@ def _tables(asked):
 
     if asked.what == "summary":
         write_table(summary_table(asked.histories), asked.out)
-    else:
-        for path in asked.histories:
-            write_run_tables(read_history(path), asked.out)
+        return
+    if len(asked.histories) > 1:
+        raise InputError(f"tables run of {len(asked.histories)} histories: expected one, as all would have the names "
+                         "of --out; give each its own command, or tables summary")
+    write_run_tables(read_history(asked.histories[0]), asked.out)
 
 
 @command("one HTML file to send: a run, runs side by side, or a study, for any browser, without a network",

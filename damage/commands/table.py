@@ -5,7 +5,7 @@ import sys
 
 from damage.errors import one_line
 from damage.files import json_text
-from damage.run.options import file_path, number_from
+from damage.run.options import WALLS_ARE_CODE, file_path, number_from
 
 COMMANDS = {}
 """Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
@@ -53,6 +53,7 @@ def out(help_, metavar="DIR", required=True):
     return output(file_arg("--out", metavar, help_, required=required))
 
 
+WALL = file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}")
 HISTORY = file_arg("history", "FILE.h5")
 HISTORIES = file_arg("histories", "FILE.h5", nargs="+")
 JSON = output(arg("--json", action="store_true", help="as JSON"))
@@ -87,59 +88,55 @@ def save(figures, folder, made=""):
 
 
 GROUPS = {
-    "first steps": ("demo", "new-wall", "help"),
-    "a wall": ("materials", "draw", "modes", "wall-schema"),
-    "ground motion": ("record", "exposure", "catalogue"),
-    "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report", "tables", "compare",
-                "export", "cracks", "cycles", "laboratory"),
-    "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
-    "lives at an address": ("life", "lives", "claim", "app"),
-}
-"""Title -> names of commands, all in the order in which help lists them."""
-
-EXAMPLES = {
-    "demo": ("demo", "demo --out first --overwrite"),
-    "new-wall": ("new-wall my_wall.py", "new-wall my_wall.py --from solid"),
-    "materials": ("materials", "materials --json > materials.json"),
-    "draw": ("draw symmetric", "draw my_wall.toml --top beam --out my_wall.svg"),
-    "modes": ("modes symmetric", "modes my_wall.toml --bricks deformable --out pictures"),
-    "wall-schema": ("wall-schema > wall.schema.json", "wall-schema | less"),
-    "record": ("record BGAR_HGE", "record record.csv --window 17 27 --plot record.png"),
-    "exposure": ("exposure --at 53.36 6.75", "exposure --rd 246000 597000 --vs30 180 --from 2012 --out exposure"),
-    "catalogue": ("catalogue later.txt --out catalogue.csv",
-                  "catalogue newest.txt --catalogue catalogue.csv --out catalogue_2.csv"),
-    "index": ("index run.h5", "index run.h5 --threshold-mm 0.05 --slip accumulated --json"),
-    "check": ("check run.h5", "check results/quick/runs/*.h5"),
-    "info": ("info run.h5", "info run.h5 --json"),
-    "plot": ("plot run.h5 --out pictures", "plot results/quick/runs/run.h5 --out pictures/run"),
-    "stresses": ("stresses run.h5 --joint 0.5,0.3", "stresses run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
-    "animate": ("animate run.h5", "animate run.h5 --window 1 2 --magnify 200 --out run.mp4"),
-    "report": ("report run.h5", 'report results/quick --title "Quick study" --author "A. Name" --out report.html'),
-    "tables": ("tables run run.h5 --out run", "tables summary first.h5 second.h5 --out summary.csv"),
-    "compare": ("compare reference.h5 yade.h5", "compare yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
-    "export": ("export run.h5 --vtkhdf run.vtkhdf", "export results/quick --parquet tables",
-               "export symmetric --contacts corners --3dec symmetric.dat --opensees symmetric.py"),
-    "cracks": ("cracks run.h5 --at max,end --export cracks.csv --out pictures",
-               "cracks cracks.csv --wall symmetric --tolerance-mm 20"),
-    "cycles": ("cycles pushed.h5", "cycles pushed.h5 --json"),
-    "laboratory": ("laboratory squat.h5 --out pictures", "laboratory comp2_1.h5 comp2_3.h5 --out pictures"),
-    "study-tables": ("study-tables studies/quick.toml results/quick",
-                     "study-tables my_study.toml results/my_study --solver reference -j 4"),
-    "study-schema": ("study-schema > study.schema.json", "study-schema | less"),
-    "fragility": ("fragility results/fragility --out curves",
-                  'fragility results/fragility --intensity pga_g --state "moderate: max_psi > 2" --out curves'),
-    "dictionary": ("dictionary --out tables", "dictionary --out docs/reference"),
-    "life": ("life symmetric --at 53.36 6.75 --out results/life",
-             "life my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"),
-    "app": ("app --out results/claim", "app --out results/claim --port 8765 --no-browser"),
-    "claim": ("claim my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
-              "claim my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
-              "--language nl --out results/claim"),
-    "lives": ("lives results/life", "lives results/life --with other/lives.csv --markdown lives.md --out figures"),
-}
-"""Name of a command -> its examples, without what comes before it; `reference` and `study` have their own."""
+    "first steps": {
+        "demo": ("", "--out first --overwrite"),
+        "new-wall": ("my_wall.py", "my_wall.py --from solid"),
+        "help": ()},
+    "a wall": {
+        "materials": ("", "--json > materials.json"),
+        "draw": ("symmetric", "my_wall.toml --top beam --out my_wall.svg"),
+        "modes": ("symmetric", "my_wall.toml --bricks deformable --out pictures"),
+        "wall-schema": ("> wall.schema.json", "| less")},
+    "ground motion": {
+        "record": ("BGAR_HGE", "record.csv --window 17 27 --plot record.png"),
+        "exposure": ("--at 53.36 6.75", "--rd 246000 597000 --vs30 180 --from 2012 --out exposure"),
+        "catalogue": ("later.txt --out catalogue.csv", "newest.txt --catalogue catalogue.csv --out catalogue_2.csv")},
+    "one run": {
+        "reference": (),
+        "index": ("run.h5", "run.h5 --threshold-mm 0.05 --slip accumulated --json"),
+        "check": ("run.h5", "results/quick/runs/*.h5"),
+        "info": ("run.h5", "run.h5 --json"),
+        "plot": ("run.h5 --out pictures", "results/quick/runs/run.h5 --out pictures/run"),
+        "stresses": ("run.h5 --joint 0.5,0.3", "run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
+        "animate": ("run.h5", "run.h5 --window 1 2 --magnify 200 --out run.mp4"),
+        "report": ("run.h5", 'results/quick --title "Quick study" --author "A. Name" --out report.html'),
+        "tables": ("run run.h5 --out run", "summary first.h5 second.h5 --out summary.csv"),
+        "compare": ("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
+        "export": ("run.h5 --vtkhdf run.vtkhdf", "results/quick --parquet tables",
+                   "symmetric --contacts corners --3dec symmetric.dat --opensees symmetric.py"),
+        "cracks": ("run.h5 --at max,end --export cracks.csv --out pictures",
+                   "cracks.csv --wall symmetric --tolerance-mm 20"),
+        "cycles": ("pushed.h5", "pushed.h5 --json"),
+        "laboratory": ("squat.h5 --out pictures", "comp2_1.h5 comp2_3.h5 --out pictures")},
+    "many runs": {
+        "study": (),
+        "study-tables": ("studies/quick.toml results/quick", "my_study.toml results/my_study --solver reference -j 4"),
+        "study-schema": ("> study.schema.json", "| less"),
+        "fragility": ("results/fragility --out curves",
+                      'results/fragility --intensity pga_g --state "moderate: max_psi > 2" --out curves'),
+        "dictionary": ("--out tables", "--out docs/reference")},
+    "lives at an address": {
+        "life": ("symmetric --at 53.36 6.75 --out results/life",
+                 "my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"),
+        "lives": ("results/life", "results/life --with other/lives.csv --markdown lives.md --out figures"),
+        "claim": ("my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
+                  "my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
+                  "--language nl --out results/claim"),
+        "app": ("--out results/claim", "--out results/claim --port 8765 --no-browser")}}
+"""Title -> {command: its examples, without what comes before its options}, all in the order in which help lists them;
+`reference` and `study` have examples of their own."""
 
 
 def examples_of(name):
     """Lines of the examples of a command, for its help."""
-    return [f"python3 -m damage {line}" for line in EXAMPLES.get(name, ())]
+    return [f"python3 -m damage {name} {line}".rstrip() for names in GROUPS.values() for line in names.get(name, ())]

@@ -3,20 +3,12 @@
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, arg, command, file_arg, group, out, output, save, show
+from damage.commands.table import JSON, WALL, arg, command, file_arg, group, out, output, save, show
 from damage.errors import InputError, warn
 from damage.files import json_text
 from damage.motion.loading import PERIODS_S
 from damage.provenance import shown_path
-from damage.run.options import (
-    WALLS_ARE_CODE,
-    add_accept,
-    add_model_options,
-    add_preparation,
-    model_of,
-    number_from,
-    recorded,
-)
+from damage.run.options import add_accept, add_model_options, add_preparation, model_of, number_from, recorded
 from damage.start import missing_library
 
 
@@ -27,8 +19,7 @@ def _materials(asked):
     print(json_text(as_dict(), indent=2) if asked.json else describe())
 
 
-@command("natural periods of a wall with intact joints", file_arg("wall", "WALL",
-         f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"),
+@command("natural periods of a wall with intact joints", WALL,
          group("model", lambda command: add_model_options(command, (
              "lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane", "brick_mass")),
                add_accept),
@@ -57,8 +48,7 @@ def _modes(asked):
 
 
 @command("a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic joints, names of "
-         "piers and spandrels",
-         file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"),
+         "piers and spandrels", WALL,
          group("model", lambda command: add_model_options(command, ("lintel", "top", "load", "supports")), add_accept),
          out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
               required=False))

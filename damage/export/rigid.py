@@ -1,4 +1,4 @@
-"""What models of rigid blocks for other programs have in common: what they cannot have, who made them, numbers."""
+"""What the models for other programs share: what rigid blocks cannot have, the origin of a file, numbers as text."""
 
 from damage.errors import InputError
 from damage.provenance import commit
@@ -15,7 +15,7 @@ def check_rigid(layout, option, *, cuts=True):
         (joint.softens, "joints that soften", "brittle ones; take the wall's fracture energies out"),
         (joint.compressive_strength is not None, "joints that crush", "none; take the compressive strength out"),
         (layout.wall.restraints, "restraints of its edges", "free ones; take the restraints out"),
-        (options.soil_velocity > 0, "soil with radiation damping", "none; leave --soil-velocity out"),
+        (options.soil_velocity > 0, "soil with radiation damping", "soil without it; leave --soil-velocity out"),
         (not cuts and (layout.contacts.kind == CUT).any(), "bricks or lintels of glued parts",
          "whole ones: a lintel of courses (--lintel elastic of a wall without beams), no --brick-cells, no brick that "
          "splits; change that"))
@@ -31,7 +31,7 @@ def made_by(layout):
 
 
 def number(value):
-    """The shortest word of a number that gives it back; whole ones without a point where they are whole numbers.
+    """The shortest text of a number that is read back exactly; integers have no point.
 
     >>> number(0.1), number(3), number(float("inf"))
     ('0.1', '3', 'inf')

@@ -68,8 +68,9 @@ def write_3dec(layout, path):
     for (first, second), joint in own.items():
         lines += _assigned(joint, friction, f" range group-intersection '{_name(first)}' '{_name(second)}'")
     fixed = (f"block fix range group '{_name(-k - 1)}'" for k in range(len(layout.supports)))
-    densities = (f"block property density {number(density)} range group '{_name(k)}'"
-                 for k, density in enumerate(_densities(layout)))
+    bodies = layout.bodies
+    density = bodies.mass / (bodies.length * bodies.height * layout.wall.brick.thickness)
+    densities = (f"block property density {number(one)} range group '{_name(k)}'" for k, one in enumerate(density))
     write_text(path, _DECK.format(
         made=made_by(layout), gravity=GRAVITY, joints="\n".join(lines), blocks="\n".join(_blocks(layout)),
         densities="\n".join((*densities, *fixed)),
@@ -97,12 +98,6 @@ def _blocks(layout):
         supports.left, supports.right))]
     return [f"block create brick {' '.join(map(number, (left, right, 0.0, thickness, bottom, top)))} "
             f"group '{_name(body)}'" for body, left, right, bottom, top in boxes]
-
-
-def _densities(layout):
-    """Of all bodies [kg/m3], for which a block of its size has its mass."""
-    bodies = layout.bodies
-    return bodies.mass / (bodies.length * bodies.height * layout.wall.brick.thickness)
 
 
 def _joints(layout):

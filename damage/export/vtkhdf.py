@@ -54,17 +54,18 @@ def write_vtkhdf(history, path):
 def _fill(root, cells):
     root.attrs["Version"] = np.array(VERSION, np.int64)
     root.attrs["Type"] = np.bytes_("UnstructuredGrid")
-    for name, values in {"Points": cells.points, "Connectivity": cells.connectivity, "Offsets": cells.offsets,
-                         "Types": cells.types, "NumberOfPoints": [len(cells.points)],
-                         "NumberOfCells": [len(cells.types)],
-                         "NumberOfConnectivityIds": [len(cells.connectivity)]}.items():
+    n_points = len(cells.points)  # of the cells one after the other, so that their connectivity counts them
+    for name, values in {"Points": cells.points, "Connectivity": np.arange(n_points), "Offsets": cells.offsets,
+                         "Types": cells.types, "NumberOfPoints": [n_points], "NumberOfCells": [len(cells.types)],
+                         "NumberOfConnectivityIds": [n_points]}.items():
         root[name] = np.asarray(values)
     steps = _steps(root, cells.time_s)
     samples, n_snapshots = np.arange(len(cells.time_s)), len(cells.history.snapshot_time_s)
     shapes = [*range(n_snapshots), -1]  # the last: at rest
     shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
     _keep(root, steps, "PointData", shapes, shape_of, lambda k: {"displacement_m": cells.displacement(k)})
-    _keep(root, steps, "CellData", shapes, shape_of, cells.body_fields)
+    _keep(root, steps, "CellData", shapes, shape_of,
+          lambda k: {"rotation_rad": cells.rotation(k), **cells.brick_fields(k)})
     _keep(root, steps, "CellData", [0], np.zeros_like(samples), lambda k: cells.fixed)
     _keep(root, steps, "CellData", samples, samples, cells.joint_fields)
     for name, values in cells.numbers.items():
@@ -126,11 +127,6 @@ class WallCells:
         bodies = np.concatenate([_at(corners, half), _at(corners, -half)], axis=1)
         return np.concatenate([bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)])
 
-    @property
-    def connectivity(self):
-        """Points of every cell, one after the other: those of `points` in their order."""
-        return np.arange(len(self.points))
-
     @cached_property
     def types(self):
         """VTK's code of every cell, (n_cells,)."""
@@ -177,10 +173,6 @@ class WallCells:
         first, second = (rotation[np.minimum(rows(joints[name], len(of_bodies)), len(rotation) - 1)]
                          for name in ("first_body", "second_body"))
         return np.concatenate([of_bodies, (first + second) / 2]).astype(np.float32)
-
-    def body_fields(self, snapshot):
-        """{name: (n_cells, ...)} of the bodies in a snapshot: `rotation` as rotation_rad, and `brick_fields`."""
-        return {"rotation_rad": self.rotation(snapshot), **self.brick_fields(snapshot)}
 
     def brick_fields(self, snapshot):
         """{name: (n_cells, 3) or (n_cells,)} of the bricks in a snapshot, 0 in joints: stress_pa at the centre (along

@@ -140,7 +140,8 @@ def joint_of(history, name):
     Raises InputError where there is none, or the nearest is further away than a brick is long.
     """
     joints, words = history.joints, str(name)
-    expected = f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m], or bed:X,Z"
+    expected = (f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m], or bed:X,Z, "
+                "head:X,Z")
     if re.fullmatch(r"\d+", words):
         if int(words) >= len(joints):
             raise InputError(f"{expected}; choose another")
@@ -185,7 +186,7 @@ JOINT = {
 
 def points_table(history):
     """Displacements of the material points of a History (`--point`) over time, a DataFrame, a row a point and sample;
-    columns: POINTS.  Raises InputError of a run without."""
+    columns: POINTS.  Raises InputError where it has none."""
     if history.point_displacement is None:
         raise InputError(f"{history.path} has no material points: expected a run with --point X Z; run it again so")
     time_s, (n_times, n_points, _) = history.series["time_s"].to_numpy(), history.point_displacement.shape
@@ -213,18 +214,21 @@ def stress_report(history, moments=MOMENTS, joints=()):
     rows = {str(name): joint_of(history, name) for name in joints}
     return {"wall": history.wall, "moments": [
         {"moment": moment, "time_s": float(one["time_s"].iloc[0]),
-         **{f"{which}_{name}": float(getattr(one[name], which)()) for name in ("normal_stress_pa", "shear_stress_pa")
-            for which in ("min", "max")},
+         **_extremes(one[["normal_stress_pa", "shear_stress_pa"]].to_numpy()),
          "sections": _most_eccentric(table[table["moment"] == moment])}
         for moment, one in of_points.groupby("moment", sort=False)],
-        "joints": [{"name": name, "joint": row, **{
-            f"{which}_{kind}_stress_pa": float(getattr(history.joint_stress_pa[:, row, axis], which)())
-            for axis, kind in enumerate(("normal", "shear")) for which in ("min", "max")}}
-            for name, row in rows.items()]}
+        "joints": [{"name": name, "joint": row, **_extremes(history.joint_stress_pa[:, row])}
+                   for name, row in rows.items()]}
+
+
+def _extremes(stresses):
+    """Least and largest of normal and shear stresses (n, 2) [Pa], by the names of the report."""
+    return {f"{which}_{kind}_stress_pa": float(getattr(of, which)())
+            for kind, of in zip(("normal", "shear"), stresses.T) for which in ("min", "max")}
 
 
 def _most_eccentric(table):
-    """Of each part its base section and that with the largest eccentricity, where it has one: rows as dictionaries."""
+    """Of each part the section with the largest eccentricity, the first where all are under tension: dictionaries."""
     found = []
     for _, of_part in table.groupby("part", sort=False):
         away = of_part["eccentricity_over_length"].abs()

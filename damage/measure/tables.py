@@ -144,7 +144,7 @@ def _has(history):
 def write_run_tables(history, stem, names=RUN_TABLES):
     """Write tables of a run to STEM_index.csv and so on, and their origin to STEM_info.json; returns the paths.
 
-    names: keys of RUN_TABLES; those that a run has not (`_has`) are left out.  Raises InputError where the history has
+    names: keys of RUN_TABLES; those that a run lacks (`_has`) are left out.  Raises InputError where the history has
     no sample.
     """
     if len(history.series) == 0:
