@@ -156,6 +156,7 @@ class TestInputs:
     ], ids=str)
     def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, message):
         note = as_json(inputs(solver=solver))
+        json.dumps(note, allow_nan=False)  # raises where other software cannot read it
         found = differences(note, inputs(solver=solver, **change))
         assert found == [] if message is None else len(found) == 1 and found[0].startswith(message), found
 

@@ -4,8 +4,10 @@ Runs of a study with equal walls differ in their motions only, and the static st
 """
 
 import hashlib
+import io
 import pickle
 from collections import OrderedDict
+from dataclasses import replace
 
 from damage.mechanics.tables import copy_wall, join
 from damage.run.settings import SELECTIVE
@@ -80,7 +82,11 @@ class State:
 
 def digest_of(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
-    settings = prepared.settings
-    begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
+    settings, content = prepared.settings, io.BytesIO()
+    layout = replace(prepared.layout, plan=None)  # which follows from the wall and the options
+    begins = (layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
               settings.new_contacts, settings.mass_scaling == SELECTIVE and settings.beta_s)
-    return hashlib.sha256(pickle.dumps(begins)).digest()
+    pickler = pickle.Pickler(content)
+    pickler.fast = True  # equal values give equal bytes, be they one object or two
+    pickler.dump(begins)
+    return hashlib.sha256(content.getbuffer()).digest()
