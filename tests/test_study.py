@@ -1,5 +1,6 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
+import json
 import os
 import shutil
 import signal

@@ -139,7 +139,7 @@ class HistoryWriter(Buffer):
 
     @classmethod
     def of(cls, layout, file):
-        """The writer that goes on with a File."""
+        """The writer that continues a File."""
         writer = cls.__new__(cls)
         writer._take(layout, file)
         return writer

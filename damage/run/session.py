@@ -176,8 +176,8 @@ def _run_members(backend, wall_file, make_wall, settings):
 
 
 def _ended_member(prepared, out):
-    """(row of the table of members, warnings on its energy, None, or of the first member, which `report` warns of, no
-    warnings and its History); out: path of the first one's history."""
+    """(row of the table of members, warnings on its energy balance, None); of the first member, of which `report`
+    warns, (row, no warnings, its History); out: path of the first one's history."""
     history, path = prepared.writer.history(), prepared.writer.path
     row = member_row(history, out)
     if path == out:
@@ -212,7 +212,7 @@ def _run_to_its_pictures(prepared, show):
     with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
         (status,) = take_turns([simulate(prepared, keep_going)])
     if status == EXIT_INTERRUPTED and checkpoint_path(out).exists():
-        print(f"to go on with it, give the same command with --resume {out} in place of --out")
+        print(f"to continue it, give the same command with --resume {out} in place of --out")
     try:
         report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
     except MemoryError:
@@ -224,10 +224,10 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it goes on, None
-    of a run that begins; checkpoints: what writes them, None where there is no file; repeats: (RunSettings, time step)
-    of runs that follow until one is accepted (`damage.run.scheme`); parameters: of the history, write(parameters=...):
-    makes another."""
+    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it continues,
+    None of a run that begins; checkpoints: what writes them, None where there is no file; repeats: (RunSettings, time
+    step [s]) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of the history;
+    write(parameters=...): makes a history."""
 
     backend: Backend
     settings: RunSettings
@@ -271,12 +271,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
     _check_out(out, settings)
-    layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
-    if settings.cracked:
-        layout = with_cracks(layout, settings.cracked)
-    settings.check_offsets(layout.contacts)
-    if settings.settlement:
-        settings.settlement.check_length(wall.length)
+    layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
     options = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]), fastest_decay(layout))
@@ -297,13 +292,33 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                                      settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
-    writer, tables = None, None
+    return _with_history(Prepared(backend, settings, layout, modes, time_step, None, state, repeats=tuple(repeats),
+                                  parameters=parameters, write=write), made_by["model"])
+
+
+def _laid_out(wall, settings):
+    """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit it are refused."""
+    layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    if settings.cracked:
+        layout = with_cracks(layout, settings.cracked)
+    settings.check_offsets(layout.contacts)
+    if settings.settlement:
+        settings.settlement.check_length(wall.length)
+    return layout
+
+
+def _with_history(prepared, model):
+    """A Prepared run with its writer: of a new history, or of that which it resumes; model: digest of the model's
+    code."""
+    settings, tables = prepared.settings, None
     if settings.resumed:
-        writer, tables = resumed(out, layout, parameters, made_by["model"], _like(backend, settings, layout, time_step))
-    writer = writer or write(parameters=parameters)
+        writer, tables = resumed(settings.resumed, prepared.layout, prepared.parameters, model,
+                                 _like(prepared.backend, settings, prepared.layout, prepared.time_step))
+    else:
+        writer = prepared.write(parameters=prepared.parameters)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, tables,
-                    _checkpoints(backend, settings, writer), tuple(repeats), parameters, write)
+    return replace(prepared, writer=writer, resumed=tables,
+                   checkpoints=_checkpoints(prepared.backend, settings, writer))
 
 
 def _check_out(out, settings):
