@@ -51,8 +51,7 @@ class Run:
     end of another run (`damage.run.before.read_state`, `damage.run.checkpoint.read_end`), which this one continues in
     place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None; resumed: tables of the
     checkpoint of this very run from which it continues, or None.
-    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed;
-    has_kept_its_end: whether its last checkpoint is that of its end.
+    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
     """
 
     def __init__(self, layout, settings, solver, writer, keep_going, settled=None, state=None, *, checkpoints=None,
@@ -60,7 +59,7 @@ class Run:
         self.layout, self.settings, self.solver = layout, settings, solver
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
         self._state, self._checkpoints, self._resumed = state, checkpoints, resumed
-        self._number, self.has_kept_its_end = -1, False  # of the stage; in a checkpoint
+        self._number = -1  # of the stage, in a checkpoint
         self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
         self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
@@ -221,7 +220,6 @@ class Run:
                 self.writer.keep_state(as_bytes(state | self._carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
-                self.has_kept_its_end = True
         if self.collapsed_at_s is not None and (self.settings.past_collapse_s > 0 or self.settings.after_fall):
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None

@@ -423,7 +423,7 @@ def _simulate(prepared, keep_going, settled):
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
-        if finished and prepared.checkpoints and not run.has_kept_its_end:
+        if finished and prepared.checkpoints and not (prepared.checkpoints.keeps_end and collapsed is None):
             prepared.checkpoints.remove()
     except RunError:
         status = None if prepared.repeats else status  # its history begins again

@@ -32,9 +32,9 @@ def as_they_end(runs, move=run_each, most=math.inf):
     """Let runs continue, so many at once, the next where one has ended; yields (number, what it returned) of each.
 
     runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run
-    continues, at least the first number of steps; an error in it is raised there.  Instead of a run None: there is none now,
-    which ends all where none is under way.  move: as `run_each`, takes steps of those that are under way; or WAITED,
-    where it leaves one for later.
+    continues, at least the first number of steps; an error in it is raised there.  Instead of a run None: there is none
+    now, which ends all where none is under way.  move: as `run_each`, takes steps of those that are under way; or
+    WAITED, where it leaves one for later.
     """
     waiting, asked = enumerate(runs), {}  # {(number, run): what it asks for}
     while True:
