@@ -24,13 +24,13 @@ class SettledWalls:
 
     def of(self, prepared):
         """Settled of a Prepared run."""
-        digest = digest_of(prepared)
-        return Settled(self, digest, digest in self._kept)
+        return Settled(self, digest_of(prepared))
 
     def take(self, digest):
-        """State with this digest; raises KeyError where there is none."""
-        self._kept.move_to_end(digest)
-        return self._kept[digest]
+        """State with this digest, None where there is none."""
+        if digest in self._kept:
+            self._kept.move_to_end(digest)
+        return self._kept.get(digest)
 
     def put(self, digest, state):
         """Add a State, and delete the oldest ones beyond MOST_BYTES."""
@@ -40,11 +40,10 @@ class SettledWalls:
 
 
 class Settled:
-    """Access of one run to the cache of states at rest; known: whether the cache holds the state of this run."""
+    """Access of one run to the cache of states at rest."""
 
-    def __init__(self, walls, digest, known):
-        self._walls, self._digest = walls, digest
-        self._state = walls.take(digest) if known else None
+    def __init__(self, walls, digest):
+        self._walls, self._digest, self._state = walls, digest, walls.take(digest)
 
     def recall(self, solver):
         """Set a solver that has not moved to the end of its static stage; returns the looks at that stage, None where

@@ -270,7 +270,10 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
-    _check_out(out, settings)
+    if not settings.resumed:
+        check_output(out, settings.overwrite)
+        if settings.pictures:
+            check_pictures(out, settings.overwrite)
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
@@ -285,9 +288,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
           *record_lines(settings), *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n",
           flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, **so_far,
-                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
-                  "pier_stress_pa": layout.pier_stress,
+                  "time_step_s": time_step, **so_far, "critical_time_step_s": modes.critical_time_step_s,
+                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
                                      settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
@@ -310,34 +312,18 @@ def _laid_out(wall, settings):
 def _with_history(prepared, model):
     """A Prepared run with its writer: of a new history, or of that which it resumes; model: digest of the model's
     code."""
-    settings, tables = prepared.settings, None
+    settings, backend, tables, checkpoints = prepared.settings, prepared.backend, None, None
     if settings.resumed:
         writer, tables = resumed(settings.resumed, prepared.layout, prepared.parameters, model,
-                                 _like(prepared.backend, settings, prepared.layout, prepared.time_step))
+                                 _like(backend, settings, prepared.layout, prepared.time_step))
     else:
         writer = prepared.write(parameters=prepared.parameters)
+    if isinstance(writer, HistoryWriter):
+        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+        if not settings.resumed:
+            checkpoints.remove()  # of the run that this one replaces
     print(f"history: {writer.where}", flush=True)
-    return replace(prepared, writer=writer, resumed=tables,
-                   checkpoints=_checkpoints(prepared.backend, settings, writer))
-
-
-def _check_out(out, settings):
-    """Raise InputError where a run that begins would replace what is there."""
-    if settings.resumed:
-        return
-    check_output(out, settings.overwrite)
-    if settings.pictures:
-        check_pictures(out, settings.overwrite)
-
-
-def _checkpoints(backend, settings, writer):
-    """The Checkpoints of a run with a file of its own, None of any other."""
-    if not isinstance(writer, HistoryWriter):
-        return None
-    checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
-    if not settings.resumed:
-        checkpoints.remove()  # of the run that this one replaces
-    return checkpoints
+    return replace(prepared, writer=writer, resumed=tables, checkpoints=checkpoints)
 
 
 def _warn_of(backend, settings, wall, time_step, critical_s):
@@ -349,8 +335,7 @@ def _warn_of(backend, settings, wall, time_step, critical_s):
     if isinstance(settings.loading, Recorded) and not settings.events:
         warn(*end_warnings(settings.loading.applied()), code="end_velocity")
     if wall.joint.softens:
-        warn(*softening_warnings(settings, time_step, critical_s, backend.softening),
-             code="softening_step")
+        warn(*softening_warnings(settings, time_step, critical_s, backend.softening), code="softening_step")
 
 
 def _past(backend, settings, layout, model, time_step):
