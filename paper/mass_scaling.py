@@ -269,10 +269,8 @@ def main():
                        option("--draws", type=int, default=32))
     if parsed.what == "runs":
         runs(parsed.path if parsed.path.suffix != ".csv" else parsed.path.parent, parsed.draws, parsed.cases)
-    elif parsed.what in ("table", "curves"):
-        globals()[parsed.what](parsed.path)
     else:
-        globals()[parsed.what]()
+        globals()[parsed.what](*[parsed.path] * (parsed.what in ("table", "curves")))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
-"""Checkpoints: a run that was killed or interrupted goes on to the bits of one that was not."""
+"""Checkpoints: a run that was killed or interrupted continues to the bits of one that was not."""
 
+import hashlib
+import io
 import os
 import shutil
 import signal
@@ -54,16 +56,16 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
     if (child := os.fork()) == 0:
         status = 1
         try:
-            seen, goes_on = [], run_module.Run._goes_on
+            seen, continues = [], run_module.Run._continues
 
             def counted(run):
                 seen.append(run)
                 run._checkpoints.due = lambda: len(seen) % 3 == 0
                 if len(seen) == looks:
                     os.kill(os.getpid(), name)
-                return goes_on(run)
+                return continues(run)
 
-            run_module.Run._goes_on = counted
+            run_module.Run._continues = counted
             status = run_reference(list(map(str, words)))
         finally:
             os._exit(status)
@@ -160,9 +162,6 @@ def test_a_checkpoint_that_no_run_wrote_is_one_line(interrupted, tmp_path, monke
 
 def write_checkpoint(path, tables):
     """Write tables as a checkpoint, those that are None left out; objects, too."""
-    import hashlib
-    import io
-
     content = io.BytesIO()
     np.savez(content, **{name: table for name, table in tables.items() if table is not None})
     digest = hashlib.sha256(content.getvalue()).hexdigest()
@@ -193,7 +192,7 @@ def test_kills_of_a_run_in_yade_leave_every_bit(tmp_path, yade_command):
 
 
 @pytest.mark.yade
-def test_a_top_that_turns_against_a_spring_goes_on_in_yade(tmp_path, yade_command):
+def test_a_top_that_turns_against_a_spring_continues_in_yade(tmp_path, yade_command):
     """What acts on a brick that is held is added between two steps, and is in the checkpoint, too."""
     words = ("-j1", *SHORT, SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures")
     assert yade_command(*words, "--out", tmp_path / "whole.h5").returncode == 0

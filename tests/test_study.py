@@ -1,5 +1,6 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
+import json
 import os
 import shutil
 import signal
@@ -156,6 +157,7 @@ class TestInputs:
     ], ids=str)
     def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, message):
         note = as_json(inputs(solver=solver))
+        json.dumps(note, allow_nan=False)  # raises where other software cannot read it
         found = differences(note, inputs(solver=solver, **change))
         assert found == [] if message is None else len(found) == 1 and found[0].startswith(message), found
 

@@ -23,7 +23,7 @@ RESULTS = ROOT / "results" if (ROOT / "run_all.sh").is_file() else Path.cwd() / 
 LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""
 LEAST_FREE = 20_000_000
-"""Room for a study to start and to go on [bytes]: tens of runs write less between two looks, and tables need some."""
+"""Room for a study to start and continue [bytes]: tens of runs write less between two looks, and tables need some."""
 NO_ROOM = errno.ENOSPC, errno.EDQUOT
 _PR_SET_PDEATHSIG = 1
 _LIBC = CDLL(None)
@@ -159,7 +159,7 @@ def free_bytes(folder):
 
 
 def is_short(folder):
-    """Whether a study cannot start or go on in this folder."""
+    """Whether a study cannot start or continue in this folder."""
     return free_bytes(folder) < LEAST_FREE
 
 

@@ -135,18 +135,16 @@ class HistoryWriter(Buffer):
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        self._take(layout, File(path, layout, attributes, versions, overwrite))
+        super().__init__(layout, File(path, layout, attributes, versions, overwrite))
+        (self.file,) = self._sinks
 
     @classmethod
     def of(cls, layout, file):
-        """The writer that goes on with a File."""
+        """The writer that continues a File."""
         writer = cls.__new__(cls)
-        writer._take(layout, file)
+        super(cls, writer).__init__(layout, file)
+        writer.file = file
         return writer
-
-    def _take(self, layout, file):
-        super().__init__(layout, file)
-        self.file = file
 
 
 def check_output(path, overwrite=False):

@@ -14,6 +14,7 @@ from scipy.sparse.linalg import eigsh, splu
 
 from damage.errors import InputError
 from damage.units import GRAVITY
+from damage.wall.kinds import CAP_COURSE
 from damage.wall.restraints import top_of
 
 _ROUNDING = 100 * np.finfo(float).eps
@@ -86,7 +87,7 @@ def _of_bearing(layout, stiffness):
     """Diagonal matrix of a stiffness against the horizontal motion of the beam of a restraint [N/m]."""
     coordinates = 3 + (layout.strain.n_modes if layout.strain else 0)
     values = np.zeros((len(layout.bodies), coordinates))
-    values[layout.bodies.course == -1, 0] = stiffness
+    values[layout.bodies.course == CAP_COURSE, 0] = stiffness
     return diags(values.ravel())
 
 

@@ -20,7 +20,7 @@ class Ensemble:
     """Advances walls, those with equal bricks and stiffnesses in batches."""
 
     def __init__(self):
-        self._kinds = WeakKeyDictionary()  # {wall: its mass, key that is equal for walls of one batch}
+        self._kinds = WeakKeyDictionary()  # {wall: its mass, which `hold` changes; key, equal for walls of one batch}
 
     def move(self, asked):
         """Advance solvers, as `damage.run.turns.run_each`; returns WAITED for those that wait for others.

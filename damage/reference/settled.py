@@ -4,8 +4,10 @@ Runs of a study with equal walls differ in their motions only, and the static st
 """
 
 import hashlib
+import io
 import pickle
 from collections import OrderedDict
+from dataclasses import replace
 
 from damage.mechanics.tables import copy_wall, join
 from damage.run.settings import SELECTIVE
@@ -22,13 +24,13 @@ class SettledWalls:
 
     def of(self, prepared):
         """Settled of a Prepared run."""
-        digest = digest_of(prepared)
-        return Settled(self, digest, digest in self._kept)
+        return Settled(self, digest_of(prepared))
 
     def take(self, digest):
-        """State with this digest; raises KeyError where there is none."""
-        self._kept.move_to_end(digest)
-        return self._kept[digest]
+        """State with this digest, None where there is none."""
+        if digest in self._kept:
+            self._kept.move_to_end(digest)
+        return self._kept.get(digest)
 
     def put(self, digest, state):
         """Add a State, and delete the oldest ones beyond MOST_BYTES."""
@@ -38,11 +40,10 @@ class SettledWalls:
 
 
 class Settled:
-    """Access of one run to the cache of states at rest; known: whether the cache holds the state of this run."""
+    """Access of one run to the cache of states at rest."""
 
-    def __init__(self, walls, digest, known):
-        self._walls, self._digest = walls, digest
-        self._state = walls.take(digest) if known else None
+    def __init__(self, walls, digest):
+        self._walls, self._digest, self._state = walls, digest, walls.take(digest)
 
     def recall(self, solver):
         """Set a solver that has not moved to the end of its static stage; returns the looks at that stage, None where
@@ -80,7 +81,11 @@ class State:
 
 def digest_of(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
-    settings = prepared.settings
-    begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
+    settings, content = prepared.settings, io.BytesIO()
+    layout = replace(prepared.layout, plan=None)  # which follows from the wall and the options
+    begins = (layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
               settings.new_contacts, settings.mass_scaling == SELECTIVE and settings.beta_s)
-    return hashlib.sha256(pickle.dumps(begins)).digest()
+    pickler = pickle.Pickler(content)
+    pickler.fast = True  # equal values give equal bytes, be they one object or two
+    pickler.dump(begins)
+    return hashlib.sha256(content.getbuffer()).digest()

@@ -148,8 +148,8 @@ class ReferenceSolver(ReferenceWall, Solver):
             n, room = len(order), len(pairs)
             if not (0 <= pairs.min() <= pairs.max() < n and np.array_equal(np.sort(order), np.arange(n))
                     and counts.min() >= 0 and counts[PAIRS] <= room):
-                raise InputError("the loose contacts of the checkpoint are of bodies that this wall has not; run it "
-                                 "again")
+                raise InputError("the loose contacts of the checkpoint are of bodies that this wall does not have; run "
+                                 "it again")
         if tables["n_events"][0] < 0 or tables["clock"] < 0:
             raise InputError("the clock of the checkpoint, or its number of events, is below zero; run it again")
         for name, table in self._whole().items():

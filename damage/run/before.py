@@ -102,7 +102,7 @@ def read_earlier(path, layout, model, option="--continue", ended=True):
     if ended and (not history.complete or history.collapsed_at_s is not None):
         how = "collapsed" if history.complete else history.status
         raise InputError(f"--continue {path}: its run is {how}; expected a complete run of a wall that stands; run it "
-                         "again" + ("" if history.complete else f", or go on with it: --resume {path}"))
+                         "again" + ("" if history.complete else f", or continue it: --resume {path}"))
     made_by = history.versions.get("model")
     if made_by != model:
         raise InputError(f"{option} {path}: made by another version of the model ({made_by}, this is {model}), whose "

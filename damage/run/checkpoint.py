@@ -1,8 +1,8 @@
 """Checkpoints of a run: everything that its next steps depend on, in FILE.checkpoint beside its history FILE.h5.
 
 A line with the digest of the rest, then a NumPy archive without objects.  The file is written beside and renamed, so
-that a kill leaves the last checkpoint whole; rows of the history that came after it are left out by the run that goes
-on.  Of YADE the archive holds a scene (`O.save`).
+that a kill leaves the last checkpoint whole; the run that continues leaves rows of the history out that came after it.
+Of YADE the archive holds a scene (`O.save`).
 """
 
 import fcntl
@@ -60,7 +60,7 @@ class Checkpoints:
             os.replace(beside, self.path)
         except OSError as error:  # the last one is as it was, and the run needs none
             beside.unlink(missing_ok=True)
-            warn(f"no checkpoint written to {self.path} ({error.strerror}): make room; the run goes on",
+            warn(f"no checkpoint written to {self.path} ({error.strerror}): make room; the run continues",
                  code="checkpoint")
         self._last = time.monotonic()
 
@@ -100,8 +100,9 @@ def read_checkpoint(path, like=None):
 
 
 def schemes_left(path, schemes):
-    """Of the (RunSettings, time step) of `damage.run.scheme.schemes` those from the one on that the run had come to
-    whose history is at `path`, None of a run that begins; and {parameter: value} of how often it was repeated."""
+    """What a run still has to try: of the (RunSettings, time step [s]) of `damage.run.scheme.schemes` those from the
+    present one on, and {parameter: value} of how often it was repeated; path: of its history, None of a run that
+    begins."""
     found = {"repeats": 0, "repeated_for": None}
     if path is None:
         return schemes, found
@@ -112,7 +113,7 @@ def schemes_left(path, schemes):
 
 
 def resumed(path, layout, parameters, model, like):
-    """What a run needs that goes on with that of the history at `path`: (HistoryWriter, tables of the checkpoint).
+    """What a run needs to continue from its checkpoint, (HistoryWriter, tables of the checkpoint); path: its history.
 
     layout, parameters: of the run, which have to be those of the history; model: digest of the model's code; like: as
     of `read_checkpoint`.  Raises InputError.
@@ -133,7 +134,7 @@ def resumed(path, layout, parameters, model, like):
         raise InputError(f"--resume {path}: the checkpoint beside it is of another run; expected both of one run; run "
                          "it again")
     try:
-        return _goes_on_with(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
+        return _continued(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
     except WriteError:
         raise
     except (OSError, ValueError, KeyError) as error:
@@ -141,8 +142,8 @@ def resumed(path, layout, parameters, model, like):
                          "it again") from error
 
 
-def _goes_on_with(path, layout, counts, attributes):
-    """A HistoryWriter that goes on with the history at `path` after so many rows of each group of GROWING.
+def _continued(path, layout, counts, attributes):
+    """A HistoryWriter that continues the history at `path` after so many rows of each group of GROWING.
 
     What the file holds up to there is copied into a new one, which takes its place once it is whole; attributes: of its
     run, which stay.  Raises InputError where another run still writes it, ValueError where it has fewer rows.

@@ -341,11 +341,11 @@ def _add_run(group, solver):
     group.add_argument("--point", nargs=2, type=number_from(-1000, 1000), action="append", metavar=("X_M", "Z_M"),
                        help="keep the displacement of this point of the wall at every sample; repeatable")
     group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
-                       "FILE.checkpoint after so many minutes of computing each, and in YADE at the end (default: at "
-                       "an interruption)")
-    group.add_argument("--resume", type=file_path, metavar="FILE.h5", help="go on with this run, which was interrupted "
+                       "FILE.checkpoint, each time after so many minutes of computing, in YADE at the end, too "
+                       "(default: at an interruption)")
+    group.add_argument("--resume", type=file_path, metavar="FILE.h5", help="continue this run, which was interrupted "
                        "or killed, from its last checkpoint; the other options as they were. A checkpoint of YADE can "
-                       "execute code: go on with runs of your own only")
+                       "execute code: continue runs of your own only")
     _add_settings(group, "rest_s", "time_step_s")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     group.add_argument("--quiet", action="store_true", help="print warnings and errors only")

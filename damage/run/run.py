@@ -50,9 +50,8 @@ class Run:
     settled: where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the
     end of another run (`damage.run.before.read_state`, `damage.run.checkpoint.read_end`), which this one continues in
     place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None; resumed: tables of the
-    checkpoint of this very run from which it goes on, or None.
-    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed;
-    has_kept_its_end: whether its last checkpoint is that of its end.
+    checkpoint of this very run from which it continues, or None.
+    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
     """
 
     def __init__(self, layout, settings, solver, writer, keep_going, settled=None, state=None, *, checkpoints=None,
@@ -60,7 +59,7 @@ class Run:
         self.layout, self.settings, self.solver = layout, settings, solver
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
         self._state, self._checkpoints, self._resumed = state, checkpoints, resumed
-        self._number, self.has_kept_its_end = -1, False  # of the stage; in a checkpoint
+        self._number = -1  # of the stage, in a checkpoint
         self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
         self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
@@ -144,7 +143,7 @@ class Run:
 
     def _come_to_rest(self):
         """Advance until the wall is at rest; returns False when interrupted."""
-        while self._goes_on():
+        while self._continues():
             yield from self._advance(LOOK_STEPS)
             held, unbalanced = self.time - self._ramp_s, self._unbalanced_force()
             self._looks.append((self.time, unbalanced))
@@ -221,7 +220,6 @@ class Run:
                 self.writer.keep_state(as_bytes(state | self._carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
-                self.has_kept_its_end = True
         if self.collapsed_at_s is not None and (self.settings.past_collapse_s > 0 or self.settings.after_fall):
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
@@ -248,12 +246,12 @@ class Run:
         self._balance_j, self._damped_j = tables["inferred_j"].tolist()
         self._balance.state, self._at_rest = tables["balance"], tables["at_rest"]
 
-    def _goes_on(self):
+    def _continues(self):
         """Whether no one interrupts; writes a checkpoint where one does, or where it is due."""
-        goes_on = self.keep_going(self, self.time)
-        if self._checkpoints and (not goes_on or self._checkpoints.due()):
+        continues = self.keep_going(self, self.time)
+        if self._checkpoints and (not continues or self._checkpoints.due()):
             self._checkpoints.write(self.tables())
-        return goes_on
+        return continues
 
     @property
     def _carried(self):
@@ -318,7 +316,7 @@ class Run:
                 self._set_in_motion()
             solver.damp(**self._damping(stage.name))
             while solver.clock < stage.end_step:
-                if self.collapsed_at_s is not None or not self._goes_on():
+                if self.collapsed_at_s is not None or not self._continues():
                     return False
                 yield from self._advance(min(stage.end_step - solver.clock, self._stretch()), self.sample_steps,
                                          self.take_samples, stage.start_step)

@@ -63,8 +63,8 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
 def check_energy(settings, error):
     """Raise NotAccepted where the energy balance error [-] of a run with these settings is too large for its scheme."""
     if settings.mass_scaling == SELECTIVE and error is not None and not error <= ACCEPTED_ERROR:
-        raise NotAccepted(ENERGY, f"energy balance error {100 * error:.2g} % with mass scaling, accepted up to "
-                          f"{100 * ACCEPTED_ERROR:g} %")
+        raise NotAccepted(ENERGY, f"energy balance error {100 * error:.2g} %, more than the {100 * ACCEPTED_ERROR:g} % "
+                          "accepted with mass scaling")
 
 
 def scaling_warnings(settings, wall):

@@ -176,8 +176,8 @@ def _run_members(backend, wall_file, make_wall, settings):
 
 
 def _ended_member(prepared, out):
-    """(row of the table of members, warnings on its energy, None, or of the first member, which `report` warns of, no
-    warnings and its History); out: path of the first one's history."""
+    """(row of the table of members, warnings on its energy balance, None); of the first member, of which `report`
+    warns, (row, no warnings, its History); out: path of the first one's history."""
     history, path = prepared.writer.history(), prepared.writer.path
     row = member_row(history, out)
     if path == out:
@@ -212,7 +212,7 @@ def _run_to_its_pictures(prepared, show):
     with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
         (status,) = take_turns([simulate(prepared, keep_going)])
     if status == EXIT_INTERRUPTED and checkpoint_path(out).exists():
-        print(f"to go on with it, give the same command with --resume {out} in place of --out")
+        print(f"to continue it, give the same command with --resume {out} in place of --out")
     try:
         report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
     except MemoryError:
@@ -224,10 +224,10 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it goes on, None
-    of a run that begins; checkpoints: what writes them, None where there is no file; repeats: (RunSettings, time step)
-    of runs that follow until one is accepted (`damage.run.scheme`); parameters: of the history, write(parameters=...):
-    makes another."""
+    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it continues,
+    None of a run that begins; checkpoints: what writes them, None where there is no file; repeats: (RunSettings, time
+    step [s]) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of the history;
+    write(parameters=...): makes a history."""
 
     backend: Backend
     settings: RunSettings
@@ -270,13 +270,11 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
-    _check_out(out, settings)
-    layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
-    if settings.cracked:
-        layout = with_cracks(layout, settings.cracked)
-    settings.check_offsets(layout.contacts)
-    if settings.settlement:
-        settings.settlement.check_length(wall.length)
+    if not settings.resumed:
+        check_output(out, settings.overwrite)
+        if settings.pictures:
+            check_pictures(out, settings.overwrite)
+    layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
     options = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]), fastest_decay(layout))
@@ -290,39 +288,42 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
           *record_lines(settings), *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n",
           flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, **so_far,
-                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
-                  "pier_stress_pa": layout.pier_stress,
+                  "time_step_s": time_step, **so_far, "critical_time_step_s": modes.critical_time_step_s,
+                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
                                      settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
-    writer, tables = None, None
+    return _with_history(Prepared(backend, settings, layout, modes, time_step, None, state, repeats=tuple(repeats),
+                                  parameters=parameters, write=write), made_by["model"])
+
+
+def _laid_out(wall, settings):
+    """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit it are refused."""
+    layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    if settings.cracked:
+        layout = with_cracks(layout, settings.cracked)
+    settings.check_offsets(layout.contacts)
+    if settings.settlement:
+        settings.settlement.check_length(wall.length)
+    return layout
+
+
+def _with_history(prepared, model):
+    """A Prepared run with its writer: of a new history, or of that which it resumes; model: digest of the model's
+    code."""
+    settings, backend, tables, checkpoints = prepared.settings, prepared.backend, None, None
     if settings.resumed:
-        writer, tables = resumed(out, layout, parameters, made_by["model"], _like(backend, settings, layout, time_step))
-    writer = writer or write(parameters=parameters)
+        writer, tables = resumed(settings.resumed, prepared.layout, prepared.parameters, model,
+                                 _like(backend, settings, prepared.layout, prepared.time_step))
+    else:
+        writer = prepared.write(parameters=prepared.parameters)
+    if isinstance(writer, HistoryWriter):
+        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+        if not settings.resumed:
+            checkpoints.remove()  # of the run that this one replaces
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, tables,
-                    _checkpoints(backend, settings, writer), tuple(repeats), parameters, write)
-
-
-def _check_out(out, settings):
-    """Raise InputError where a run that begins would replace what is there."""
-    if settings.resumed:
-        return
-    check_output(out, settings.overwrite)
-    if settings.pictures:
-        check_pictures(out, settings.overwrite)
-
-
-def _checkpoints(backend, settings, writer):
-    """The Checkpoints of a run with a file of its own, None of any other."""
-    if not isinstance(writer, HistoryWriter):
-        return None
-    checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
-    if not settings.resumed:
-        checkpoints.remove()  # of the run that this one replaces
-    return checkpoints
+    return replace(prepared, writer=writer, resumed=tables, checkpoints=checkpoints)
 
 
 def _warn_of(backend, settings, wall, time_step, critical_s):
@@ -334,8 +335,7 @@ def _warn_of(backend, settings, wall, time_step, critical_s):
     if isinstance(settings.loading, Recorded) and not settings.events:
         warn(*end_warnings(settings.loading.applied()), code="end_velocity")
     if wall.joint.softens:
-        warn(*softening_warnings(settings, time_step, critical_s, backend.softening),
-             code="softening_step")
+        warn(*softening_warnings(settings, time_step, critical_s, backend.softening), code="softening_step")
 
 
 def _past(backend, settings, layout, model, time_step):
@@ -408,7 +408,7 @@ def _simulate(prepared, keep_going, settled):
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
-        if finished and prepared.checkpoints and not run.has_kept_its_end:
+        if finished and prepared.checkpoints and not (prepared.checkpoints.keeps_end and collapsed is None):
             prepared.checkpoints.remove()
     except RunError:
         status = None if prepared.repeats else status  # its history begins again

@@ -86,7 +86,7 @@ class RunSettings:
     settling None for local, adaptive with mass scaling; perturb_m: size of random offsets of the bricks [m], scatter:
     coefficient of variation of the joints' strengths [-], both drawn with `seed`: by it the members of an ensemble
     differ; members: how many runs with seeds from `seed` on; checkpoint_s: computing time between two checkpoints [s],
-    infinity for one at an interruption only; resumed: history of this very run, which goes on from its checkpoint, or
+    infinity for one at an interruption only; resumed: history of this very run, which continues from its checkpoint, or
     None; past_collapse_s: how long bodies are followed after the first brick fell [s]; new_contacts: loose bricks
     collide (in YADE they do in any case, but with sharper corners); after_fall: follow them until they rest; stresses:
     keep those of all joints at every sample; points: places (x, z) in the undeformed wall whose displacement is kept
@@ -184,7 +184,7 @@ class RunSettings:
                              "together; leave these out")
         if self.resumed and (self.overwrite or self.out not in (None, Path(self.resumed))):
             raise InputError(f"--resume {self.resumed} with --out or --overwrite: expected one of them, as the run "
-                             "goes on in the file that it has; leave the other out")
+                             "continues in the file that it has; leave the other out")
         if self.continued and (self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s):
             raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall "
                              "that continues from its last state; leave these out")

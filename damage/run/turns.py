@@ -24,17 +24,17 @@ def run_each(asked):
 
 @np.errstate(over="ignore", invalid="ignore")  # a run that blows up says so itself
 def take_turns(runs, move=run_each):
-    """Let runs go on until all have ended; returns what each of them returned; arguments as of `as_they_end`."""
+    """Let runs continue until all have ended; returns what each of them returned; arguments as of `as_they_end`."""
     return [value for _, value in sorted(as_they_end(runs, move), key=lambda end: end[0])]
 
 
 def as_they_end(runs, move=run_each, most=math.inf):
-    """Let runs go on, so many at once, the next where one has ended; yields (number, what it returned) of each.
+    """Let runs continue, so many at once, the next where one has ended; yields (number, what it returned) of each.
 
-    runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run goes
-    on, at least the first number of steps; an error in it is raised there.  Instead of a run None: there is none now,
-    which ends all where none is under way.  move: as `run_each`, takes steps of those that are under way; or WAITED,
-    where it leaves one for later.
+    runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run
+    continues, at least the first number of steps; an error in it is raised there.  Instead of a run None: there is none
+    now, which ends all where none is under way.  move: as `run_each`, takes steps of those that are under way; or
+    WAITED, where it leaves one for later.
     """
     waiting, asked = enumerate(runs), {}  # {(number, run): what it asks for}
     while True:
@@ -49,7 +49,7 @@ def as_they_end(runs, move=run_each, most=math.inf):
 
 
 def _go_on(asked, one, failure):
-    """Let one run go on up to what it asks for next; yields its end where it has come to it."""
+    """Let one run continue up to what it asks for next; yields its end where it has come to it."""
     number, run = one
     try:
         asked[one] = next(run) if failure is None else run.throw(failure)

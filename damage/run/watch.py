@@ -72,10 +72,10 @@ class Borne:
 
 
 def check_drop(drop_m, time_s):
-    """Raise NotAccepted where a brick has dropped by so much [m] from what bore it; time_s: when."""
+    """Raise NotAccepted where the largest drop of a brick [m] at a time [s] exceeds ACCEPTED_DROP_M."""
     if drop_m > ACCEPTED_DROP_M:
-        raise NotAccepted(DROP, f"a brick has dropped by {1e3 * drop_m:.2g} mm from those that bore it by {time_s:.2f} "
-                          f"s, with mass scaling accepted up to {1e3 * ACCEPTED_DROP_M:g} mm")
+        raise NotAccepted(DROP, f"a brick has dropped by {1e3 * drop_m:.2g} mm at {time_s:.2f} s, more than the "
+                          f"{1e3 * ACCEPTED_DROP_M:g} mm accepted with mass scaling")
 
 
 def have_left(layout, motion, joints, state):
@@ -155,10 +155,8 @@ class MaterialPoints:
         if strain is not None:
             more = np.einsum("pam,npm->npa", self._shapes, strain[:, self.bodies])
             x, z = x + more[..., 0], z + more[..., 1]
-        moved = rigid_displacement(ux, uz, turn, x, z)
-        if strain is None:
-            return np.stack(moved, axis=2)
-        return np.stack(moved, axis=2) + more
+        moved = np.stack(rigid_displacement(ux, uz, turn, x, z), axis=2)
+        return moved if strain is None else moved + more
 
 
 class BaseMotion:

@@ -17,7 +17,8 @@ from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
 
-NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "console", "command", "step"},
+NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "console", "command", "checkpoint_s",
+                          "resumed"},
             Record: {"acceleration_m_s2", "time_step_s", "start_utc", "source", "unit"}}
 """Fields that decide no value, or that follow from the files whose checksums stand beside them."""
 

@@ -44,7 +44,7 @@ def refuse_other_measures(rows, histories, folder):
         more = f" and {len(lost) - _NAMED} more" if len(lost) > _NAMED else ""
         raise InputError(f"{folder}: the index or measures of {len(lost)} runs are defined as in another version, and "
                          f"their histories were not kept: {', '.join(lost[:_NAMED])}{more}; expected one definition in "
-                         "a table, give --remake to make these runs again, or go on with the version that made them")
+                         "a table, give --remake to make these runs again, or continue with the version that made them")
 
 
 def summary_of(study, folder, jobs=1, records=None):
