@@ -11,7 +11,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, one_line_error
 
 pytest.importorskip("flask", reason="Flask is not installed: python3-flask")
 from PIL import Image
@@ -54,6 +54,12 @@ def exif_photo(width=400, height=300, orientation=1):
 @pytest.fixture
 def app(tmp_path):
     return make_app(tmp_path / "out", PORT, TOKEN, ROOT)
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
+    (tmp_path / "out").touch()
+    said = one_line_error(make_app, tmp_path / "out", PORT, TOKEN, ROOT)
+    assert "expected a folder that is there or can be made" in said
 
 
 @pytest.fixture

@@ -113,7 +113,7 @@ def test_the_hand_over_passes_on_what_the_joint_has_stored(joint):
 
 
 def test_a_brick_that_is_shoved_off_falls_to_the_ground_and_rests():
-    """It lies flat or on end on the ground, whose joint with the lower brick goes on; no energy is created."""
+    """It lies flat or on end on the ground, whose joint with the lower brick continues; no energy is created."""
     wall = pair()
     shove(wall, 2.0)
     run_to_the_end(wall)

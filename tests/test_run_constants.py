@@ -13,7 +13,7 @@ from damage.run import run as run_module
 from damage.run import settings as run_settings
 from damage.run.options import make_parser, parse_run
 from damage.run.schedule import choose_time_step, sample_steps, stages
-from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places
+from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places, unbalanced_force
 
 CRITICAL_S = 4.67e-5
 
@@ -59,6 +59,13 @@ def test_where_bricks_collide_one_has_fallen_when_its_joints_have_ended_and_it_m
     assert have_left(layout, motion, joints, state).tolist() == [False, False, False, True]
     assert not have_left(layout, motion, joints, 0 * state + BROKEN).any()
     assert not have_left(layout, 0 * motion, joints, state).any()
+
+
+def test_bricks_in_flight_are_far_from_rest_by_a_number():
+    """No contact carries force, every brick falls freely: the ratio is large, and no infinity goes into a history."""
+    layout = small_layout()
+    flying = unbalanced_force(layout, np.zeros((len(layout.bodies), 3)), np.zeros(len(layout.contacts.x)))
+    assert flying == pytest.approx(1e9)
 
 
 def test_a_wall_rests_when_no_brick_that_fell_moves():

@@ -51,7 +51,11 @@ class Desk:
 
     def __init__(self, out):
         self.out = Path(out).resolve()
-        self.out.mkdir(parents=True, exist_ok=True)
+        try:
+            self.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"--out {out}: {error.strerror}; expected a folder that is there or can be made; choose "
+                             "another") from error
         self.job = None
 
     def path(self, name):

@@ -44,7 +44,7 @@ def beside_test_picture(histories):
 
 
 def _reach(histories, test, cyclic):
-    """Limits [%] that hold what was simulated and the test's peaks; its long plateau may go on beyond."""
+    """Limits [%] that hold what was simulated and the test's peaks; its long plateau may continue beyond."""
     reach = 115 * max(*test.drift_at_peak, *(history.series["drift_ratio"].abs().max() for history in histories))
     return (-reach if cyclic else -0.05 * reach), reach
 

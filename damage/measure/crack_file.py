@@ -269,7 +269,7 @@ def _point_rows(pattern):
 def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
     """The CrackPattern of a `damage.measure.cracks.crack_table`: each crack as polylines along its joints.
 
-    A polyline ends where the next cracked joint of its crack does not go on from its end.
+    A polyline ends where the next cracked joint of its crack does not continue from its end.
     """
     is_head = np.abs(table["x_end_m"] - table["x_start_m"]) < np.abs(table["z_end_m"] - table["z_start_m"])
     across = np.where(is_head, table["x_start_m"], table["z_start_m"])

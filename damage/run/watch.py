@@ -115,14 +115,15 @@ def fastest_fallen(layout, motion, before, interval_s):
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):
-    """Mean resultant on a body, weight included, over the mean contact force [-].
+    """Mean resultant on a body, weight included, over the mean contact force [-]; large where no contact carries any.
 
     on_bodies: forces of the contacts, (n_bodies, 3) [N, N, N m]; in_contacts: (n_contacts,) [N].
     """
     held = layout.held
     resultant = np.hypot(np.where(held[:, 0], 0.0, on_bodies[:, 0]),
                          np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass))
-    return float(resultant.mean() / in_contacts.mean())
+    least = 1e-9 * GRAVITY * layout.bodies.mass.mean()  # bricks in flight: a number all the same, fit for a history
+    return float(resultant.mean() / max(in_contacts.mean(), least))
 
 
 class MaterialPoints:
