@@ -34,6 +34,9 @@ say "$folder holds Debian $(cat "$folder/etc/debian_version")"
 [ $# -gt 0 ] || exit 0
 
 mkdir -p "$folder/work"
+if [ -d "$folder/work/.git" ]; then # what an earlier copy had and this one lacks
+    (cd "$folder/work" && git ls-files -z --others --exclude-standard | xargs -0 --no-run-if-empty rm -f)
+fi
 (cd "$root" && git ls-files -z --cached --others --exclude-standard |
     tar --create --null --files-from=- --ignore-failed-read 2>/dev/null) | tar --extract --directory "$folder/work"
 git -C "$folder/work" init --quiet  # some tests ask git which files there are
