@@ -20,7 +20,7 @@ SUBJECTS = {
                         "fragility history hysteresis index intensity joint_law joint_stress joint_tracker layout "
                         "life limit_analysis lintel lintels loading loose lourenco mass_scaling measures members "
                         "mirror_and_momentum model_options modes new_contacts offset outlines own_law patterns "
-                        "plausible random_runs ranges record_sequence records reference register restraints run "
+                        "plausible random_runs ranges record_sequence records reference restraints run "
                         "run_constants run_warnings sampling sequence settlement shaken softening soil supports "
                         "survey synthetic text_records together verification wall_data wall_plan widths yade_ends "
                         "yade_falls yade_free yade_ground yade_house yade_joint yade_push yade_run yade_scene",

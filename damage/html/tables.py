@@ -4,6 +4,7 @@ import math
 from numbers import Number
 
 from damage.history.info import flat, given
+from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
 from damage.measure.energy import DISSIPATED, STORED, imbalance
 from damage.measure.summary import MEASURES
@@ -25,17 +26,10 @@ LEAST_PLAIN, MOST_PLAIN = 1e-4, 1e6
 """Between them numbers are written without an exponent."""
 
 
-def _single(names, units):
-    """(name, unit) of each of several names; one unit may stand for all, and "1" is none."""
-    names, units = names.split(", "), units.split(", ")
-    return [(name, "" if unit == "1" else unit)
-            for name, unit in zip(names, units if len(units) == len(names) else units * len(names))]
-
-
-COLUMNS = {name: (unit, column.meaning.replace("`", "")) for columns in SECTIONS.values()
-           for several, column in columns.items() for name, unit in _single(several, column.unit)}
-"""{column: (unit, meaning)}."""
-_GIVEN = {name for several in RUN | PARAMETERS | MADE_BY for name in several.split(", ")}
+COLUMNS = {name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))
+           for columns in SECTIONS.values() for name, column in each(columns).items()}
+"""{column: (unit, meaning)}; a unit of 1 is none."""
+_GIVEN = each(RUN | PARAMETERS | MADE_BY)
 
 
 def digits_of(name):
@@ -68,9 +62,8 @@ def measures(parts):
     cell (text, the whole number or None).
     """
     rows = [part["row"] for part in parts]
-    found = [(section, [_row(name, [row.get(name) for row in rows]) for several in columns
-                        for name in several.split(", ") if any(row.get(name) is not None for row in rows)])
-             for section, columns in SECTIONS.items()]
+    found = [(section, [_row(name, [row.get(name) for row in rows]) for name in each(columns)
+                        if any(row.get(name) is not None for row in rows)]) for section, columns in SECTIONS.items()]
     return [(section, rows) for section, rows in found if rows]
 
 

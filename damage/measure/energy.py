@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from damage.history.schema import Column, is_moving
-from damage.measure.register import measure
+from damage.history.schema import Column, is_moving, measure
 from damage.units import GRAVITY
 
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
