@@ -9,7 +9,7 @@ from pytest import approx
 from small_history import make_history
 
 from damage.errors import InputError
-from damage.measure.compare import TOLERANCES, cohens_kappa, compare, compare_drift, cycle_length, describe
+from damage.measure.compare import allowed_difference, cohens_kappa, compare, compare_drift, cycle_length, describe
 
 N = 1200
 TIME = 1e-3 * np.arange(N)
@@ -85,8 +85,7 @@ def test_tolerance_of_the_maximum_drift(tmp_path, factor, agrees):
 
 
 def test_of_an_absolute_and_a_relative_tolerance_the_larger_holds():
-    tolerance = TOLERANCES["DI_open"]
-    assert tolerance.allowed(0.001) == 0.001 and tolerance.allowed(0.1) == approx(0.03)
+    assert allowed_difference("DI_open", 0.001) == 0.001 and allowed_difference("DI_open", 0.1) == approx(0.03)
 
 
 @pytest.mark.parametrize(("width", "agrees"), [(1.58, True), (1.62, False)])

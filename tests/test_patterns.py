@@ -9,8 +9,9 @@ from pytest import approx
 from small_history import make_history
 
 from damage.measure.compare import compare, describe
-from damage.measure.patterns import compare_patterns, cracked, fractions, fractions_skill_score
+from damage.measure.patterns import compare_patterns, cracked, fractions_skill_score, places_of
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 
 LAYOUT = lay_out(Wall("wide", 3.6, 1.5))
@@ -37,10 +38,11 @@ def test_scores_by_hand():
 
 
 def test_fractions_are_shares_of_the_joint_length_in_a_window(left):
-    assert_allclose(fractions(left, np.ones(len(X), bool)), 1.0)
-    share = fractions(left, cracked(left, "broken")).reshape(48, 20)  # windows every 0.075 m
+    places, broken = places_of(left), cracked(left, "broken")
+    assert_allclose(places.fractions(np.ones(len(X), bool)), 1.0)
+    share = places.fractions(broken).reshape(48, 20)  # windows every 0.075 m
     assert share[2, 2] == 1.0 and share[24, 10] == 0.0
-    assert_allclose(fractions(left, cracked(left, "broken"), mirrored=True).reshape(48, 20), share[::-1], atol=1e-12)
+    assert_allclose(places.fractions(broken, mirrored=True).reshape(48, 20), share[::-1], atol=1e-12)
 
 
 def test_a_neighbour_scores_high_and_the_other_side_nothing(tmp_path, left):
@@ -50,6 +52,14 @@ def test_a_neighbour_scores_high_and_the_other_side_nothing(tmp_path, left):
     assert same["fss"] == 1.0 and 0.85 < near["fss"] < 1.0 and far["fss"] == 0.0
     assert near["tells_sides"] and far["mirrored"] == approx(1.0) and not far["tells_sides"]
     assert near["shuffled"] < 0.5
+
+
+def test_two_discretisations_of_one_pattern_score_high(tmp_path, left):
+    corners = lay_out(LAYOUT.wall, ModelOptions(contacts="corners"))
+    x, z = (getattr(corners.contacts, name)[:corners.n_joints] for name in ("x", "z"))
+    other = make_history(tmp_path / "corners.h5", corners, broken=np.flatnonzero((x < 0.5) & (z < 0.5)))
+    assert len(other.joints) != len(left.joints)
+    assert compare(left, [other])["patterns"]["broken"]["fss"] > 0.9
 
 
 def test_a_crack_counts_up_to_the_end_of_the_motion(tmp_path):

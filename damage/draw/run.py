@@ -17,7 +17,7 @@ from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import choose_sample, choose_samples, sample_at
+from damage.history.moments import check_samples, choose_sample, choose_samples, sample_at
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import principal_stresses
@@ -324,7 +324,7 @@ def _draw_index(ax, index, latched, note):
 @style.styled
 def drift_picture(history):
     """Figure of the drift ratio over time, with the published limits of light damage in its range."""
-    choose_sample(history, "end")
+    check_samples(history)
     figure, ax = style.new_figure(2.1)
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
@@ -349,7 +349,7 @@ def hysteresis_picture(history):
 
     Raises InputError where the run has no motion.
     """
-    choose_sample(history, "end")
+    check_samples(history)
     if not is_moving(history.series).any():
         raise InputError(f"{history.path} has no motion: expected one for base shear against drift; run it again with "
                          "a motion")
@@ -384,7 +384,7 @@ def hysteresis_picture(history):
 def energy_picture(history):
     """Figure of the energies since the end of the static stage: supplied, stored, dissipated in the joints and damped;
     below, their imbalance."""
-    choose_sample(history, "end")
+    check_samples(history)
     series = history.series
     groups = energy_groups(series)
     figure, (above, below) = style.new_figure(2.9, rows=2, sharex=True, height_ratios=(5, 2))

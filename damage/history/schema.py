@@ -198,12 +198,20 @@ def codes_of(version):
         {} if version >= 7 else {"series/stage": ("motion", "rest", "settling")})
 
 
-SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
+SHAPES = {"run": (), "static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
           "series": ("samples",), "frames": ("samples", "joints"), "ground": ("samples", "supports", 3),
           "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3),
           "snapshots/stress_pa": ("snapshots", "bodies", 5, 3), "stresses": ("samples", "joints", 2),
           "points": ("samples", "points", 2), "static_stage": ("looks",)}
 """Of the datasets of a group, or of one: what they have as many of."""
+
+
+def row_shape(path, sizes):
+    """Shape of a row of a dataset that grows; sizes: {what there are as many of: how many}."""
+    _, *shape = SHAPES.get(path, SHAPES[path.partition("/")[0]])
+    return tuple(sizes.get(of, of) for of in shape)
+
+
 CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""
 RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),

@@ -24,14 +24,8 @@ def check_structure(file):
     _check_attributes(file)
     version = int(file.attrs["schema_version"])
     tables, codes = schema.tables_of(version), schema.codes_of(version)
-    sizes, n_bytes = {}, 0
-    for name, column in schema.RUN.items():
-        path = f"run/{name}"
-        dataset = _dataset(file, path)
-        _check_type(path, dataset, column, codes)
-        _check_shape(path, dataset, (), sizes, ended=True)
-    ended = file["run/status"][()] != 0
-    for group, columns in tables.items():
+    sizes, n_bytes, ended = {}, 0, True
+    for group, columns in {"run": schema.RUN, **tables}.items():
         for name, column in columns.items():
             path = f"{group}/{name}"
             if path in schema.OPTIONAL and name not in file[group]:
@@ -40,6 +34,7 @@ def check_structure(file):
             _check_type(path, dataset, column, codes)
             _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
             n_bytes += _stored(path, dataset)
+        ended = file["run/status"][()] != 0
     for what in ("joints", "bodies", *(["supports"] if tables["supports"] else [])):
         if sizes[what] == 0:
             raise InputError(f"it has no {what}")

@@ -1,6 +1,6 @@
 """Summary of a run: all its scalar measures, the JSON of `python3 -m damage index`."""
 
-from damage.errors import InputError
+from damage.history.moments import check_samples
 from damage.history.schema import each
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure import brick_stress, cracks, cycles, damage_index, energy, ground, joints, limits, pushed
@@ -39,8 +39,7 @@ def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="di
 
     Raises InputError where the history has no sample.
     """
-    if len(history.series) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
+    check_samples(history)
     elastic = elastic_share(history.plan, history.joints, history.bodies)
     numbers = {
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
