@@ -31,7 +31,7 @@ from damage.draw.style import (
     ORANGE,
     SKY,
     VERMILLION,
-    save_png,
+    save_picture,
     styled,
 )
 from damage.measure.columns import read_table
@@ -360,7 +360,7 @@ FIGURES = thirty_years, settled_walls, after_the_peak, shaken_walls, model_conta
 def main(words):
     folder = Path(words[0]) if words else REPOSITORY / "docs" / "pictures"
     for draw in FIGURES:
-        print(save_png(draw(), folder / f"{draw.__name__}.png", "paper/document_figures.py"))
+        print(save_picture(draw(), folder / f"{draw.__name__}.png", "paper/document_figures.py"))
 
 
 if __name__ == "__main__":

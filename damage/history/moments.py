@@ -70,6 +70,12 @@ def choose_samples(history, moments):
     return samples
 
 
+def spans_of(time_s, chosen):
+    """[[first, last time]] of each stretch of chosen samples."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    return [[float(time_s[first]), float(time_s[last - 1])] for first, last in zip(edges[::2], edges[1::2])]
+
+
 def nearest_snapshot(history, time_s):
     """Index of the snapshot nearest to a time, None where none is near."""
     times = history.snapshot_time_s

@@ -6,7 +6,7 @@ from numbers import Number
 from damage.history.info import flat, given
 from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
-from damage.measure.energy import DISSIPATED, STORED, imbalance
+from damage.measure.energy import imbalance, known_energies
 from damage.measure.summary import MEASURES
 from damage.units import rounded
 from damage.wall.as_built import describe_cap
@@ -94,8 +94,8 @@ def energy_balance(parts):
     """Rows (label, [cell of each run]) of the energies at the end [J], their imbalance, and its largest share."""
     ends = [part["history"].series.iloc[-1] for part in parts]
     rows = [(label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()]
-    known = [part["history"].series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0) for part in parts]
-    rows.append(("stored and dissipated, less supplied", [cell(float(imbalance(series)[-1])) for series in known]))
+    rows.append(("stored and dissipated, less supplied", [
+        cell(float(imbalance(known_energies(part["history"].series))[-1])) for part in parts]))
     errors = [part["summary"]["energy_error_fraction"] for part in parts]
     return [*rows, ("largest imbalance before settling, % of the energy supplied", [
         cell(error if error is None else 100 * error) for error in errors])]

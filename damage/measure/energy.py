@@ -31,6 +31,11 @@ def energy_groups(series):
             "dissipated_energy_j": dissipated.to_numpy(), "damping_energy_j": series["damping_energy_j"].to_numpy()}
 
 
+def known_energies(series):
+    """All energies of a series, zero where the solver does not record them."""
+    return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
+
+
 def noise_j(mass_kg, height_m):
     """Least input energy [J] for an energy balance error of a wall of this mass [kg] and height [m]."""
     return NOISE * mass_kg * GRAVITY * height_m
