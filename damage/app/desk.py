@@ -24,8 +24,7 @@ from damage.measure.crack_file import COLUMNS, OF_SURVEY, read_cracks
 from damage.measure.cracks import ENDS
 from damage.measure.survey import read_survey
 from damage.motion.settlement import PROFILES, read_profile
-from damage.wall.data import read_wall
-from damage.wall.file import shipped_walls
+from damage.wall.file import read_wall, shipped_walls
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
