@@ -13,6 +13,7 @@ from scipy.optimize import least_squares
 
 from damage.draw import panels
 from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
+from damage.draw.words import record_label
 from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
@@ -43,7 +44,7 @@ def records(results, points):
         row[0].set_ylabel("acceleration [g]")
         row[0].margins(x=0)
         paper_pga_g, paper_sa_g = record_values(name)
-        panels.letter(row[0], 2 * number, f"{marks.record_label(name)}, PGA {pga_g(motion):.3f} g" + (
+        panels.letter(row[0], 2 * number, f"{record_label(name)}, PGA {pga_g(motion):.3f} g" + (
             f" (paper {paper_pga_g:.2f})" if paper_pga_g else ""))
         panels.letter(row[1], 2 * number + 1, "response spectra")
         for scale in np.unique(of_record["scale"]):
@@ -67,7 +68,7 @@ def records(results, points):
 
 def _synthetic_note(names):
     """A line that says it where a record is not a recording, else ""."""
-    synthetic = [marks.record_label(name) for name in names if "synthetic" in name]
+    synthetic = [record_label(name) for name in names if "synthetic" in name]
     return f"Not recorded but made to match a published spectrum: {'; '.join(synthetic)}" if synthetic else ""
 
 
@@ -90,7 +91,7 @@ def residual_against_pga(variant, slip="displacement"):
     figure, axes = panels.grid(len(names), 1, 1.9, sharex=True, sharey=True)
     collapsed = False
     for number, (ax, name) in enumerate(zip(axes[:, 0], names)):
-        panels.letter(ax, number, marks.record_label(name))
+        panels.letter(ax, number, record_label(name))
         reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
         collapsed |= marks.draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
         star(ax, *largest_residual(variant, name))
@@ -193,6 +194,6 @@ def _record_handles(variant, names, markers, hollow):
                 ("reference", variant.reference, {"marker": markers[name], "color": BLACK}),
                 ("YADE", variant.yade, {"marker": hollow[name], "mfc": "none", "mec": VERMILLION})):
             if len(points):
-                label = f"{marks.record_label(name)}: {solver}, {marks.describe_members(points)}"
+                label = f"{record_label(name)}: {solver}, {marks.describe_members(points)}"
                 handles.append(Line2D([], [], ls="", ms=5, label=label, **look))
     return handles

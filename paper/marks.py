@@ -1,4 +1,4 @@
-"""Points with their ranges, and legends of them, in the figures of the paper's studies."""
+"""Points of the figures of studies, with their ranges and legends; motions and records, their order and markers."""
 
 import numpy as np
 from matplotlib.lines import Line2D

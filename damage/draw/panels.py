@@ -1,4 +1,4 @@
-"""Parts of the figures of studies: grids of panels, headings, letters, the criterion of slip."""
+"""Parts of the figures of studies: grids of panels, headings, legends, the slip criterion in words."""
 
 from textwrap import fill
 
