@@ -10,14 +10,16 @@ import time
 
 import numpy as np
 import pytest
-from conftest import COMMAND, REPOSITORY, SHORT
+from conftest import COMMAND, REPOSITORY, SHORT, one_line_error
 from numpy.testing import assert_array_equal
 
 import damage
 from benchmarks.same_bits import differences
 from damage.reference.session import run_reference
 from damage.run import run as run_module
+from damage.run.before import read_earlier
 from damage.run.checkpoint import checkpoint_path, read_checkpoint
+from damage.wall.layout import lay_out
 
 SMALL = "benchmarks/small_wall.py"
 OFTEN = ("--checkpoint", "0.001")
@@ -130,6 +132,12 @@ def test_another_run_than_that_of_the_checkpoint_is_one_line(interrupted, words,
     assert said in refused(interrupted, [*words, "--resume", interrupted / "cut.h5"], capsys)
 
 
+def test_a_run_of_the_other_solver_is_one_line(interrupted):
+    path = interrupted / "cut.h5"
+    said = one_line_error(read_earlier, path, lay_out(damage.load_wall(SMALL)), ("yade", "as now"), "--resume", False)
+    assert said.startswith(f"--resume {path}: a run of the reference solver; expected one of the yade solver")
+
+
 def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(REPOSITORY)
     shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
@@ -176,13 +184,15 @@ def test_a_complete_run_is_not_resumed(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.yade
-def test_kills_of_a_run_in_yade_leave_every_bit(tmp_path, yade_command):
-    """Killed twice and interrupted once after a checkpoint; the damaged wall's bricks collide by then."""
+@pytest.mark.parametrize("kills", [3, pytest.param(10, marks=pytest.mark.long)])
+def test_kills_of_a_run_in_yade_leave_every_bit(kills, tmp_path, yade_command):
+    """Killed, or every third interrupted, after a checkpoint; the damaged wall's bricks collide by then."""
     words = ("-j1", *SHORT, SMALL, "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0, "--no-pictures")
     done = yade_command(*words, "--out", tmp_path / "whole.h5")
     assert done.returncode == 0, done.stderr
     cut, place = tmp_path / "cut.h5", "--out"
-    for sign in (signal.SIGKILL, signal.SIGINT, signal.SIGKILL):
+    for number in range(kills):
+        sign = signal.SIGINT if number % 3 == 1 else signal.SIGKILL
         run_until_a_checkpoint([*COMMAND, *words, *OFTEN, place, cut], checkpoint_path(cut), sign)
         place = "--resume"
     done = yade_command(*words, "--resume", cut)
