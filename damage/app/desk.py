@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ from damage.exposure.exposure import Exposure, strongest
 from damage.exposure.ground_motion import model_named
 from damage.exposure.places import at
 from damage.files import write_text
-from damage.html.words import LANGUAGES
+from damage.html.words import LANGUAGES, all_words
 from damage.measure.crack_file import COLUMNS, OF_SURVEY, read_cracks
 from damage.measure.cracks import ENDS
 from damage.measure.survey import read_survey
@@ -269,5 +268,6 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
 
 
 def words():
-    """{key: {language: text}} of the page."""
-    return tomllib.loads((Path(__file__).parent / "words.toml").read_text(encoding="utf-8"))
+    """{key: {language: text}} of the page, with those that it shares with the sheet."""
+    shared = "one_percent", "catalogue_ends", *(f"profile_{one}" for one in PROFILES)
+    return all_words("app") | {key: all_words()[key] for key in shared}
