@@ -1,7 +1,8 @@
 """Spandrels and walls that were loaded again and again, beside Korswagen's tests (2024): tables of
 docs/validation/shaken-walls.md.
 
-    python3 paper/repeated_loading.py [spandrels] [laws] [walls] [summary]     # docs/tables/benchmarks/repeated_*.csv
+    python3 paper/repeated_loading.py [spandrels] [laws] [walls] [solvers] [events] [summary]
+        # docs/tables/benchmarks/repeated_*.csv
 
 A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held down near its ends.
 A wall is pushed to a drift and back, one way and then two ways.  Both are steered by displacement; the force at each
@@ -9,8 +10,11 @@ repetition is that at the amplitude.
 """
 
 import math
+import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +25,19 @@ sys.path.insert(0, str(REPOSITORY))
 
 from damage import Joint, Opening, Wall, brick_of_masonry
 from damage.law.modes import natural_modes
+from damage.measure.cracks import PSI_FROM, crack_table, psi
+from damage.measure.cycles import shocks_table
 from damage.mechanics.tables import RIGID, Z
 from damage.reference.solver import ReferenceSolver
 from damage.run.schedule import SOFTENING_STEP_FACTOR
+from damage.units import GRAVITY
+from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper.bench import chosen
+from paper.bench import BGAR, Bench, chosen, wall_file
+from paper.repetitions import table as of_repetitions
+from walls.variants.changed import softening
+from yade_scripts import COMMAND
 
 OUT = REPOSITORY / "docs" / "tables" / "benchmarks"
 REPETITIONS = 30
@@ -68,48 +79,63 @@ class Specimen:
     """A wall in the reference solver that is moved by displacement; `force` [N] and `measure` [m] are its readings."""
 
     def __init__(self, layout):
-        self.layout = layout
+        self.layout, self._segments = layout, tributary_ends(joint_table(layout))
         modes = natural_modes(layout, 1)
-        self.wall = ReferenceSolver(layout, SOFTENING_STEP_FACTOR * modes.critical_time_step_s, beta=BETA_S)
+        self._make_wall(SOFTENING_STEP_FACTOR * modes.critical_time_step_s)
+
+    def _make_wall(self, time_step):
+        self.wall = ReferenceSolver(self.layout, time_step, beta=BETA_S)
         self.wall.damp(local=0.7, beta=BETA_S)
 
     def advance(self, time_s):
         """Let time pass."""
         self.wall.run(max(1, round(time_s / self.wall.time_step)))
 
+    def cracks(self):
+        """{widest crack [micrometres], Psi [-]} of now, the joints on the base left out."""
+        off_base = self._segments[:, 0, 1] > 0
+        table = crack_table(self._segments[off_base], self.wall.opening[off_base], self.wall.offset[off_base], PSI_FROM)
+        return {"widest_um": 1e6 * table["width_m"].max(), "psi": psi(table)}
+
 
 class Spandrel(Specimen):
     """supports_m, loads_m: distances between the two supports in the middle of its base, and between the two places
-    at its top that are held down."""
+    at its top that are held down; fibres: parallel elements of a bond."""
 
-    def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, cov=0.35):
+    def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, cov=0.35, fibres=0):
         joint = joint_of(masonry)
         brick = bricks_of(masonry, joint)
         wall = Wall("spandrel", bricks * brick.length, courses * brick.height, precompression=0.0, brick=brick,
                     joint=joint)
         super().__init__(lay_out(wall, ModelOptions(supports="bricks", contacts="gauss", cells=2, strength_cov=cov,
-                                                    strength_seed=seed)))
+                                                    strength_seed=seed, fibres=fibres)))
         middle, bodies, supports = wall.length / 2, self.layout.bodies, self.layout.supports
         self._pushed = [int(np.argmin(np.abs(supports.x - middle - side * supports_m / 2))) for side in (-1, 1)]
         top = np.flatnonzero(bodies.course == bodies.course.max())
         held = [top[np.argmin(np.abs(bodies.x[top] - middle - side * loads_m / 2))] for side in (-1, 1)]
         near = np.argsort(np.abs(bodies.x[top] - middle))[:4]
         self._ends = top[[near[np.argmin(bodies.x[top][near])], near[np.argmax(bodies.x[top][near])]]]
-        self._drop_other_supports()
+        self._drop(np.array([k for k in range(len(self.layout.supports)) if k not in self._pushed]))
         self.advance(0.05)
-        for body in held:
-            self.wall.system.inverse_mass[body, Z] = self.wall.system.velocity[body, Z] = 0.0
+        self._hold(held)
         self._zero = self._reading()
 
-    def _drop_other_supports(self):
-        """Let all supports but two be far below."""
-        others = [k for k in range(len(self.layout.supports)) if k not in self._pushed]
-        self.wall.system.place[len(self.layout.bodies) + np.array(others), Z] -= 0.05
+    def _drop(self, supports):
+        """Let supports be far below."""
+        self.wall.system.place[len(self.layout.bodies) + supports, Z] -= 0.05
         self.wall.refresh()
+
+    def _hold(self, bodies):
+        """Keep bodies at their height."""
+        for body in bodies:
+            self.wall.system.inverse_mass[body, Z] = self.wall.system.velocity[body, Z] = 0.0
 
     def _reading(self):
         first, second = self._ends
-        return self.wall.displacement[second, 0] - self.wall.displacement[first, 0]
+        return self._places()[second, 0] - self._places()[first, 0]
+
+    def _places(self):
+        return self.wall.displacement
 
     @property
     def measure(self):
@@ -155,7 +181,7 @@ def repeated(specimen, amplitudes=STEPS_M, repetitions=REPETITIONS, speed=SPEED)
             if largest is None:
                 return pd.DataFrame(rows)
             rows.append({"amplitude_um": 1e6 * amplitude, "repetition": repetition, "force_n": specimen.force,
-                         "largest_n": largest})
+                         "largest_n": largest, **specimen.cracks()})
             if until(specimen, -speed, lambda: specimen.force <= UNLOADED_N) is None:
                 return pd.DataFrame(rows)
             rows[-1]["unloaded_um"] = 1e6 * specimen.measure
@@ -166,6 +192,50 @@ def repeated(specimen, amplitudes=STEPS_M, repetitions=REPETITIONS, speed=SPEED)
 
 WINDOW = Opening(left=0.66, width=0.78, height=1.51, sill=0.66)
 DRIFT, WALL_SPEED, WALL_REPETITIONS = 0.27e-3, 8e-3, 15
+
+
+class SpandrelInYade(Spandrel):
+    """The same in YADE, in a process of its own; without damping proportional to stiffness, which YADE does not have."""
+
+    def _make_wall(self, time_step):
+        from yade_scripts.solver import YadeSolver
+
+        self.wall = YadeSolver(self.layout, time_step)
+        self.wall.start(np.zeros((0, 2)), np.array([GRAVITY]))
+        self.wall.damp(local=0.7)
+
+    def advance(self, time_s):
+        """As of Specimen."""
+        self.wall.advance(max(1, round(time_s / self.wall.time_step)), 10**9, lambda _: True)
+
+    def cracks(self):
+        """Nothing: widths are compared by the forces alone."""
+        return {}
+
+    def _drop(self, supports):
+        """Move them down by 5 mm within 5 ms."""
+        self._move(supports, -1.0)
+        self.advance(5e-3)
+        self._move(supports, 0.0)
+
+    def _move(self, supports, speed):
+        velocities = np.zeros((len(self.layout.supports), RIGID))
+        velocities[supports, Z] = speed
+        self.wall.move_supports(velocities)
+
+    def _hold(self, bodies):
+        for body in bodies:
+            state = self.wall.scene.states[body]
+            state.blockedDOFs, state.vel = "yzXZ", (state.vel[0], 0.0, 0.0)
+            self.wall.scene.follows[body, 1] = 0.0
+
+    def _places(self):
+        return self.wall.scene.motion(self._ends)
+
+    @property
+    def force(self):
+        """As of Spandrel."""
+        return -float(self.wall.instants().support_force[0, self._pushed, 1].sum())
 
 
 class PushedWall(Specimen):
@@ -201,7 +271,8 @@ def pushed(specimen, protocol, drift, repetitions):
     amplitude, rows = drift * specimen.layout.wall.height, []
     for repetition in range(1, repetitions + 1):
         until(specimen, WALL_SPEED, lambda: specimen.measure >= amplitude)
-        rows.append({"protocol": protocol, "drift": drift, "repetition": repetition, "plus_n": specimen.force})
+        rows.append({"protocol": protocol, "drift": drift, "repetition": repetition, "plus_n": specimen.force,
+                     **specimen.cracks()})
         if protocol == "two-way":
             until(specimen, -WALL_SPEED, lambda: specimen.measure <= -amplitude)
             rows[-1]["minus_n"] = specimen.force
@@ -252,6 +323,50 @@ def walls(seeds):
                 pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
 
 
+FIBRES, COMPARED = 16, 4
+"""Parallel elements of a bond, by which YADE softens, and repetitions of the smallest spandrel in both solvers."""
+
+
+def compared(kind, fibres=FIBRES):
+    """Table of the smallest spandrel, a class, to the first step."""
+    return repeated(kind(*SPANDRELS["calcium silicate"], 1, fibres=fibres), STEPS_M[:1], COMPARED)
+
+
+def solvers():
+    """The smallest spandrel in both solvers, by parallel elements, and by the smooth law."""
+    with TemporaryDirectory() as made:
+        subprocess.run([*COMMAND, __file__, "in-yade", Path(made) / "yade.csv"], check=True)
+        tables = [compared(Spandrel).assign(solver="reference", fibres=FIBRES),
+                  compared(Spandrel, 0).assign(solver="reference", fibres=0),
+                  pd.read_csv(Path(made) / "yade.csv").assign(solver="yade", fibres=FIBRES)]
+    pd.concat(tables).to_csv(OUT / "repeated_solvers.csv", index=False, float_format="%.6g")
+
+
+EVENTS, EVENT_DRAWS = 8, 8
+
+
+def events():
+    """Equal events on the symmetric wall, by the rule and with joints that slip hardly consumes: Psi at rest over that
+    after the first event."""
+    wall, bench, rows = softening("symmetric"), Bench(REPOSITORY / "results" / "repeated_loading"), []
+    for words, factor in (("by the rule", 1.0), ("ten times G_II", STRONG)):
+        joint = replace(wall.joint, mode_ii_fracture_energy=factor * wall.joint.mode_ii_fracture_energy)
+        file = wall_file(bench.path("wall", f"{factor:g}", ending=".py"), replace(wall, joint=joint))
+        histories = bench.together({f"{factor:g}_{seed}": [
+            file, "--record", BGAR, "--scale", 1.4, "--window", 18.7, 20.9, "--rest", 0.1, "--strength-cov", 0.3,
+            "--strength-seed", seed, "--sequence", ",".join("1" * EVENTS)] for seed in range(1, EVENT_DRAWS + 1)})
+        shocks = pd.concat([shocks_table(history).assign(run=name) for name, history in histories.items()])
+        rows.append(of_repetitions(shocks).assign(joints=words))
+    pd.concat(rows).to_csv(OUT / "repeated_events.csv", index=False, float_format="%.3g")
+
+
+def in_yade(path):
+    """What YADE runs: `compared` as a file."""
+    from yade_scripts.leaving import run_and_leave
+
+    run_and_leave(lambda: compared(SpandrelInYade).to_csv(path, index=False))
+
+
 TESTED = {"clay": ("18 to 29", "110 to 740", "15 to 21"), "calcium silicate": ("29 to 35", "90 to 190", "13 to 15")}
 """Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of clay of all; force
 lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
@@ -293,8 +408,10 @@ def summary():
 
 
 def main(asked):
+    if asked[:1] == ["in-yade"]:
+        return in_yade(asked[1])
     tables = {"spandrels": lambda: spandrels((1, 2, 3)), "laws": lambda: laws((1,)), "walls": lambda: walls((1,)),
-              "summary": summary}
+              "solvers": solvers, "events": events, "summary": summary}
     for name in chosen(asked, tables, "table"):
         tables[name]()
 

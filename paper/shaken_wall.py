@@ -3,6 +3,8 @@
     python3 paper/shaken_wall.py FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
     python3 paper/shaken_wall.py FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
     python3 paper/shaken_wall.py FOLDER choices         # what load, bearing, stiffness and law change
+    python3 paper/shaken_wall.py FOLDER ranges          # 32 draws of all inputs that are uncertain
+    python3 paper/shaken_wall.py FOLDER period          # what would have to be lost for the periods of the test
     python3 paper/shaken_wall.py FOLDER solvers         # run 21 in both solvers
 
 FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
@@ -21,6 +23,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.signal import butter, sosfiltfilt
+from scipy.stats import qmc
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
@@ -66,7 +69,8 @@ RIGID_PA = 1e15
 class Case(NamedTuple):
     """load_n: on the top [N]; stiffness [N/m], friction, play [m]: of the bearing, stiffness None where the top is
     driven; moving_kg: mass that slides with it; period_s: to which the joints' stiffness is fitted; cohesion [Pa];
-    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint."""
+    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint; motion: factor
+    on all motions."""
 
     load_n: float = 10.35e3
     stiffness: float | None = 3e6
@@ -78,6 +82,7 @@ class Case(NamedTuple):
     softens: bool = True
     damping: float = 0.0
     cells: int = 8
+    motion: float = 1.0
 
 
 def strip(case, normal_stiffness):
@@ -185,6 +190,7 @@ def shaken(case, wall, events, seed):
     """A generator as `simulate` of one draw, which returns its table of events: peak and residual [mm] at the sensors,
     the period after it [s]."""
     model = ModelOptions(contacts="gauss", cells=case.cells, strength_cov=COV, strength_seed=seed)
+    events = [replace(event, factor=case.motion * event.factor) for event in events]
     settings = RunSettings(events[0].loading, model, events=tuple(events), sequence=tuple(
         event.factor for event in events), rest_s=REST_S, beta_s=None,
         alpha_1_s=4 * math.pi * case.damping / case.period_s, relaxation="adaptive", accept_implausible=True)
@@ -220,8 +226,8 @@ def table_of(kept, collapsed_at_s):
 
 
 def draws_of(cases, events, seeds, numbers):
-    """Table of all draws of cases {name: Case}: a row a case, seed and run."""
-    todo = [(name, seed) for name in cases for seed in seeds]
+    """Table of all draws of cases {name: Case}: a row a case, seed and run; seeds: of each case, or {name: seeds}."""
+    todo = [(name, seed) for name in cases for seed in (seeds[name] if isinstance(seeds, dict) else seeds)]
     walls = {name: fitted(case) for name, case in cases.items()}
     runs = (shaken(cases[name], walls[name], events, seed) for name, seed in todo)
     tables = []
@@ -339,6 +345,80 @@ def choices(folder):
         subset=["with_mm"]).rename_axis("run").reset_index(), "us1_ec40")
 
 
+# --- all inputs that are uncertain -------------------------------------------------------------------
+
+UNCERTAIN = {"load_n": LOADS_N, "stiffness": (3e6, 1e8), "friction": (0.02, 0.4), "play": (1e-3, 10e-3),
+             "cohesion": (0.3e6, 0.4e6), "damping": (0.005, 0.05), "motion": (1 / 1.2, 1.2)}
+"""Bounds of the inputs: the two loads and two cohesions given, the bearings tried, damping as assumed for masonry, and
+the ratio by which the two files of the test differ in the PGV of run 21.  Each is log-uniform, the load one of both."""
+WIDE_DRAWS, HALF = 32, 16
+
+
+def uncertain_cases(count=WIDE_DRAWS, seed=0):
+    """{name: Case} of draws of all inputs, by a Latin hypercube."""
+    places = qmc.LatinHypercube(len(UNCERTAIN), seed=seed).random(count)
+    cases = {}
+    for number, place in enumerate(places, start=1):
+        drawn = {name: low * (high / low) ** share for (name, (low, high)), share in zip(UNCERTAIN.items(), place)}
+        cases[str(number)] = Case(**drawn)._replace(load_n=LOADS_N[int(2 * place[0])])
+    return cases
+
+
+def ranges(folder):
+    """The runs of US-1 in draws of all uncertain inputs: of all draws, and of the half that is nearest to runs 1 to 10."""
+    runs = read_runs(folder).set_index("run", drop=False)
+    events, numbers = events_of(folder, runs)
+    cases = uncertain_cases()
+    draws = draws_of(cases, events, {name: [int(name)] for name in cases}, numbers)
+    keep(draws.join(pd.DataFrame.from_dict({name: case._asdict() for name, case in cases.items()}, orient="index"),
+                    on="case"), "us1_wide_draws")
+    tested = runs["edp"]
+    early = draws[draws["run"] <= CHOSEN_ON]
+    apart = np.log(early["peak_mm_2060"] / early["run"].map(tested)) ** 2
+    nearest = apart.groupby(early["case"]).mean().nsmallest(HALF).index
+    kept = {"all": draws, "near": draws[draws["case"].isin(nearest)]}
+    keep(pd.concat([quantiles(table)[[f"peak_mm_{q}" for q in QUANTILES]].add_suffix(f"_{name}")
+                    for name, table in kept.items()], axis=1).assign(tested_peak_mm=tested).rename_axis(
+                        "run").reset_index(), "us1_ranges")
+
+
+# --- the period --------------------------------------------------------------------------------------
+
+LONGER = {21: 0.13066, 24: 0.22474}
+"""By how much the tested first period had grown before a run."""
+
+
+def weakened(layout, points, n_joints):
+    """A Layout whose lowest joints have lost this number of contact points at each face."""
+    contacts = layout.contacts
+    from_face = np.minimum(contacts.x, THICK_M - contacts.x)
+    heights = np.unique(contacts.z.round(6))[:n_joints]
+    lost = np.isin(contacts.z.round(6), heights) & (from_face < np.unique(from_face.round(6))[points - 1] + 1e-6)
+    return replace(layout, contacts=replace(contacts, **{
+        name: np.where(lost, 1e-6, 1.0) * getattr(contacts, name) for name in ("normal_stiffness", "shear_stiffness")}))
+
+
+def periods(folder):
+    """First period of the strip that has lost stiffness, over the intact one's, by what was lost."""
+    case = Case()
+    wall = fitted(case)
+    options = ModelOptions(contacts="gauss", cells=case.cells)
+    layout, rows = lay_out(wall, options), []
+
+    def note(lost, share, changed):
+        period = natural_modes(changed, 1).period_s[0]
+        rows.append({"lost": lost, "share": share, "longer_pct": 100 * (period / PERIOD_S - 1)})
+
+    for share in (0.9, 0.8, 0.7, 0.6, 0.5, 0.4):
+        note("stiffness of all joints", share, lay_out(strip(case, share * wall.joint.normal_stiffness), options))
+        note("stiffness of the bearing", share, lay_out(strip(case._replace(stiffness=share * case.stiffness),
+                                                              wall.joint.normal_stiffness), options))
+    for points in (1, 2, 3):
+        for n_joints in (1, 5, COURSES):
+            note(f"{points} contact points at each face", n_joints, weakened(layout, points, n_joints))
+    keep(pd.DataFrame(rows).sort_values(["lost", "share"]), "us1_period")
+
+
 # --- both solvers ------------------------------------------------------------------------------------
 
 OPTIONS = "--rest", 0.3, "--contacts", "gauss", "--cells", 8, "--strength-cov", COV, "--accept-implausible"
@@ -363,7 +443,8 @@ def solvers(folder):
     keep(pd.DataFrame(rows), "us1_solvers")
 
 
-PROGRAMS = {"bearings": bearings, "prediction": prediction, "choices": choices, "solvers": solvers}
+PROGRAMS = {"bearings": bearings, "prediction": prediction, "choices": choices, "ranges": ranges, "period": periods,
+            "solvers": solvers}
 
 
 def main():
