@@ -1,15 +1,11 @@
 """Three readings of a published fragility over thirty years at three addresses (`damage.life.readings`).
 
-    python3 paper/accumulation.py | python3 scripts/document_tables.py benchmarks/accumulation.csv
+    python3 -m paper accumulation | python3 scripts/document_tables.py benchmarks/accumulation.csv
 """
 
-import sys
 from itertools import product
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.exposure.lives import read_address
 from damage.life.readings import READINGS, final_psi
@@ -28,7 +24,3 @@ def main():
         found = final_psi(draws, range(1, lives + 1), before=before)
         print_row(address, f"{before:g}",
                   *(f"{np.mean(found[name] >= level):.3f}" for level in (1, 2) for name in READINGS))
-
-
-if __name__ == "__main__":
-    main()

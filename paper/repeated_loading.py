@@ -1,7 +1,7 @@
 """Spandrels and walls that were loaded again and again, beside Korswagen's tests (2024): tables of
 docs/validation/shaken-walls.md.
 
-    python3 paper/repeated_loading.py [spandrels] [laws] [walls] [solvers] [events] [summary]
+    python3 -m paper repeated_loading [spandrels] [laws] [walls] [solvers] [events] [summary]
         # docs/tables/benchmarks/repeated_*.csv
 
 A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held down near its ends.
@@ -10,6 +10,7 @@ repetition is that at the amplitude.
 """
 
 import math
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -20,9 +21,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
-
 from damage import Joint, Opening, Wall, brick_of_masonry
 from damage.law.modes import natural_modes
 from damage.measure.cracks import PSI_FROM, crack_table, psi
@@ -30,11 +28,10 @@ from damage.measure.cycles import shocks_table
 from damage.mechanics.tables import RIGID, Z
 from damage.reference.solver import ReferenceSolver
 from damage.run.schedule import SOFTENING_STEP_FACTOR
-from damage.units import GRAVITY
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper.bench import BGAR, Bench, chosen, wall_file
+from paper.bench import BGAR, REPOSITORY, Bench, chosen, wall_file
 from paper.repetitions import table as of_repetitions
 from walls.variants.changed import softening
 from yade_scripts import COMMAND
@@ -194,50 +191,6 @@ WINDOW = Opening(left=0.66, width=0.78, height=1.51, sill=0.66)
 DRIFT, WALL_SPEED, WALL_REPETITIONS = 0.27e-3, 8e-3, 15
 
 
-class SpandrelInYade(Spandrel):
-    """The same in YADE, in a process of its own; without damping proportional to stiffness, which YADE does not have."""
-
-    def _make_wall(self, time_step):
-        from yade_scripts.solver import YadeSolver
-
-        self.wall = YadeSolver(self.layout, time_step)
-        self.wall.start(np.zeros((0, 2)), np.array([GRAVITY]))
-        self.wall.damp(local=0.7)
-
-    def advance(self, time_s):
-        """As of Specimen."""
-        self.wall.advance(max(1, round(time_s / self.wall.time_step)), 10**9, lambda _: True)
-
-    def cracks(self):
-        """Nothing: widths are compared by the forces alone."""
-        return {}
-
-    def _drop(self, supports):
-        """Move them down by 5 mm within 5 ms."""
-        self._move(supports, -1.0)
-        self.advance(5e-3)
-        self._move(supports, 0.0)
-
-    def _move(self, supports, speed):
-        velocities = np.zeros((len(self.layout.supports), RIGID))
-        velocities[supports, Z] = speed
-        self.wall.move_supports(velocities)
-
-    def _hold(self, bodies):
-        for body in bodies:
-            state = self.wall.scene.states[body]
-            state.blockedDOFs, state.vel = "yzXZ", (state.vel[0], 0.0, 0.0)
-            self.wall.scene.follows[body, 1] = 0.0
-
-    def _places(self):
-        return self.wall.scene.motion(self._ends)
-
-    @property
-    def force(self):
-        """As of Spandrel."""
-        return -float(self.wall.instants().support_force[0, self._pushed, 1].sum())
-
-
 class PushedWall(Specimen):
     """A wall of 3.07 x 2.69 m with a window, a cantilever under 0.12 MPa, whose beam on top is moved."""
 
@@ -335,7 +288,8 @@ def compared(kind, fibres=FIBRES):
 def solvers():
     """The smallest spandrel in both solvers, by parallel elements, and by the smooth law."""
     with TemporaryDirectory() as made:
-        subprocess.run([*COMMAND, __file__, "in-yade", Path(made) / "yade.csv"], check=True)
+        subprocess.run([*COMMAND, Path(__file__).with_name("spandrel_in_yade.py"), Path(made) / "yade.csv"], check=True,
+                       env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
         tables = [compared(Spandrel).assign(solver="reference", fibres=FIBRES),
                   compared(Spandrel, 0).assign(solver="reference", fibres=0),
                   pd.read_csv(Path(made) / "yade.csv").assign(solver="yade", fibres=FIBRES)]
@@ -358,13 +312,6 @@ def events():
         shocks = pd.concat([shocks_table(history).assign(run=name) for name, history in histories.items()])
         rows.append(of_repetitions(shocks).assign(joints=words))
     pd.concat(rows).to_csv(OUT / "repeated_events.csv", index=False, float_format="%.3g")
-
-
-def in_yade(path):
-    """What YADE runs: `compared` as a file."""
-    from yade_scripts.leaving import run_and_leave
-
-    run_and_leave(lambda: compared(SpandrelInYade).to_csv(path, index=False))
 
 
 TESTED = {"clay": ("18 to 29", "110 to 740", "15 to 21"), "calcium silicate": ("29 to 35", "90 to 190", "13 to 15")}
@@ -407,14 +354,8 @@ def summary():
             OUT / "repeated_causes.csv", index=False)
 
 
-def main(asked):
-    if asked[:1] == ["in-yade"]:
-        return in_yade(asked[1])
+def main():
     tables = {"spandrels": lambda: spandrels((1, 2, 3)), "laws": lambda: laws((1,)), "walls": lambda: walls((1,)),
               "solvers": solvers, "events": events, "summary": summary}
-    for name in chosen(asked, tables, "table"):
+    for name in chosen(sys.argv[1:], tables, "table"):
         tables[name]()
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

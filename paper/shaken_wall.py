@@ -1,11 +1,11 @@
 """The wall US-1 of a shaking table, shaken by its runs in sequence; the tables of docs/validation/shaken-walls.md.
 
-    python3 paper/shaken_wall.py FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
-    python3 paper/shaken_wall.py FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
-    python3 paper/shaken_wall.py FOLDER choices         # what load, bearing, stiffness and law change
-    python3 paper/shaken_wall.py FOLDER ranges          # 32 draws of all inputs that are uncertain
-    python3 paper/shaken_wall.py FOLDER period          # what would have to be lost for the periods of the test
-    python3 paper/shaken_wall.py FOLDER solvers         # run 21 in both solvers
+    python3 -m paper shaken_wall FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
+    python3 -m paper shaken_wall FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
+    python3 -m paper shaken_wall FOLDER choices         # what load, bearing, stiffness and law change
+    python3 -m paper shaken_wall FOLDER ranges          # 16 draws of all inputs that are uncertain
+    python3 -m paper shaken_wall FOLDER period          # what would have to be lost for the periods of the test
+    python3 -m paper shaken_wall FOLDER solvers         # run 21 in both solvers
 
 FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
 """
@@ -24,9 +24,6 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.signal import butter, sosfiltfilt
 from scipy.stats import qmc
-
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
 
 from damage import Brick, Joint, Wall
 from damage.history.buffer import Buffer
@@ -49,7 +46,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import RULE
 from damage.wall.restraints import Restraint
-from paper.bench import Bench, arguments, option
+from paper.bench import REPOSITORY, Bench, arguments, option
 
 TABLES = REPOSITORY / "docs" / "tables"
 HEIGHT_M, COURSES, WIDTH_M, THICK_M, DENSITY = 2.58, 43, 1.292, 0.21, 1885.0
@@ -351,7 +348,7 @@ UNCERTAIN = {"load_n": LOADS_N, "stiffness": (3e6, 1e8), "friction": (0.02, 0.4)
              "cohesion": (0.3e6, 0.4e6), "damping": (0.005, 0.05), "motion": (1 / 1.2, 1.2)}
 """Bounds of the inputs: the two loads and two cohesions given, the bearings tried, damping as assumed for masonry, and
 the ratio by which the two files of the test differ in the PGV of run 21.  Each is log-uniform, the load one of both."""
-WIDE_DRAWS, HALF = 32, 16
+WIDE_DRAWS, HALF = 16, 8
 
 
 def uncertain_cases(count=WIDE_DRAWS, seed=0):
@@ -365,7 +362,7 @@ def uncertain_cases(count=WIDE_DRAWS, seed=0):
 
 
 def ranges(folder):
-    """The runs of US-1 in draws of all uncertain inputs: of all draws, and of the half that is nearest to runs 1 to 10."""
+    """The runs of US-1 in draws of all uncertain inputs: quantiles of all, and of the half nearest to runs 1 to 10."""
     runs = read_runs(folder).set_index("run", drop=False)
     events, numbers = events_of(folder, runs)
     cases = uncertain_cases()
@@ -456,7 +453,3 @@ def main():
               f"them into {parsed.folder}", file=sys.stderr)
         return 2
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
