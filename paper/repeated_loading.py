@@ -321,37 +321,53 @@ TESTED_WALLS = {"one-way": "-16 to -51", "two-way": "+4 to -13, -57 to +1"}
 """Change of the force by a repetition [N], of two ways each."""
 
 
+TESTED_GROWTH = {"one-way": "none in the first step, slight beyond", "two-way": "more than one-way"}
+"""Of a width at equal amplitude, in words of the source, which tabulates none (sections 3.2.3 and 6.1.2)."""
+TESTED_PSI = "small increase in general, in places a decrease"
+"""Of walls (figure 6.1.4 and its text)."""
+
+
 def summary():
-    """The table beside the tests, from the tables of all repetitions."""
-    rows = []
-    for material, of_all in pd.read_csv(OUT / "repeated_spandrels.csv").groupby("material"):
-        peaks, places, lost, late = [], [], [], []
-        for _, one in of_all.groupby("draw"):
-            highest = one.loc[one["largest_n"].idxmax()]
-            peaks.append(highest["largest_n"] / 1e3)
-            places.append(highest["amplitude_um"])
-            force = one.pivot_table(index="amplitude_um", columns="repetition", values="force_n")
-            lost.append(100 * (1 - force[REPETITIONS] / force[1]).mean())
-            late.append(100 * (1 - force[REPETITIONS] / force[2]).mean())
-        rows += [{"case": f"spandrels, {material}", "quantity": quantity, "model": f"{min(values):.3g} to "
-                  f"{max(values):.3g}", "test": tested} for quantity, values, tested in zip(
-                      ("peak force [kN]", "CMOD at the peak [µm], steps of 50", "force lost in 30 repetitions [%]"),
-                      (peaks, places, lost), TESTED[material])]
-        rows.append({"case": f"spandrels, {material}", "quantity": "... of that after the second [%]",
-                     "model": f"{min(late):.3g} to {max(late):.3g}", "test": ""})
-    walls = pd.read_csv(OUT / "repeated_walls.csv")
-    for (drift, protocol), one in walls.groupby(["drift", "protocol"], sort=False):
-        last = one["repetition"].max() - 1
-        change = [(abs(one[side].iloc[-1]) - abs(one[side].iloc[0])) / last
-                  for side in ("plus_n", "minus_n") if one[side].notna().all()]
-        rows.append({"case": f"wall, clay, {protocol}", "quantity": f"change a repetition at {1e3 * drift:.2g} per mil "
-                     "[N]", "model": ", ".join(f"{value:+.0f}" for value in change), "test": TESTED_WALLS[protocol]})
-    pd.DataFrame(rows).to_csv(OUT / "repeated_loading.csv", index=False)
+    """The tables beside the tests, from the tables of all repetitions."""
+    spandrels, walls = (pd.read_csv(OUT / f"repeated_{name}.csv") for name in ("spandrels", "walls"))
+    rows = [row for material, tables in spandrels.groupby("material") for row in of_spandrels(material, tables)]
+    rows += [row for case, table in walls.groupby(["drift", "protocol"], sort=False) for row in of_wall(*case, table)]
+    pd.DataFrame(rows, columns=["case", "quantity", "model", "test"]).to_csv(OUT / "repeated_loading.csv", index=False)
     laws = pd.read_csv(OUT / "repeated_laws.csv")
     pd.DataFrame([{"joints": name, "CMOD [µm]": f"{step:g}", "first force [kN]": f"{force.iloc[0] / 1e3:.3g}", **{
         f"after {count}": f"{force.iloc[count - 1] / force.iloc[0]:.2f}" for count in (2, 5, 10, 30)}}
         for (name, step), force in laws.groupby(["case", "amplitude_um"], sort=False)["force_n"]]).to_csv(
             OUT / "repeated_causes.csv", index=False)
+
+
+def of_spandrels(material, tables):
+    """Rows of the spandrels of a material: ranges over the draws, of steps their mean."""
+    found = []
+    for _, one in tables.groupby("draw"):
+        highest = one.loc[one["largest_n"].idxmax()]
+        force, left, psis = (one.pivot_table(index="amplitude_um", columns="repetition", values=name)
+                             for name in ("force_n", "unloaded_um", "psi"))
+        found.append((highest["largest_n"] / 1e3, highest["amplitude_um"],
+                      100 * (1 - force[REPETITIONS] / force[1]).mean(),
+                      100 * (1 - force[REPETITIONS] / force[2]).mean(), (left[REPETITIONS] - left[1]).mean(),
+                      (psis[REPETITIONS] - psis[1]).mean()))
+    quantities = ("peak force [kN]", "CMOD at the peak [µm], steps of 50", "force lost in 30 repetitions [%]",
+                  "... of that after the second [%]", "growth of CMOD at 2 kN in 30 repetitions [µm]",
+                  "growth of Psi at equal CMOD in 30 repetitions")
+    for quantity, values, tested in zip(quantities, zip(*found), (*TESTED[material], "", "", "")):
+        yield f"spandrels, {material}", quantity, f"{min(values):.3g} to {max(values):.3g}", tested
+
+
+def of_wall(drift, protocol, table):
+    """Rows of the wall in a protocol."""
+    last, case, at = table["repetition"].max() - 1, f"wall, clay, {protocol}", f"at {1e3 * drift:.2g} per mil"
+    change = [(abs(table[side].iloc[-1]) - abs(table[side].iloc[0])) / last
+              for side in ("plus_n", "minus_n") if table[side].notna().all()]
+    yield case, f"change a repetition {at} [N]", ", ".join(f"{one:+.0f}" for one in change), TESTED_WALLS[protocol]
+    ends = table[["widest_um", "psi"]].iloc[[0, -1]].to_numpy().T
+    yield case, f"widest crack {at}, repetitions 1 and {last + 1} [µm]", ", ".join(f"{one:.0f}" for one in ends[0]), \
+        TESTED_GROWTH[protocol]
+    yield case, f"Psi {at}, repetitions 1 and {last + 1}", ", ".join(f"{one:.2f}" for one in ends[1]), TESTED_PSI
 
 
 def main():

@@ -2,6 +2,7 @@
 
     python3 -m paper shaken_wall FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
     python3 -m paper shaken_wall FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
+    python3 -m paper shaken_wall FOLDER heights         # peaks at three heights, of the kept draws, beside the test
     python3 -m paper shaken_wall FOLDER choices         # what load, bearing, stiffness and law change
     python3 -m paper shaken_wall FOLDER ranges          # 16 draws of all inputs that are uncertain
     python3 -m paper shaken_wall FOLDER period          # what would have to be lost for the periods of the test
@@ -310,6 +311,15 @@ def quantiles(draws):
     return pd.DataFrame.from_dict(found, orient="index")
 
 
+def heights(folder):
+    """Peaks at the three sensors: those of the test, and medians of the kept draws."""
+    tested = pd.read_csv(folder / "exp_Test9_tilt.csv").set_index("run")[PEAKS]
+    names = [f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]
+    median = pd.read_csv(TABLES / "benchmarks" / "us1_draws.csv").groupby("run")[names].median()
+    keep(tested.set_axis([f"tested_{name}" for name in names], axis=1).join(median, how="inner").reset_index(),
+         "us1_heights")
+
+
 # --- choices -----------------------------------------------------------------------------------------
 
 CHOICES = {
@@ -381,39 +391,39 @@ def ranges(folder):
 
 # --- the period --------------------------------------------------------------------------------------
 
-LONGER = {21: 0.13066, 24: 0.22474}
-"""By how much the tested first period had grown before a run."""
+FACES = {1: "an eighth of the thickness at each face", 2: "a quarter", 3: "three eighths"}
+"""{contact points lost at each face, of eight: words}."""
+SHARES = 0.9, 0.8, 0.7, 0.6, 0.5, 0.4
 
 
 def weakened(layout, points, n_joints):
     """A Layout whose lowest joints have lost this number of contact points at each face."""
     contacts = layout.contacts
-    from_face = np.minimum(contacts.x, THICK_M - contacts.x)
-    heights = np.unique(contacts.z.round(6))[:n_joints]
-    lost = np.isin(contacts.z.round(6), heights) & (from_face < np.unique(from_face.round(6))[points - 1] + 1e-6)
+    from_face, height = np.minimum(contacts.x, THICK_M - contacts.x).round(6), contacts.z.round(6)
+    lost = np.isin(height, np.unique(height)[:n_joints]) & (from_face <= np.unique(from_face)[points - 1])
     return replace(layout, contacts=replace(contacts, **{
         name: np.where(lost, 1e-6, 1.0) * getattr(contacts, name) for name in ("normal_stiffness", "shear_stiffness")}))
 
 
-def periods(folder):
-    """First period of the strip that has lost stiffness, over the intact one's, by what was lost."""
-    case = Case()
+def periods(_):
+    """How much longer the first period of the strip is by a loss of stiffness; the test's grew by 13 and 22 %."""
+    case, options = Case(), ModelOptions(contacts="gauss", cells=Case().cells)
     wall = fitted(case)
-    options = ModelOptions(contacts="gauss", cells=case.cells)
-    layout, rows = lay_out(wall, options), []
+    stiffness, rows = wall.joint.normal_stiffness, []
 
-    def note(lost, share, changed):
-        period = natural_modes(changed, 1).period_s[0]
-        rows.append({"lost": lost, "share": share, "longer_pct": 100 * (period / PERIOD_S - 1)})
+    def note(lost, changed, **more):
+        period_s = natural_modes(changed, 1).period_s[0]
+        rows.append({"lost": lost, **more, "longer_pct": 100 * (period_s / PERIOD_S - 1)})
 
-    for share in (0.9, 0.8, 0.7, 0.6, 0.5, 0.4):
-        note("stiffness of all joints", share, lay_out(strip(case, share * wall.joint.normal_stiffness), options))
-        note("stiffness of the bearing", share, lay_out(strip(case._replace(stiffness=share * case.stiffness),
-                                                              wall.joint.normal_stiffness), options))
-    for points in (1, 2, 3):
-        for n_joints in (1, 5, COURSES):
-            note(f"{points} contact points at each face", n_joints, weakened(layout, points, n_joints))
-    keep(pd.DataFrame(rows).sort_values(["lost", "share"]), "us1_period")
+    for share in SHARES:
+        note("stiffness of all joints", lay_out(strip(case, share * stiffness), options), share_left=share)
+    for share in SHARES:
+        softer = case._replace(stiffness=share * case.stiffness)
+        note("stiffness of the bearing", lay_out(strip(softer, stiffness), options), share_left=share)
+    for points, words in FACES.items():
+        for joints in (1, 5, COURSES + 1):
+            note(words, weakened(lay_out(wall, options), points, joints), joints=joints)
+    keep(pd.DataFrame(rows).astype({"joints": "Int64"}), "us1_period")
 
 
 # --- both solvers ------------------------------------------------------------------------------------
@@ -440,8 +450,8 @@ def solvers(folder):
     keep(pd.DataFrame(rows), "us1_solvers")
 
 
-PROGRAMS = {"bearings": bearings, "prediction": prediction, "choices": choices, "ranges": ranges, "period": periods,
-            "solvers": solvers}
+PROGRAMS = {"bearings": bearings, "prediction": prediction, "heights": heights, "choices": choices, "ranges": ranges,
+            "period": periods, "solvers": solvers}
 
 
 def main():
