@@ -365,6 +365,8 @@ def of_wall(drift, protocol, table):
               for side in ("plus_n", "minus_n") if table[side].notna().all()]
     yield case, f"change a repetition {at} [N]", ", ".join(f"{one:+.0f}" for one in change), TESTED_WALLS[protocol]
     ends = table[["widest_um", "psi"]].iloc[[0, -1]].to_numpy().T
+    if np.isnan(ends).any():  # cracks were not followed in it
+        return
     yield case, f"widest crack {at}, repetitions 1 and {last + 1} [µm]", ", ".join(f"{one:.0f}" for one in ends[0]), \
         TESTED_GROWTH[protocol]
     yield case, f"Psi {at}, repetitions 1 and {last + 1}", ", ".join(f"{one:.2f}" for one in ends[1]), TESTED_PSI
