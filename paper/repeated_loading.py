@@ -1,7 +1,7 @@
 """Spandrels and walls that were loaded again and again, beside Korswagen's tests (2024): tables of
 docs/validation/shaken-walls.md.
 
-    python3 -m paper repeated_loading [spandrels] [laws] [walls] [solvers] [events] [summary]
+    python3 -m paper repeated_loading [spandrels] [laws] [walls] [solvers] [summary]
         # docs/tables/benchmarks/repeated_*.csv
 
 A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held down near its ends.
@@ -13,7 +13,6 @@ import math
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -24,16 +23,13 @@ import pandas as pd
 from damage import Joint, Opening, Wall, brick_of_masonry
 from damage.law.modes import natural_modes
 from damage.measure.cracks import PSI_FROM, crack_table, psi
-from damage.measure.cycles import shocks_table
 from damage.mechanics.tables import RIGID, Z
 from damage.reference.solver import ReferenceSolver
 from damage.run.schedule import SOFTENING_STEP_FACTOR
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper.bench import BGAR, REPOSITORY, Bench, chosen, wall_file
-from paper.repetitions import table as of_repetitions
-from walls.variants.changed import softening
+from paper.bench import REPOSITORY, chosen
 from yade_scripts import COMMAND
 
 OUT = REPOSITORY / "docs" / "tables" / "benchmarks"
@@ -296,24 +292,6 @@ def solvers():
     pd.concat(tables).to_csv(OUT / "repeated_solvers.csv", index=False, float_format="%.6g")
 
 
-EVENTS, EVENT_DRAWS = 8, 8
-
-
-def events():
-    """Equal events on the symmetric wall, by the rule and with joints that slip hardly consumes: Psi at rest over that
-    after the first event."""
-    wall, bench, rows = softening("symmetric"), Bench(REPOSITORY / "results" / "repeated_loading"), []
-    for words, factor in (("by the rule", 1.0), ("ten times G_II", STRONG)):
-        joint = replace(wall.joint, mode_ii_fracture_energy=factor * wall.joint.mode_ii_fracture_energy)
-        file = wall_file(bench.path("wall", f"{factor:g}", ending=".py"), replace(wall, joint=joint))
-        histories = bench.together({f"{factor:g}_{seed}": [
-            file, "--record", BGAR, "--scale", 1.4, "--window", 18.7, 20.9, "--rest", 0.1, "--strength-cov", 0.3,
-            "--strength-seed", seed, "--sequence", ",".join("1" * EVENTS)] for seed in range(1, EVENT_DRAWS + 1)})
-        shocks = pd.concat([shocks_table(history).assign(run=name) for name, history in histories.items()])
-        rows.append(of_repetitions(shocks).assign(joints=words))
-    pd.concat(rows).to_csv(OUT / "repeated_events.csv", index=False, float_format="%.3g")
-
-
 TESTED = {"clay": ("18 to 29", "110 to 740", "15 to 21"), "calcium silicate": ("29 to 35", "90 to 190", "13 to 15")}
 """Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of clay of all; force
 lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
@@ -374,6 +352,6 @@ def of_wall(drift, protocol, table):
 
 def main():
     tables = {"spandrels": lambda: spandrels((1, 2, 3)), "laws": lambda: laws((1,)), "walls": lambda: walls((1,)),
-              "solvers": solvers, "events": events, "summary": summary}
+              "solvers": solvers, "summary": summary}
     for name in chosen(sys.argv[1:], tables, "table"):
         tables[name]()
