@@ -1,9 +1,9 @@
 """Tables of docs/validation/mass-scaling.md: walls with softening joints in explicit steps and with mass scaling.
 
-    python3 paper/mass_scaling.py runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv; continues there
-    python3 paper/mass_scaling.py table DIR/runs.csv                         # medians, two-sample tests
-    python3 paper/mass_scaling.py curves DIR/runs.csv                        # fragility and lives
-    python3 paper/mass_scaling.py rocking | falling
+    python3 -m paper mass_scaling runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv; continues there
+    python3 -m paper mass_scaling table DIR/runs.csv                         # medians, two-sample tests
+    python3 -m paper mass_scaling curves DIR/runs.csv                        # fragility and lives
+    python3 -m paper mass_scaling rocking | falling
 
 A draw is one of the joints' strengths (coefficient of variation 0.3), or a life of the address.  Runs are not repeated
 where their energy balance is off, so that each step is judged by itself.  A further case is a line of CASES.
@@ -19,8 +19,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from scipy.stats import binomtest, ks_2samp
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import damage
 from damage.history.in_memory import HistoryInMemory
@@ -271,7 +269,3 @@ def main():
         runs(parsed.path if parsed.path.suffix != ".csv" else parsed.path.parent, parsed.draws, parsed.cases)
     else:
         globals()[parsed.what](*[parsed.path] * (parsed.what in ("table", "curves")))
-
-
-if __name__ == "__main__":
-    main()
