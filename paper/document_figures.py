@@ -27,7 +27,7 @@ from damage.draw.style import (
     ORANGE,
     SKY,
     VERMILLION,
-    save_png,
+    save_picture,
     styled,
 )
 from damage.measure.columns import read_table
@@ -357,4 +357,4 @@ FIGURES = thirty_years, settled_walls, after_the_peak, shaken_walls, model_conta
 def main():
     folder = arguments(__doc__, option("folder", nargs="?", type=Path, default=REPOSITORY / "docs" / "pictures")).folder
     for draw in FIGURES:
-        print(save_png(draw(), folder / f"{draw.__name__}.png", "paper/document_figures.py"))
+        print(save_picture(draw(), folder / f"{draw.__name__}.png", "paper/document_figures.py"))

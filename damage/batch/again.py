@@ -9,8 +9,8 @@ from damage.batch.outdated import other_versions
 from damage.batch.tasks import Task
 from damage.errors import InputError, some_of, warn
 from damage.history.reader import read_history
+from damage.history.schema import each
 from damage.measure.columns import MADE_BY
-from damage.measure.register import names
 from damage.measure.tables import summary_row
 from damage.studies.inputs import inputs_of
 
@@ -65,7 +65,7 @@ def differing_columns(row, new):
     """The columns in which the row of a record and a new one differ, a list of "NAME 0.94 -> 1"; those that say what
     made them do not count."""
     return [f"{name} {_word(row[name]) or 'empty'} -> {_word(value) or 'empty'}" for name, value in new.items()
-            if name in row and name not in names(MADE_BY) and _word(row[name]) != _word(value)]
+            if name in row and name not in each(MADE_BY) and _word(row[name]) != _word(value)]
 
 
 def _word(value):

@@ -17,8 +17,8 @@ import pandas as pd
 from damage.errors import InputError, some_of
 from damage.files import whole_or_nothing
 from damage.history.reader import read_history
+from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, slip_criteria
-from damage.measure.register import names
 from damage.measure.tables import repeated, summary_row, write_table
 from damage.studies.records import TABLES, is_of_today, read_records
 
@@ -80,7 +80,7 @@ def points_of(summary):
 
 def _point(runs):
     first, fallen = runs.iloc[0], runs["collapsed_at_s"].astype(float).dropna()
-    row = {name: first[name] for name in names(PARAMETERS) if name in runs}
+    row = {name: first[name] for name in each(PARAMETERS) if name in runs}
     ended = runs["status"] == "complete"
     if "slip" in runs:
         row["slip"] = "; ".join(slip_criteria(runs))
