@@ -83,7 +83,7 @@ def plausible_wall(asked, path):
 @command("the JSON Schema of walls as TOML, by which editors complete and check them: put it beside yours, and "
          "'#:schema ./wall.schema.json' on its first line")
 def _wall_schema(asked):
-    from damage.wall.data import wall_schema
+    from damage.wall.file import wall_schema
 
     print(json_text(wall_schema(), indent=1))
 
