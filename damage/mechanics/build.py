@@ -8,12 +8,8 @@ from damage.mechanics.tables import (
     CONTACT,
     INDEX,
     INTERFACE,
-    LIMIT,
-    LOAD,
-    PLAY,
     RIGID,
     ROTATION,
-    STIFFNESS,
     Strain,
     make_tables,
     system_of,
@@ -66,10 +62,10 @@ def build(layout, material):
     system.inverse_mass[:n_bodies, :RIGID][layout.held] = 0.0
     if top := top_of(layout.wall):
         beam = layout.bodies.course == CAP_COURSE
-        system.bearings[:, LOAD] = layout.load_mass
+        system.bearings["load"] = layout.load_mass
         if top.stiffness:
-            system.bearings[beam, STIFFNESS], system.bearings[beam, PLAY] = top.stiffness, top.play
-            system.bearings[beam, LIMIT] = top.friction * GRAVITY * layout.top_mass
+            system.bearings["stiffness"][beam], system.bearings["play"][beam] = top.stiffness, top.play
+            system.bearings["limit"][beam] = top.friction * GRAVITY * layout.top_mass
     return tables
 
 
