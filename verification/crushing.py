@@ -12,11 +12,8 @@ crushing it dissipates G_c (1 - exp(-f_c d / G_c)) over a closure d, where k_n (
 deepest closing displacement u.
 """
 
-import json
-import tempfile
 from functools import cache
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from scipy.optimize import brentq
@@ -27,8 +24,8 @@ from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from verification import softening
 from verification.block import settle, solver_of
-from verification.problem import Problem, ask_yade, run_yade
-from verification.softening import Driven, between, drive, pair
+from verification.problem import Problem, ask_yade
+from verification.softening import between, drive, drive_in_yade, pair
 
 BLOCK, TOE = Brick(length=0.4, height=0.8, thickness=0.1), 0.25
 """A block, and the share of its length that its toe takes."""
@@ -178,12 +175,7 @@ def driven_along(solver, form, path):
     fibres, joint = joint_of(form)
     if solver == "reference":
         return drive(path, fibres, **joint)
-    with tempfile.TemporaryDirectory() as folder:
-        given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
-        np.savez(given, path=path)
-        run_yade("verification/yade_paths.py", given, found, fibres, json.dumps(joint))
-        with np.load(found) as results:
-            return Driven(path, results["path"], results["path/energies"])
+    return drive_in_yade({"path": path}, fibres, **joint)["path"]
 
 
 def problems():
