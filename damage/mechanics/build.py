@@ -6,8 +6,11 @@ from damage.law.joint_law import ContactState, LawParameters, elastic_range, ran
 from damage.mechanics.loose import Touch, make_loose, stiffness_for
 from damage.mechanics.tables import (
     CONTACT,
+    HAS_FAILED,
     INDEX,
     INTERFACE,
+    LARGEST_OPENING,
+    LARGEST_SLIDE,
     RIGID,
     ROTATION,
     Strain,
@@ -183,12 +186,12 @@ def sum_springs(system, material, strain=None):
     with np.errstate(divide="ignore", invalid="ignore"):
         opening, slide, ratio = elastic_range(
             LawParameters(kn, ks, strengths["tensile_strength"], strengths["cohesion"], material))
-        limits["largest_opening"] = np.minimum.reduceat(opening, start)
-        limits["largest_slide"] = np.minimum.reduceat(slide, start)
+        limits[:, LARGEST_OPENING] = np.minimum.reduceat(opening, start)
+        limits[:, LARGEST_SLIDE] = np.minimum.reduceat(slide, start)
     interfaces["slide_loss"] = ratio[start]
     # The limit at the outermost contact point bounds all others only where they have the same ratio of stiffness and
     # friction; elsewhere a limit of -inf has every contact point evaluated by itself.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
     # Contacts that can crush, those of deformable bricks, and failed ones are evaluated by themselves, too.
     alike &= (strengths["compressive_strength"] == np.inf) & (strain is None)
-    limits["largest_opening"][~np.logical_and.reduceat(alike, start) | (limits["failed"] > 0)] = -np.inf
+    limits[~np.logical_and.reduceat(alike, start) | (limits[:, HAS_FAILED] > 0), LARGEST_OPENING] = -np.inf

@@ -223,32 +223,29 @@ def log_event(tables, w, step, i, kind, values):
 
 
 @inlined
-def let_go(n, tables, start, stop, motion):
-    """Set the forces of an interface's contact points to zero, one step after its faces ceased to overlap.
+def let_go(n, tables, i, motion):
+    """Set the forces of contact point i to zero, one step after the faces of its interface ceased to overlap.
 
     The readings of that earlier step stay, except for the stresses.  By the trapezoidal rule of central differences, a
     force that vanishes in a step still does half of its work; the remaining elastic energy counts as friction.
     """
-    states, energy = tables.states, tables.energy
-    for i in range(start, stop):
-        contact, last = tables.contacts[i], reading_of(n, tables.readings, i)
-        sigma, tau, slid = last.sigma * contact.area, last.tau * contact.area, motion.shear - last.shear
-        add(n, energy, 0, FRICTION, 0.5 * sigma * (
-            motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)))
-        add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
-        store(n, states, i, NORMAL_STRESS, 0.0)
-        store(n, states, i, SHEAR_STRESS, 0.0)
-        keep_reading(n, tables.readings, i, True, Reading(last.opening, last.shear, 0.0, 0.0))
+    states, energy, contact, last = tables.states, tables.energy, tables.contacts[i], reading_of(n, tables.readings, i)
+    sigma, tau, slid = last.sigma * contact.area, last.tau * contact.area, motion.shear - last.shear
+    add(n, energy, 0, FRICTION, 0.5 * sigma * (
+        motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)))
+    add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
+    store(n, states, i, NORMAL_STRESS, 0.0)
+    store(n, states, i, SHEAR_STRESS, 0.0)
+    keep_reading(n, tables.readings, i, True, Reading(last.opening, last.shear, 0.0, 0.0))
 
 
 @inlined
-def read(n, tables, start, stop, motion, which):
-    """Write opening, shear displacement [m] and stresses [Pa] of an interface's contact points into the readings of the
-    walls `which` (flags).
+def read(n, tables, i, motion, which):
+    """Write opening, shear displacement [m] and stresses [Pa] of contact point i into the readings of the walls `which`
+    (flags).
 
-    Called after its forces are known: each contact point is then a spring about its new state.
+    Called after its forces are known: it is then a spring about its new state.
     """
-    for i in range(start, stop):
-        trial, area = present_forces(n, tables.contacts, tables.states, i, motion), tables.contacts[i].area
-        keep_reading(n, tables.readings, i, which,
-                           Reading(trial.opening, motion.shear, trial.sigma / area, trial.tau / area))
+    trial, area = present_forces(n, tables.contacts, tables.states, i, motion), tables.contacts[i].area
+    keep_reading(n, tables.readings, i, which, Reading(trial.opening, motion.shear, trial.sigma / area,
+                                                       trial.tau / area))

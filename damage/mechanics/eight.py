@@ -77,7 +77,7 @@ def _part(n, table, row, field):
 
 
 def load(n, table, row, field):
-    """A number, or a vector of those of all walls, or of all rows."""
+    """A number, or a vector of those of all walls, or of all rows, of a table in the order of columns."""
     return np.copy(_part(n, table, row, field)) if is_wide(n) else table[row, field, n.lane]
 
 
@@ -375,38 +375,14 @@ def _pointer(context, builder, signature, values):
     return builder.bitcast(pointer, (_VECTORS[NUMBERS] if _is_wide(n) else _REAL).as_pointer())
 
 
-def _each_row(context, builder, signature, values, access):
-    """Call access(pointer, number of the row) for each of the rows of Rows."""
-    one = _width(One)
-    signature = typing.signature(types.none, one, *signature.args[1:])
-    for k in range(WIDTH):
-        row = builder.add(context.cast(builder, values[2], signature.args[2], types.intp), _LONG(k))
-        kinds = typing.signature(types.none, one, signature.args[1], types.intp, signature.args[3])
-        access(_pointer(context, builder, kinds, [values[0], values[1], row, values[3]]), k)
-
-
-def _is_scattered(signature):
-    """Whether the numbers of a vector are apart in the table."""
-    return signature.args[0].instance_class is Rows and signature.args[1].layout != "F"
-
-
 def _read(context, builder, signature, values):
     """The number or vector of a table."""
-    if not _is_scattered(signature):
-        return builder.load(_pointer(context, builder, signature, values), align=8)
-    vector = [ir.Constant(_VECTORS[NUMBERS], ir.Undefined)]
-    _each_row(context, builder, signature, values, lambda pointer, k: vector.append(
-        builder.insert_element(vector[-1], builder.load(pointer), _INT(k))))
-    return vector[-1]
+    return builder.load(_pointer(context, builder, signature, values), align=8)
 
 
 def _write(context, builder, signature, values, value):
     """Write a number or vector into a table."""
-    if not _is_scattered(signature):
-        builder.store(value, _pointer(context, builder, signature, values), align=8)
-    else:
-        _each_row(context, builder, signature, values, lambda pointer, k: builder.store(
-            builder.extract_element(value, _INT(k)), pointer))
+    builder.store(value, _pointer(context, builder, signature, values), align=8)
     return context.get_dummy_value()
 
 

@@ -5,7 +5,6 @@ from damage.mechanics.compiled import inlined
 from damage.mechanics.eight import add, add_three, column, either, four, in_blocks, load, reader, writer
 from damage.mechanics.interfaces import Dashpots, Limits, Line, Pose, RelativeMotion, Resultant, Springs
 from damage.mechanics.tables import (
-    BODY,
     COS1,
     INVERSE_MASS,
     LAST,
@@ -33,7 +32,7 @@ range_now, keep_range = reader(ElasticRange, STATES, "elastic_"), writer(Elastic
 strengths_of = reader(Strengths, STRENGTHS)
 reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
 bearing_of, keep_bearing = reader(Bearing, Bearing._fields), writer(Bearing, Bearing._fields)
-pose, limits_of = reader(Pose, BODY), reader(Limits, LIMITS)
+limits_of = reader(Limits, LIMITS)
 line_in, springs_in = reader(Line, LINES), reader(Springs, LINES)
 last_motion, last_resultant = reader(RelativeMotion, LAST), reader(Resultant, LAST, "last_")
 keep_motion, keep_resultant = writer(RelativeMotion, LAST), writer(Resultant, LAST, "last_")
@@ -75,14 +74,6 @@ def push_body(n, bodies, b, x, z, moment):
     add(n, bodies, b, first + X, x)
     add(n, bodies, b, first + Z, z)
     add(n, bodies, b, first + ROTATION, moment)
-
-
-@inlined
-def push(n, bodies, interface, forces, which):
-    """Add BodyForces of an interface to the forces on its bodies in the walls `which` (flags)."""
-    x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
-    push_body(n, bodies, interface.a, x, z, either(which, forces.moment_a, 0.0))
-    push_body(n, bodies, interface.b, -x, -z, -either(which, forces.moment_b, 0.0))
 
 
 # --- coordinate k of body b: X, Z, ROTATION, then strain modes ---------------------------------------

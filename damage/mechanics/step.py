@@ -52,9 +52,7 @@ from damage.mechanics.rows import (
     line_of,
     mass_of,
     place_of,
-    pose,
     pose_at,
-    push,
     push_at,
     springs_of,
     velocity_of,
@@ -425,8 +423,7 @@ def forces_of_intact(n, tables, loose, ending, damped):
     everyone, any_other, places = (1 << lanes(n)) - 1, 0, tables.bodies
     for p in range(0, len(tables.others), rows_of(n)):
         springs, first, second = springs_of(n, tables, p), tables.first, tables.second
-        frame, motion = interfaces.relative_motion(line_of(n, tables, p), pose_at(n, places, first, p),
-                                                   pose_at(n, places, second, p))
+        frame, motion = moved(n, tables, p)
         intact = interfaces.stays_intact(springs, limits_of(n, tables.limits, p), motion)
         if ending:
             intact = intact & flags_of(n, everyone ^ ending)
@@ -449,10 +446,9 @@ def forces_of_intact(n, tables, loose, ending, damped):
 
 @inlined
 def moved(n, tables, p):
-    """Frame and RelativeMotion of interface p."""
-    interface = tables.interfaces[p]
-    return interfaces.relative_motion(line_of(n, tables, p), pose(n, tables.bodies, interface.a),
-                                      pose(n, tables.bodies, interface.b))
+    """Frame and RelativeMotion of interface p, or of eight from there on."""
+    return interfaces.relative_motion(line_of(n, tables, p), pose_at(n, tables.bodies, tables.first, p),
+                                      pose_at(n, tables.bodies, tables.second, p))
 
 
 @compiled
@@ -491,17 +487,15 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
         over = ends_now(n, tables, loose, p, clock, step, here, motion)
         if here & (ending | over):
             read(n, tables, strain, interface, motion, flags_of(n, here & (ending | over)))
-        push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
+        push_at(n, tables.bodies, tables.first, tables.second, p,
+                interfaces.forces_on_bodies(frame, resultant, motion), lives)
 
 
 @inlined
 def read(n, tables, strain, interface, motion, which):
     """Write the readings of all contact points of an interface in the walls `which` (flags)."""
-    start, size = ROW(interface.start), points_at_once(strain, interface)
-    while start < interface.stop:
-        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
-        contacts.read(n, tables, start, start + size, at_points, which)
-        start += size
+    for i in range(interface.start, interface.stop):
+        contacts.read(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion), which)
 
 
 @inlined
@@ -548,12 +542,9 @@ def let_go(n, tables, strain, loose, p, gone, motion):
 @inlined
 def let_go_of(n, tables, strain, interface, motion):
     """`damage.mechanics.contacts.let_go` of all contact points of an interface of one wall."""
-    start, size = ROW(interface.start), points_at_once(strain, interface)
-    while start < interface.stop:
-        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
-        contacts.let_go(n, tables, start, start + size, at_points)
-        tables.used[start] = 1
-        start += size
+    for i in range(interface.start, interface.stop):
+        contacts.let_go(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion))
+        tables.used[i] = 1
 
 
 @inlined

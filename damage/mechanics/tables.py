@@ -22,10 +22,8 @@ X, Z, ROTATION = range(3)
 [m], rotation from x towards z [rad]."""
 RIGID = 3
 """Number of coordinates of a rigid body."""
-BODY = "cos1", "sin", "x", "z", "rotation"
 COS1, SIN, PLACE = range(3)
-"""Fields of `bodies`: BODY, cosine of the rotation less one, its sine, the coordinates from PLACE on, strain modes
-behind the rigid ones; then their forces."""
+"""Fields of `bodies`: cosine of the rotation less one, its sine, the coordinates from PLACE on, then their forces."""
 VELOCITY, MASS, INVERSE_MASS = range(3)
 """Fields of `inertia`: of coordinate k at 3 k from these."""
 OPENED, SLIPPED = 3, 4
@@ -167,8 +165,8 @@ class Tables(namedtuple("Tables", (
     by contact point; used: (contacts,) 0 where a contact point is an intact spring in all walls.
 
     Tables of a single wall have rows up to a multiple of eight; interfaces there join the last body to itself without
-    springs and stay intact.  Its inertia, last and radiation are in the order of columns: a field of eight rows is a
-    vector.
+    springs and stay intact.  Its inertia, limits, last and radiation are in the order of columns: a field of eight rows
+    is a vector.
     """
 
 
@@ -192,7 +190,7 @@ def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots,
     def by_columns(rows, fields):
         return zeros(rows, fields) if width > 1 else aligned_zeros(1, fields, up(rows)).T
 
-    limits = zeros(p, len(LIMITS))
+    limits = by_columns(len(interfaces), len(LIMITS))
     limits[:, :HAS_FAILED] = np.inf  # places that no wall takes stay intact
     return Tables(
         bodies=zeros(up(n_bodies), 2 + 2 * coordinates), inertia=by_columns(n_bodies, 3 * coordinates),
@@ -253,7 +251,7 @@ def system_of(tables, w):
         place=place, force=force, trig=trig,
         velocity=inertia[:n, VELOCITY::3], mass=inertia[:n, MASS::3], inverse_mass=inertia[:n, INVERSE_MASS::3],
         interfaces=tables.interfaces, contacts=tables.contacts,
-        limits=_records(tables.limits, LIMITS, w)[:len(tables.interfaces)],
+        limits=tables.limits[:len(tables.interfaces), :, w],
         strengths=_records(tables.strengths, STRENGTHS, w),
         states=_records(tables.states, STATES, w), readings=tables.readings[..., w].T, energy=tables.energy[0, :, w],
         events=tables.events[w], values=tables.values[w], n_events=tables.n_events[w],

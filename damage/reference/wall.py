@@ -143,7 +143,7 @@ class ReferenceWall:
         """Indices of the active contact points, those of failed interfaces; all, a slice, with parallel elements."""
         if self.layout.fibres is not None:
             return slice(None)
-        interfaces, failed = self.system.interfaces, self.system.limits["failed"] > 0
+        interfaces, failed = self.system.interfaces, self.system.limits[:, tables.HAS_FAILED] > 0
         if (count := np.count_nonzero(failed)) != self._active[0]:  # failure is permanent
             self._active = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
         return self._active[1]
