@@ -76,6 +76,14 @@ def push_body(n, bodies, b, x, z, moment):
     add(n, bodies, b, first + ROTATION, moment)
 
 
+@inlined
+def push(n, bodies, interface, forces, which):
+    """Add BodyForces of an interface to the forces on its bodies in the walls `which` (flags)."""
+    x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
+    push_body(n, bodies, interface.a, x, z, either(which, forces.moment_a, 0.0))
+    push_body(n, bodies, interface.b, -x, -z, -either(which, forces.moment_b, 0.0))
+
+
 # --- coordinate k of body b: X, Z, ROTATION, then strain modes ---------------------------------------
 
 @inlined

@@ -53,6 +53,7 @@ from damage.mechanics.rows import (
     mass_of,
     place_of,
     pose_at,
+    push,
     push_at,
     springs_of,
     velocity_of,
@@ -487,8 +488,7 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
         over = ends_now(n, tables, loose, p, clock, step, here, motion)
         if here & (ending | over):
             read(n, tables, strain, interface, motion, flags_of(n, here & (ending | over)))
-        push_at(n, tables.bodies, tables.first, tables.second, p,
-                interfaces.forces_on_bodies(frame, resultant, motion), lives)
+        push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
 
 
 @inlined
