@@ -116,6 +116,9 @@ def whole_or_nothing(path):
         unfinished.unlink(missing_ok=True)  # a link of that name would lead elsewhere
         yield unfinished
         os.replace(unfinished, path)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise InputError(f"cannot write {path}: {path.parent} is a file, or lies below one; expected a folder; choose "
+                         "another place") from error
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}; expected a disk with room "
                          "and a folder that can be written to; make room, or choose another place") from error

@@ -14,6 +14,7 @@ from damage.measure.cycles import drift_cycles
 from damage.measure.damage_index import CRITERIA
 from damage.motion.loading import Harmonic
 from damage.units import GRAVITY
+from paper import marks
 from paper.criteria import AMPLITUDES_G
 from paper.printed import cycle_length_s, largest_di, star, star_handles
 from paper.results import REFERENCE, Missing
@@ -43,7 +44,7 @@ def motions(points):
         ax.set_ylabel("acceleration [g]")
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
-    panels.add_heading(figure, "Harmonic base motions", panels.scale_note(axes))
+    panels.add_heading(figure, "Harmonic base motions", marks.scale_note(axes))
     return panels.finish(figure, [Line2D([], [], color=colours[a], label=f"{a:g} g") for a in amplitudes], 5)
 
 
@@ -58,7 +59,7 @@ def evolution(results, variant):
     if all(len(points) == 0 for *_, points in shown):
         raise Missing("no point at 0.33 or 0.2 s with 0.025 or 0.1 g")
     figure, axes = panels.grid(2, 2, 1.9)
-    handles = panels.component_handles(slip_marker=False)
+    handles = marks.component_handles(slip_marker=False)
     for number, (ax, (period_s, amplitude_g, points)) in enumerate(zip(axes.flat, shown)):
         panels.letter(ax, number, f"{period_s:g} s, {amplitude_g:g} g" + ("" if len(points) else ": no run"))
         if len(points) == 0:
@@ -77,7 +78,7 @@ def evolution(results, variant):
     handles.append(Patch(color=LIGHT, label="settling"))
     panels.add_heading(figure, f"Damage index over time: {variant.title}",
                 f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}",
-                panels.slip_note(variant.points), panels.scale_note(axes))
+                panels.slip_note(variant.points), marks.scale_note(axes))
     return panels.finish(figure, handles)
 
 
@@ -89,7 +90,7 @@ def _draw_evolution(ax, results, point):
         return
     _draw_band(ax, results, point, lambda history: history.index()["DI"])
     shade_settling(ax, table)
-    for name, (_, colour, _) in list(panels.COMPONENTS.items())[::-1]:
+    for name, (_, colour, _) in list(marks.COMPONENTS.items())[::-1]:
         ax.plot(table["time_s"], table[name], color=colour, lw=1.6 if name == "DI" else 0.8)
     if "shear_limit_DI" in table:
         ax.plot(table["time_s"], table["shear_limit_DI"], color=BLACK, lw=0.6, ls="--")
@@ -118,16 +119,16 @@ def against_amplitude(results, variant, slip="displacement"):
         for number, (ax, state) in enumerate(zip(row, ("max", "residual")), first):
             panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'}, {period_s:g} s")
             reference, yade = (_at(points, period_s) for points in (variant.reference, variant.yade))
-            collapsed |= panels.draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
+            collapsed |= marks.draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
         star(row[0], AMPLITUDES_G[-1], largest_di(variant, period_s))
         row[0].set_ylabel("damage index [-]")
-        panels.from_zero(row[0], panels.NOTHING)
+        panels.from_zero(row[0], marks.NOTHING)
     printed = [period_s for period_s in periods if largest_di(variant, period_s) is not None]
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
     panels.add_heading(figure, f"Damage index against amplitude: {variant.title}",
-                       panels.slip_label(variant.points, slip), panels.scale_note(axes[:, 0]))
-    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed)
+                       panels.slip_label(variant.points, slip), marks.scale_note(axes[:, 0]))
+    return panels.finish(figure, marks.component_handles() + marks.solver_handles(variant, collapsed)
                          + star_handles(printed), columns=7)
 
 
@@ -138,7 +139,7 @@ def drifts(results, variant):
     Resonance: the period nearest to that of the intact wall, or to 0.2 s where the tables lack it.
     """
     points = variant.points
-    eigen_s = panels.numbers(points, "eigen_period_s")
+    eigen_s = marks.numbers(points, "eigen_period_s")
     off = np.abs(points["motion_period_s"] - next(iter(eigen_s[np.isfinite(eigen_s)]), PERFORATED_PERIOD_S))
     points = points[off < off.min() + SAME]
     amplitudes = np.unique(points["amplitude_g"])
@@ -158,7 +159,7 @@ def drifts(results, variant):
     axes[-1, 0].set_xlabel("time [s]")
     panels.add_heading(figure, f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
                 "T: duration of the last full cycle, the last that begins while the base moves",
-                panels.scale_note(axes))
+                marks.scale_note(axes))
     first = "reference solver, first run" if len(variant.reference) else "YADE"
     handles = [Line2D([], [], color=SKY, lw=1.5, label=first)]
     if len(variant.reference) and len(variant.yade):

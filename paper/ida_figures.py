@@ -13,10 +13,12 @@ from scipy.optimize import least_squares
 
 from damage.draw import panels
 from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
+from damage.draw.words import record_label
 from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.units import GRAVITY
+from paper import marks
 from paper.printed import largest_residual, record_values, star, star_handles
 from paper.results import Missing
 
@@ -31,7 +33,7 @@ TREND_POINTS = 4
 @styled
 def records(results, points):
     """Figure 10: each record as it was used, and its response spectra at every scale factor."""
-    names = panels.in_order(points["record"].unique())
+    names = marks.in_order(points["record"].unique())
     figure, axes = panels.grid(len(names), 2, 1.9, width_ratios=(3, 2))
     scales = np.unique(points["scale"])
     colours = dict(zip(scales, matplotlib.colormaps["cividis"](np.linspace(0, 0.95, len(scales)))))
@@ -42,7 +44,7 @@ def records(results, points):
         row[0].set_ylabel("acceleration [g]")
         row[0].margins(x=0)
         paper_pga_g, paper_sa_g = record_values(name)
-        panels.letter(row[0], 2 * number, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g" + (
+        panels.letter(row[0], 2 * number, f"{record_label(name)}, PGA {pga_g(motion):.3f} g" + (
             f" (paper {paper_pga_g:.2f})" if paper_pga_g else ""))
         panels.letter(row[1], 2 * number + 1, "response spectra")
         for scale in np.unique(of_record["scale"]):
@@ -55,7 +57,7 @@ def records(results, points):
         row[1].set_ylim(bottom=0)
     axes[-1, 0].set_xlabel("time [s]")
     axes[-1, 1].set_xlabel("period [s]")
-    notes = dict.fromkeys(panels.scale_note(column) for column in axes.T)
+    notes = dict.fromkeys(marks.scale_note(column) for column in axes.T)
     panels.add_heading(figure, "Records and their response spectra at all scale factors", _synthetic_note(names),
                        *notes)
     handles = [Line2D([], [], color=colours[scale], label=f"× {scale:g}") for scale in scales]
@@ -66,7 +68,7 @@ def records(results, points):
 
 def _synthetic_note(names):
     """A line that says it where a record is not a recording, else ""."""
-    synthetic = [panels.record_label(name) for name in names if "synthetic" in name]
+    synthetic = [record_label(name) for name in names if "synthetic" in name]
     return f"Not recorded but made to match a published spectrum: {'; '.join(synthetic)}" if synthetic else ""
 
 
@@ -85,22 +87,22 @@ def _unscaled_motion(results, point):
 @styled
 def residual_against_pga(variant, slip="displacement"):
     """Figure 11: residual index and components against PGA, a panel a record."""
-    names = panels.in_order(variant.points["record"].unique())
+    names = marks.in_order(variant.points["record"].unique())
     figure, axes = panels.grid(len(names), 1, 1.9, sharex=True, sharey=True)
     collapsed = False
     for number, (ax, name) in enumerate(zip(axes[:, 0], names)):
-        panels.letter(ax, number, panels.record_label(name))
+        panels.letter(ax, number, record_label(name))
         reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
-        collapsed |= panels.draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
+        collapsed |= marks.draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
         star(ax, *largest_residual(variant, name))
         ax.set_ylabel("residual damage index [-]")
     axes[0, 0].set_xlim(left=0)  # of all panels, once all is drawn
-    panels.from_zero(axes[0, 0], panels.NOTHING)
+    panels.from_zero(axes[0, 0], marks.NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
     panels.add_heading(figure, f"Residual damage index against PGA: {variant.title}",
                        panels.slip_label(variant.points, slip), _synthetic_note(names))
     printed = [name for name in names if largest_residual(variant, name)[1] is not None]
-    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed)
+    return panels.finish(figure, marks.component_handles() + marks.solver_handles(variant, collapsed)
                          + star_handles(printed), columns=7)
 
 
@@ -112,8 +114,8 @@ def against_drift(variant, slip="displacement"):
     YADE's runs where there are no others, without walls that fell, among those that are nowhere negative in the range
     of the drifts.
     """
-    names = panels.in_order(variant.points["record"].unique())
-    markers, hollow = panels.record_markers(names), dict(zip(names, panels.SINGLE_MARKERS * len(names)))
+    names = marks.in_order(variant.points["record"].unique())
+    markers, hollow = marks.record_markers(names), dict(zip(names, marks.SINGLE_MARKERS * len(names)))
     figure, axes = panels.grid(1, 2, 2.5)
     reference, yade = in_percent(variant.reference), in_percent(variant.yade)
     collapsed = trend = False
@@ -121,14 +123,14 @@ def against_drift(variant, slip="displacement"):
         column = f"{state}_{CRITERIA[slip]}DI"
         for name in names:
             medians, single = (points[points["record"] == name] for points in (reference, yade))
-            panels.draw_cloud(ax, medians, "max_drift_pct", column, BLACK, markers[name])
-            panels.draw_yade(ax, single, "max_drift_pct", column, VERMILLION, hollow[name])
-        collapsed |= any([panels.mark_collapses(ax, points, "max_drift_pct", column) for points in (reference, yade)])
+            marks.draw_cloud(ax, medians, "max_drift_pct", column, BLACK, markers[name])
+            marks.draw_yade(ax, single, "max_drift_pct", column, VERMILLION, hollow[name])
+        collapsed |= any([marks.mark_collapses(ax, points, "max_drift_pct", column) for points in (reference, yade)])
         label = _draw_trend(ax, reference if len(reference) else yade, column)
         trend |= label is not None
         panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label or ''}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
-        panels.from_zero(ax, panels.NOTHING)
+        panels.from_zero(ax, marks.NOTHING)
     panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}",
                        panels.slip_label(variant.points, slip), _synthetic_note(names))
     handles = _record_handles(variant, names, markers, hollow)
@@ -136,7 +138,7 @@ def against_drift(variant, slip="displacement"):
         handles.append(Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares, nowhere "
                               "negative"))
     if collapsed:
-        handles.append(panels.collapse_handle())
+        handles.append(marks.collapse_handle())
     return panels.finish(figure, handles, columns=2)
 
 
@@ -149,8 +151,8 @@ def in_percent(points):
 
 def _draw_trend(ax, points, column):
     """Draw the least-squares parabola; returns its R2 for the title, None where points that stand are too few."""
-    drift, value = (panels.numbers(points, name) for name in ("max_drift_pct", column))
-    known = np.isfinite(drift) & np.isfinite(value) & ~panels.fallen(points)
+    drift, value = (marks.numbers(points, name) for name in ("max_drift_pct", column))
+    known = np.isfinite(drift) & np.isfinite(value) & ~marks.fallen(points)
     drift, value = drift[known], value[known]
     if np.unique(drift).size < TREND_POINTS:
         return None
@@ -192,6 +194,6 @@ def _record_handles(variant, names, markers, hollow):
                 ("reference", variant.reference, {"marker": markers[name], "color": BLACK}),
                 ("YADE", variant.yade, {"marker": hollow[name], "mfc": "none", "mec": VERMILLION})):
             if len(points):
-                label = f"{panels.record_label(name)}: {solver}, {panels.describe_members(points)}"
+                label = f"{record_label(name)}: {solver}, {marks.describe_members(points)}"
                 handles.append(Line2D([], [], ls="", ms=5, label=label, **look))
     return handles

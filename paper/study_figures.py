@@ -12,6 +12,7 @@ from damage.measure.cycles import shocks_table
 from damage.motion.loading import Harmonic
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL
+from paper import marks
 from paper.results import REFERENCE, Missing
 
 # --- crack maps of a study: a row for each motion -----------------------------------------------------
@@ -33,7 +34,7 @@ def crack_maps(results, variant):
     if len(points) == 0:
         raise Missing("no point with a damage index")
     solver = "reference solver" if len(variant.reference) else "YADE"
-    histories = [(panels.motion_label(point), results.history(point)) for _, point in points.iterrows()]
+    histories = [(marks.motion_label(point), results.history(point)) for _, point in points.iterrows()]
     figure, axes = panels.grid(len(histories), 2, 2.35)
     shapes = []
     for first, row, (name, history) in zip(range(0, axes.size, 2), axes, histories):
@@ -75,17 +76,17 @@ def sequences(results, points):
         tables = pd.concat(map(shocks_table, histories))
         factors = list(tables.groupby("shock")["factor"].first())
         text = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
-        panels.letter(ax, number, f"{panels.motion_label(point)}, {text}")
+        panels.letter(ax, number, f"{marks.motion_label(point)}, {text}")
         _draw_shocks(ax, tables)
         ax.set_ylabel("damage index [-]")
         ax.set_xlabel("shock")
-        panels.from_zero(ax, panels.NOTHING)
+        panels.from_zero(ax, marks.NOTHING)
     for ax in axes.flat[len(points):]:
         ax.set_axis_off()
     solver = "reference solver" if points["solver"].iloc[0] == REFERENCE else "YADE"
     panels.add_heading(figure, f"Damage index shock by shock: {' and '.join(points['wall'].unique())} wall",
-                       f"{solver}, {panels.describe_members(points)}; residual: after each shock's rest and settling",
-                       panels.slip_note(points), panels.scale_note(axes))
+                       f"{solver}, {marks.describe_members(points)}; residual: after each shock's rest and settling",
+                       panels.slip_note(points), marks.scale_note(axes))
     handles = [Line2D([], [], ms=3.2, lw=0.9, label=label, **style) for label, style in _LINES.values()]
     return panels.finish(figure, handles, columns=3)
 
@@ -120,7 +121,7 @@ def choices(points):
     """
     points = points[points["solver"] == REFERENCE]
     points = points.assign(choice=points.apply(choice, axis=1))
-    motions = [(name, rows) for name, rows in points.groupby(points.apply(panels.motion_label, axis=1), sort=False)
+    motions = [(name, rows) for name, rows in points.groupby(points.apply(marks.motion_label, axis=1), sort=False)
                if len(rows) > 1 and "default" in set(rows["choice"])]
     if not motions:
         raise Missing("no motion with a default point and another choice")
@@ -135,8 +136,8 @@ def choices(points):
     default = [words.format(DEFAULTS[name]) for name, words in _WORDS.items() if name not in ("cells", "beta_s")]
     walls = " and ".join(points["wall"].unique())
     panels.add_heading(figure, f"Maximum damage index by modelling choice: {walls} wall",
-                       f"reference solver, {panels.describe_members(points)}; default: {', '.join(default)}",
-                       panels.scale_note(axes, "x"))
+                       f"reference solver, {marks.describe_members(points)}; default: {', '.join(default)}",
+                       marks.scale_note(axes, "x"))
     handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=panels.slip_label(points, slip))
                for colour, marker, slip in _STYLES.values()]
     if fell:

@@ -26,7 +26,6 @@ from damage.measure.columns import MADE_BY, PARAMETERS, RUN, read_table
 from damage.measure.summary import MEASURES
 from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.studies.definition import load_study
-from damage.studies.members import most_members
 from damage.wall.plausible import RANGES as WALL_RANGES
 from paper import report
 from paper.verdict import judge
@@ -109,7 +108,7 @@ def table_of_studies(folder):
     rows = []
     for path in sorted(folder.glob("*.toml")):
         study = load_study(path, "both", root=ROOT)
-        runs = {solver: sum(most_members(run) for run in study.runs if run.solver == solver)
+        runs = {solver: sum(run.most_members for run in study.runs if run.solver == solver)
                 for solver in ("reference", "yade")}
         rows.append([f"`{path.stem}`", study.title, str(len({run.point for run in study.runs})),
                      *map(str, runs.values())])

@@ -11,7 +11,7 @@ import damage
 from damage.errors import InputError
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
-from damage.wall.data import wall_from
+from damage.wall.file import wall_from
 from damage.wall.kinds import BED, CUT, GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

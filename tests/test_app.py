@@ -21,6 +21,7 @@ from damage.app.desk import Desk, words
 from damage.app.photo import MARGIN_M, cleaned, homography, rectified
 from damage.app.server import HEADER, PAGE, make_app
 from damage.errors import InputError
+from damage.motion.settlement import PROFILES
 
 PORT, TOKEN, ROOT = 8765, "a token of the test", "/room"
 FRONT = """name = "house"
@@ -329,7 +330,7 @@ def test_every_text_of_the_page_is_in_both_languages(app, client):
         assert set(page.found) <= known, set(page.found) - known
     template, program = ((PAGE / name).read_text(encoding="utf-8") for name in ("app.html", "app.js"))
     used = set(re.findall(r"words\.(\w+)", template + program)) | set(re.findall(r'fill\("(\w+)"', program)) | set(
-        re.findall(r'"(\w+)"', program)) | {"hogging", "sagging", "tilt", "knick", "levels"}
+        re.findall(r'"(\w+)"', program)) | {f"profile_{one}" for one in PROFILES}
     assert set(table) <= used
     spoken = re.findall(r'textContent = ["`]([^"`$]+)', program) + re.findall(r'say\("[\w-]+", "(.+?)"', program)
     assert spoken == []

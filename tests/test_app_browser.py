@@ -5,11 +5,9 @@
 
 import re
 import threading
-import tomllib
 from shutil import which
 
 import pytest
-from conftest import REPOSITORY
 
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
@@ -20,13 +18,14 @@ from selenium.webdriver.support.wait import WebDriverWait
 from test_app import FRONT, exif_photo
 
 from benchmarks.report_in_browser import BROWSER, DRIVER, browser, screenshot
+from damage.app.desk import words
 from damage.app.server import make_app
 
 pytestmark = [pytest.mark.long, pytest.mark.skipif(
     not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]
 TOKEN, ROOT = "a token of the test", "/room"
-WORDS = tomllib.loads((REPOSITORY / "damage/app/words.toml").read_text(encoding="utf-8"))
+WORDS = words()
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from damage.html.charts import states_legend
 from damage.html.packing import unpack_arrays
 from damage.html.report import page
 from damage.measure.summary import summarise
-from damage.wall.as_built import describe_lintels, describe_openings, warn_of_courses
+from damage.wall.as_built import describe_lintels, describe_openings, warn_of_courses, warn_of_slabs
 from damage.wall.floors import Floor
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -76,6 +76,17 @@ def test_lines_and_warnings_of_what_is_built():
     assert "wall built 2.8 m high, z = 0 to 2.8 m; given 2.89 m" in line and "floor 1 built 2.4 m high" in line
 
 
+@pytest.mark.parametrize("level, left, through", [(1.0, 0.0, True), (1.4, 0.0, True), (1.6, 0.0, False),
+                                                  (0.8, 0.0, False), (1.0, 2.4, False)])
+def test_a_slab_through_an_opening_is_said(level, left, through):
+    """The opening is x = 1.2 to 2.4, z = 0.8 to 1.4 m; the slab is 0.2 m deep, below its level."""
+    wall = replace(with_opening(0.6, 0.8), floors=(Floor(level, 500.0, left=left, kind="concrete", depth=0.2),))
+    found = warn_of_slabs(plan_of(wall))
+    assert len(found) == through and all(
+        line.startswith(f"the concrete floor at {level:g} m (x = {left:g} to 3.6 m) runs through opening 1 (x = 1.2 to "
+                        "2.4 m, z = 0.8 to 1.4 m)") for line in found)
+
+
 def test_runs_modes_and_pictures_say_it(tmp_path, capsys):
     path = tmp_path / "blocks.toml"
     path.write_text('name = "blocks"\nlength = 3.6\nheight = 2.8\nprecompression = 0.1e6\n'
@@ -93,7 +104,8 @@ def test_runs_modes_and_pictures_say_it(tmp_path, capsys):
 
 
 def test_no_wall_that_ships_is_built_otherwise(shipped_wall):
-    assert describe_openings(plan_of(shipped_wall)) == warn_of_courses(plan_of(shipped_wall)) == []
+    plan = plan_of(shipped_wall)
+    assert describe_openings(plan) == warn_of_courses(plan) == warn_of_slabs(plan) == []
 
 
 # --- lintels ------------------------------------------------------------------------------------------

@@ -229,11 +229,10 @@ class TestPool:
     def pool(self, tmp_path, monkeypatch):
         def make(work, jobs=2):
             (tmp_path / "logs").mkdir(exist_ok=True)
-            monkeypatch.setattr("damage.batch.pool.work", work)
             monkeypatch.setattr("damage.batch.pool.load_compiled", lambda *_: None)
             monkeypatch.setattr("damage.batch.tasks.company_of", lambda point: point.words)
             lines = []
-            return Pool(jobs, -1, tmp_path, lines.append), lines
+            return Pool(jobs, work, -1, tmp_path, lines.append), lines
         return make
 
     @staticmethod

@@ -5,19 +5,19 @@ import io
 import os
 import shutil
 import signal
-import subprocess
-import time
 
 import numpy as np
 import pytest
-from conftest import COMMAND, REPOSITORY, SHORT
+from conftest import REPOSITORY, SHORT, one_line_error
 from numpy.testing import assert_array_equal
 
 import damage
 from benchmarks.same_bits import differences
 from damage.reference.session import run_reference
 from damage.run import run as run_module
+from damage.run.before import read_earlier
 from damage.run.checkpoint import checkpoint_path, read_checkpoint
+from damage.wall.layout import lay_out
 
 SMALL = "benchmarks/small_wall.py"
 OFTEN = ("--checkpoint", "0.001")
@@ -130,6 +130,12 @@ def test_another_run_than_that_of_the_checkpoint_is_one_line(interrupted, words,
     assert said in refused(interrupted, [*words, "--resume", interrupted / "cut.h5"], capsys)
 
 
+def test_a_run_of_the_other_solver_is_one_line(interrupted):
+    path = interrupted / "cut.h5"
+    said = one_line_error(read_earlier, path, lay_out(damage.load_wall(SMALL)), ("yade", "as now"), "--resume", False)
+    assert said.startswith(f"--resume {path}: a run of the reference solver; expected one of the yade solver")
+
+
 def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(REPOSITORY)
     shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
@@ -176,42 +182,33 @@ def test_a_complete_run_is_not_resumed(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.yade
-def test_kills_of_a_run_in_yade_leave_every_bit(tmp_path, yade_command):
-    """Killed twice and interrupted once after a checkpoint; the damaged wall's bricks collide by then."""
-    words = ("-j1", *SHORT, SMALL, "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0, "--no-pictures")
-    done = yade_command(*words, "--out", tmp_path / "whole.h5")
+@pytest.mark.parametrize("kills", [3, pytest.param(10, marks=pytest.mark.long)])
+def test_kills_of_a_run_in_yade_leave_every_bit(kills, tmp_path, yade_command):
+    """Killed, or every third interrupted, in the static stage and then at equal distances in the motion; the damaged
+    wall's bricks collide by the last one."""
+    words = (SMALL, "--harmonic", 0.06, 0.6, "--cycles", 2, "--rest", 0.06, "--no-pictures")
+    done = yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5")
     assert done.returncode == 0, done.stderr
-    cut, place = tmp_path / "cut.h5", "--out"
-    for sign in (signal.SIGKILL, signal.SIGINT, signal.SIGKILL):
-        run_until_a_checkpoint([*COMMAND, *words, *OFTEN, place, cut], checkpoint_path(cut), sign)
+    whole, cut, place = damage.read_history(tmp_path / "whole.h5"), tmp_path / "cut.h5", "--out"
+    for number in range(kills):
+        kind, status = ("INTERRUPTED_AT", 130) if number % 3 == 1 else ("KILLED_AT", -signal.SIGKILL)
+        time_s = number / (kills + 1) * whole.series["time_s"].iloc[-1]
+        assert yade_command("-j1", *SHORT, f"{kind}={time_s}", *words, place, cut).returncode == status
         place = "--resume"
-    done = yade_command(*words, "--resume", cut)
+    there = read_checkpoint(checkpoint_path(cut))
+    assert there["last_time_s"] >= time_s and there["tracker.broken"].any() and len(there["corners"])  # which collide
+    done = yade_command("-j1", *SHORT, *words, "--resume", cut)
     assert done.returncode == 0 and "YADE executes the names of the engines" in done.stderr, done.stderr
     assert differences(tmp_path / "whole.h5", cut) == []
-    assert_array_equal(*(damage.read_history(path).snapshot_time_s for path in (cut, tmp_path / "whole.h5")))
+    assert_array_equal(damage.read_history(cut).snapshot_time_s, whole.snapshot_time_s)
 
 
 @pytest.mark.yade
 def test_a_top_that_turns_against_a_spring_continues_in_yade(tmp_path, yade_command):
     """What acts on a brick that is held is added between two steps, and is in the checkpoint, too."""
-    words = ("-j1", *SHORT, SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures")
-    assert yade_command(*words, "--out", tmp_path / "whole.h5").returncode == 0
+    words = (SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures")
+    assert yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5").returncode == 0
     cut = tmp_path / "cut.h5"
-    run_until_a_checkpoint([*COMMAND, *words, *OFTEN, "--out", cut], checkpoint_path(cut), signal.SIGKILL, pushed=True)
-    assert yade_command(*words, "--resume", cut).returncode == 0
+    assert yade_command("-j1", *SHORT, "KILLED_AT=0.02", *words, "--out", cut).returncode == -signal.SIGKILL
+    assert yade_command("-j1", *SHORT, *words, "--resume", cut).returncode == 0
     assert differences(tmp_path / "whole.h5", cut) == []
-
-
-def run_until_a_checkpoint(command, path, sign, pushed=False):
-    """Run a command until it has written two checkpoints, or pushed: one later than the static stage, then send it the
-    signal."""
-    with subprocess.Popen([*map(str, command)], cwd=REPOSITORY, stdout=subprocess.DEVNULL,
-                          stderr=subprocess.DEVNULL) as run:
-        seen = {path.stat().st_mtime_ns} if path.exists() else set()
-        enough = len(seen) + 2
-        while run.poll() is None and (len(seen) < enough or (pushed and read_checkpoint(path)["last_time_s"] < 0.02)):
-            if path.exists():
-                seen.add(path.stat().st_mtime_ns)
-            time.sleep(0.002)
-        run.send_signal(sign)
-        assert run.wait() == (130 if sign == signal.SIGINT else -sign)

@@ -23,9 +23,9 @@ from damage.claim.answer import (
     wilson,
     worlds_of,
 )
-from damage.claim.likeness import KERNEL, kernel, pairwise, strange_share
+from damage.claim.likeness import FARTHEST, KERNEL, kernel, pairwise, strange_share
 from damage.claim.make import describe, layout_of
-from damage.claim.numbers import enough
+from damage.claim.numbers import draws_needed, enough
 from damage.claim.sheet import sheet
 from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins
 from damage.exposure.lives import read_address
@@ -39,7 +39,7 @@ from damage.run.options import parse_run
 
 WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
 CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
-          "A,1,0,0,0.6,no,0.1,0.05\nA,2,0.3,0,,,,\n")
+          "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\nB,1,0.78,0.075,0.15,no,0.1,0.05\nB,2,0.9,0.075,,,,\n")
 WORDS = ("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--above", "12", "--strong", "0.2", "0.3",
          "--rest", "0.1", "-j", "1")
 """Short motions of the narrow wall."""
@@ -227,11 +227,14 @@ class TestAnswer:
 
     def test_more_draws_until_intervals_are_narrow_and_draws_enough(self):
         def numbers(low, high, why):
-            return {"all_draws": {"0.5": {"both": {"share": 0.5, "low": low, "high": high}}},
-                    "no_answer": [{"why": one} for one in why]}
+            return {"all_draws": {"0.5": {"both": {"share": 0.5, "low": low, "high": high}}}, "draws": 96,
+                    "no_answer": [{"why": one} for one in why], "effective_draws": {"0.1": 12.0, "0.5": 30.0}}
 
-        assert enough(numbers(0.4, 0.6, [])) and enough(numbers(0.4, 0.6, ["small"]))
-        assert not enough(numbers(0.39, 0.6, [])) and not enough(numbers(0.4, 0.6, ["draws"]))
+        assert enough(numbers(0.4, 0.6, []), 400) and enough(numbers(0.4, 0.6, ["small"]), 400)
+        assert not enough(numbers(0.39, 0.6, []), 400) and not enough(numbers(0.4, 0.6, ["draws"]), 400)
+        assert draws_needed(numbers(0.4, 0.6, [])) == 400
+        assert enough(numbers(0.4, 0.6, ["draws"]), 199), "400 draws are out of reach"
+        assert enough(numbers(0.4, 0.6, ["draws", "strange"]), 400), "more draws would not give an answer"
 
 
 class TestLikeness:
@@ -246,6 +249,9 @@ class TestLikeness:
 
     def test_kernel(self):
         assert kernel(np.array([0.0, KERNEL]), np.ones(2, bool)) == pytest.approx([1.0, np.exp(-0.5)])
+        away = np.full(100, FARTHEST + 1e-9)
+        assert effective(kernel(away, np.ones(100, bool))) == 0, "draws equally far away do not resemble the survey"
+        assert effective(np.exp(-(away / KERNEL)**2 / 2)) == pytest.approx(100)
 
     def test_a_survey_unlike_all_is_stranger_than_all(self):
         rng = np.random.default_rng(0)
@@ -267,7 +273,8 @@ class TestSheet:
         assert numbers["shaking"]["catalogue_ends"] == "2014-12-30"
         assert "<strong>The list of earthquakes ends on 2014-12-30." in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
-        assert "no answer: only 3.6 of the computed walls resemble" in describe(numbers, False)
+        like = number("en", min(numbers["effective_draws"].values()))
+        assert like != "0" and f"no answer: only {like} of the computed walls resemble" in describe(numbers)
 
     def test_an_answer_says_what_the_earthquakes_added(self, claimed):
         """Cracks of other causes may have become wider."""
@@ -279,7 +286,7 @@ class TestSheet:
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
         least, most = (number("en", round(one, 2) + 0.0) for one in (least, most))
         assert "No answer" not in page and (f"The earthquakes added {least} to {most} mm to the widest crack, which is "
-                                            "0.6 mm wide in the survey.") in page
+                                            "0.15 mm wide in the survey.") in page
 
     def test_it_loads_nothing_and_runs_nothing(self, claimed):
         page = (claimed / "claim.html").read_text()
@@ -295,8 +302,9 @@ class TestSheet:
                   *(f"why_{why}" for why in ("draws", "strange", "off_joints", "small"))]
         assert [key for key in wanted if key not in all_words()] == []
 
-    def test_a_dutch_sheet_has_no_english_text(self, claimed):
+    def test_a_dutch_sheet_has_no_english_text(self, claimed, capsys):
         assert main(words(claimed.parent, "--language", "nl", draws=4)) == 0
+        assert "--draws 4: the sheet will have no answer" in capsys.readouterr().err
         page = re.sub(r"\s+", " ", (claimed / "claim.html").read_text())
         assert '<html lang="nl">' in page and "Geen antwoord" in page
         parts = [part.strip() for texts in all_words().values() for part in re.split(r"\{\w+\}", texts["en"])
@@ -316,6 +324,13 @@ class TestBadInput:
         assert main([*words(claimed.parent), *more, "--out", str(tmp_path / "new")]) == 2
         assert said in capsys.readouterr().err and not (tmp_path / "new" / "runs").exists()
 
+    @pytest.mark.parametrize("out", ["file", "file/below"])
+    def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, capsys, out):
+        (tmp_path / "file").write_text("mine")
+        assert main([*words(claimed.parent), "--out", str(tmp_path / out)]) == 2
+        said = capsys.readouterr().err
+        assert "expected a folder" in said and "room" not in said and (tmp_path / "file").read_text() == "mine"
+
     def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):
         levels, out = tmp_path / "levels.csv", tmp_path / "o"
         levels.write_text("x_m,height_m\n0,0.5\n0.2,0.498\n")
@@ -327,6 +342,6 @@ class TestBadInput:
         assert "which address? none given: expected --at LAT LON or --rd X Y" in capsys.readouterr().err
 
     def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, capsys):
-        (tmp_path / "far.csv").write_text(CRACKS.replace("0.3,0,", "9,0,"))
+        (tmp_path / "far.csv").write_text(CRACKS.replace("0.16,0.075,", "9,0,"))
         assert main([*words(claimed.parent), "--cracks", str(tmp_path / "far.csv"), "--out", str(tmp_path / "o")]) == 2
         assert "run along joints" in capsys.readouterr().err

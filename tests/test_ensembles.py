@@ -13,7 +13,6 @@ from damage.errors import InputError
 from damage.measure.tables import summary_row
 from damage.studies.definition import StudyRun, load_study
 from damage.studies.grid import expand
-from damage.studies.members import runs_needed
 from damage.studies.tables import points_of
 
 SINE = 'options = { harmonic = [0.2, 0.05] }\n'
@@ -142,8 +141,8 @@ def test_an_ensemble_doubles_where_its_first_members_spread_and_ends_with_one_wh
     run = StudyRun("a", "w.py", (), "reference", ("--seed",), 5, adaptive=True)
     records, counts = {}, []
     for number in range(1, 6):
-        counts.append(runs_needed(run, records))
+        counts.append(run.runs_needed(records))
         row = {"max_DI": 0.1, "max_drift_ratio": 1e-3 * (1 + spread * (number == 3))}
         records[number] = {"intact": intact, "row": row}
-    assert counts == [1] + 4 * [1 if intact else 5] and runs_needed(run, records) == needed
-    assert runs_needed(replace(run, adaptive=False), {}) == 5
+    assert counts == [1] + 4 * [1 if intact else 5] and run.runs_needed(records) == needed
+    assert replace(run, adaptive=False).runs_needed({}) == 5

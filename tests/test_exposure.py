@@ -256,9 +256,11 @@ class TestCatalogue:
 
     LATER = ("#EventID|Time|Latitude|Longitude|Depth/km|Author|Catalog|Contributor|ContributorID|MagType|Magnitude|"
              "MagAuthor|EventLocationName|EventType\n"
-             "a|2022-01-24T00:27:26|53.32|6.73|3.0||||KNMI|MLn|0.6|KNMI|Loppersum|induced earthquake\n"
-             "b|2022-10-08T02:33:26.100000|53.316|6.781|3.0||||KNMI|MLn|3.1|KNMI|Wirdum|induced earthquake\n"
-             "c|2022-11-09T10:00:00|53.1|6.0|18.0||||KNMI|MLn|1.1|KNMI|Elsewhere|induced earthquake\n")
+             "knmi2022a|2022-01-24T00:27:26.2|53.320000|6.730000|3.0|||KNMI|knmi2022a|MLn|0.61247||Loppersum|earthquake\n"
+             "knmi2022b|2022-10-08T02:33:26.1|53.316000|6.781000|3.0|||KNMI|knmi2022b|MLn|3.09864||Wirdum|"
+             "induced or triggered event\n"
+             "knmi2022c|2022-11-09T10:00:00.5|53.100000|6.000000|18.0|||KNMI|knmi2022c|MLn|1.10012||Elsewhere|\n")
+    """In the form of KNMI's service: decimals of times and magnitudes, no author, catalogue and author of magnitude."""
 
     def test_later_events_of_the_service_continue_the_catalogue(self, catalogue, tmp_path, capsys):
         """What both have is not doubled, what the models are not for is left out and named."""

@@ -6,7 +6,7 @@ import pytest
 from conftest import one_line_error
 
 from damage.fields import check_fields, choice, implausible_fields, quantity
-from damage.wall.data import wall_schema
+from damage.wall.file import wall_schema
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall

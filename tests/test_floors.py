@@ -16,8 +16,8 @@ from damage.measure.damage_index import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
 from damage.wall.as_built import describe_floors
-from damage.wall.floors import SLAB_COURSE, Floor
-from damage.wall.kinds import BED, CAP, HEAD
+from damage.wall.floors import Floor
+from damage.wall.kinds import BED, CAP, HEAD, SLAB_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall

@@ -23,7 +23,6 @@ from damage.exposure.lives import Choices, Draws, events_of, read_address, stron
 from damage.exposure.models.bommer_2022 import Model
 from damage.life.comparison import by_own_curve, choices, largest_alone, readings
 from damage.life.estimate import paired, probability, strata
-from damage.life.readings import READINGS, after, final_psi
 from damage.life.results import (
     Lives,
     contributions,
@@ -43,6 +42,7 @@ from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records
 from paper import lives_walls
+from paper.accumulation import READINGS, after, final_psi
 
 WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"

@@ -15,12 +15,12 @@ from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, s
 from damage.run.opening import opening_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
-from damage.wall.data import wall_from
+from damage.wall.file import wall_from
 from damage.wall.floors import Floor
 from damage.wall.geometry import body_table, joint_table
-from damage.wall.kinds import CUT, HEAD
+from damage.wall.kinds import ARCH_COURSE, CUT, HEAD, LINTEL_COURSE
 from damage.wall.layout import lay_out
-from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, USUAL, Lintel
+from damage.wall.lintels import USUAL, Lintel
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of

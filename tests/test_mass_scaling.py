@@ -28,8 +28,8 @@ from damage.run.session import run_session
 from damage.run.watch import Borne
 from damage.studies.tables import points_of
 from damage.wall.file import load_wall
+from damage.wall.kinds import ARCH_COURSE
 from damage.wall.layout import lay_out
-from damage.wall.lintels import ARCH_COURSE
 from damage.wall.model_options import ModelOptions
 
 SYMMETRIC = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"

@@ -229,13 +229,20 @@ def test_3dec_says_where_a_joint_is_elastic_in_part(tmp_path):
     assert all(joints[pair]["model"] == "elastic" for pair in mixed)
 
 
-def test_3dec_gives_no_stiffness_to_blocks_that_only_touch(tmp_path):
-    """The ends of a slab do not touch the bricks beside them, here; in 3DEC a contact is found there."""
+@pytest.mark.parametrize("elastic", [False, True])
+def test_3dec_gives_no_stiffness_to_blocks_that_only_touch(elastic, tmp_path):
+    """The ends of a slab do not touch the bricks beside them, here; in 3DEC a contact is found there.  It is dry, also
+    where all joints are elastic."""
     layout = lay_out(Wall("slab", 1.35, 0.9, floors=[Floor(0.6, 500.0, 0.45, 0.9, "concrete")]))
+    if elastic:
+        layout.contacts.elastic[:], layout.contacts.tensile_strength[:], layout.contacts.cohesion[:] = 1, np.inf, np.inf
     _, _, joints, _ = deck_of(layout, tmp_path)
     slab = f"b{int(np.flatnonzero(layout.bodies.course == -2)[0]) + 1}"
     free = [pair for pair, has in joints.items() if has["stiffness-normal"] == NO_STIFFNESS]
     assert len(free) == 4 and all(slab in pair for pair in free)  # two courses on either side
+    assert all((joints[pair]["model"], joints[pair]["tension"], joints[pair]["cohesion"]) == ("mohr", 0, 0)
+               for pair in free)
+    assert {has["model"] for pair, has in joints.items() if pair not in free} == {"elastic", *["mohr"] * (not elastic)}
 
 
 @pytest.mark.parametrize(("option", "words", "said"), [

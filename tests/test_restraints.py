@@ -17,7 +17,7 @@ from damage.mechanics.tables import FRICTION
 from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
-from damage.wall.data import wall_from
+from damage.wall.file import wall_from
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.new import as_toml

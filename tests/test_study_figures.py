@@ -15,17 +15,9 @@ from scipy.optimize import minimize
 from small_history import make_history
 
 from damage.commands.table import COMMANDS as of_package
-from damage.draw.panels import (
-    NOTHING,
-    describe_members,
-    grid,
-    in_order,
-    letter,
-    record_label,
-    record_markers,
-    scale_note,
-)
+from damage.draw.panels import grid, letter
 from damage.draw.style import BLACK, BLUE, VERMILLION
+from damage.draw.words import record_label
 from damage.errors import InputError
 from damage.files import shipped_files
 from damage.measure.tables import index_table, write_table
@@ -38,6 +30,7 @@ from paper.__main__ import COMMANDS as of_paper
 from paper.__main__ import main
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
+from paper.marks import NOTHING, describe_members, in_order, record_markers, scale_note
 from paper.results import Missing, load_results, variants
 from paper.study_figures import choices, sequences
 

@@ -15,7 +15,7 @@ from damage import Brick, Floor, Joint, Opening, Wall, load_wall, masonry
 from damage.__main__ import main
 from damage.draw.preview import wall_preview
 from damage.files import json_text
-from damage.wall.data import wall_from, wall_schema
+from damage.wall.file import wall_from, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.materials import FORMATS, MATERIALS, as_dict

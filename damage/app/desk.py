@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -20,13 +19,12 @@ from damage.exposure.exposure import Exposure, strongest
 from damage.exposure.ground_motion import model_named
 from damage.exposure.places import at
 from damage.files import write_text
-from damage.html.words import LANGUAGES
+from damage.html.words import LANGUAGES, all_words
 from damage.measure.crack_file import COLUMNS, OF_SURVEY, read_cracks
 from damage.measure.cracks import ENDS
 from damage.measure.survey import read_survey
 from damage.motion.settlement import PROFILES, read_profile
-from damage.wall.data import read_wall
-from damage.wall.file import shipped_walls
+from damage.wall.file import read_wall, shipped_walls
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -270,5 +268,6 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
 
 
 def words():
-    """{key: {language: text}} of the page."""
-    return tomllib.loads((Path(__file__).parent / "words.toml").read_text(encoding="utf-8"))
+    """{key: {language: text}} of the page, with those that it shares with the sheet."""
+    shared = "one_percent", "catalogue_ends", *(f"profile_{one}" for one in PROFILES)
+    return all_words("app") | {key: all_words()[key] for key in shared}

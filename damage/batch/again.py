@@ -13,7 +13,6 @@ from damage.measure.columns import MADE_BY
 from damage.measure.register import names
 from damage.measure.tables import summary_row
 from damage.studies.inputs import inputs_of
-from damage.studies.members import most_members
 
 _NAMED = 5  # columns that a message names
 
@@ -55,7 +54,7 @@ def make_again(name, study, results, simulate):
 
 def _find(name, study):
     """(StudyRun, number) of a run by its name."""
-    found = [(run, number) for run in study.runs for number in range(1, most_members(run) + 1)
+    found = [(run, number) for run in study.runs for number in range(1, run.most_members + 1)
              if run.name(number) == name]
     if not found:
         raise InputError(f"--run {name}: no run of the study {study.name} with this solver; expected a name from the "

@@ -19,7 +19,6 @@ import numpy as np
 from damage.batch.folder import end_with_parent, environment, handled, open_log
 from damage.errors import InputError
 from damage.start import EXIT_INTERRUPTED
-from damage.studies.members import most_members
 
 HERE = Path(__file__).parent
 PLUGIN = "snakemake-executor-plugin-cluster-generic"
@@ -51,14 +50,19 @@ def needs_plugin(release):
 
 def slices(runs, n):
     """Lists of the StudyRuns of n slices, of about as many runs each; neighbours, which are alike, stay together."""
-    weights = np.array([most_members(run) * (1 if run.solver == "reference" else YADE) for run in runs], float)
+    weights = np.array([_weight(run) for run in runs], float)
     place = np.minimum((np.cumsum(weights) - weights / 2) * n / weights.sum(), n - 1).astype(int)
     return [[run for run, here in zip(runs, place) if here == k] for k in range(n)]
 
 
 def number_of_slices(runs, size):
     """How many slices of so many runs of the reference solver a study has."""
-    return max(1, round(sum(most_members(run) * (1 if run.solver == "reference" else YADE) for run in runs) / size))
+    return max(1, round(sum(map(_weight, runs)) / size))
+
+
+def _weight(run):
+    """Number of runs of the reference solver that a StudyRun counts as."""
+    return run.most_members * (1 if run.solver == "reference" else YADE)
 
 
 def run_slices(study, folder, options, n, only, jobs, cores, say):

@@ -18,6 +18,7 @@ from damage.batch.outdated import Results
 from damage.batch.plan import print_plan
 from damage.batch.pool import Pool
 from damage.batch.tasks import KEEP, PICTURES, Point
+from damage.batch.worker import work
 from damage.errors import InputError, did_you_mean, warn
 from damage.files import is_there, shipped_files
 from damage.measure.tables import describe_table
@@ -154,7 +155,7 @@ def _one_study(asked, path):
 
 def _simulate(lock, task):
     """Do one task; returns the exit status."""
-    pool = Pool(1, lock, task.folder, say)
+    pool = Pool(1, work, lock, task.folder, say)
     pool.run([task])
     return EXIT_INTERRUPTED if pool.interrupted else 1 if pool.failed or pool.short else 0
 
@@ -212,7 +213,7 @@ class Batch:
                 self._show(point)
             return [*more, *point.next_pictures()]
 
-        pool = Pool(self.asked.jobs, self.lock, self.folder, say)
+        pool = Pool(self.asked.jobs, work, self.lock, self.folder, say)
         pool.run([task for point in self.points.values() for task in (*point.next_tasks(), *point.next_pictures())],
                  follow)
         if pool.interrupted:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.files import plain_file, shipped, whole_or_nothing
-from damage.studies.members import most_members
 
 ROOT = shipped("studies").parent
 """Where the paths of studies that ship start: the repository, or damage/share of an installed package."""
@@ -182,7 +181,7 @@ def forecast(left, histories, folder, keep="all"):
     left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count, though one may do.
     histories: {name: path} of those that are there; keep: other than "all" where the history of the first alone stays.
     """
-    count = sum(most_members(run) if keep == "all" else 1 for run in left)
+    count = sum(run.most_members if keep == "all" else 1 for run in left)
     if not histories or not count:
         return None
     mean = sum(path.stat().st_size for path in histories.values()) / len(histories)

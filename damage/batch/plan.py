@@ -24,7 +24,6 @@ from damage.reference.ensembles import LEAST_LANES
 from damage.run.schedule import sample_steps
 from damage.run.scheme import schemes
 from damage.run.settings import HOLD_S, RAMP_S, SELECTIVE, Softening
-from damage.studies.members import most_members
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
@@ -66,7 +65,7 @@ class Plan:
         self.there = _there(study, folder, remake)
         self.left = [run for run in study.runs if not self.there[run]]
         self.scale, by = scales(self.costs, self.there, ways, folder)
-        counts = [{run: run.members for run in self.left}, {run: most_members(run) for run in self.left}]
+        counts = [{run: run.members for run in self.left}, {run: run.most_members for run in self.left}]
         self.runs = [sum(count.values()) for count in counts]
         times = [seconds_of(study, count, self.costs, self.scale.seconds, jobs, machine) for count in counts]
         compiles = not is_cached() and any(run.solver == "reference" for run in self.left)
@@ -85,7 +84,7 @@ def print_plan(study, folder, jobs, remake=False):
         print(f"  {run.id:60s}  {state if plan.there[run] else _planned(run, plan.costs[run], plan.scale)}")
     least, most = plan.runs
     on = next(path for path in (folder, *folder.parents) if path.is_dir())
-    n_bytes = sum(most_members(run) * plan.costs[run].n_bytes for run in plan.left) * plan.scale.n_bytes
+    n_bytes = sum(run.most_members * plan.costs[run].n_bytes for run in plan.left) * plan.scale.n_bytes
     print(f"points: {len(study.runs)}, {len(study.runs) - len(plan.left)} there; runs to make: "
           f"{'up to ' if most != least else ''}{most}\n"
           f"expected: {duration(plan.seconds[0])} to {duration(plan.seconds[1])} with {jobs} at a time, where nothing "
@@ -126,7 +125,7 @@ def ways_of(runs, jobs):
         company = {run: company_of(run) for run in runs if run.solver == "reference"}
     count = Counter()
     for run, name in company.items():
-        count[name] += most_members(run)
+        count[name] += run.most_members
     return {run: "yade" if run.solver == "yade" else
             "together" if count[company[run]] >= LEAST_LANES * jobs else "alone" for run in runs}
 
@@ -145,7 +144,7 @@ def seconds_of(study, count, costs, scale, jobs, machine):
 def _planned(run, cost, scale):
     """The runs to make of a run or an ensemble, in words."""
     each = f"about {duration(max(cost.seconds * scale.seconds, 1))}, {cost.n_bytes * scale.n_bytes / 1e6:.2g} MB"
-    most = most_members(run)
+    most = run.most_members
     return each if most == 1 else f"{run.members}{f' to {most}' if most != run.members else ''} runs of {each}"
 
 

@@ -17,7 +17,6 @@ from multiprocessing.connection import wait
 
 from damage.batch.folder import NO_ROOM, handled, is_short
 from damage.batch.tasks import RUN
-from damage.batch.worker import work
 from damage.errors import warn
 from damage.mechanics.compiled import COMPILING, is_cached
 from damage.provenance import measures_digest, versions
@@ -36,7 +35,7 @@ _FORK = multiprocessing.get_context("fork")  # processes begin with all librarie
 class Worker:
     """A process, and the tasks that it has: in its connection, or under way."""
 
-    def __init__(self, lock):
+    def __init__(self, work, lock):
         self.connection, theirs = _FORK.Pipe()
         self.process = _FORK.Process(target=work, args=(theirs, os.getpid(), lock), daemon=True)
         self.process.start()
@@ -76,9 +75,10 @@ class Worker:
 class Pool:
     """So many processes that do tasks in the folder of a study."""
 
-    def __init__(self, jobs, lock, folder, say):
-        """lock: descriptor that solvers hold as long as they run; say(line): prints a line."""
-        self.jobs, self.folder, self._lock, self._say = jobs, folder, lock, say
+    def __init__(self, jobs, work, lock, folder, say):
+        """work: what each of them does, `damage.batch.worker.work`; lock: descriptor that solvers hold as long as they
+        run; say(line): prints a line."""
+        self.jobs, self.folder, self._work, self._lock, self._say = jobs, folder, work, lock, say
         self.interrupted = self.short = False  # ended by a signal; in want of room
         self.failed, self.n_lost = [], 0  # tasks; runs that an interrupt ended
         self._workers, self._announced = [], False
@@ -99,7 +99,7 @@ class Pool:
             load_compiled(first, self._say)
         with handled(self._interrupt):
             try:
-                self._work(follow)
+                self._do(follow)
             finally:
                 for worker in filter(lambda one: one.tasks, self._workers):  # after an error of this process
                     worker.end_politely()
@@ -115,7 +115,7 @@ class Pool:
                 place = next((k for k, one in enumerate(self._waiting) if not one.steps), len(self._waiting))
                 self._waiting.insert(place if task.steps else len(self._waiting), task)
 
-    def _work(self, follow):
+    def _do(self, follow):
         """Let processes do tasks until none is waiting or under way."""
         looked = time.monotonic()
         while True:
@@ -160,7 +160,7 @@ class Pool:
         """A process that takes a task, one that has the fewest; None where there is none now."""
         able = [worker for worker in self._workers if worker.takes(task, share)]
         if len(self._workers) < self.jobs and all(worker.tasks for worker in able):
-            self._workers.append(Worker(self._lock))
+            self._workers.append(Worker(self._work, self._lock))
             return self._workers[-1]
         return min(able, key=lambda worker: len(worker.tasks), default=None)
 

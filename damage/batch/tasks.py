@@ -7,7 +7,6 @@ from pathlib import Path
 from damage.measure import kept
 from damage.run.options import parse_run
 from damage.studies.definition import StudyRun
-from damage.studies.members import runs_needed
 
 RUN, PICTURES = "run", "pictures"
 KEEP = "all", "summary", "patterns"
@@ -94,11 +93,11 @@ class Point:
     @property
     def done(self):
         """Whether all of its runs are done."""
-        return all(number in self.records for number in range(1, runs_needed(self.run, self.records) + 1))
+        return all(number in self.records for number in range(1, self.run.runs_needed(self.records) + 1))
 
     def next_tasks(self):
         """The tasks that the results so far ask for and that were not handed out yet."""
-        numbers = set(range(1, runs_needed(self.run, self.records) + 1)) - self.records.keys() - self._asked
+        numbers = set(range(1, self.run.runs_needed(self.records) + 1)) - self.records.keys() - self._asked
         self._asked |= numbers
         return [self._task(number) for number in sorted(numbers)]
 

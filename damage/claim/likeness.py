@@ -4,7 +4,8 @@ A draw has the weight
 
     exp(-(d / KERNEL)^2 / 2)
 
-by its distance d from the survey (`damage.measure.survey`).  A wall that fell has none: the surveyed one stands.
+by its distance d from the survey (`damage.measure.survey`), up to FARTHEST.  A wall that fell has none: the surveyed
+one stands.
 """
 
 import numpy as np
@@ -13,6 +14,9 @@ from damage.measure.survey import distances
 
 KERNEL = 0.25
 """Width of the kernel [-]."""
+FARTHEST = 2 * KERNEL
+"""Distance from which a draw does not resemble the survey at all [-]: of many that are equally far away, weights alone
+would make as many that resemble it."""
 NEAREST = 10
 """Draws whose mean distance says how strange a survey is."""
 STATES = "both", "earthquakes"
@@ -21,7 +25,7 @@ STATES = "both", "earthquakes"
 
 def kernel(distance, stands):
     """Weights (n,) by distances, of walls that stand."""
-    return np.where(stands, np.exp(-(distance / KERNEL)**2 / 2), 0.0)
+    return np.where(stands & (distance <= FARTHEST), np.exp(-(distance / KERNEL)**2 / 2), 0.0)
 
 
 def strangeness(distance):

@@ -3,9 +3,11 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from damage.batch.folder import ROOT
-from damage.claim.answer import LEAST_DRAWS
-from damage.claim.numbers import enough, numbers_of
+from damage.claim.answer import LEAST_DRAWS, reasons
+from damage.claim.numbers import draws_needed, enough, lacks_draws, numbers_of
 from damage.claim.sheet import in_words, sheet
 from damage.claim.twins import BOTH, DRAWN, read_twins, write_twins
 from damage.errors import warn
@@ -13,6 +15,7 @@ from damage.exposure.exposure import Exposure
 from damage.exposure.lives import Choices, Draws
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
+from damage.html.words import number
 from damage.measure.evidence import evidence_for, facts
 from damage.measure.summary import summarise
 from damage.measure.survey import read_survey
@@ -22,8 +25,8 @@ from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
-STEPS = 48, 96, 192, 400
-"""Numbers of draws after which the intervals are looked at."""
+STEPS = 96, 192, 400
+"""Numbers of draws after which the intervals are looked at: the first is what an interval of ±10 of 100 takes."""
 NUMBERS, SHEET = "claim.json", "claim.html"
 
 
@@ -57,7 +60,7 @@ def make_claim(claim, out, jobs):
     if settled is not None:
         settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)
-    warn(*claim.exposure.warnings, *survey.notes)
+    warn(*claim.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
     _state_time(claim, out, jobs, steps)
     for draws in steps:
         study = _study(claim, out, draws)
@@ -69,15 +72,27 @@ def make_claim(claim, out, jobs):
                              _evidence(out, study))
         write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
         place = write_text(out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS))
-        if enough(numbers):
+        if enough(numbers, steps[-1]):
             break
-    print(describe(numbers, claim.draws is None and draws == STEPS[-1] and not enough(numbers)), place, sep="\n")
+    print(describe(numbers), place, sep="\n")
     return 0
 
 
 def layout_of(wall):
     """Layout of a claim's wall: its file, or the name of one that ships."""
     return lay_out(load_wall(wall_path(wall)), ModelOptions(supports="bricks"))
+
+
+def _no_answer_foreseen(survey, most):
+    """Sentences on what forbids an answer whatever the runs give; most: draws that are asked for."""
+    foreseen = [why for why, _ in reasons(survey.as_dict(), most, 0.0)]
+    if "draws" in foreseen:
+        yield (f"--draws {most}: the sheet will have no answer, for which {LEAST_DRAWS} draws have to resemble the "
+               f"survey; leave --draws out for up to {STEPS[-1]}")
+    if "off_joints" in foreseen:
+        yield "the sheet will have no answer: more than a fifth of the drawn length lies on no joint"
+    if "small" in foreseen:
+        yield "the sheet will have no answer: no surveyed crack is wide enough to be visible"
 
 
 def _state_time(claim, out, jobs, steps):
@@ -89,8 +104,9 @@ def _state_time(claim, out, jobs, steps):
         low, high = Plan(_study(claim, out, draws), out, jobs).seconds
         words.append(f"{2 * draws} runs of {draws} draws: {duration(low)} to {duration(high)}")
     print(f"expected: {words[0]} with {jobs} at a time, where nothing else runs"
-          + (f"; up to {words[1]}, if the intervals need them" if len(words) > 1 else "")
-          + ".  The same command continues after an interruption.", flush=True)
+          + (f"; up to {words[1]}, if the intervals or an answer need them" if len(words) > 1 else "")
+          + f".  An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command continues after an "
+          "interruption.", flush=True)
 
 
 def _study(claim, out, draws):
@@ -119,13 +135,14 @@ def _evidence(out, study):
     return evidence_for(facts(history.masonry_wall, history.parameters, summarise(history)))
 
 
-def describe(numbers, spent):
-    """The answer in a few lines of text; spent: whether the most draws were not enough."""
+def describe(numbers):
+    """The answer in a few lines of text."""
     lines = [f"{numbers['draws']} draws, effective number by priors of settlement "
              + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())]
     said = in_words(numbers)
     lines += [f"no answer: {reason}" for reason in said["why"]] or said["answer"]
-    if spent:
-        lines.append(f"{STEPS[-1]} draws did not suffice: the intervals are wide, or fewer than {LEAST_DRAWS} draws "
-                     "resemble the survey; --draws N makes more")
+    if lacks_draws(numbers):
+        needed = draws_needed(numbers)
+        lines.append(f"in proportion, about {number('en', needed)} draws would have {LEAST_DRAWS} like the survey; "
+                     "--draws N makes more" if np.isfinite(needed) else "not one draw resembles the survey")
     return "\n".join(lines)

@@ -5,8 +5,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.claim.answer import BUT_FOR, PRIORS, RANGE, effective, reasons, table, verdict, widths, worlds_of
-from damage.claim.likeness import KERNEL, STATES, kernel, pairwise, strange_share, strangeness
+from damage.claim.answer import (
+    BUT_FOR,
+    LEAST_DRAWS,
+    PRIORS,
+    RANGE,
+    effective,
+    reasons,
+    table,
+    verdict,
+    widths,
+    worlds_of,
+)
+from damage.claim.likeness import FARTHEST, KERNEL, STATES, kernel, pairwise, strange_share, strangeness
 from damage.claim.twins import SHAKEN
 from damage.exposure.exposure import strongest
 from damage.index import THRESHOLD
@@ -16,6 +27,8 @@ from damage.units import MILLIMETRE
 SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
 ENOUGH = 0.1
 """Half-width of the widest interval of the first table up to which no more draws are asked for [-]."""
+HOPE = 2.0
+"""Factor on the most draws beyond which `draws_needed`, which few draws tell within about a half, is out of reach."""
 
 
 class Likeness(NamedTuple):
@@ -56,9 +69,9 @@ def answers(twins, likeness, survey):
         every, worlds = worlds_of(twins, float(prior)), worlds_of(twins, float(prior), like)
         first[prior], second[prior], number[prior] = table(every), table(worlds), effective(worlds.weight)
         wide[prior] = {"all_draws": widths(every), "like_survey": widths(worlds)}
-    nearest = np.argsort(np.where(like.ravel() > 0, away.ravel(), np.inf), kind="stable")[:SHOWN_NEAREST]
+    nearest = np.argsort(np.where(standing(twins), away, np.inf).ravel(), kind="stable")[:SHOWN_NEAREST]
     return {
-        "draws": len(twins), "kernel": KERNEL, "all_draws": first, "like_survey": second,
+        "draws": len(twins), "kernel": KERNEL, "farthest": FARTHEST, "all_draws": first, "like_survey": second,
         "effective_draws": number, "crack_width_mm": wide, "stranger_than": strange,
         "strangeness": strangeness(away.ravel()), "verdict": verdict(second),
         "no_answer": [{"why": why, "value": value} for why, value in reasons(survey, min(number.values()), strange)],
@@ -66,12 +79,23 @@ def answers(twins, likeness, survey):
                      "distance": float(away.ravel()[place])} for place in nearest]}
 
 
-def enough(numbers):
-    """Whether the intervals of the first table are narrow enough, and the second has draws enough, for no more to
-    help."""
+def enough(numbers, most):
+    """Whether no more draws, of `most` in all, would help: the intervals of the first table are narrow enough, and
+    their number is not all that forbids an answer, or enough of them are out of reach."""
     rows = [row for of in numbers["all_draws"].values() for row in of.values()]
     narrow = all(row["share"] is None or (row["high"] - row["low"]) / 2 <= ENOUGH for row in rows)
-    return narrow and not any(one["why"] == "draws" for one in numbers["no_answer"])
+    return narrow and not (lacks_draws(numbers) and draws_needed(numbers) <= HOPE * most)
+
+
+def lacks_draws(numbers):
+    """Whether the number of draws is all that forbids an answer."""
+    return [one["why"] for one in numbers["no_answer"]] == ["draws"]
+
+
+def draws_needed(numbers):
+    """Draws by which LEAST_DRAWS would resemble the survey, in proportion to those that do now."""
+    like = min(numbers["effective_draws"].values())
+    return LEAST_DRAWS * numbers["draws"] / like if like > 0 else np.inf
 
 
 def shaking(exposure, twins):

@@ -77,6 +77,7 @@ def _taken(numbers, say, shown):
     return [
         ground, say("draws", n=numbers["draws"], events=shown(numbers["events_per_draw"]),
                     above=shown(numbers["choices"]["above_mm_s"]), kernel=shown(numbers["kernel"]),
+                    farthest=shown(numbers["farthest"]),
                     fell=numbers["at_the_end"]["earthquakes"]["fell"],
                     fell_settled=numbers["at_the_end"]["both"]["fell"]),
         say("widths_used"), say("detection", limit=shown(survey["detection_limit_mm"]),

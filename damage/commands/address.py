@@ -135,8 +135,9 @@ def _life(asked):
          group("survey", file_arg("--cracks", "SURVEY.csv", "its cracks (docs/reference/crack-format.md)",
                                   required=True)),
          *_lives_options(3.5, (0.05, 0.15)),
-         group("lives", arg("--draws", type=number_from(2, 10000, int), metavar="N", help="draws (default: 48, then "
-                            "more, up to 400, until the intervals are narrow and enough draws resemble the survey)")),
+         group("lives", arg("--draws", type=number_from(2, 10000, int), metavar="N", help="draws (default: 96, then "
+                            "more, up to 400, until the intervals are narrow and enough draws resemble the survey; an "
+                            "answer needs 50 that do)")),
          group("runs", file_arg("--levels", "LEVELS.csv", "instead of --settle: levels of a course, with columns x_m, "
                                 "height_m, date")),
          output(arg("--language", choices=("en", "nl"), default="en", help="of the sheet (default en)")),

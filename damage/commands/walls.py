@@ -67,7 +67,7 @@ def _draw(asked):
 
 def plausible_wall(asked, path):
     """The wall of a file, or of a name, its values checked unless a command's options accept all."""
-    from damage.wall.as_built import warn_of_courses
+    from damage.wall.as_built import warn_of_courses, warn_of_slabs
     from damage.wall.file import load_wall
     from damage.wall.plan import plan_of
     from damage.wall.plausible import check_plausible
@@ -75,14 +75,15 @@ def plausible_wall(asked, path):
     wall = load_wall(path)
     if not asked.accept_implausible:
         check_plausible(wall)
-    warn(*warn_of_courses(plan_of(wall)))
+    plan = plan_of(wall)
+    warn(*warn_of_courses(plan), *warn_of_slabs(plan))
     return wall
 
 
 @command("the JSON Schema of walls as TOML, by which editors complete and check them: put it beside yours, and "
          "'#:schema ./wall.schema.json' on its first line")
 def _wall_schema(asked):
-    from damage.wall.data import wall_schema
+    from damage.wall.file import wall_schema
 
     print(json_text(wall_schema(), indent=1))
 

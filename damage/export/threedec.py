@@ -29,7 +29,6 @@ model large-strain on
 {blocks}
 {densities}
 block contact generate-subcontacts
-block contact jmodel assign mohr
 {joints}
 block contact material-table default property {dry}
 model gravity 0 0 -{gravity}
@@ -47,9 +46,9 @@ class Joint(NamedTuple):
     cohesion: float
 
     @property
-    def is_elastic(self):
-        """Whether it cannot fail."""
-        return math.isinf(self.cohesion)
+    def model(self):
+        """3DEC's joint model: one that cannot fail is elastic."""
+        return "elastic" if math.isinf(self.cohesion) else "mohr"
 
 
 def write_3dec(layout, path):
@@ -59,14 +58,14 @@ def write_3dec(layout, path):
     """
     check_rigid(layout, "--3dec", cuts=False)
     joints, split = _joints(layout)
-    brittle = [joint for joint in joints.values() if not joint.is_elastic]  # `mohr` is assigned to all, first
+    brittle = [joint for joint in joints.values() if joint.model == "mohr"]
     usual = Counter(brittle or joints.values()).most_common(1)[0][0]
     own = {pair: joint for pair, joint in joints.items() if joint != usual}
     own |= {pair: Joint(NO_STIFFNESS, NO_STIFFNESS, 0.0, 0.0) for pair in touching(layout) if pair not in joints}
     friction = f"friction {number(math.degrees(layout.wall.joint.friction_angle))}"
-    lines = _assigned(usual, friction, "")
+    lines = _assigned(usual, None, friction, "")
     for (first, second), joint in own.items():
-        lines += _assigned(joint, friction, f" range group-intersection '{_name(first)}' '{_name(second)}'")
+        lines += _assigned(joint, usual, friction, f" range group-intersection '{_name(first)}' '{_name(second)}'")
     fixed = (f"block fix range group '{_name(-k - 1)}'" for k in range(len(layout.supports)))
     bodies = layout.bodies
     density = bodies.mass / (bodies.length * bodies.height * layout.wall.brick.thickness)
@@ -126,14 +125,15 @@ def touching(layout):
                 yield one, int(other)
 
 
-def _assigned(joint, friction, to):
-    """Commands that give joints their model, where it is not `mohr`, and properties; to: the range."""
-    model = [f"block contact jmodel assign elastic{to}"] * joint.is_elastic
+def _assigned(joint, usual, friction, to):
+    """Commands that give joints their model, where the usual joint's, which all have, is another, and properties;
+    to: the range."""
+    model = [f"block contact jmodel assign {joint.model}{to}"] * (usual is None or joint.model != usual.model)
     return [*model, f"block contact property {_properties(joint, friction)}{to}"]
 
 
 def _properties(joint, friction):
     stiffnesses = (f"stiffness-normal {number(joint.normal_stiffness)} stiffness-shear "
                    f"{number(joint.shear_stiffness)}")
-    return stiffnesses if joint.is_elastic else (
+    return stiffnesses if joint.model == "elastic" else (
         f"{stiffnesses} {friction} cohesion {number(joint.cohesion)} tension {number(joint.tensile_strength)}")

@@ -125,7 +125,7 @@ def with_later(path, base=SHIPPED):
     largest = int(np.argmax(new.magnitude))
     gap = (new.time[0] - known.end).days
     notes = [f"{len(new)} of {len(found)} events of {path} are later than {known.end:%Y-%m-%d}: from "
-             f"{new.time[0]:%Y-%m-%d} to {new.end:%Y-%m-%d}, the largest M {new.magnitude[largest]:g} of "
+             f"{new.time[0]:%Y-%m-%d} to {new.end:%Y-%m-%d}, the largest M {new.magnitude[largest]:.1f} of "
              f"{new.time[largest]:%Y-%m-%d}", *found.notes]
     if later.all() and gap > MOST_GAP_DAYS:
         notes.append(f"between both lists are {gap} days without an event: look whether the file begins late enough "

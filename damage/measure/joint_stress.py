@@ -18,7 +18,7 @@ import pandas as pd
 from damage.errors import InputError
 from damage.history.moments import choose_samples
 from damage.history.schema import Column
-from damage.wall.lintels import ARCH_COURSE
+from damage.wall.kinds import ARCH_COURSE
 
 MOMENTS = "rest", "max", "end"
 """Of the tables: the first sample, the maximum damage index, the last sample."""

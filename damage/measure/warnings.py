@@ -6,7 +6,7 @@ from damage.errors import Warned
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import ENERGY_ERROR, balance_error
 from damage.measure.joints import ended_joints, offset_over_overlap, with_bond
-from damage.wall.as_built import warn_of_courses
+from damage.wall.as_built import warn_of_courses, warn_of_slabs
 from damage.wall.lintels import elastic_share, warn_of_share
 
 AT_REST = 1e-5
@@ -22,7 +22,8 @@ def warnings_of(history):
     found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(balance_error(history)),
              "no_offsets": offset_warnings(history), "joint_normals": normal_warnings(history),
              "elastic_share": warn_of_share(share), "ended_joints": warn_of_ends(history),
-             "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.plan)}
+             "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.plan),
+             "slabs": warn_of_slabs(history.plan)}
     return [Warned(code, text) for code, texts in found.items() for text in texts]
 
 

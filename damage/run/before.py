@@ -30,13 +30,13 @@ def as_bytes(tables):
     return np.frombuffer(file.getvalue(), "u1")
 
 
-def read_state(path, layout, model, solver):
+def read_state(path, layout, origin, solver):
     """State of the solver, {name: array}, at the end of the run with the history `path`.
 
     solver: another one of the same layout and settings, whose state has the same tables; other arguments and errors as
     of `read_earlier`; raises InputError where the history has no state, or one that the solver cannot take, too.
     """
-    read_earlier(path, layout, model)
+    read_earlier(path, layout, origin)
     like = with_zero((solver.saved_state() or {}) | {
         "set_in_motion_j": np.array(0.0), "base_moves": np.array(False)}, solver.instants())
     most = sum(_UNPACKED_MORE + table.nbytes for table in like.values())
@@ -91,19 +91,22 @@ def _check_table(name, content, table):
     content.seek(0)
 
 
-def read_earlier(path, layout, model, option="--continue", ended=True):
+def read_earlier(path, layout, origin, option="--continue", ended=True):
     """The History of a run that another one continues.
 
-    layout: damage.wall.layout.Layout of the wall that continues; model: digest of the model's code; option: that asks
-    for it; ended: whether it has to be complete.  Raises InputError where the history is none, is not complete, or is
-    of another wall or another version of the model.
+    layout: damage.wall.layout.Layout of the wall that continues; origin: name of the solver, digest of the model's
+    code; option: that asks for it; ended: whether it has to be complete.  Raises InputError where the history is none,
+    is not complete, or is of another solver, wall or version of the model.
     """
     history = read_history(path)
     if ended and (not history.complete or history.collapsed_at_s is not None):
         how = "collapsed" if history.complete else history.status
         raise InputError(f"--continue {path}: its run is {how}; expected a complete run of a wall that stands; run it "
                          "again" + ("" if history.complete else f", or continue it: --resume {path}"))
-    made_by = history.versions.get("model")
+    (solver, model), made_by = origin, history.versions.get("model")
+    if history.solver != solver:
+        raise InputError(f"{option} {path}: a run of the {history.solver} solver; expected one of the {solver} "
+                         "solver, which alone can read its state; give one")
     if made_by != model:
         raise InputError(f"{option} {path}: made by another version of the model ({made_by}, this is {model}), whose "
                          "state has another meaning; run the first half again with this one")

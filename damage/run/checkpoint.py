@@ -112,13 +112,13 @@ def schemes_left(path, schemes):
     return schemes[came_to[0]:] if came_to else schemes, {name: had.get(name, one) for name, one in found.items()}
 
 
-def resumed(path, layout, parameters, model, like):
+def resumed(path, layout, parameters, origin, like):
     """What a run needs to continue from its checkpoint, (HistoryWriter, tables of the checkpoint); path: its history.
 
-    layout, parameters: of the run, which have to be those of the history; model: digest of the model's code; like: as
-    of `read_checkpoint`.  Raises InputError.
+    layout, parameters: of the run, which have to be those of the history; like: as of `read_checkpoint`; origin: as of
+    `damage.run.before.read_earlier`.  Raises InputError.
     """
-    history = read_earlier(path, layout, model, option="--resume", ended=False)
+    history = read_earlier(path, layout, origin, option="--resume", ended=False)
     if history.complete:
         raise InputError(f"--resume {path}: its run is complete; expected one that was interrupted or killed; to start "
                          f"another one from its end give --continue {path}")
@@ -165,13 +165,10 @@ def _continued(path, layout, counts, attributes):
     return HistoryWriter.of(layout, file)
 
 
-def read_end(path, layout, model, solver, time_step):
+def read_end(path, layout, origin, time_step):
     """State at the end of the run of the history at `path`, of a solver that keeps it in a checkpoint alone, {name:
-    array}; solver: its name; other arguments and errors as of `damage.run.before.read_earlier`."""
-    history = read_earlier(path, layout, model)
-    if history.solver != solver:
-        raise InputError(f"--continue {path}: a run of the {history.solver} solver; expected one of the {solver} "
-                         "solver; run it there first")
+    array}; time_step [s]; other arguments and errors as of `damage.run.before.read_earlier`."""
+    history = read_earlier(path, layout, origin)
     if history.time_step_s != time_step:
         raise InputError(f"--continue {path}: its time step is {history.time_step_s!r} s, expected that of this run, "
                          f"{time_step!r} s; give --dt {history.time_step_s!r}")

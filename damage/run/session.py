@@ -283,7 +283,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     check_top(settings, layout, time_step)
     _warn_of(backend, settings, wall, time_step, modes.critical_time_step_s)
     made_by = versions(backend.code) | backend.versions
-    state = _past(backend, settings, layout, made_by["model"], time_step)
+    origin = backend.name, made_by["model"]
+    state = _past(backend, settings, layout, origin, time_step)
     print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
           *record_lines(settings), *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n",
           flush=True)
@@ -295,7 +296,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
     return _with_history(Prepared(backend, settings, layout, modes, time_step, None, state, repeats=tuple(repeats),
-                                  parameters=parameters, write=write), made_by["model"])
+                                  parameters=parameters, write=write), origin)
 
 
 def _laid_out(wall, settings):
@@ -309,12 +310,12 @@ def _laid_out(wall, settings):
     return layout
 
 
-def _with_history(prepared, model):
-    """A Prepared run with its writer: of a new history, or of that which it resumes; model: digest of the model's
-    code."""
+def _with_history(prepared, origin):
+    """A Prepared run with its writer: of a new history, or of that which it resumes; origin: as of
+    `read_earlier`."""
     settings, backend, tables, checkpoints = prepared.settings, prepared.backend, None, None
     if settings.resumed:
-        writer, tables = resumed(settings.resumed, prepared.layout, prepared.parameters, model,
+        writer, tables = resumed(settings.resumed, prepared.layout, prepared.parameters, origin,
                                  _like(backend, settings, prepared.layout, prepared.time_step))
     else:
         writer = prepared.write(parameters=prepared.parameters)
@@ -338,13 +339,13 @@ def _warn_of(backend, settings, wall, time_step, critical_s):
         warn(*softening_warnings(settings, time_step, critical_s, backend.softening), code="softening_step")
 
 
-def _past(backend, settings, layout, model, time_step):
-    """`state` of a Prepared run; model: digest of the model's code; time_step [s]."""
+def _past(backend, settings, layout, origin, time_step):
+    """`state` of a Prepared run; origin: as of `read_earlier`; time_step [s]."""
     if not settings.continued:
         return None
     if backend.keeps_state:
-        return read_state(settings.continued, layout, model, backend.make(layout, time_step, settings))
-    return read_end(settings.continued, layout, model, backend.name, time_step)
+        return read_state(settings.continued, layout, origin, backend.make(layout, time_step, settings))
+    return read_end(settings.continued, layout, origin, time_step)
 
 
 def _like(backend, settings, layout, time_step):

@@ -7,8 +7,8 @@ from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.law.states import ENDED
 from damage.run.settings import ACCEPTED_DROP_M
 from damage.units import GRAVITY
+from damage.wall.kinds import ARCH_COURSE, LINTEL_COURSE
 from damage.wall.kinematics import rigid_displacement
-from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE
 from damage.wall.strain import modes_of
 
 _TINY = 1e-9  # [m]

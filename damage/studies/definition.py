@@ -33,6 +33,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from damage.checks import check_path, check_whole
 from damage.errors import InputError, did_you_mean
 from damage.files import is_there, shipped_path
@@ -60,6 +62,12 @@ _OLDER_CONCLUSIONS = {"readings": "python3 -m paper readings", "combinations": "
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 _ENSEMBLES = "members", "samples", "lives"
+HEAVY = 0.1
+"""Range of the first members' values over their median from which as many again are run: the median of five is then
+uncertain by some percent, and a sixth member lies outside of their range in one case out of three."""
+LEAST_MEMBERS = 5
+"""For a statement on tails."""
+JUDGED = ("max_DI", "max_drift_ratio")
 LIVES_A_POINT, FROM = 48, "_from"
 """Most lives of a point, and what its name has before the number of the first."""
 KEYS = {
@@ -129,6 +137,25 @@ class StudyRun:
         """Name of the first or only run."""
         return self.name(1)
 
+    @property
+    def most_members(self):
+        """How many members it may come to: `tails_are_heavy` is asked where there are as many as it needs."""
+        return 2 * self.members if self.adaptive and self.members >= LEAST_MEMBERS else self.members
+
+    def runs_needed(self, records):
+        """Number of runs that it needs, from the results so far.
+
+        records: {number from 1: record (`damage.studies.records`)} of its runs so far.  Of an adaptive ensemble the
+        first is the only one where it breaks no joint: the wall was linear, and strengths change nothing; and there are
+        as many again where the first spread widely.
+        """
+        if not self.adaptive:
+            return self.members
+        first = [records[number]["row"] for number in range(1, self.members + 1) if number in records]
+        if 1 not in records or records[1]["intact"]:
+            return 1
+        return self.most_members if len(first) == self.members and tails_are_heavy(first) else self.members
+
     def name(self, number):
         """Name of the run with this number, from 1."""
         return f"{self.id}_s{number}" if self.is_ensemble else self.id
@@ -145,6 +172,19 @@ class StudyRun:
         words = with_paths(self.words, lambda path: str(root / path))
         number = [str(self.offset + 1)] if self.is_ensemble else []
         return parse_run([*words, *self.varied, *number], prog="study", solver=self.solver)
+
+
+def tails_are_heavy(rows):
+    """Whether the rows of an ensemble's members (of `damage.measure.tables.summary_row`) spread so much.
+
+    >>> drifts = [1.00e-3, 1.01e-3, 1.02e-3, 1.03e-3, 1.05e-3]
+    >>> tails_are_heavy([{"max_DI": 0.1, "max_drift_ratio": drift} for drift in drifts])
+    False
+    >>> tails_are_heavy([{"max_DI": 0.1, "max_drift_ratio": drift} for drift in [0.9e-3, *drifts[1:]]])
+    True
+    """
+    return len(rows) >= LEAST_MEMBERS and any(np.ptp(values) > HEAVY * abs(np.median(values)) for values in (
+        [row[name] for row in rows] for name in JUDGED))
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.panels import add_heading, finish, grid, letter, record_label, slip_note
+from damage.draw.panels import add_heading, finish, grid, letter, slip_note
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, styled
+from damage.draw.words import record_label
 from damage.studies.fragility import FEW_RECORDS, curve, exceeding
 from damage.studies.new_record import CONFIDENCE
 from damage.studies.states import LEVELS, State, in_picture, in_unit, label, leading, unit_of

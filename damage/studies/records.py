@@ -22,7 +22,6 @@ from damage.measure.columns import bounds_of
 from damage.measure.cycles import cycles_table, shocks_table
 from damage.measure.tables import summary_row
 from damage.provenance import measures_digest
-from damage.studies.members import most_members, runs_needed
 
 TABLES = {"cycles": cycles_table, "shocks": shocks_table}
 """Those that every run has its rows in."""
@@ -56,7 +55,7 @@ class Records:
         are whole, which count without a record, too."""
         if not run.is_ensemble:
             return [run.id] if run.id in self.runs or run.id in histories else []
-        count = runs_needed(run, self.of_point(run))
+        count = run.runs_needed(self.of_point(run))
         names = [run.name(number) for number in range(1, count + 1)]
         if all(name in self.runs for name in names):
             return names
@@ -65,7 +64,7 @@ class Records:
 
     def of_point(self, run):
         """{number from 1: record} of the runs of a StudyRun."""
-        names = {number: run.name(number) for number in range(1, most_members(run) + 1)}
+        names = {number: run.name(number) for number in range(1, run.most_members + 1)}
         return {number: self.runs[name] for number, name in names.items() if name in self.runs}
 
     def text(self):

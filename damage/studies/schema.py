@@ -20,9 +20,8 @@ from damage.studies.definition import (
     RESERVED_OPTIONS,
     SOLVERS,
 )
+from damage.wall.file import DRAFT
 
-DRAFT = "http://json-schema.org/draft-07/schema#"
-"""The newest that Taplo knows."""
 _NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
 _NAMED = r"\{[A-Za-z_][A-Za-z0-9_]*\}"
 

@@ -67,6 +67,20 @@ def warn_of_courses(plan):
             "python3 -m damage draw"] if far else []
 
 
+def warn_of_slabs(plan):
+    """Warnings of openings of a Plan that a concrete floor runs through: a list of str.
+
+    The slab is built and the opening's other courses stay open, so that one opening becomes two, or a lower one.
+    """
+    course = plan.wall.brick.height
+    return [f"the concrete floor at {slab.floor.level:g} m (x = {slab.left:g} to {slab.right:g} m) runs through "
+            f"opening {number} (x = {hole.left:g} to {hole.right:g} m, z = {course * hole.first:.4g} to "
+            f"{course * hole.above:.4g} m): the slab is built. Move one of them, unless this is meant"
+            for slab in plan.slabs for number, hole in enumerate(plan.openings, start=1)
+            if min(slab.right, hole.right) - max(slab.left, hole.left) > _SAME and slab.first < hole.above
+            and hole.first < slab.above]
+
+
 def describe_floors(plan):
     """Lines on the floors of a Plan, upwards: kind, level and length as laid, mass."""
     return [f"{floor.kind} floor at {above * plan.wall.brick.height:.4g} m, x = {left:.4g} to {right:.4g} m: "

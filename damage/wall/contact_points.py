@@ -16,12 +16,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, SIDE_COURSE, contact_stiffness
+from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, SIDE_COURSE, TINY, contact_stiffness
 from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
 from damage.wall.restraints import top_of
 from damage.wall.split import cuts_of
 
-TINY = 1e-6  # [m], two positions closer than this are the same
 PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
 """Of the contact points between two facing cells, along the half length from their middle.  Two Gauss points integrate
 what is of third order along the cell exactly, and with it the energy of any opening that is linear."""
@@ -175,13 +174,10 @@ def _touching(parts, ends, bottom, top):
 
 def _head_pairs(bodies, n_bricks, cells):
     """(kind, cell on the left, cell on the right) of every head joint."""
-    pairs = []
-    for index in range(len(cells.body) - 1):
-        here, there = cells.body[index], cells.body[index + 1]
-        same_course = there < n_bricks and here != there and bodies.course[here] == bodies.course[there]
-        if same_course and abs(cells.right[index] - cells.left[index + 1]) < TINY:
-            pairs.append((HEAD, index, index + 1))
-    return pairs
+    here, there = cells.body[:-1], cells.body[1:]
+    met = (there < n_bricks) & (here != there) & (bodies.course[here] == bodies.course[there]) & (
+        np.abs(cells.right[:-1] - cells.left[1:]) < TINY)
+    return [(HEAD, index, index + 1) for index in np.flatnonzero(met)]
 
 
 def _part_of(brick, bodies, cells, cell):

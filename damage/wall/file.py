@@ -1,21 +1,56 @@
-"""Load a wall file: a Python file with a function `wall()` that returns a `damage.Wall`, or TOML
-(`damage.wall.data`)."""
+"""Wall files: Python with a function `wall()` that returns a `damage.Wall`, or TOML, which is read and not executed:
 
+    #:schema ./wall.schema.json
+    name = "shed"
+    length = 3.08                       # keys and units of damage.Wall
+    height = 2.7
+    precompression = 0
+    masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and [joint], beside them
+                                        # masonry = { young_modulus = 4.9e9 } in place of the bricks' moduli
+    lintel = "timber"                   # or a table, here and in [[openings]]
+
+    [[openings]]
+    left = 1.1
+    width = 0.88
+    height = 2.1
+
+    [[floors]]
+    level = 2.7
+    mass = 800
+
+    [[restraints]]                      # `damage.wall.restraints`
+    side = "left"
+"""
+
+import math
 import re
 import runpy
 import traceback
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from difflib import get_close_matches
 from pathlib import Path
 
-from damage.checks import check_path
+from damage.checks import check_path, check_range
 from damage.errors import InputError, did_you_mean
 from damage.files import shipped_files
-from damage.wall.data import read_wall
+from damage.toml_file import read_toml
 from damage.wall.floors import Floor
-from damage.wall.lintels import Lintel
-from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
+from damage.wall.materials import FORMATS, MATERIALS, masonry
+from damage.wall.parameters import Brick, Joint, Opening, Wall, brick_of_masonry
+from damage.wall.restraints import Restraint
 
+MOST_MB = 1
+MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick format", "mortar": "of joints [m]",
+                "wythes": "bricks through the thickness", "density": "[kg/m3]",
+                "young_modulus": "of masonry across its bed joints [Pa]; by itself, beside [brick] and [joint]"}
+"""Keys of the table `masonry`, arguments of `damage.masonry`, which others of its fields come from [joint]."""
+FRICTION = "friction"
+"""Key of [joint]: the friction coefficient, in place of the angle."""
+_TABLES = {"brick": Brick, "joint": Joint}
+_LISTS = {"openings": Opening, "floors": Floor, "restraints": Restraint}
+DRAFT = "http://json-schema.org/draft-07/schema#"
+"""The newest that Taplo, which editors use for TOML, knows."""
 _RECORDS = Wall, Opening, Floor, Lintel, Brick, Joint
 
 
@@ -88,3 +123,122 @@ def _line(error, path):
                  if Path(frame.filename).name == path.name]
         line = lines[-1] if lines else None
     return f" line {line}" if line else ""
+
+
+# --- walls as data: TOML, and its JSON Schema -------------------------------------------------------
+
+def read_wall(path):
+    """The damage.Wall of a TOML file; InputError for anything that makes none."""
+    return wall_from(read_toml(path, "a wall as TOML", MOST_MB))
+
+
+def wall_from(table):
+    """The damage.Wall of a table {key: value} as a TOML file has it."""
+    given = dict(table)
+    if "joint" in given:
+        given["joint"] = _joint(given["joint"])
+    made = _masonry(given) if "masonry" in given else {}
+    for name, kind in _TABLES.items():
+        if name in given:
+            made[name] = _record(f"[{name}]", kind, given.pop(name))
+    for name, kind in _LISTS.items():
+        if name in given:
+            if not isinstance(given[name], list):
+                raise InputError(f"{name} is no list: expected tables [[{name}]]; double the brackets")
+            made[name] = [_record(f"[[{name}]] {number}", kind, one) for number, one in enumerate(given.pop(name), 1)]
+    return _record("the wall", Wall, given | made)
+
+
+def _joint(table):
+    """The table [joint] with the friction angle of a friction coefficient."""
+    if not isinstance(table, dict):
+        raise InputError("joint: expected a table [joint]; correct it")
+    _refuse_unknown("[joint]", table, [*(one.name for one in fields(Joint)), FRICTION])
+    if FRICTION not in table:
+        return table
+    if "friction_angle" in table:
+        raise InputError("[joint] has friction and friction_angle: expected one of them; leave one out")
+    check_range("[joint] friction", table[FRICTION], 0, 100)
+    return {key: one for key, one in table.items() if key != FRICTION} | {"friction_angle": math.atan(table[FRICTION])}
+
+
+def _masonry(given):
+    """{"brick", "joint"} of the table `masonry`, which is taken out of the given ones with [joint] and [brick]."""
+    chosen, joint = given.pop("masonry"), given.pop("joint", {})
+    if isinstance(chosen, dict):
+        _refuse_unknown("masonry", chosen, MASONRY_KEYS)
+    if isinstance(chosen, dict) and set(chosen) == {"young_modulus"}:
+        return _of_modulus(chosen["young_modulus"], given.pop("brick", {}), joint)
+    if not isinstance(chosen, dict) or not {"material", "format"} <= set(chosen):
+        raise InputError('masonry: expected { material = "...", format = "..." }, or { young_modulus = ... } beside '
+                         "[brick] and [joint]; give one of these")
+    if "brick" in given:
+        raise InputError("[brick] beside masonry by name: expected one of them; leave one out")
+    return masonry(chosen["material"], chosen["format"],
+                   **{key: value for key, value in chosen.items() if key not in ("material", "format")}, **joint)
+
+
+def _of_modulus(modulus, brick, joint):
+    """{"brick", "joint"} of the tables [brick] and [joint] whose masonry has a modulus across its bed joints [Pa]."""
+    made = {"brick": _record("[brick]", Brick, brick), "joint": _record("[joint]", Joint, joint)}
+    if given := {"young_modulus", "shear_modulus"} & set(brick):
+        raise InputError(f"[brick] {min(given)} beside masonry of young_modulus: expected one of them; leave one out")
+    return made | {"brick": brick_of_masonry(modulus, made["joint"], **brick)}
+
+
+def _record(what, kind, table):
+    """A record of a table; InputError for keys that it does not have, and for those that are missing."""
+    if not isinstance(table, dict):
+        raise InputError(f"{what} = {table!r}: expected a table of key = value lines; correct it")
+    names = [one.name for one in fields(kind)]
+    _refuse_unknown(what, table, [*names, *(["masonry"] if kind is Wall else [])])
+    if isinstance(table.get("lintel"), dict):
+        table = table | {"lintel": _record(f"lintel of {what}", Lintel, table["lintel"])}
+    missing = [one.name for one in fields(kind)
+               if one.default is MISSING and one.default_factory is MISSING and one.name not in table]
+    if missing:
+        raise InputError(f"{what} lacks {', '.join(missing)}: expected a value for each; give it")
+    return kind(**table)
+
+
+def _refuse_unknown(what, table, known):
+    for name in table:
+        if name not in known:
+            raise InputError(f"{what} has the key {name}: expected one of {', '.join(known)}"
+                             f"{did_you_mean(name, known)}")
+
+
+def wall_schema():
+    """The JSON Schema of a wall as TOML, a dictionary fit for JSON: keys, types and choices; `read_wall` says what
+    cannot be built."""
+    chosen = {"material": {"enum": list(MATERIALS)}, "format": {"enum": list(FORMATS)}, "mortar": {"type": "number"},
+              "wythes": {"type": "integer"}, "density": {"type": "number"}, "young_modulus": {"type": "number"}}
+    special = {
+        "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$"},
+        "outline": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2,
+                                               "maxItems": 2}},
+        "masonry": {"type": "object", "additionalProperties": False,
+                    "anyOf": [{"required": ["material", "format"]},
+                              {"required": ["young_modulus"], "maxProperties": 1}],
+                    "properties": {key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()}},
+        "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)}, _object(Lintel, {})]},
+        "brick": _object(Brick, {}), "joint": _object(Joint, {}, FRICTION)}
+    special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
+    special["floors"]["items"]["anyOf"] = [{"required": ["mass"]}, {"required": ["mass_per_area", "tributary_width"]}]
+    return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")
+
+
+def _object(kind, special, *more):
+    """Schema of a record: as its fields say, but for what is special; more: keys of numbers besides its fields."""
+    required = [one.name for one in fields(kind) if one.default is MISSING and one.default_factory is MISSING]
+    found = {one.name: special.get(one.name) or _schema_of(one.metadata) for one in fields(kind)}
+    return {"type": "object", "additionalProperties": False, "required": required,
+            "properties": found | {key: special.get(key, {"type": "number"}) for key in more}}
+
+
+def _schema_of(said):
+    """Schema of a field by its metadata (`damage.fields`)."""
+    if said["choices"]:
+        return {"enum": list(said["choices"])}
+    words = [{"const": word} for word in said["words"]]
+    return {"anyOf": [{"type": "number"}, *words]} if words else {"type": "number"}

@@ -13,11 +13,9 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.fields import check_fields, choice, quantity
+from damage.wall.kinds import SLAB_COURSE, TINY
 
 KINDS_OF_FLOORS = ("timber", "concrete")
-SLAB_COURSE = -2
-"""`course` of a slab, beside -1 of a top mass."""
-_TINY = 1e-6  # [m]
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ def check_floors(wall):
         if first < floor.is_body or above > wall.courses:
             raise InputError(f"{what} takes courses {first + 1} to {above} of {wall.courses}: expected a level with a "
                              "course below it and not above the wall; correct the level")
-        if right > wall.length + _TINY or right - left < wall.brick.length / 2 - _TINY:
+        if right > wall.length + TINY or right - left < wall.brick.length / 2 - TINY:
             raise InputError(f"{what}: expected half a brick ({wall.brick.length / 2:g} m) or more inside the wall of "
                              f"{wall.length:g} m; correct left and right")
         for other in places[:number - 1]:
@@ -113,7 +111,7 @@ def check_floors(wall):
 
 def _overlap(one, other):
     """Whether two FloorPlaces share courses and length."""
-    return (min(one.right, other.right) - max(one.left, other.left) > _TINY
+    return (min(one.right, other.right) - max(one.left, other.left) > TINY
             and min(one.above, other.above) - max(one.first, other.first) > 0)
 
 
@@ -139,4 +137,4 @@ def _shares(x, length, left, right):
     share = covered / covered.sum()
     middle, away = share @ x, share @ ((start + end) / 2 - x)
     spread = share @ (x - middle)**2
-    return share * (1 + away / spread * (x - middle)) if spread > _TINY**2 else share
+    return share * (1 + away / spread * (x - middle)) if spread > TINY**2 else share

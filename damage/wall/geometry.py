@@ -5,13 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from damage.wall.floors import SLAB_COURSE
-from damage.wall.kinds import CAP_COURSE, KINDS, SIDE_COURSE, rows
+from damage.wall.kinds import CAP_COURSE, KINDS, LINTEL_COURSE, SIDE_COURSE, SLAB_COURSE, TINY, rows
 from damage.wall.kinematics import rigid_displacement
-from damage.wall.lintels import LINTEL_COURSE
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
-_TINY = 1e-6  # [m]
 
 
 def body_table(layout):
@@ -136,6 +133,6 @@ def _inwards(joints, point, length):
     share = np.sum(np.abs(np.diff(point, axis=0)), axis=1) / (length[:-1] + length[1:])
     side = np.zeros(len(length))
     for place in (1.0, 1 / np.sqrt(3)):
-        starts = np.flatnonzero(same_bodies & (np.abs(share - place) * (length[:-1] + length[1:]) < _TINY))
+        starts = np.flatnonzero(same_bodies & (np.abs(share - place) * (length[:-1] + length[1:]) < TINY))
         side[starts], side[starts + 1] = 2 * place - 1, 1 - 2 * place
     return side

@@ -1,14 +1,18 @@
-"""Kinds of contact points, the numbers of supports, and the stiffness of each kind: compliance is lumped here alone."""
+"""Kinds of bodies and contact points, the numbers of supports, and the stiffness of each kind: compliance is lumped
+here alone."""
 
 import numpy as np
 
+TINY = 1e-6
+"""[m], two positions closer than this are the same."""
 GROUND = -1
 """The first support, body -1; others follow as -2, -3, ... (`damage.wall.layout.Supports`)."""
 BED, HEAD, CUT, CAP = 0, 1, 2, 3
 KINDS = ("bed", "head", "brick", "cap")
 """On bed and head joints, on the cuts where bricks can split, on the caps' glue."""
-CAP_COURSE, SIDE_COURSE = -1, -5
-"""`course` of a cap, or of the beam of a restrained top, and of a party wall."""
+CAP_COURSE, SLAB_COURSE, LINTEL_COURSE, ARCH_COURSE, SIDE_COURSE = -1, -2, -3, -4, -5
+"""`course` of a cap, or of the beam of a restrained top; of a slab, the segments of a beam, the bricks of an arch, a
+party wall."""
 CAP_HEIGHT = 0.20
 """Of a cap [m], settled: its centre lies 0.10 m above the wall's top."""
 

@@ -16,11 +16,21 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.contact_points import PLACES, TINY, Contacts, make_contacts, scattered, segments_of
+from damage.wall.contact_points import PLACES, Contacts, make_contacts, scattered, segments_of
 from damage.wall.fibres import Fibres, split_into_fibres
-from damage.wall.floors import SLAB_COURSE, with_timber_floors
-from damage.wall.kinds import CAP, CAP_COURSE, CAP_HEIGHT, CUT, SIDE_COURSE
-from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, mass_per_length
+from damage.wall.floors import with_timber_floors
+from damage.wall.kinds import (
+    ARCH_COURSE,
+    CAP,
+    CAP_COURSE,
+    CAP_HEIGHT,
+    CUT,
+    LINTEL_COURSE,
+    SIDE_COURSE,
+    SLAB_COURSE,
+    TINY,
+)
+from damage.wall.lintels import mass_per_length
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from damage.wall.plan import Plan, plan_of

@@ -23,12 +23,10 @@ import numpy as np
 from damage.checks import check_range
 from damage.errors import InputError
 from damage.fields import MODULI, check_fields, choice, quantity
+from damage.wall.kinds import TINY
 
-LINTEL_COURSE, ARCH_COURSE = -3, -4
-"""`course` of the segments of a beam and of the bricks of an arch, beside -1 of a top mass and -2 of a slab."""
 SHEAR_SHARE = 5 / 6  # of a rectangle's area
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(12)  # of the height, from its middle
-_TINY = 1e-6  # [m], two positions closer than this are the same
 
 
 class Usual(NamedTuple):
@@ -149,7 +147,7 @@ def edges_of(lintel, brick, left, right, near):
     apart in an arch, on joints of the bond and on the places `near` by where these are closer than 8 mm."""
     if lintel.kind != "arch":
         half = brick.length / 2
-        first, last = np.ceil((left + half / 2 - _TINY) / half), np.floor((right - half / 2 + _TINY) / half)
+        first, last = np.ceil((left + half / 2 - TINY) / half), np.floor((right - half / 2 + TINY) / half)
         return (left, *(float(k * half) for k in range(int(first), int(last) + 1)), right)
     quarter, count = brick.length / 4, max(2, round((right - left) / brick.height))
     inner = []
@@ -202,14 +200,14 @@ def in_lintel(plan, lintel, x, z):
     brick, inside = plan.wall.brick, np.zeros(len(x), dtype=bool)
     most = 0 if lintel == "none" else int(lintel) if lintel.isdigit() else len(plan.runs)
     for place in (one for one in plan.openings if not one.lintel.is_body):
-        inside |= ((x > place.left - brick.length + _TINY) & (x < place.right + brick.length - _TINY)
+        inside |= ((x > place.left - brick.length + TINY) & (x < place.right + brick.length - TINY)
                    & _within(place.above, min(place.spandrel, place.above + most), brick.height, z))
     return inside
 
 
 def _within(first, above, course, z):
     """Which heights z [m] lie strictly inside the courses from the first up to the one above, by a course's height."""
-    return (z > first * course + _TINY) & (z < above * course - _TINY)
+    return (z > first * course + TINY) & (z < above * course - TINY)
 
 
 def elastic_share(plan, joints, bodies):

@@ -46,7 +46,7 @@ def _data(shipped, path, name):
 
 
 def as_toml(table):
-    """A table of `damage.Wall.as_dict` as TOML, which `damage.wall.data` reads; without what is None."""
+    """A table of `damage.Wall.as_dict` as TOML, which `damage.wall.file` reads; without what is None."""
     records = {key: value for key, value in table.items() if isinstance(value, dict) or (
         isinstance(value, list | tuple) and value and isinstance(value[0], dict))}
     parts = ["\n".join(_pairs({key: value for key, value in table.items() if key not in records and value != ()}))]

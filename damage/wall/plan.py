@@ -15,10 +15,9 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.wall.floors import FloorPlace, floor_places
+from damage.wall.kinds import TINY
 from damage.wall.lintels import Lintel, Place, edges_of
 from damage.wall.restraints import top_of
-
-_TINY = 1e-6  # [m], two positions closer than this are the same
 
 
 class OpeningPlace(NamedTuple):
@@ -110,7 +109,7 @@ def plan_of(wall, options=None):
                for course in range(wall.courses)]
     bricks = tuple(tuple(one for run in parts for one in _lay_run(brick.length, offset, *run))
                    for parts, offset in zip(runs, offsets))
-    least = wall.length / 2 - _TINY
+    least = wall.length / 2 - TINY
     drift_course = max((course for course, parts in enumerate(outlined)
                         if sum(right - left for left, right in parts) > least), default=0)
     if top_of(wall):
@@ -140,7 +139,7 @@ def _find_piers(length, openings):
             break
         sill = min(sill, opening.first)
         storey.append((opening.left, opening.right, 0, 1))
-    return _beside_all([[(0.0, length)]], storey, 2 * _TINY)[0]
+    return _beside_all([[(0.0, length)]], storey, 2 * TINY)[0]
 
 
 def _lintel_places(brick, openings, runs):
@@ -166,7 +165,7 @@ def _lintel_places(brick, openings, runs):
         found.append([lintel, left, right, first, above, place, height, width])
     for one, other in ((one, other) for k, one in enumerate(found) for other in found[k + 1:]):
         apart = min(one[4], other[4]) <= max(one[3], other[3]) or one[5].right >= other[5].left
-        if not apart and other[1] - one[2] < length / 2 - _TINY:
+        if not apart and other[1] - one[2] < length / 2 - TINY:
             one[2] = other[1] = _on_quarters(length, (one[5].right + other[5].left) / 2)
     near = sorted({x for place in openings for x in (place.left, place.right)})
     return tuple(Place(lintel, left, right, first, above, edges_of(lintel, brick, left, right, near), *section)
@@ -187,7 +186,7 @@ def _bearing_end(length, edge, bearing, end):
     x, side = _on_quarters(length, edge + bearing), np.sign(bearing)
     if (x - edge) * side < length / 8:
         x += side * length / 4
-    return end if (end - x) * side < length / 2 - _TINY else x
+    return end if (end - x) * side < length / 2 - TINY else x
 
 
 def _on_quarters(length, x):
@@ -202,23 +201,23 @@ def outlined_runs(wall, course):
     middle = (course + 0.5) * wall.brick.height
     ends = []  # (x, whether the outline slopes there), left and right in turn
     for (x, z), (next_x, next_z) in pairwise(wall.outline):
-        inside, stays = z > middle - _TINY, next_z > middle - _TINY
+        inside, stays = z > middle - TINY, next_z > middle - TINY
         if inside and not ends:
             ends.append((x, False))
         if inside != stays:
             share = min(max((middle - z) / (next_z - z), 0.0), 1.0)
-            ends.append((x + share * (next_x - x), next_x - x > _TINY))
+            ends.append((x + share * (next_x - x), next_x - x > TINY))
     if len(ends) % 2:
         ends.append((wall.outline[-1][0], False))
     quarter = wall.brick.length / 4
     edges = [_snapped(x, quarter, is_left=not number % 2) if slopes else x for number, (x, slopes) in enumerate(ends)]
     return [(left, right) for left, right in zip(edges[::2], edges[1::2])
-            if right - left > wall.brick.length / 2 - _TINY]
+            if right - left > wall.brick.length / 2 - TINY]
 
 
 def _snapped(x, quarter, is_left):
     """The nearest quarter of a brick, of two equally near ones that inside the wall."""
-    near = np.floor(x / quarter + 0.5 + _TINY) if is_left else np.ceil(x / quarter - 0.5 - _TINY)
+    near = np.floor(x / quarter + 0.5 + TINY) if is_left else np.ceil(x / quarter - 0.5 - TINY)
     return float(near * quarter)
 
 
@@ -232,7 +231,7 @@ def _beside_all(courses, holes, half):
             if first <= course < above:
                 left_over = [part for left, right in left_over
                              for part in ((left, min(right, start)), (max(left, end), right)) if part[1] > part[0]]
-        found.append(tuple((left, right) for left, right in left_over if right - left > half - _TINY))
+        found.append(tuple((left, right) for left, right in left_over if right - left > half - TINY))
     return tuple(found)
 
 
@@ -243,10 +242,10 @@ def _lay_run(length, offset, left, right):
     A piece shorter than a quarter brick is not laid: its head joint moves a quarter brick inwards,
     which keeps a quarter brick of overlap with the courses above and below.
     """
-    first = int(np.floor((left - offset + _TINY) / length)) + 1
-    last = int(np.ceil((right - offset - _TINY) / length)) - 1
+    first = int(np.floor((left - offset + TINY) / length)) + 1
+    last = int(np.ceil((right - offset - TINY) / length)) - 1
     joints = [offset + k * length for k in range(first, last + 1)]
-    quarter = length / 4 - _TINY
+    quarter = length / 4 - TINY
     if joints and joints[0] - left < quarter:
         joints[0] += length / 4
     if joints and right - joints[-1] < quarter:
@@ -289,7 +288,7 @@ def check_bearing(plan):
                              f"below it at x = {free[0]:.4g} m: expected a bearing at both ends; move the opening "
                              "there, or let it reach the top")
     for floor, left, right, course, _ in plan.floors:
-        if not floor.is_body and not any(min(right, end) - max(left, start) > _TINY for start, end in
+        if not floor.is_body and not any(min(right, end) - max(left, start) > TINY for start, end in
                                          plan.bears(course)):
             raise InputError(f"wall {wall.name}, floor at {floor.level:g} m from x = {left:g} to {right:g} m has no "
                              "brick below it: expected a part of a course; move it, or the opening")

@@ -31,12 +31,11 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from damage.wall.kinds import CAP, CUT, GROUND, lumped_stiffness
+from damage.wall.kinds import CAP, CUT, GROUND, TINY, lumped_stiffness
 
 CUT_POINTS = 4
 """Contact points of a cut that splits: bending stiffness 15/16 of the section's, 4/5 of its strength in tension."""
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(12)  # of the height, from its middle
-_TINY = 1e-6  # [m]
 
 
 def cut_strengths(brick):
@@ -52,7 +51,7 @@ def cuts_of(unit, brick_cells, left, right):
     if not brick_cells:
         return middle
     cell = unit.length / brick_cells
-    first, last = np.ceil((left + cell / 2 - _TINY) / cell), np.floor((right - cell / 2 + _TINY) / cell)
+    first, last = np.ceil((left + cell / 2 - TINY) / cell), np.floor((right - cell / 2 + TINY) / cell)
     return [k * cell for k in range(int(first), int(last) + 1)]
 
 
@@ -88,7 +87,7 @@ def cut_bricks(layout):
 
 
 def _is_whole(brick, length):
-    return abs(length - brick.length) < _TINY
+    return abs(length - brick.length) < TINY
 
 
 def _with(table, places, added):
@@ -117,7 +116,7 @@ def _parts(old, cuts, n_bricks):
 def _on_parts(cells, cuts, number, behind):
     """Contact cells under their bodies' new numbers, each of the part that its middle lies in."""
     middle = (cells.left + cells.right) / 2
-    part = np.array([np.searchsorted(cuts[body], x - _TINY) for body, x in zip(cells.body, middle)])
+    part = np.array([np.searchsorted(cuts[body], x - TINY) for body, x in zip(cells.body, middle)])
     return replace(cells, body=np.where(part > 0, behind[cells.body] + part - 1, number[cells.body]))
 
 
@@ -138,7 +137,7 @@ def _cuts(brick, old, cuts, number, behind, cells):
     rows = []
     for body, k in ((body, k) for body, positions in enumerate(cuts) for k in range(len(positions))):
         x = cuts[body][k]
-        splits = brick.splits and _is_whole(brick, old.length[body]) and abs(x - old.x[body]) < _TINY
+        splits = brick.splits and _is_whole(brick, old.length[body]) and abs(x - old.x[body]) < TINY
         places, elastic, tensile_strength, cohesion = splitting if splits else glued
         one, other = number[body] if k == 0 else behind[body] + k - 1, behind[body] + k
         length = brick.height / len(places)

@@ -2,9 +2,12 @@
 
     yade tests/yade_checks/briefly.py SETTLE_S=0.02 WALL [OPTIONS]
 
-The first words set constants of damage.run.settings [s].
+The first words set constants of damage.run.settings [s].  KILLED_AT=0.05 or INTERRUPTED_AT=0.05 ends the run after a
+checkpoint of this time of the run or later [s]; one is written at every look.
 """
 
+import os
+import signal
 import sys
 from pathlib import Path
 
@@ -16,11 +19,31 @@ from damage.start import begin
 begin(YADE)  # before the slow imports, as yade_scripts.run does it
 
 from damage.run import settings
+from damage.run.checkpoint import Checkpoints
+
+SIGNALS = {"KILLED_AT": signal.SIGKILL, "INTERRUPTED_AT": signal.SIGINT}
+
+
+def end_at(time_s, sign):
+    """Have the run send itself a signal one look after its first checkpoint of a time of the run [s] or later."""
+    times, write = [], Checkpoints.write
+
+    def written(checkpoints, tables):
+        if times and times[-1] >= time_s:
+            os.kill(os.getpid(), sign)
+        times.append(float(tables["last_time_s"]))
+        write(checkpoints, tables)
+
+    Checkpoints.due, Checkpoints.write = lambda checkpoints: True, written
+
 
 del sys.argv[0]
 while "=" in sys.argv[0]:
     name, value = sys.argv.pop(0).split("=")
-    if name not in {"RAMP_S", "HOLD_S", "SETTLE_S"}:
-        sys.exit(f"error: {name}: expected RAMP_S, HOLD_S or SETTLE_S")
-    setattr(settings, name, float(value))
+    if name in SIGNALS:
+        end_at(float(value), SIGNALS[name])
+    elif name in {"RAMP_S", "HOLD_S", "SETTLE_S"}:
+        setattr(settings, name, float(value))
+    else:
+        sys.exit(f"error: {name}: expected RAMP_S, HOLD_S, SETTLE_S, KILLED_AT or INTERRUPTED_AT")
 exec(compile(Path(sys.argv[0]).read_text(), sys.argv[0], "exec"))  # as YADE runs a script: in its own __main__
