@@ -15,7 +15,7 @@ RUN = "run/session.py", "exposure"
 decides the values of a run."""
 DECIDES_NOTHING = {
     "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
-                                 "history", "mechanics/cache.py"),
+                                 "history"),
     "words": ("provenance.py", "version.py", "run/opening.py", "run/report.py",
               "measure/columns.py", "motion/plausible.py", "fields.py", "wall/plausible.py", "wall/as_built.py"),
     "options, whose values are inputs of a run": ("run/options.py",),

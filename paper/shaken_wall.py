@@ -36,7 +36,7 @@ from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.motion.record import Record, scaled
 from damage.motion.sequence import Event
-from damage.reference.ensembles import Ensemble
+from damage.reference.ensembles import move
 from damage.reference.session import BACKEND
 from damage.run.run import Run
 from damage.run.schedule import choose_time_step
@@ -229,7 +229,7 @@ def draws_of(cases, events, seeds, numbers):
     walls = {name: fitted(case) for name, case in cases.items()}
     runs = (shaken(cases[name], walls[name], events, seed) for name, seed in todo)
     tables = []
-    for number, table in as_they_end(runs, Ensemble().move, 8):
+    for number, table in as_they_end(runs, move, 8):
         name, seed = todo[number]
         tables.append(table.assign(case=name, seed=seed, run=numbers[:len(table)]))
         print(f"{name}, draw {seed}: {len(table)} runs", file=sys.stderr, flush=True)
