@@ -31,7 +31,7 @@ from damage.reference.wall import ReferenceWall
 from damage.run import scheme, watch
 from damage.run.options import parse_run
 from damage.run.schedule import SOFTENING_STEP_FACTOR
-from damage.studies.fragility import fit
+from damage.studies.fragility import solve
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -184,7 +184,7 @@ def curves(path):
         over = chosen.assign(over=chosen[measure] >= level).pivot(index="draw", columns="case", values="over")
         drawn = np.random.default_rng(1).integers(len(over), size=(500, len(over)))
         intensity = np.array([pgv[case] for case in over.columns])
-        fits = np.array([fit(intensity, over.iloc[rows].sum().to_numpy(), np.full(len(intensity), len(over)))
+        fits = np.array([solve(intensity, over.iloc[rows].sum().to_numpy(), np.full(len(intensity), len(over)))[:2]
                          for rows in (range(len(over)), *drawn)])
         low, high = np.quantile(fits[1:], (0.025, 0.975), axis=0)
         print_row(f"{measure} {level:g}", way, *(
