@@ -4,7 +4,6 @@
     python3 -m paper shaken_wall FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
     python3 -m paper shaken_wall FOLDER heights         # peaks at three heights, of the kept draws, beside the test
     python3 -m paper shaken_wall FOLDER choices         # what load, bearing, stiffness and law change
-    python3 -m paper shaken_wall FOLDER ranges          # 16 draws of all inputs that are uncertain
     python3 -m paper shaken_wall FOLDER period          # what would have to be lost for the periods of the test
     python3 -m paper shaken_wall FOLDER solvers         # run 21 in both solvers
 
@@ -24,7 +23,6 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.signal import butter, sosfiltfilt
-from scipy.stats import qmc
 
 from damage import Brick, Joint, Wall
 from damage.history.buffer import Buffer
@@ -67,8 +65,7 @@ RIGID_PA = 1e15
 class Case(NamedTuple):
     """load_n: on the top [N]; stiffness [N/m], friction, play [m]: of the bearing, stiffness None where the top is
     driven; moving_kg: mass that slides with it; period_s: to which the joints' stiffness is fitted; cohesion [Pa];
-    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint; motion: factor
-    on all motions."""
+    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint."""
 
     load_n: float = 10.35e3
     stiffness: float | None = 3e6
@@ -80,7 +77,6 @@ class Case(NamedTuple):
     softens: bool = True
     damping: float = 0.0
     cells: int = 8
-    motion: float = 1.0
 
 
 def strip(case, normal_stiffness):
@@ -188,7 +184,6 @@ def shaken(case, wall, events, seed):
     """A generator as `simulate` of one draw, which returns its table of events: peak and residual [mm] at the sensors,
     the period after it [s]."""
     model = ModelOptions(contacts="gauss", cells=case.cells, strength_cov=COV, strength_seed=seed)
-    events = [replace(event, factor=case.motion * event.factor) for event in events]
     settings = RunSettings(events[0].loading, model, events=tuple(events), sequence=tuple(
         event.factor for event in events), rest_s=REST_S, beta_s=None,
         alpha_1_s=4 * math.pi * case.damping / case.period_s, relaxation="adaptive", accept_implausible=True)
@@ -224,8 +219,8 @@ def table_of(kept, collapsed_at_s):
 
 
 def draws_of(cases, events, seeds, numbers):
-    """Table of all draws of cases {name: Case}: a row a case, seed and run; seeds: of each case, or {name: seeds}."""
-    todo = [(name, seed) for name in cases for seed in (seeds[name] if isinstance(seeds, dict) else seeds)]
+    """Table of all draws of cases {name: Case}: a row a case, seed and run."""
+    todo = [(name, seed) for name in cases for seed in seeds]
     walls = {name: fitted(case) for name, case in cases.items()}
     runs = (shaken(cases[name], walls[name], events, seed) for name, seed in todo)
     tables = []
@@ -352,43 +347,6 @@ def choices(folder):
         subset=["with_mm"]).rename_axis("run").reset_index(), "us1_ec40")
 
 
-# --- all inputs that are uncertain -------------------------------------------------------------------
-
-UNCERTAIN = {"load_n": LOADS_N, "stiffness": (3e6, 1e8), "friction": (0.02, 0.4), "play": (1e-3, 10e-3),
-             "cohesion": (0.3e6, 0.4e6), "damping": (0.005, 0.05), "motion": (1 / 1.2, 1.2)}
-"""Bounds of the inputs: the two loads and two cohesions given, the bearings tried, damping as assumed for masonry, and
-the ratio by which the two files of the test differ in the PGV of run 21.  Each is log-uniform, the load one of both."""
-WIDE_DRAWS, HALF = 16, 8
-
-
-def uncertain_cases(count=WIDE_DRAWS, seed=0):
-    """{name: Case} of draws of all inputs, by a Latin hypercube."""
-    places = qmc.LatinHypercube(len(UNCERTAIN), seed=seed).random(count)
-    cases = {}
-    for number, place in enumerate(places, start=1):
-        drawn = {name: low * (high / low) ** share for (name, (low, high)), share in zip(UNCERTAIN.items(), place)}
-        cases[str(number)] = Case(**drawn)._replace(load_n=LOADS_N[int(2 * place[0])])
-    return cases
-
-
-def ranges(folder):
-    """The runs of US-1 in draws of all uncertain inputs: quantiles of all, and of the half nearest to runs 1 to 10."""
-    runs = read_runs(folder).set_index("run", drop=False)
-    events, numbers = events_of(folder, runs)
-    cases = uncertain_cases()
-    draws = draws_of(cases, events, {name: [int(name)] for name in cases}, numbers)
-    keep(draws.join(pd.DataFrame.from_dict({name: case._asdict() for name, case in cases.items()}, orient="index"),
-                    on="case"), "us1_wide_draws")
-    tested = runs["edp"]
-    early = draws[draws["run"] <= CHOSEN_ON]
-    apart = np.log(early["peak_mm_2060"] / early["run"].map(tested)) ** 2
-    nearest = apart.groupby(early["case"]).mean().nsmallest(HALF).index
-    kept = {"all": draws, "near": draws[draws["case"].isin(nearest)]}
-    keep(pd.concat([quantiles(table)[[f"peak_mm_{q}" for q in QUANTILES]].add_suffix(f"_{name}")
-                    for name, table in kept.items()], axis=1).assign(tested_peak_mm=tested).rename_axis(
-                        "run").reset_index(), "us1_ranges")
-
-
 # --- the period --------------------------------------------------------------------------------------
 
 FACES = {1: "an eighth of the thickness at each face", 2: "a quarter", 3: "three eighths"}
@@ -450,8 +408,8 @@ def solvers(folder):
     keep(pd.DataFrame(rows), "us1_solvers")
 
 
-PROGRAMS = {"bearings": bearings, "prediction": prediction, "heights": heights, "choices": choices, "ranges": ranges,
-            "period": periods, "solvers": solvers}
+PROGRAMS = {"bearings": bearings, "prediction": prediction, "heights": heights, "choices": choices, "period": periods,
+            "solvers": solvers}
 
 
 def main():
