@@ -15,18 +15,18 @@ RUN = "run/session.py", "exposure"
 decides the values of a run."""
 DECIDES_NOTHING = {
     "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
-                                 "history", "mechanics/cache.py"),
+                                 "history"),
     "words": ("provenance.py", "version.py", "run/opening.py", "run/report.py",
               "measure/columns.py", "motion/plausible.py", "fields.py", "wall/plausible.py", "wall/as_built.py"),
     "options, whose values are inputs of a run": ("run/options.py",),
     "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (
-        "cycles", "damage_index", "ground", "joint_stress", "joints", "limits", "pushed", "register",
-        "summary", "tables"))}
+        "cycles", "damage_index", "ground", "joint_stress", "joints", "limits", "pushed", "summary",
+        "tables"))}
 """{why: modules and folders of the package that a run imports and that decide none of its values}."""
 MEASURES = ("units.py", "index.py", "history/moments.py", "history/reader.py", "history/schema.py",
             "motion/intensity.py", "wall/geometry.py", *(f"measure/{name}.py" for name in (
                 "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joint_stress", "joints",
-                "limits", "pushed", "register", "summary", "tables")))
+                "limits", "pushed", "summary", "tables")))
 """What of the package makes the numbers of tables out of a history."""
 _SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"

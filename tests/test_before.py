@@ -13,6 +13,7 @@ import damage
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.history.head import seal
+from damage.history.moments import choose_samples
 from damage.history.reader import read_history
 from damage.history.schema import STATE
 from damage.laboratory.crack_report import history_drawn
@@ -232,7 +233,8 @@ def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
 def test_cracks_of_a_history_are_drawn(first_half, tmp_path):
     assert main(["cracks", str(first_half), "--at", "max,end", "--out", str(tmp_path)]) == 0
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["cracks_level_1.png", "cracks_level_2.png"]
-    (mapped, _), (pattern, _), _ = history_drawn(first_half, ["max", "end"])
+    history = read_history(first_half)
+    (mapped,), (pattern,), _ = history_drawn(history, choose_samples(history, ["max"]))
     assert mapped.drawn_m == pytest.approx(pattern.length_m.sum()) and pattern.length_m.sum() > 0.1
     assert mapped.unmapped_m == pytest.approx(0, abs=1e-6)  # they are the joints' own
 

@@ -6,9 +6,8 @@ import pytest
 from conftest import REPOSITORY, one_line_error
 from small_history import make_history
 
-from damage.history.schema import OPTIONAL, TABLES, markdown
-from damage.measure import columns
-from damage.measure.register import names
+from damage.history.schema import OPTIONAL, TABLES, Column, each, markdown, measure
+from damage.measure import columns, summary
 from damage.measure.summary import MEASURES
 from damage.measure.tables import summary_row
 from damage.studies.fragility import LEVELS, load_runs
@@ -29,13 +28,36 @@ def test_the_schema_document_shows_the_table(group):
 
 def test_a_summary_has_these_columns_and_no_others(tmp_path):
     row = summary_row(make_history(tmp_path / "a.h5"))
-    known = [name for table in SUMMARY.values() for name in names(table)]
-    assert sorted(row) == sorted(known)
+    known = [name for table in SUMMARY.values() for name in each(table)]
+    assert sorted(row) == sorted(known) and len(known) == len(set(known)) > 60
+
+
+ONE, TWO = {"length_m": Column("m", "")}, {"first_s, last_s": Column("s", "")}
+
+
+def test_a_measure_gives_its_values_by_name():
+    assert measure(ONE)(lambda history: 3.0)(None) == {"length_m": 3.0}
+    assert measure(TWO)(lambda history: (1.0, 2.0))(None) == {"first_s": 1.0, "last_s": 2.0}
+    assert measure(TWO)(lambda history: None)(None) == {"first_s": None, "last_s": None}
+    with pytest.raises(ValueError, match="zip"):
+        measure(TWO)(lambda history: (1.0, 2.0, 3.0))(None)
+
+
+def test_a_measure_is_asked_for_what_its_arguments_are_called(tmp_path, monkeypatch):
+    """The threshold of the index, and the measures of a section before."""
+    @measure({"drift_over_threshold": Column("1", "")})
+    def ratio(max_drift_ratio, threshold):
+        return max_drift_ratio / threshold
+
+    monkeypatch.setitem(summary.REGISTER, "Ratios", [ratio])
+    found = summary.summarise(make_history(tmp_path / "a.h5"), threshold=5e-4)
+    assert found["drift_over_threshold"] == found["max_drift_ratio"] / 5e-4
 
 
 def test_a_point_begins_with_what_its_runs_share(tmp_path):
     runs = pd.DataFrame([summary_row(make_history(tmp_path / "a.h5"))])
-    assert list(points_of(runs).columns)[:len(names(columns.PARAMETERS))] == names(columns.PARAMETERS)
+    shared = list(each(columns.PARAMETERS))
+    assert list(points_of(runs).columns)[:len(shared)] == shared
 
 
 def test_a_history_has_these_datasets_with_their_units(tmp_path):

@@ -26,7 +26,7 @@ from damage.law.modes import (
     stiffness_matrix,
 )
 from damage.measure.energy import energy_error
-from damage.mechanics.tables import DAMPING, ENDED, FRICTION, INPUT, RIGID
+from damage.mechanics.tables import DAMPING, ENDED, FRICTION, HAS_FAILED, INPUT, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
@@ -402,7 +402,7 @@ def test_a_brick_that_is_pushed_off_another_falls():
     solver.push(1.0)
     mass, began = solver.layout.bodies.mass[1], total_energy(solver)
     solver.run(round(0.5 * LENGTH / solver.time_step) + 10)
-    assert solver.system.limits["failed"][1] == ENDED and not solver.force[1].any()
+    assert solver.system.limits[1, HAS_FAILED] == ENDED and not solver.force[1].any()
     friction = np.tan(wall.joint.friction_angle) * GRAVITY * mass * LENGTH / 2
     assert solver.energy[FRICTION] == pytest.approx(friction, rel=3e-3)
     before, speed = solver.displacement[1, 1], solver.velocity[1, 1]

@@ -11,7 +11,7 @@ from test_widths import everything
 
 from damage.law.modes import natural_modes
 from damage.law.states import ENDED as ENDED_BIT
-from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, ROTATION, X, Z
+from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
@@ -50,7 +50,7 @@ def shove(wall, speed):
 
 def ended(wall):
     """Values of `failed` of the joint between the bricks."""
-    return int(wall.system.limits["failed"][1])
+    return int(wall.system.limits[1, HAS_FAILED])
 
 
 def run_to_the_end(wall, most=20_000):
@@ -147,7 +147,7 @@ def test_contact_data_keep_the_values_of_the_end():
 def test_a_joint_on_the_ground_does_not_end(slide):
     wall = pair()
     wall.displacement = [[slide, -1e-6, 0.0], [slide, -1e-6, 0.0]]
-    assert wall.system.limits["failed"][0] == FAILED and wall.force[0, Z] > 0.0
+    assert wall.system.limits[0, HAS_FAILED] == FAILED and wall.force[0, Z] > 0.0
 
 
 def test_the_cut_of_a_split_brick_ends_over_its_height():
@@ -159,7 +159,7 @@ def test_the_cut_of_a_split_brick_ends_over_its_height():
     assert split.layout.n_bricks == 2 and cut == len(split.system.interfaces) - 1
     for share, state in ((0.999, FAILED), (1.001, ENDING), (0.5, ENDED)):
         split.displacement = [[0, 0, 0], [0, share * HEIGHT, 0]]
-        assert split.system.limits["failed"][cut] == state
+        assert split.system.limits[cut, HAS_FAILED] == state
 
 
 @pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])

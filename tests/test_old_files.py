@@ -16,9 +16,9 @@ from conftest import REPOSITORY
 
 import damage
 from damage.history.info import UNSEALED, check
+from damage.history.schema import each
 from damage.index import THRESHOLD
 from damage.measure.columns import MADE_BY, read_table
-from damage.measure.register import names
 from damage.measure.summary import summarise
 from damage.measure.tables import index_table, summary_row
 from damage.provenance import UNKNOWN
@@ -46,7 +46,7 @@ def test_a_history_says_what_it_said_then(run, old):
     assert any("no offsets" in warning for warning in visible["warnings"])
     for name, value in then.items():
         assert now[name] == (pytest.approx(value, rel=1e-12) if isinstance(value, float) else value), name
-    assert {now[name] for name in names(MADE_BY) if name != "measures_digest"} == {UNKNOWN}
+    assert {now[name] for name in each(MADE_BY) if name != "measures_digest"} == {UNKNOWN}
     index = pd.read_csv(old / f"out/tables/{run}_index.csv")
     found = index_table(history).reset_index(drop=True)
     pd.testing.assert_frame_equal(found[list(index)], index, rtol=1e-8, check_dtype=False)

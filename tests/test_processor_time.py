@@ -31,7 +31,7 @@ def test_what_a_program_takes_counts():
 
 
 def test_the_table_names_test_file_and_subject(tmp_path):
-    (tmp_path / "test_index.py").write_text("""
+    (tmp_path / "test_measures.py").write_text("""
 import subprocess, sys
 
 def test_slow():
@@ -43,5 +43,5 @@ def test_slow():
     lines = [line.split() for line in done.stdout.splitlines()]
     rows = {line[1]: float(line[0]) for line in lines if len(line) > 1 and line[0].replace(".", "").isdigit()}
     assert done.returncode == 0, done.stdout + done.stderr
-    for name in ("test_index.py::test_slow", "test_index.py", "model", "all;"):
+    for name in ("test_measures.py::test_slow", "test_measures.py", "model", "all;"):
         assert 0.25 < rows[name] < 10, (name, done.stdout)

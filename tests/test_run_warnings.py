@@ -3,12 +3,14 @@
 import json
 import pickle
 import warnings
+from types import SimpleNamespace
 
 import pytest
 
 import damage
 from damage.history.reader import read_history
 from damage.measure.energy import energy_error_of
+from damage.measure.warnings import energy_warnings, static_warnings
 from damage.reference.session import run_reference
 
 DRY = damage.Wall("course", 0.675, 0.075, precompression=0.0, joint=damage.Joint(tensile_strength=0.0, cohesion=0.0))
@@ -72,3 +74,20 @@ def test_energy_is_balanced_where_bonds_snap_back():
     wall = damage.Wall("soft", 1.83977, 1.0932, precompression=994780.0, joint=joint, brick=damage.Brick(
         0.3752, 0.1822, 0.1551, 686.0, 3.155e9, 2.551e9))
     assert energy_error_of(damage.run(wall, harmonic=(0.2079, 0.1262), cycles=2, rest=0.1, cells=1)) < 2e-3
+
+
+@pytest.mark.parametrize(("broken", "unbalanced", "words"), [
+    (0, 1e-6, []), (3, 1e-6, ["3 contact points failed"]), (0, 2e-5, ["at rest"]),
+    (0, float("nan"), []),  # interrupted before the static stage ended
+    (1, 1.0, ["1 contact points failed", "at rest"]),
+])
+def test_an_odd_static_stage_is_reported(broken, unbalanced, words):
+    history = SimpleNamespace(static={"broken_joints": broken, "unbalanced_force": unbalanced}, series=())
+    warnings = static_warnings(history)
+    assert len(warnings) == len(words)
+    assert all(word in warning for word, warning in zip(words, warnings))
+
+
+@pytest.mark.parametrize(("error", "count"), [(None, 0), (0.0099, 0), (0.011, 1), (1e15, 1), (float("nan"), 1)])
+def test_an_energy_error_that_spoils_a_run_is_reported(error, count):
+    assert len(energy_warnings(error)) == count

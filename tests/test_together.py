@@ -9,17 +9,15 @@ import time
 from dataclasses import replace
 from unittest import mock
 
+import numpy as np
 import pytest
 from conftest import REPOSITORY, contents, without_progress
 
 from damage.history.reader import read_history
 from damage.reference import ensembles, lanes, session, settled
 from damage.reference.session import run_reference, run_references
-from damage.reference.settled import SettledWalls, State
-from damage.reference.wall import ReferenceWall
+from damage.reference.settled import SettledWalls
 from damage.run.run import LOOK_STEPS
-from damage.wall.layout import lay_out
-from damage.wall.parameters import Wall
 
 TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
@@ -139,14 +137,13 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
 
 
 def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
-    walls = [ReferenceWall(lay_out(Wall(name="tiny", length=0.45, height=0.6)), 1e-5) for _ in range(3)]
-    monkeypatch.setattr(settled, "MOST_BYTES", 2 * State(walls[0]).nbytes)
-    kept = SettledWalls()
-    for name, wall in zip("abc", walls):
-        kept.put(name, State(wall))
+    monkeypatch.setattr(settled, "MOST_BYTES", 32)
+    kept, tables = SettledWalls(), {"place": np.zeros(1), "velocity": np.zeros(1)}
+    for name in "abc":
+        kept.put(name, tables)
     assert list(kept._kept) == ["b", "c"]
     kept.take("b")
-    kept.put("d", State(walls[0]))
+    kept.put("d", tables)
     assert list(kept._kept) == ["b", "d"]
 
 

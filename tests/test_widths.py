@@ -20,7 +20,7 @@ from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
 from damage.mechanics import samples, step, tables
-from damage.mechanics.compiled import COMPILING, KERNEL
+from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
 from damage.mechanics.eight import (
     EIGHT,
     ONE,
@@ -38,7 +38,7 @@ from damage.mechanics.eight import (
     with_lane,
     zero,
 )
-from damage.mechanics.tables import ENDED, FAILED, RIGID
+from damage.mechanics.tables import ENDED, FAILED, HAS_FAILED, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference import ensembles
 from damage.reference.lanes import MOST_LANES, run_together
@@ -235,7 +235,7 @@ def test_joints_of_deformable_bricks_end_each_by_itself(dry, damping):
         for one, other in zip(together, alone):
             other.run(3000, 50)
             assert everything(one) == everything(other)
-    assert [one.system.limits["failed"][-1] for one in together] == [ENDED, FAILED, ENDED, ENDED, ENDED]
+    assert [one.system.limits[-1, HAS_FAILED] for one in together] == [ENDED, FAILED, ENDED, ENDED, ENDED]
 
 
 @pytest.mark.parametrize(("table", "field"), [("contacts", "offset"), ("contacts", "kn"), ("contacts", "area")])
@@ -259,7 +259,7 @@ def test_walls_of_other_bricks_friction_soil_or_strain_modes_are_reported():
                        (built(bricks="deformable"), built(bricks="deformable", young=5.2e9))):
         with pytest.raises(ValueError, match="other bricks, stiffnesses or friction"):
             run_together([one, other], 10)
-        assert ensembles.Ensemble().move([(one, 1), (other, 1)]) == [None, None]
+        assert ensembles.move([(one, 1), (other, 1)]) == [None, None]
 
 
 def test_the_tables_of_a_member_are_views_of_those_of_the_batch():
@@ -479,19 +479,19 @@ def imports_of(path):
 
 def test_all_sources_of_compiled_code_are_in_the_digest():
     """What a module of compiled functions imports, directly or not, is compiled into them: functions and constants."""
-    compiler = KERNEL.folder / "compiled.py"  # decides how; what it imports is not compiled
-    to_follow = {path for path in KERNEL.folder.glob("*.py") if re.search(
+    compiler = SOURCES[0]  # decides how; what it imports is not compiled
+    to_follow = {path for path in compiler.parent.glob("*.py") if re.search(
         r"^@(compiled|inlined|entry)$", path.read_text(), re.MULTILINE)}
     assert len(to_follow) > 4
     needed = {compiler}
     while to_follow:
         needed |= to_follow
         to_follow = {imported for path in to_follow - {compiler} for imported in imports_of(path)} - needed
-    assert set(KERNEL.sources) == needed
+    assert set(SOURCES) == needed
     own = [value for module in (step, samples) for value in vars(module).values() if isinstance(value, Dispatcher)
            and value.py_func.__module__.startswith("damage.mechanics")]
     assert len(own) > 10
-    assert all(KERNEL.digest in one.py_func.__qualname__ for one in own)
+    assert all(DIGEST in one.py_func.__qualname__ for one in own)
 
 
 def test_a_function_that_is_no_entry_is_not_called_by_python():
@@ -512,10 +512,10 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
 
     def tried():
         """Where a function is cached, and whether the line was printed that the solver is compiled."""
-        program = ("from damage.mechanics import cache, step; from damage.mechanics.compiled import KERNEL;"
+        program = ("from damage.mechanics import compiled, step;"
                    "import numba, numpy as np;"
                    "step.any_above_zero.compile(tuple(map(numba.typeof, (np.zeros((1, 5)), 3))));"
-                   "print(cache.kept_in(KERNEL.folder), KERNEL.digest, sep='\\n')")
+                   "print(compiled.kept_in(), compiled.DIGEST, sep='\\n')")
         *said, folder, digest = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, env=env,
                                                capture_output=True, text=True).stdout.splitlines()
         assert said in ([], [COMPILING])

@@ -12,11 +12,8 @@ crushing it dissipates G_c (1 - exp(-f_c d / G_c)) over a closure d, where k_n (
 deepest closing displacement u.
 """
 
-import json
-import tempfile
 from functools import cache
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from scipy.optimize import brentq
@@ -27,8 +24,8 @@ from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from verification import softening
 from verification.block import settle, solver_of
-from verification.problem import Problem, ask_yade, run_yade
-from verification.softening import Driven, between, drive, pair
+from verification.problem import SOLVERS, Problem, of_both
+from verification.softening import between, drive, drive_in_yade, pair
 
 BLOCK, TOE = Brick(length=0.4, height=0.8, thickness=0.1), 0.25
 """A block, and the share of its length that its toe takes."""
@@ -178,23 +175,17 @@ def driven_along(solver, form, path):
     fibres, joint = joint_of(form)
     if solver == "reference":
         return drive(path, fibres, **joint)
-    with tempfile.TemporaryDirectory() as folder:
-        given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
-        np.savez(given, path=path)
-        run_yade("verification/yade_paths.py", given, found, fibres, json.dumps(joint))
-        with np.load(found) as results:
-            return Driven(path, results["path"], results["path/energies"])
+    return drive_in_yade({"path": path}, fibres, **joint)["path"]
 
 
 def problems():
     """Toe, column, cycles."""
-    layout, solvers = block(), ("reference", "yade")
+    layout = block()
     found = [
-        Problem("crushing toe", "force that turns a block about its toe", "N", toe_force(layout),
-                "stress block of f_c", dict.fromkeys(solvers, 2e-2),
-                {"reference": toe, "yade": lambda: ask_yade("toe")}),
-        Problem("crushed column", "largest force under it", "N", column_force(layout), "f_c A",
-                {"reference": 1e-9, "yade": 2e-2}, {"reference": column, "yade": lambda: ask_yade("column")})]
+        of_both("crushing toe", "force that turns a block about its toe", "N", toe_force(layout), "stress block of f_c",
+                2e-2, toe, "toe"),
+        of_both("crushed column", "largest force under it", "N", column_force(layout), "f_c A",
+                {"reference": 1e-9, "yade": 2e-2}, column, "column")]
     for form, (quantity, measure) in product(FORMS, (
             ("energy dissipated", lambda done: done.dissipated),
             ("... by its own account", lambda done: done.fracture))):
@@ -203,6 +194,6 @@ def problems():
         found.append(Problem(
             f"crushing in cycles, {form}", quantity, "J/m²", lost(form),
             "G_c (1 - exp(-f_c d / G_c))" if softens(form) else "f_c times the closure",
-            dict.fromkeys(solvers, 1e-3 if softens(form) else 5e-3),
+            dict.fromkeys(SOLVERS, 1e-3 if softens(form) else 5e-3),
             {"reference": lambda form=form, measure=measure: measure(driven("reference", form)), "yade": in_yade}))
     return found

@@ -29,7 +29,7 @@ from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from verification.problem import Problem, ask_yade
+from verification.problem import of_both
 
 UNBREAKABLE = Joint(tensile_strength=1e15, cohesion=1e15)
 STACK = Wall("stack", 0.1125, 10 * 0.075, joint=UNBREAKABLE, precompression=0.0)
@@ -45,16 +45,12 @@ def problems():
     stack = lay_out(STACK)
     exact = stack_period(stack)
     limit = beam_stiffness()
-    rows = [Problem("stack of ten bricks", "first period", "s", exact, "dense eigenvalue problem of the module",
-                    {"reference": 1e-3, "yade": 1e-3},
-                    {"reference": lambda: free_period(stack), "yade": lambda: ask_yade("stack")})]
+    rows = [of_both("stack of ten bricks", "first period", "s", exact, "dense eigenvalue problem of the module", 1e-3,
+                    lambda: free_period(stack), "stack")]
     for finer, tolerance in zip(FINER, (0.01, 0.003, 0.001)):
         name = f"cantilever, bricks of 1/{finer}" if finer > 1 else "cantilever, whole bricks"
-        rows.append(Problem(
-            name, "force for 1 m at the end", "N/m", limit, "Timoshenko beam, moduli of the module",
-            {"reference": tolerance, "yade": tolerance},
-            {"reference": lambda finer=finer: end_stiffness(finer),
-             "yade": lambda finer=finer: ask_yade("cantilever", float(finer))}))
+        rows.append(of_both(name, "force for 1 m at the end", "N/m", limit, "Timoshenko beam, moduli of the module",
+                            tolerance, lambda finer=finer: end_stiffness(finer), "cantilever", float(finer)))
     return rows
 
 

@@ -16,10 +16,12 @@ import numpy as np
 
 from damage.units import GRAVITY
 from verification.block import one_block, solver_of
-from verification.problem import Problem, ask_yade
+from verification.problem import of_both
 
 FALL_S = 0.1
 HEIGHT = 1e-3
+FIGURES = "force", "height", "time"
+"""Of a bounce."""
 
 
 def problems():
@@ -32,11 +34,10 @@ def problems():
     contact = 2 / omega * (math.pi - math.atan(speed * omega / GRAVITY))
     bounce = "closed form of a mass on a one-sided spring, see the module"
     return [
-        Problem("free fall", f"way in {FALL_S:g} s", "m", GRAVITY * FALL_S**2 / 2, "Galilei, z = g t^2/2",
-                {"reference": 1e-9, "yade": 1e-9},
-                {"reference": _fall, "yade": lambda: ask_yade("fall", FALL_S)}),
-        *(Problem(f"elastic bounce, {what}", quantity, unit, exact, bounce, {"reference": 2e-3, "yade": 2e-3},
-                  {"reference": lambda key=what: _bounce()[key], "yade": lambda key=what: _yade_bounce(key)})
+        of_both("free fall", f"way in {FALL_S:g} s", "m", GRAVITY * FALL_S**2 / 2, "Galilei, z = g t^2/2", 1e-9, _fall,
+                "fall", FALL_S),
+        *(of_both(f"elastic bounce, {what}", quantity, unit, exact, bounce, 2e-3, lambda key=what: _bounce()[key],
+                  "bounce", HEIGHT, float(FIGURES.index(what)))
           for what, quantity, unit, exact in (
               ("force", "largest contact force after 1 mm", "N", force),
               ("height", "rebound height", "m", HEIGHT),
@@ -79,8 +80,4 @@ def apexes(track, dt, force):
     top = lowest + int(np.argmax(track[lowest:]))
     low, mid, high = track[top - 1:top + 2]
     fine = 0.5 * (low - high) / (low - 2 * mid + high)  # a parabola through three samples
-    return {"force": force, "height": float(mid), "time": (top + 1 + fine) * dt}
-
-
-def _yade_bounce(key):
-    return ask_yade("bounce", HEIGHT, float(("force", "height", "time").index(key)))
+    return dict(zip(FIGURES, (force, float(mid), (top + 1 + fine) * dt)))

@@ -143,8 +143,6 @@ def push(layout, *, speed=PUSH_M_S, farthest=FARTHEST_M, top=None):
     caps, steps = layout.pushed_bodies, max(1, round(1e-3 / wall.time_step))
     averaged = max(1, round(AVERAGED_M / speed / (steps * wall.time_step)))
     wall.start(np.zeros((0, 2)))
-    if top is not None:
-        wall.fast = False  # the plain step alone has the spring
     wall.hold(caps, top is None, top or 0.0)
     wall.push(speed)
     start, rows, samples = wall.displacement[caps, 0].mean(), [(0.0, 0.0, 0.0)], []

@@ -3,7 +3,7 @@
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 from yade_scripts import COMMAND
@@ -57,6 +57,14 @@ class Result:
     def holds(self):
         """Whether the error is within the tolerance; None where the solver cannot."""
         return None if self.error is None else abs(self.error) <= self.problem.tolerance[self.solver]
+
+
+def of_both(name, quantity, unit, exact, source, tolerance, reference, *case):
+    """A Problem that both solvers do; tolerance: of both, or {solver: its}; reference: function that measures it there;
+    case: arguments of `ask_yade`."""
+    tolerance = tolerance if isinstance(tolerance, dict) else dict.fromkeys(SOLVERS, tolerance)
+    return Problem(name, quantity, unit, exact, source, tolerance, {"reference": reference,
+                                                                    "yade": partial(ask_yade, *case)})
 
 
 def ask_yade(case, *numbers):

@@ -29,7 +29,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Wall
 from verification.block import DRY, SLENDER, STICKY, foot, one_block, settle, solver_of
-from verification.problem import Problem, ask_yade
+from verification.problem import of_both
 
 SHARES = (0.2, 0.5, 0.8)
 RAMP_S, LIFTED = 0.05, 1e-7  # [s], [rad]; the joint's own compression turns a block that stands by 3e-8
@@ -44,22 +44,17 @@ def problems():
     radius = math.hypot(half_width, half_height)
     rate = math.sqrt(bodies.mass[0] * GRAVITY * radius / (bodies.inertia[0] + bodies.mass[0] * radius**2))
     return [
-        Problem("rocking, onset", "base acceleration that overturns, of g", "1", half_width / half_height,
-                "Housner (1963)", {"reference": 1e-3, "yade": 1e-3},
-                {"reference": onset, "yade": lambda: ask_yade("onset", 1, 1)}),
-        Problem("toppling stack", "base acceleration that overturns four blocks, of g", "1", half_width / half_height,
-                "a rigid body, since any upper part of it stands more", {"reference": 2e-3, "yade": 2e-3},
-                {"reference": lambda: onset(courses=4), "yade": lambda: ask_yade("onset", 1, 4)}),
-        Problem("rocking, onset, interior", "base acceleration that overturns, of g", "1",
-                foot(layout_of("interior")) / half_height, "Housner (1963), b to the outermost contact point",
-                {"reference": 1e-3, "yade": 1e-3},
-                {"reference": lambda: onset("interior"), "yade": lambda: ask_yade("onset", 0, 1)}),
-        *(Problem(f"rocking from {share:g} alpha", "quarter period", "s", quarter_period(share, slenderness, rate),
+        of_both("rocking, onset", "base acceleration that overturns, of g", "1", half_width / half_height,
+                "Housner (1963)", 1e-3, onset, "onset", 1, 1),
+        of_both("toppling stack", "base acceleration that overturns four blocks, of g", "1", half_width / half_height,
+                "a rigid body, since any upper part of it stands more", 2e-3, lambda: onset(courses=4), "onset", 1, 4),
+        of_both("rocking, onset, interior", "base acceleration that overturns, of g", "1",
+                foot(layout_of("interior")) / half_height, "Housner (1963), b to the outermost contact point", 1e-3,
+                lambda: onset("interior"), "onset", 0, 1),
+        *(of_both(f"rocking from {share:g} alpha", "quarter period", "s", quarter_period(share, slenderness, rate),
                   f"Housner (1963), not linearised (linearised {housner(share, rate):.5f} s)",
-                  {"reference": 1e-3, "yade": 3e-3},
-                  {"reference": lambda share=share: fall_back(share * slenderness),
-                   "yade": lambda share=share: ask_yade("fall_back", share * slenderness)})
-          for share in SHARES)]
+                  {"reference": 1e-3, "yade": 3e-3}, lambda share=share: fall_back(share * slenderness),
+                  "fall_back", share * slenderness) for share in SHARES)]
 
 
 def housner(share, rate):

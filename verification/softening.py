@@ -7,6 +7,7 @@ laid side by side (`compared`, docs/validation/verification.md).
 """
 
 import argparse
+import json
 import tempfile
 from dataclasses import replace
 from functools import cache
@@ -122,12 +123,12 @@ def drive(path, fibres=0, **changes):
     return Driven(path, np.array(forces) / area, np.array(energies) / area)
 
 
-def drive_in_yade(paths, fibres):
-    """{name: Driven} of the joint along paths in YADE."""
+def drive_in_yade(paths, fibres, **changes):
+    """{name: Driven} of the joint along paths in YADE; changes: of JOINT."""
     with tempfile.TemporaryDirectory() as folder:
         given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
         np.savez(given, **paths)
-        run_yade("verification/yade_paths.py", given, found, fibres)
+        run_yade("verification/yade_paths.py", given, found, fibres, json.dumps(changes))
         with np.load(found) as results:
             return {name: Driven(path, results[name], results[f"{name}/energies"]) for name, path in paths.items()}
 

@@ -17,7 +17,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Wall
 from verification.block import solver_of
-from verification.problem import Problem, ask_yade
+from verification.problem import of_both
 
 BRICK = Brick(tensile_strength=1e6)
 RAMP_S = 0.1
@@ -66,6 +66,5 @@ def load():
 
 def problems():
     """The load at which a brick splits."""
-    return [Problem("splitting brick", "load on two supports", "N", lambda: splitting_load(beam()),
-                    "beam theory, f_t t h^2 / 6", dict.fromkeys(("reference", "yade"), 2e-2),
-                    {"reference": load, "yade": lambda: ask_yade("splitting_load")})]
+    return [of_both("splitting brick", "load on two supports", "N", lambda: splitting_load(beam()),
+                    "beam theory, f_t t h^2 / 6", 2e-2, load, "splitting_load")]

@@ -93,7 +93,7 @@ def bounce(height, key):
 
     case.run(steps, each)
     # The engine sees the place before the step, so the first one is that of time zero.
-    return falling.apexes(track[1:], O.dt, max(forces))[("force", "height", "time")[int(key)]]
+    return falling.apexes(track[1:], O.dt, max(forces))[falling.FIGURES[int(key)]]
 
 
 def _resting(angle):

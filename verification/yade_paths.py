@@ -1,6 +1,6 @@
 """Inside YADE: the joint between two bricks (`verification.softening`), driven along paths.
 
-    ./yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES [CHANGES]
+    ./yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES CHANGES
 
 PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under the same names,
 normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture and stored [J/m2].  CHANGES:
@@ -46,12 +46,11 @@ def drive(path, fibres, changes):
 
 
 def main():
-    paths, out, fibres, *changes = sys.argv[1:]
-    changes = json.loads(changes[0]) if changes else {}
+    paths, out, fibres, changes = sys.argv[1:]
     found = {}
     with np.load(paths) as given:
         for name in given:
-            found[name], found[f"{name}/energies"] = drive(given[name], int(fibres), changes)
+            found[name], found[f"{name}/energies"] = drive(given[name], int(fibres), json.loads(changes))
     np.savez(out, **found)
 
 

@@ -7,14 +7,14 @@ import pandas as pd
 from damage.batch.folder import ROOT
 from damage.batch.outdated import other_versions
 from damage.batch.tasks import Task
-from damage.errors import InputError, warn
+from damage.errors import InputError, some_of, warn
 from damage.history.reader import read_history
+from damage.history.schema import each
 from damage.measure.columns import MADE_BY
-from damage.measure.register import names
 from damage.measure.tables import summary_row
 from damage.studies.inputs import inputs_of
 
-_NAMED = 5  # columns that a message names
+_NAMED = 5  # inputs that a message names
 
 
 def make_again(name, study, results, simulate):
@@ -46,9 +46,8 @@ def make_again(name, study, results, simulate):
         return 0
     aside = history.with_name(f"{name}.differs.h5")
     history.rename(aside)
-    more = f" and {len(differing) - _NAMED} more" if len(differing) > _NAMED else ""
     print(f"error: --run {name}: {len(differing)} columns are not those of its record: "
-          f"{', '.join(differing[:_NAMED])}{more}; the history is {aside}", file=sys.stderr)
+          f"{some_of(differing)}; the history is {aside}", file=sys.stderr)
     return 1
 
 
@@ -66,7 +65,7 @@ def differing_columns(row, new):
     """The columns in which the row of a record and a new one differ, a list of "NAME 0.94 -> 1"; those that say what
     made them do not count."""
     return [f"{name} {_word(row[name]) or 'empty'} -> {_word(value) or 'empty'}" for name, value in new.items()
-            if name in row and name not in names(MADE_BY) and _word(row[name]) != _word(value)]
+            if name in row and name not in each(MADE_BY) and _word(row[name]) != _word(value)]
 
 
 def _word(value):

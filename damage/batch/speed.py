@@ -14,8 +14,7 @@ from typing import NamedTuple
 from llvmlite.binding import get_host_cpu_name
 
 from damage.files import write_text
-from damage.mechanics.cache import kept_in
-from damage.mechanics.compiled import KERNEL, is_cached
+from damage.mechanics.compiled import DIGEST, is_cached, kept_in
 from damage.reference.lanes import MOST_LANES, run_together
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
@@ -35,7 +34,7 @@ def speed():
     """The Speed of this machine, measured where it is not known; None where the solver is not compiled yet."""
     if not is_cached():
         return None
-    path = kept_in() / f"speed-{KERNEL.digest}-{platform.node()}-{get_host_cpu_name()}.json"
+    path = kept_in() / f"speed-{DIGEST}-{platform.node()}-{get_host_cpu_name()}.json"
     try:
         return Speed(**json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):  # not there, or not of this form

@@ -147,8 +147,8 @@ def _record(asked):
 def _plot_motion(loading, found, path):
     """Write the picture of a motion; its path goes to stderr: stdout may be JSON."""
     from damage.draw.motion import motion_picture
-    from damage.draw.style import save_png
+    from damage.draw.style import save_picture
 
     if path.suffix.lower() != ".png":
         raise InputError(f"--plot {path}: expected a name that ends in .png; give it one")
-    print(f"picture: {save_png(motion_picture(loading, found), path, f'motion {loading.name}')}", file=sys.stderr)
+    print(f"picture: {save_picture(motion_picture(loading, found), path, f'motion {loading.name}')}", file=sys.stderr)

@@ -78,7 +78,8 @@ def _draw_ground(ax, wall, supports):
     """The supports below the wall."""
     depth = GROUND_DEPTH * wall.built_height
     for left, right in supports:
-        ax.add_patch(_box(left, -depth, right, 0.0, style.GROUND_COLOUR))
+        ax.add_patch(Rectangle((left, -depth), right - left, depth, facecolor=style.GROUND_COLOUR, edgecolor=style.DARK,
+                               linewidth=0.3))
 
 
 def _draw_floors(ax, plan):
@@ -126,10 +127,6 @@ def _pier_courses(plan):
         else:
             rows.append((first, above))
     return [(first + above - 1) // 2 for first, above in rows or [(0, len(plan.runs))]]
-
-
-def _box(left, bottom, right, top, colour):
-    return Rectangle((left, bottom), right - left, top - bottom, facecolor=colour, edgecolor=style.DARK, linewidth=0.3)
 
 
 VISIBLE_SHARE = 0.08  # largest drawn displacement of a mode over the height of the wall

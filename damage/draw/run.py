@@ -17,12 +17,12 @@ from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import choose_sample, choose_samples, sample_at
+from damage.history.moments import check_samples, choose_sample, choose_samples, sample_at
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
-from damage.measure.brick_stress import principal_stresses
+from damage.measure.brick_stress import has_stresses, principal_stresses
 from damage.measure.cycles import shocks_table
-from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
+from damage.measure.energy import energy_error_of, energy_groups, energy_scale, imbalance, known_energies
 from damage.measure.joint_stress import contact_forces, sections, sections_table
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
@@ -143,16 +143,12 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
     stress = stress.T
     scale = history.bodies["length_m"][bricks].median() / max(np.abs(stress).max(), 1.0)
     centre = shape.corners[bricks].mean(axis=1)
-    figure, ax = style.new_figure(1.0)
-    ax.add_collection(PolyCollection(shape.corners, facecolors=[style.BODY_COLOURS[kind] for kind in shape.kinds],
-                                     edgecolors="0.85", linewidths=0.2))
+    figure, ax = _figure_of_bodies(shape.corners, shape.kinds)
     for values, direction in zip(stress, (angle, angle + np.pi / 2)):
         half = 0.5 * scale * np.abs(values)[:, None] * np.column_stack([np.cos(direction), np.sin(direction)])
-        ax.add_collection(LineCollection(np.stack([centre - half, centre + half], axis=1), linewidths=0.5,
-                                         colors=np.where(values > 0, style.VERMILLION, style.BLUE)))
-    handles = [Line2D([], [], color=colour, lw=0.9, label=f"{label}, up to {max(size, 0.0) / 1e6:.2g} MPa")
-               for colour, label, size in ((style.VERMILLION, "tension", stress.max()),
-                                           (style.BLUE, "compression", -stress.min()))]
+        _draw_lines(ax, centre, half, values > 0, 0.5)
+    handles = [_line_handle(style.VERMILLION, f"tension, up to {max(stress.max(), 0.0) / 1e6:.2g} MPa"),
+               _line_handle(style.BLUE, f"compression, up to {max(-stress.min(), 0.0) / 1e6:.2g} MPa")]
     return _with_words(figure, show_all(ax, shape.corners), history,
                        [f"principal stresses at the bricks' centres, {history.snapshot_time_s[at]:.2f} s"], handles)
 
@@ -167,22 +163,37 @@ def contact_force_picture(history, moment="max"):
     (sample,), bodies = choose_samples(history, [moment]), history.bodies
     force, place = contact_forces(history, sample), history.joints[["x_m", "z_m"]].to_numpy()
     corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])
-    figure, ax = style.new_figure(1.0)
-    ax.add_collection(PolyCollection(corners, facecolors=[style.BODY_COLOURS[kind] for kind in kinds],
-                                     edgecolors="0.85", linewidths=0.2))
+    figure, ax = _figure_of_bodies(corners, kinds)
     size = np.hypot(*force.T)
     largest = max(size.max(), 1.0)
     half = 0.5 * history.masonry_wall.brick.length / largest * force
     pulls = history.joint_stress_pa[sample, :, 0] > 0
-    ax.add_collection(LineCollection(np.stack([place - half, place + half], axis=1), linewidths=0.6,
-                                     colors=np.where(pulls, style.VERMILLION, style.BLUE)))
+    _draw_lines(ax, place, half, pulls, 0.6)
     _draw_thrust(ax, history, moment)
-    handles = [*(Line2D([], [], color=colour, lw=0.9, label=f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
+    handles = [*(_line_handle(colour, f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
                  for colour, label, of in ((style.BLUE, "compression", ~pulls), (style.VERMILLION, "tension", pulls))),
-               Line2D([], [], color=style.BLACK, lw=0.9, label="thrust"),
+               _line_handle(style.BLACK, "thrust"),
                Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third")]
     time_s = history.series["time_s"].iloc[sample]
     return _with_words(figure, show_all(ax, corners), history, [f"contact forces, {moment}: {time_s:.3f} s"], handles)
+
+
+def _figure_of_bodies(corners, kinds):
+    """A figure of bodies under lines of forces, and its axes."""
+    figure, ax = style.new_figure(1.0)
+    ax.add_collection(PolyCollection(corners, facecolors=[style.BODY_COLOURS[kind] for kind in kinds],
+                                     edgecolors="0.85", linewidths=0.2))
+    return figure, ax
+
+
+def _draw_lines(ax, middle, half, pulls, width_pt):
+    """Draw lines about their middles; half of each, (n, 2) [m]; pulls: (n,), which are under tension."""
+    ax.add_collection(LineCollection(np.stack([middle - half, middle + half], axis=1), linewidths=width_pt,
+                                     colors=np.where(pulls, style.VERMILLION, style.BLUE)))
+
+
+def _line_handle(colour, label):
+    return Line2D([], [], color=colour, lw=0.9, label=label)
 
 
 def _draw_thrust(ax, history, moment):
@@ -324,7 +335,7 @@ def _draw_index(ax, index, latched, note):
 @style.styled
 def drift_picture(history):
     """Figure of the drift ratio over time, with the published limits of light damage in its range."""
-    choose_sample(history, "end")
+    check_samples(history)
     figure, ax = style.new_figure(2.1)
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
@@ -349,7 +360,7 @@ def hysteresis_picture(history):
 
     Raises InputError where the run has no motion.
     """
-    choose_sample(history, "end")
+    check_samples(history)
     if not is_moving(history.series).any():
         raise InputError(f"{history.path} has no motion: expected one for base shear against drift; run it again with "
                          "a motion")
@@ -384,7 +395,7 @@ def hysteresis_picture(history):
 def energy_picture(history):
     """Figure of the energies since the end of the static stage: supplied, stored, dissipated in the joints and damped;
     below, their imbalance."""
-    choose_sample(history, "end")
+    check_samples(history)
     series = history.series
     groups = energy_groups(series)
     figure, (above, below) = style.new_figure(2.9, rows=2, sharex=True, height_ratios=(5, 2))
@@ -398,7 +409,7 @@ def energy_picture(history):
         f"imbalance before settling up to {100 * error:.2g} % of the energy supplied"])
     scale, unit = _error_scale(series, error)
     below.axhline(0, color=style.MEDIUM, lw=0.5)
-    below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=style.BLACK)
+    below.plot(series["time_s"], imbalance(known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
     figure.align_ylabels()
     marks = style.mark_times(history, (above, below))
@@ -406,15 +417,10 @@ def energy_picture(history):
     return figure
 
 
-def _known_energies(series):
-    """Energies of a series, zero where the solver does not record them."""
-    return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
-
-
 def _error_scale(series, error):
     """Factor from J to the unit of the imbalance, and that unit; error: energy balance error [-] or None."""
     return (1.0, "J") if error is None else (
-        100 / energy_scale(_known_energies(series[series["stage"] != "settling"])), "%")
+        100 / energy_scale(known_energies(series[series["stage"] != "settling"])), "%")
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -427,20 +433,24 @@ PICTURES = {
 """{file name without suffix: function that draws it}."""
 
 
+def pictures_beside(history):
+    """PICTURES that only some Histories have: of the heap where bricks were followed beyond the collapse, of stresses
+    where bricks are deformable, of the events where there are several, of forces at rest and at the maximum index where
+    the run kept stresses."""
+    found = {"heap": heap_picture} if has_heap(history) else {}
+    found |= {"stress_max": stress_picture} if has_stresses(history) else {}
+    found |= {"sequence": sequence_picture} if has_sequence(history) else {}
+    return found if history.joint_stress_pa is None else found | {
+        f"contact_forces_{moment}": partial(contact_force_picture, moment=moment) for moment in ("rest", "max")}
+
+
 def save_all(history, folder):
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
 
-    Base shear against drift is left out where there is no motion, as of ground that settles alone.  The picture of the
-    heap is included where bricks were followed beyond the collapse, that of stresses where bricks are deformable, those
-    of forces at rest and at the maximum index where the run kept stresses, that of the events where there are several.
+    Base shear against drift is left out where there is no motion, as of ground that settles alone.
     """
     still = () if is_moving(history.series).any() else ("hysteresis",)
-    always = {name: draw for name, draw in PICTURES.items() if name not in still}
-    chosen = always | ({"heap": heap_picture} if has_heap(history) else {}) | (
-        {} if history.stress_pa is None else {"stress_max": stress_picture}) | (
-        {"sequence": sequence_picture} if has_sequence(history) else {}) | (
-        {} if history.joint_stress_pa is None else
-        {f"contact_forces_{moment}": partial(contact_force_picture, moment=moment) for moment in ("rest", "max")})
+    chosen = {name: draw for name, draw in PICTURES.items() if name not in still} | pictures_beside(history)
     return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))
 
 

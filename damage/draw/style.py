@@ -17,6 +17,7 @@ from matplotlib.ticker import ScalarFormatter
 from damage.draw.words import run_title
 from damage.errors import InputError
 from damage.files import whole_or_nothing
+from damage.history.moments import spans_of
 from damage.provenance import commit
 from damage.version import VERSION
 
@@ -113,10 +114,8 @@ def shade_settling(ax, series):
     """Shade the settlement and settling stages of a table with columns time_s and stage; returns the handles."""
     found = []
     for name, colour in (("settling", LIGHT), ("settlement", SAND)):
-        inside = series["stage"] == name
-        spans = series["time_s"].groupby((inside != inside.shift()).cumsum()[inside]).agg(["first", "last"])
-        found += [ax.axvspan(first, last, color=colour, lw=0, zorder=0, label=name)
-                  for first, last in spans.to_numpy()]
+        found += [ax.axvspan(*span, color=colour, lw=0, zorder=0, label=name)
+                  for span in spans_of(series["time_s"].to_numpy(), (series["stage"] == name).to_numpy())]
     return found
 
 
@@ -161,12 +160,6 @@ def save_figures(figures, folder, made=""):
     """
     return [_save(figure, Path(folder) / f"{name}.{ending}", ending, made)
             for name, figure in figures for ending in FORMATS]
-
-
-@styled
-def save_png(figure, path, made=""):
-    """Write one Figure as PNG; returns its path.  made: as of `save_figures`."""
-    return _save(figure, Path(path), "png", made)
 
 
 @styled

@@ -11,12 +11,12 @@ import pandas as pd
 
 from damage.exposure.exposure import COLUMNS as EXPOSURE
 from damage.files import write_text
-from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, STATIC_STAGE, TABLES, Column
+from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, STATIC_STAGE, TABLES, Column, each
 from damage.index import COMPONENTS
 from damage.life.comparison import CHOICES, READINGS
 from damage.life.results import COLUMNS as LIVES
 from damage.life.results import CONTRIBUTIONS, YEARLY
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN, each
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN
 from damage.measure.cycles import BY_OTHERS
 from damage.measure.joint_stress import JOINT, SECTIONS, STRESSES
 from damage.measure.joint_stress import POINTS as MATERIAL_POINTS

@@ -12,7 +12,7 @@ import numpy as np
 from damage.history import schema
 from damage.history.buffer import Buffer
 from damage.history.reader import any_bit, checked, history_of, read_history
-from damage.history.writer import File, layout_tables, run_attributes
+from damage.history.writer import File, layout_tables, run_attributes, sizes_of
 
 MOST_BYTES = 40_000_000
 """Size [bytes] beyond which a history continues in its file: eight runs share a process."""
@@ -95,10 +95,8 @@ class Memory:
     def _column(self, group, number, name):
         """All rows of a column, of this number in its group."""
         parts = [part[group][number] for part in self._parts if part.get(group)]
-        sizes = {"bodies": len(self._layout.bodies), "supports": len(self._layout.supports),
-                 "joints": self._layout.n_joints, "points": len(self._parameters.get("points", ()))}
-        _, *shape = schema.SHAPES.get(f"{group}/{name}", schema.SHAPES[group])
-        none = np.empty((0, *(sizes.get(of, of) for of in shape)), schema.GROWING[group][name].dtype)
+        shape = schema.row_shape(f"{group}/{name}", sizes_of(self._layout, self._parameters))
+        none = np.empty((0, *shape), schema.GROWING[group][name].dtype)
         return np.concatenate([none, *parts])
 
     def _active_frames(self):

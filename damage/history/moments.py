@@ -14,11 +14,16 @@ BREAKS = ("tension", "shear")
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
 
 
+def check_samples(history):
+    """Raise InputError where a History holds no sample."""
+    if len(history.series) == 0:
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
+
+
 def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it."""
+    check_samples(history)
     n_times = len(history.series)
-    if n_times == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
     damage = history.index(threshold=threshold, slip=slip)["DI"].to_numpy()
     if sample == "max":
         sample = int(np.argmax(damage))
@@ -33,10 +38,8 @@ def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
 
 def sample_at(history, time_s):
     """Index of the sample nearest to a time [s]; InputError for one outside the run, by more than a sample."""
+    check_samples(history)
     times = history.series["time_s"].to_numpy()
-    if len(times) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); expected one or more, let the run "
-                         "continue")
     step = np.diff(times).max(initial=0.0)
     try:
         inside = times[0] - step <= time_s <= times[-1] + step
@@ -65,6 +68,12 @@ def choose_samples(history, moments):
                              f"{len(times)} samples; choose another")
         samples.append(int(np.argmin(np.abs(times - time_s))))
     return samples
+
+
+def spans_of(time_s, chosen):
+    """[[first, last time]] of each stretch of chosen samples."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    return [[float(time_s[first]), float(time_s[last - 1])] for first, last in zip(edges[::2], edges[1::2])]
 
 
 def nearest_snapshot(history, time_s):

@@ -402,18 +402,15 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
     dense frames are made on first use.
     """
     tables = tables_of(version)
-    # A killed run may have flushed one column more often than another: cut to the shortest.
-    series, n_times = _columns(values, "series", min(
-        len(values[f"{group}/{name}"]) for group in ("series", "frames", "ground", "stresses", "points")
-        for name in tables[group] if f"{group}/{name}" in values))
-    events, _ = _columns(values, "events", min(len(values[f"events/{name}"]) for name in TABLES["events"]))
-    snapshots = {name: values[f"snapshots/{name}"] for name in TABLES["snapshots"] if f"snapshots/{name}" in values}
-    n_snapshots = min(map(len, snapshots.values()))
-    table, n_joints = _columns(values, "joints")
+    n_times = _whole_rows(values, tables, "series", "frames", "ground", "stresses", "points")
+    n_snapshots = _whole_rows(values, tables, "snapshots")
+    snapshots = {name: values[f"snapshots/{name}"][:n_snapshots] for name in TABLES["snapshots"]
+                 if f"snapshots/{name}" in values}
+    table = _columns(values, "joints")
     frames = _frames(values, tables["frames"], n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
     ground = {} if not tables["ground"] else {
-        "supports": _columns(values, "supports")[0],
+        "supports": _columns(values, "supports"),
         **{f"support_{name}": values[f"ground/{name}"][:n_times] for name in tables["ground"]}}
     history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
@@ -422,25 +419,27 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
         parameters=json.loads(attributes["parameters_json"]), versions=json.loads(attributes["versions_json"]),
         static={name: float(values[f"static/{name}"][()]) for name in sorted(TABLES["static"])},
         attributes=attributes, joints=_decode(table, "kind", CODES["joints/kind"]),
-        bodies=_columns(values, "bodies")[0],
-        series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
-        snapshot_time_s=snapshots["time_s"][:n_snapshots], displacement=snapshots["displacement"][:n_snapshots],
-        stress_pa=snapshots["stress_pa"][:n_snapshots] if "stress_pa" in snapshots else None, **ground,
+        bodies=_columns(values, "bodies"),
+        series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", STAGES)),
+        events=_decode(_columns(values, "events", _whole_rows(values, tables, "events")), "kind", EVENTS),
+        snapshot_time_s=snapshots["time_s"], displacement=snapshots["displacement"],
+        stress_pa=snapshots.get("stress_pa"), **ground,
         **{field: values[path][:n_times] for field, path in (("joint_stress_pa", "stresses/joint_stress_pa"),
                                                              ("point_displacement", "points/displacement"))
-           if path in values}, static_stage=_static_stage(values, tables["static_stage"]),
+           if path in values},
+        static_stage=_columns(values, "static_stage", _whole_rows(values, tables, "static_stage"))
+        if tables["static_stage"] else None,
         **(frames if joints is None else
-           {name: partial(_at_all_joints, rows, joints, n_joints) for name, rows in frames.items()}))
+           {name: partial(_at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would compute it from dense frames
         vars(history).update(active=_sparse(ActiveContacts, joints, frames), states=_sparse(States, joints, frames))
     return history
 
 
-def _static_stage(values, columns):
-    """Looks at the static stage as a DataFrame, None of a file without them."""
-    found = {name: values[f"static_stage/{name}"] for name in columns}
-    n_looks = min(map(len, found.values()), default=0)
-    return pd.DataFrame({name: rows[:n_looks] for name, rows in found.items()}) if columns else None
+def _whole_rows(values, tables, *groups):
+    """Number of rows of groups: a killed run may have flushed one column more often than another."""
+    return min(len(values[f"{group}/{name}"]) for group in groups for name in tables[group]
+               if f"{group}/{name}" in values)
 
 
 def _frames(values, columns, n_times):
@@ -467,12 +466,11 @@ def _number_shocks(series):
 
 
 def _columns(values, group, n_rows=None):
-    """Columns of a group that the schema names, as a DataFrame, and its number of rows."""
+    """Columns of a group that the schema names, as a DataFrame."""
     names = sorted(TABLES[group])
     found = {name: values[f"{group}/{name}"][:n_rows] for name in names if f"{group}/{name}" in values}
     rows = range(len(next(iter(found.values()))))
-    frame = pd.DataFrame({name: found.get(name, np.nan) for name in names}, index=rows)
-    return frame, len(frame)
+    return pd.DataFrame({name: found.get(name, np.nan) for name in names}, index=rows)
 
 
 def _decode(frame, column, names):

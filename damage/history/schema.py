@@ -1,5 +1,8 @@
-"""Names, codes, units and meanings in the history file, shown in `docs/reference/history-schema.md`."""
+"""Names, codes, units and meanings in the history file, shown in `docs/reference/history-schema.md`; which columns of
+summary.csv a function makes: `measure`, which stands on it."""
 
+from functools import wraps
+from inspect import signature
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
@@ -20,6 +23,42 @@ class Column(NamedTuple):
     meaning: str
     dtype: str = "f8"
     since: int = 1
+
+
+def each(columns):
+    """{name: Column} from {"name, name": Column}, each with its own unit.
+
+    >>> each({"period_s, amplitude_g": Column("s, g", "of a motion")})["amplitude_g"]
+    Column(unit='g', meaning='of a motion', dtype='f8', since=1)
+    """
+    found = {}
+    for several, column in columns.items():
+        singles, units = several.split(", "), column.unit.split(", ")
+        units = units if len(units) == len(singles) else [column.unit] * len(singles)
+        found |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
+    return found
+
+
+def measure(columns):
+    """Decorator of a function that makes the measures {"name, name": Column} of a run, units at the names' ends.
+
+    The function returns their values, a tuple where they are several, or None where none of them applies; what becomes
+    of it returns {name: value}.  Its arguments are called `history`, as those of `damage.measure.summary.summarise`, or
+    as a measure of a section before its own, and get that.
+    """
+    named = list(each(columns))
+
+    def with_names(function):
+        @wraps(function)
+        def values(*given, **more):
+            found = function(*given, **more)
+            found = (None,) * len(named) if found is None else found if len(named) > 1 else (found,)
+            return dict(zip(named, found, strict=True))
+
+        values.columns, values.arguments = columns, tuple(signature(function).parameters)
+        return values
+
+    return with_names
 
 
 STATIC = {
@@ -159,12 +198,20 @@ def codes_of(version):
         {} if version >= 7 else {"series/stage": ("motion", "rest", "settling")})
 
 
-SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
+SHAPES = {"run": (), "static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
           "series": ("samples",), "frames": ("samples", "joints"), "ground": ("samples", "supports", 3),
           "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3),
           "snapshots/stress_pa": ("snapshots", "bodies", 5, 3), "stresses": ("samples", "joints", 2),
           "points": ("samples", "points", 2), "static_stage": ("looks",)}
 """Of the datasets of a group, or of one: what they have as many of."""
+
+
+def row_shape(path, sizes):
+    """Shape of a row of a dataset that grows; sizes: {what there are as many of: how many}."""
+    _, *shape = SHAPES.get(path, SHAPES[path.partition("/")[0]])
+    return tuple(sizes.get(of, of) for of in shape)
+
+
 CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""
 RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),

@@ -249,6 +249,12 @@ def layout_tables(layout):
             for group, (columns, values) in tables.items()}
 
 
+def sizes_of(layout, parameters):
+    """{what datasets have as many of: how many} of a run with these parameters, for `schema.row_shape`."""
+    return {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
+            "points": len(parameters.get("points", ()))}
+
+
 def _write_tables(file, layout):
     for group, columns in layout_tables(layout).items():
         for name, values in columns.items():
@@ -256,11 +262,8 @@ def _write_tables(file, layout):
 
 
 def _create_growing(file, layout, parameters):
-    """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of ground of the
-    supports, those of displacements of the bodies; parameters: of the run."""
-    shapes = {"frames": (layout.n_joints,), "ground": (len(layout.supports), 3),
-              "stresses": (layout.n_joints, 2), "points": (len(parameters.get("points", ())), 2),
-              "displacement": (len(layout.bodies), 3), "stress_pa": (len(layout.bodies), 5, 3)}
+    """Empty datasets {group: [in the order of its columns]}; parameters: of the run."""
+    sizes = sizes_of(layout, parameters)
     chunks = {"events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     made = {group: [] for group in schema.GROWING}
     for group, columns in schema.GROWING.items():
@@ -268,7 +271,7 @@ def _create_growing(file, layout, parameters):
         for name, column in columns.items():
             if not schema.is_kept(f"{group}/{name}", layout.strain is not None, parameters):
                 continue
-            shape = shapes.get(group, shapes.get(name, ()))
+            shape = schema.row_shape(f"{group}/{name}", sizes)
             made[group].append(file.create_dataset(
                 f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
                 chunks=(chunks.get(group, CHUNK), *shape), compression="gzip", compression_opts=_LEVEL, shuffle=True))

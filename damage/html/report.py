@@ -90,7 +90,8 @@ def page(files, folders, words=Words()):
                                  if path.parent == (folder / "runs").resolve()}) for folder in studies]
     return environment().get_template("report.html").render(
         runs=runs, language=words.language, words=partial(texts, words.language), studies=parts,
-        of_folders=[_of_folder(folder, studies) for folder in folders],
+        of_folders=[{"name": folder.resolve().name, "documents": documents(folder), "figures": figures(folder)}
+                    for folder in folders if folder not in studies],  # the part of a study has its own
         first=[(f"Run {run['letter']}, {run['file']}" if len(runs) > 1 or parts else run["file"], run["first"])
                for run in runs if run["first"]]
         + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
@@ -125,13 +126,6 @@ def _worst(studies, most):
             except InputError as error:
                 unread.append(str(error))
     return histories, unread
-
-
-def _of_folder(folder, studies):
-    """Figures and documents of a folder of studies, none where it is a study itself, whose part has them."""
-    if folder in studies:
-        return {"name": folder.resolve().name, "documents": [], "figures": {"embedded": [], "named": []}}
-    return {"name": folder.resolve().name, "documents": documents(folder), "figures": figures(folder)}
 
 
 def _title(runs, studies):

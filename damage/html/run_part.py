@@ -3,26 +3,16 @@
 import numpy as np
 
 from damage.draw.preview import wall_preview
-from damage.draw.run import (
-    ENERGIES,
-    contact_force_picture,
-    has_heap,
-    has_sequence,
-    heap_picture,
-    sequence_picture,
-    stress_picture,
-    wall_picture,
-)
+from damage.draw.run import ENERGIES, pictures_beside, wall_picture
 from damage.draw.style import BODY_COLOURS, drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
-from damage.history.moments import STATES, joint_states, nearest_snapshot, support_motion
+from damage.history.moments import STATES, joint_states, nearest_snapshot, spans_of, support_motion
 from damage.history.schema import is_moving
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.html.plain import plain
 from damage.index import COMPONENTS
-from damage.measure.brick_stress import has_stresses
 from damage.measure.energy import energy_groups
 from damage.measure.evidence import QUANTITIES, describe
 from damage.measure.summary import summarise
@@ -50,11 +40,7 @@ def run_part(history, letter, language="en"):
             "history": history,
             "key": _key_numbers(history, summary, index), "still": still(history),
             "preview": preview(history),
-            "sequence": as_png(sequence_picture(history)) if has_sequence(history) else None,
-            "heap": as_png(heap_picture(history)) if has_heap(history) else None,
-            "stress": as_png(stress_picture(history)) if has_stresses(history) else None,
-            "forces": [] if history.joint_stress_pa is None else [
-                (moment, as_png(contact_force_picture(history, moment))) for moment in ("rest", "max")],
+            "beside": {name: as_png(draw(history)) for name, draw in pictures_beside(history).items()},
             "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
 
@@ -150,7 +136,7 @@ def drawn(history, index):
     arrays |= {"instant": np.searchsorted(kept, chosen).astype("i4"), "settles": settles.astype("u1"), **wall}
     time_s = lines["time_s"]
     return more | pack_arrays(arrays) | {
-        "settling": _spans(time_s[kept], settling), "settlement": _spans(time_s[kept], settlement),
+        "settling": spans_of(time_s[kept], settling), "settlement": spans_of(time_s[kept], settlement),
         "collapsed_at_s": history.collapsed_at_s,
         "at_max": float(time_s[int(np.argmax(index["DI"]))]), "n_instants": len(chosen)}
 
@@ -199,12 +185,6 @@ def _moving_wall(history, chosen):
 def _kinds(course):
     """Number of each body's kind in BODY_COLOURS, (n_bodies,)."""
     return sum(k * (kinds_of_bodies(course) == kind) for k, kind in enumerate(BODY_COLOURS)).astype("u1")
-
-
-def _spans(time_s, chosen):
-    """[[first, last time]] of each stretch of chosen samples."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
-    return [[float(time_s[first]), float(time_s[last - 1])] for first, last in zip(edges[::2], edges[1::2])]
 
 
 # --- in words ------------------------------------------------------------------------------------------

@@ -4,8 +4,9 @@ import math
 from numbers import Number
 
 from damage.history.info import flat, given
+from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
-from damage.measure.energy import DISSIPATED, STORED, imbalance
+from damage.measure.energy import imbalance, known_energies
 from damage.measure.summary import MEASURES
 from damage.units import rounded
 from damage.wall.as_built import describe_cap
@@ -25,17 +26,10 @@ LEAST_PLAIN, MOST_PLAIN = 1e-4, 1e6
 """Between them numbers are written without an exponent."""
 
 
-def _single(names, units):
-    """(name, unit) of each of several names; one unit may stand for all, and "1" is none."""
-    names, units = names.split(", "), units.split(", ")
-    return [(name, "" if unit == "1" else unit)
-            for name, unit in zip(names, units if len(units) == len(names) else units * len(names))]
-
-
-COLUMNS = {name: (unit, column.meaning.replace("`", "")) for columns in SECTIONS.values()
-           for several, column in columns.items() for name, unit in _single(several, column.unit)}
-"""{column: (unit, meaning)}."""
-_GIVEN = {name for several in RUN | PARAMETERS | MADE_BY for name in several.split(", ")}
+COLUMNS = {name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))
+           for columns in SECTIONS.values() for name, column in each(columns).items()}
+"""{column: (unit, meaning)}; a unit of 1 is none."""
+_GIVEN = each(RUN | PARAMETERS | MADE_BY)
 
 
 def digits_of(name):
@@ -68,9 +62,8 @@ def measures(parts):
     cell (text, the whole number or None).
     """
     rows = [part["row"] for part in parts]
-    found = [(section, [_row(name, [row.get(name) for row in rows]) for several in columns
-                        for name in several.split(", ") if any(row.get(name) is not None for row in rows)])
-             for section, columns in SECTIONS.items()]
+    found = [(section, [_row(name, [row.get(name) for row in rows]) for name in each(columns)
+                        if any(row.get(name) is not None for row in rows)]) for section, columns in SECTIONS.items()]
     return [(section, rows) for section, rows in found if rows]
 
 
@@ -101,8 +94,8 @@ def energy_balance(parts):
     """Rows (label, [cell of each run]) of the energies at the end [J], their imbalance, and its largest share."""
     ends = [part["history"].series.iloc[-1] for part in parts]
     rows = [(label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()]
-    known = [part["history"].series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0) for part in parts]
-    rows.append(("stored and dissipated, less supplied", [cell(float(imbalance(series)[-1])) for series in known]))
+    rows.append(("stored and dissipated, less supplied", [
+        cell(float(imbalance(known_energies(part["history"].series))[-1])) for part in parts]))
     errors = [part["summary"]["energy_error_fraction"] for part in parts]
     return [*rows, ("largest imbalance before settling, % of the energy supplied", [
         cell(error if error is None else 100 * error) for error in errors])]

@@ -43,9 +43,10 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
         report, *drawn = field_report(dic, wall, margin * MILLIMETRE, export=export, **limits)
     elif Path(source).suffix == ".h5" or h5py.is_hdf5(source):
         _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm"))
-        moments = ("max,end" if at is None else at).split(",")
-        report, drawn = history_report(source, moments, export=export, **limits), out and history_drawn(
-            source, moments, limits["threshold"])
+        history = read_history(source)
+        samples = choose_samples(history, ("max,end" if at is None else at).split(","))
+        report = history_report(history, samples, export=export, **limits)
+        drawn = out and history_drawn(history, samples, limits["threshold"])
     else:
         _only_with("a crack file", given, without=("at", "export", "margin-mm"))
         patterns, layout = read_cracks(source), lay_out(load_wall(wall))
@@ -82,10 +83,8 @@ def _only_with(what, given, needs=("wall",), without=()):
 
 # --- a history ------------------------------------------------------------------------------------
 
-def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
-    """The cracks of the history at `path`, a dictionary; written to `export` if it is given."""
-    history = read_history(path)
-    samples = choose_samples(history, moments)
+def history_report(history, samples, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
+    """The cracks of a History at samples (indices), a dictionary; written to `export` if it is given."""
     index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
     width = np.hypot(history.opening_m, history.slip_by("displacement"))
     levels = []
@@ -110,12 +109,10 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
                 "psi_from_mm": psi_from / MILLIMETRE}, "notes": offset_warnings(history)}
 
 
-def history_drawn(path, moments, threshold=THRESHOLD):
-    """What `crack_pictures` draws of the history at `path`: MappedCracks and CrackPatterns at these moments, and the
-    Layout."""
-    history = read_history(path)
+def history_drawn(history, samples, threshold=THRESHOLD):
+    """What `crack_pictures` draws of a History at samples: MappedCracks and CrackPatterns, and the Layout."""
     layout = lay_out(history.masonry_wall, history.model)
-    patterns = patterns_of(history, choose_samples(history, moments), threshold)
+    patterns = patterns_of(history, samples, threshold)
     return [map_cracks(pattern, layout) for pattern in patterns], patterns, layout
 
 

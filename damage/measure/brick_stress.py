@@ -10,8 +10,7 @@ The bricks of such a run stay whole: the measure shows where they would not.
 
 import numpy as np
 
-from damage.history.schema import Column
-from damage.measure.register import measure
+from damage.history.schema import Column, measure
 
 PLACES = ("lower edge", "centre", "upper edge")
 """Of the middle section."""

@@ -112,20 +112,6 @@ MADE_BY = {
 """{name: Column} of the origin of a run; in points.csv of all its runs."""
 
 
-def each(columns):
-    """{name: Column} from {"name, name": Column}, each with its own unit.
-
-    >>> each({"period_s, amplitude_g": Column("s, g", "of a motion")})["amplitude_g"]
-    Column(unit='g', meaning='of a motion', dtype='f8', since=1)
-    """
-    found = {}
-    for several, column in columns.items():
-        singles, units = several.split(", "), column.unit.split(", ")
-        units = units if len(units) == len(singles) else [column.unit] * len(singles)
-        found |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
-    return found
-
-
 def bounds_of(name):
     """Bounds (least, most) of the values of a column, by its name; infinite where there is none.
 

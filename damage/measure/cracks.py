@@ -21,9 +21,8 @@ from scipy.sparse.csgraph import connected_components
 
 from damage.checks import check_positive
 from damage.errors import InputError
-from damage.history.schema import Column
+from damage.history.schema import Column, measure
 from damage.index import THRESHOLD
-from damage.measure.register import measure
 from damage.units import MILLIMETRE
 from damage.wall.geometry import tributary_ends
 

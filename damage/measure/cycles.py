@@ -4,11 +4,10 @@ sequence, and periods."""
 import numpy as np
 import pandas as pd
 
-from damage.history.schema import Column, moving
+from damage.history.schema import Column, measure, moving
 from damage.index import COMPONENTS
 from damage.measure.cracks import psi_history
 from damage.measure.damage_index import CRITERIA
-from damage.measure.register import measure
 from damage.units import MILLIMETRE
 
 # --- cycles of the drift ----------------------------------------------------------------------------

@@ -9,9 +9,8 @@ that it covers.
 import numpy as np
 import pandas as pd
 
-from damage.history.schema import Column
+from damage.history.schema import Column, measure
 from damage.index import COMPONENTS
-from damage.measure.register import measure
 
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """{slip criterion: prefix of a component's name in its columns}."""

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from damage.history.schema import Column, is_moving
-from damage.measure.register import measure
+from damage.history.schema import Column, is_moving, measure
 from damage.units import GRAVITY
 
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
@@ -30,6 +29,11 @@ def energy_groups(series):
     stored, dissipated = (series[list(names)].sum(axis=1, min_count=1) for names in (STORED, DISSIPATED[:2]))
     return {"input_energy_j": series["input_energy_j"].to_numpy(), "stored_energy_j": stored.to_numpy(),
             "dissipated_energy_j": dissipated.to_numpy(), "damping_energy_j": series["damping_energy_j"].to_numpy()}
+
+
+def known_energies(series):
+    """All energies of a series, zero where the solver does not record them."""
+    return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
 
 
 def noise_j(mass_kg, height_m):

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from damage.history.schema import Column
+from damage.history.schema import Column, measure
 from damage.measure.cracks import PSI_FROM, psi_history
-from damage.measure.register import measure
 from damage.units import MILLIMETRE
 
 _EQUALLY = 0.999

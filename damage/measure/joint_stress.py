@@ -229,12 +229,9 @@ def _extremes(stresses):
 
 def _most_eccentric(table):
     """Of each part the section with the largest eccentricity, the first where all are under tension: dictionaries."""
-    found = []
-    for _, of_part in table.groupby("part", sort=False):
-        away = of_part["eccentricity_over_length"].abs()
-        found.append(of_part.loc[away.idxmax() if away.notna().any() else of_part.index[0]].drop(
-            ["moment", "time_s"]).to_dict())
-    return found
+    away = table["eccentricity_over_length"].abs().fillna(-1.0)
+    rows = away.groupby(table["part"], sort=False).idxmax()
+    return table.loc[rows].drop(columns=["moment", "time_s"]).to_dict("records")
 
 
 def describe(report):

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.history.schema import Column
-from damage.measure.register import measure
+from damage.history.schema import Column, measure
 from damage.wall.kinematics import slide_limits as limits_of
 
 

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damage.history.schema import Column
-from damage.measure.register import measure
+from damage.history.schema import Column, measure
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,8 @@ def compare_patterns(first, second):
     all None where nothing has cracked in either run.  window_m: side of the windows [m]; slip: `common_slip`.
     """
     slip = common_slip(first, second)
-    places = places_of(first)
-    return {**{what: places.scores(cracked(first, what, slip), cracked(second, what, slip))
+    places, others = places_of(first), places_of(second)
+    return {**{what: places.scores(cracked(first, what, slip), cracked(second, what, slip), others)
                for what in ("broken", "visible")}, "window_m": WINDOW_M, "slip": slip}
 
 
@@ -69,11 +69,6 @@ def cracked(history, what, slip="displacement"):
     return ((history.opening_m[:end] > THRESHOLD) | slipped).any(axis=0)
 
 
-def fractions(history, flags, mirrored=False):
-    """`Places.fractions` of the joints of a History."""
-    return places_of(history).fractions(flags, mirrored)
-
-
 def places_of(history):
     """The Places of the joints of a History."""
     joints = history.joints
@@ -104,16 +99,16 @@ class Places(NamedTuple):
         in_all, in_cracks = self.sums((self.length, self.length * flags), mirrored)
         return np.divide(in_cracks, in_all, out=np.zeros_like(in_all), where=in_all > 0)
 
-    def scores(self, first, second):
+    def scores(self, first, second, others=None):
         """Fractions skill score of the flagged joints (n_joints,) of two patterns with its controls, as of
-        `compare_patterns`."""
-        here = self.fractions(first)
-        score = fractions_skill_score(here, self.fractions(second))
+        `compare_patterns`; others: the Places of the second pattern, where they are not these."""
+        here, others = self.fractions(first), others or self
+        score = fractions_skill_score(here, others.fractions(second))
         if score is None:
             return {"fss": None, "shuffled": None, "mirrored": None, "tells_sides": None}
         random = np.random.default_rng(0)
-        shuffled = [fractions_skill_score(here, self.fractions(random.permutation(second))) for _ in range(SHUFFLES)]
-        mirrored = fractions_skill_score(here, self.fractions(second, mirrored=True))
+        shuffled = [fractions_skill_score(here, others.fractions(random.permutation(second))) for _ in range(SHUFFLES)]
+        mirrored = fractions_skill_score(here, others.fractions(second, mirrored=True))
         return {"fss": score, "shuffled": float(np.mean(shuffled)), "mirrored": mirrored,
                 "tells_sides": bool(mirrored < score - SIDES_MARGIN)}
 

@@ -8,9 +8,8 @@ import pandas as pd
 import scipy  # integrate where it is used: it starts slowly
 
 from damage.errors import InputError
-from damage.history.schema import Column
+from damage.history.schema import Column, measure
 from damage.index import COMPONENTS, THRESHOLD
-from damage.measure.register import measure
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE, CAP_HEIGHT

@@ -1,12 +1,12 @@
 """Summary of a run: all its scalar measures, the JSON of `python3 -m damage index`."""
 
-from damage.errors import InputError
+from damage.history.moments import check_samples
+from damage.history.schema import each
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure import brick_stress, cracks, cycles, damage_index, energy, ground, joints, limits, pushed
-from damage.measure.columns import PARAMETERS, RUN, each
+from damage.measure.columns import PARAMETERS, RUN
 from damage.measure.cracks import PSI_FROM
 from damage.measure.evidence import evidence_for, facts, outside
-from damage.measure.register import measures_in
 from damage.measure.warnings import warnings_of
 from damage.motion.intensity import motion_measures, record_unit
 from damage.units import MILLIMETRE
@@ -16,9 +16,10 @@ _MODULES = {
     "Index, drift": [damage_index], "Forces": [pushed], "Cycles and period": [cycles],
     "Cracks": [cracks, joints, brick_stress], "Ground": [ground], "Energy": [energy],
     "Classes by published limits": [limits]}
-REGISTER = {section: [one for module in modules for one in measures_in(module)] for section, modules in
-            _MODULES.items()}
-"""{section of the document: functions with `damage.measure.register.measure`}, in the order of summary.csv."""
+REGISTER = {section: [one for module in modules for one in vars(module).values()
+                      if hasattr(one, "columns") and one.__module__ == module.__name__]
+            for section, modules in _MODULES.items()}
+"""{section of the document: functions with `damage.history.schema.measure`}, in the order of summary.csv."""
 MEASURES = {section: {several: column for one in functions for several, column in one.columns.items()}
             for section, functions in REGISTER.items()}
 """{section of the document: {names: Column}} of the results."""
@@ -30,8 +31,7 @@ def unit_in(name):
     >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
     ('mm', '1', '')
     """
-    known = [each(table).get(name) for table in (PARAMETERS, RUN, *MEASURES.values())]
-    return next((column.unit for column in known if column), "")
+    return next((known[name].unit for known in map(each, (PARAMETERS, RUN, *MEASURES.values())) if name in known), "")
 
 
 def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
@@ -39,8 +39,7 @@ def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="di
 
     Raises InputError where the history has no sample.
     """
-    if len(history.series) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
+    check_samples(history)
     elastic = elastic_share(history.plan, history.joints, history.bodies)
     numbers = {
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,

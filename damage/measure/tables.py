@@ -19,6 +19,7 @@ from damage.csv_table import as_words
 from damage.errors import InputError
 from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
+from damage.history.moments import check_samples
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import bricks_table, has_stresses
@@ -147,8 +148,7 @@ def write_run_tables(history, stem, names=RUN_TABLES):
     names: keys of RUN_TABLES; those that a run lacks (`_has`) are left out.  Raises InputError where the history has
     no sample.
     """
-    if len(history.series) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
+    check_samples(history)
     has = _has(history)
     names = [name for name in names if has.get(name, True)]
     return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),

@@ -3,6 +3,6 @@
 Its functions take numbers of one wall, or vectors of those of eight (`eight`).
 """
 
-from damage.mechanics.cache import find_a_place
+from damage.mechanics.compiled import find_a_place
 
 find_a_place()  # before anything is compiled

@@ -6,14 +6,13 @@ from damage.law.joint_law import ContactState, LawParameters, elastic_range, ran
 from damage.mechanics.loose import Touch, make_loose, stiffness_for
 from damage.mechanics.tables import (
     CONTACT,
+    HAS_FAILED,
     INDEX,
     INTERFACE,
-    LIMIT,
-    LOAD,
-    PLAY,
+    LARGEST_OPENING,
+    LARGEST_SLIDE,
     RIGID,
     ROTATION,
-    STIFFNESS,
     Strain,
     make_tables,
     system_of,
@@ -66,10 +65,10 @@ def build(layout, material):
     system.inverse_mass[:n_bodies, :RIGID][layout.held] = 0.0
     if top := top_of(layout.wall):
         beam = layout.bodies.course == CAP_COURSE
-        system.bearings[:, LOAD] = layout.load_mass
+        system.bearings["load"] = layout.load_mass
         if top.stiffness:
-            system.bearings[beam, STIFFNESS], system.bearings[beam, PLAY] = top.stiffness, top.play
-            system.bearings[beam, LIMIT] = top.friction * GRAVITY * layout.top_mass
+            system.bearings["stiffness"][beam], system.bearings["play"][beam] = top.stiffness, top.play
+            system.bearings["limit"][beam] = top.friction * GRAVITY * layout.top_mass
     return tables
 
 
@@ -187,12 +186,12 @@ def sum_springs(system, material, strain=None):
     with np.errstate(divide="ignore", invalid="ignore"):
         opening, slide, ratio = elastic_range(
             LawParameters(kn, ks, strengths["tensile_strength"], strengths["cohesion"], material))
-        limits["largest_opening"] = np.minimum.reduceat(opening, start)
-        limits["largest_slide"] = np.minimum.reduceat(slide, start)
+        limits[:, LARGEST_OPENING] = np.minimum.reduceat(opening, start)
+        limits[:, LARGEST_SLIDE] = np.minimum.reduceat(slide, start)
     interfaces["slide_loss"] = ratio[start]
     # The limit at the outermost contact point bounds all others only where they have the same ratio of stiffness and
     # friction; elsewhere a limit of -inf has every contact point evaluated by itself.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
     # Contacts that can crush, those of deformable bricks, and failed ones are evaluated by themselves, too.
     alike &= (strengths["compressive_strength"] == np.inf) & (strain is None)
-    limits["largest_opening"][~np.logical_and.reduceat(alike, start) | (limits["failed"] > 0)] = -np.inf
+    limits[~np.logical_and.reduceat(alike, start) | (limits[:, HAS_FAILED] > 0), LARGEST_OPENING] = -np.inf

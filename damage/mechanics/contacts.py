@@ -10,28 +10,24 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.law import joint_law
-from damage.law.joint_law import INTACT, ContactState, ElasticRange, LawParameters
-from damage.mechanics.by_name import reader, writer
+from damage.law.joint_law import INTACT, LawParameters
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, bits, either, load, store, store_where, zero
 from damage.mechanics.interfaces import Resultant
-from damage.mechanics.tables import (
-    FRACTURE,
-    FRICTION,
-    OPENED,
-    READ_OPENING,
-    READ_SHEAR,
-    READ_SIGMA,
-    READ_TAU,
-    SLIPPED,
-    STATES,
+from damage.mechanics.rows import (
+    keep_law_state,
+    keep_range,
+    keep_reading,
+    law_state,
+    range_now,
+    reading_of,
+    strengths_of,
 )
+from damage.mechanics.tables import FRACTURE, FRICTION, OPENED, SLIPPED, STATES, Reading
 
 NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(STATES.index, (
     "normal_stress", "shear_stress", "broken", "at_limit", "slip", "kappa", "closure", "shear0", "idle", "passed"))
 TENSION_STIFFNESS, LEFT = STATES.index("elastic_tension_stiffness"), STATES.index("elastic_tensile_strength")
-law_state, keep_law_state = reader(ContactState, STATES), writer(ContactState, STATES)
-range_now, keep_range = (make(ElasticRange, STATES, prefix="elastic_") for make in (reader, writer))
 
 
 class Trial(NamedTuple):
@@ -180,27 +176,20 @@ def ask_law(n, contact, states, strengths, energy, i, opening, shear, material):
 
     opening, shear: displacements now [m].  Returns as `joint_law.advance`, with forces [N] and works [J].
     """
-    tensile, cohesion, mode_i, mode_ii, compressive, crushing = strengths_of(n, strengths, i)
-    parameters = LawParameters(contact.kn, contact.ks, tensile, cohesion, material, mode_i, mode_ii, compressive,
-                               crushing)
+    of = strengths_of(n, strengths, i)
+    parameters = LawParameters(contact.kn, contact.ks, of.tensile_strength, of.cohesion, material, of.mode_i_energy,
+                               of.mode_ii_energy, of.compressive_strength, of.crushing_energy)
     old = law_state(n, states, i)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
     add(n, energy, 0, FRICTION, new.friction_work - old.friction_work)
     add(n, energy, 0, FRACTURE, new.fracture_work - old.fracture_work)
-    keep_law_state(n, states, i, new)
-    keep_range(n, states, i, joint_law.range_left(new, parameters))
+    keep_law_state(n, states, i, True, new)
+    keep_range(n, states, i, True, joint_law.range_left(new, parameters))
     if new.broken or new.kappa > 0.0:
         store(n, states, i, SHEAR0, shear)
     else:  # the shear force of an intact bond is measured from the undeformed wall
         store(n, states, i, SHEAR_STRESS, old.shear_stress)
     return new, event
-
-
-@inlined
-def strengths_of(n, strengths, i):
-    """The numbers of STRENGTHS of contact point i."""
-    return (load(n, strengths, i, 0), load(n, strengths, i, 1), load(n, strengths, i, 2), load(n, strengths, i, 3),
-            load(n, strengths, i, 4), load(n, strengths, i, 5))
 
 
 @inlined
@@ -234,37 +223,29 @@ def log_event(tables, w, step, i, kind, values):
 
 
 @inlined
-def let_go(n, tables, start, stop, motion):
-    """Set the forces of an interface's contact points to zero, one step after its faces ceased to overlap.
+def let_go(n, tables, i, motion):
+    """Set the forces of contact point i to zero, one step after the faces of its interface ceased to overlap.
 
     The readings of that earlier step stay, except for the stresses.  By the trapezoidal rule of central differences, a
     force that vanishes in a step still does half of its work; the remaining elastic energy counts as friction.
     """
-    readings, states, energy = tables.readings, tables.states, tables.energy
-    for i in range(start, stop):
-        contact = tables.contacts[i]
-        sigma, tau = load(n, readings, i, READ_SIGMA) * contact.area, load(n, readings, i, READ_TAU) * contact.area
-        slid = motion.shear - load(n, readings, i, READ_SHEAR)
-        add(n, energy, 0, FRICTION, 0.5 * sigma * (
-            motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)))
-        add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
-        store(n, states, i, NORMAL_STRESS, 0.0)
-        store(n, states, i, SHEAR_STRESS, 0.0)
-        store(n, readings, i, READ_SIGMA, 0.0)
-        store(n, readings, i, READ_TAU, 0.0)
+    states, energy, contact, last = tables.states, tables.energy, tables.contacts[i], reading_of(n, tables.readings, i)
+    sigma, tau, slid = last.sigma * contact.area, last.tau * contact.area, motion.shear - last.shear
+    add(n, energy, 0, FRICTION, 0.5 * sigma * (
+        motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)))
+    add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
+    store(n, states, i, NORMAL_STRESS, 0.0)
+    store(n, states, i, SHEAR_STRESS, 0.0)
+    keep_reading(n, tables.readings, i, True, Reading(last.opening, last.shear, 0.0, 0.0))
 
 
 @inlined
-def read(n, tables, start, stop, motion, which):
-    """Write opening, shear displacement [m] and stresses [Pa] of an interface's contact points into the readings of the
-    walls `which` (flags).
+def read(n, tables, i, motion, which):
+    """Write opening, shear displacement [m] and stresses [Pa] of contact point i into the readings of the walls `which`
+    (flags).
 
-    Called after its forces are known: each contact point is then a spring about its new state.
+    Called after its forces are known: it is then a spring about its new state.
     """
-    contacts, readings = tables.contacts, tables.readings
-    for i in range(start, stop):
-        trial, area = present_forces(n, contacts, tables.states, i, motion), contacts[i].area
-        store_where(n, readings, i, READ_OPENING, which, trial.opening)
-        store_where(n, readings, i, READ_SHEAR, which, motion.shear)
-        store_where(n, readings, i, READ_SIGMA, which, trial.sigma / area)
-        store_where(n, readings, i, READ_TAU, which, trial.tau / area)
+    trial, area = present_forces(n, tables.contacts, tables.states, i, motion), tables.contacts[i].area
+    keep_reading(n, tables.readings, i, which, Reading(trial.opening, motion.shear, trial.sigma / area,
+                                                       trial.tau / area))

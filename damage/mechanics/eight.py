@@ -77,7 +77,7 @@ def _part(n, table, row, field):
 
 
 def load(n, table, row, field):
-    """A number, or a vector of those of all walls, or of all rows."""
+    """A number, or a vector of those of all walls, or of all rows, of a table in the order of columns."""
     return np.copy(_part(n, table, row, field)) if is_wide(n) else table[row, field, n.lane]
 
 
@@ -202,30 +202,13 @@ class Vector(types.Type):
 NUMBERS, FLAGS = Vector(f"{WIDTH} numbers"), Vector(f"{WIDTH} flags")
 _INT, _LONG, _REAL, _FLAG = ir.IntType(32), ir.IntType(64), ir.DoubleType(), ir.IntType(1)
 _VECTORS = {NUMBERS: ir.VectorType(_REAL, WIDTH), FLAGS: ir.VectorType(_FLAG, WIDTH)}
+_FOUR = ir.VectorType(_REAL, 4)
 
 
 @register_model(Vector)
 class _Model(models.PrimitiveModel):
     def __init__(self, manager, kind):
         super().__init__(manager, kind, _VECTORS[kind])
-
-
-def _spread(builder, kind, value):
-    """A vector from a value of this type: the vector itself, or one number in all lanes."""
-    if kind == NUMBERS:
-        return value
-    none = ir.Constant(_VECTORS[NUMBERS], ir.Undefined)
-    return builder.shuffle_vector(builder.insert_element(none, value, _INT(0)), none,
-                                  ir.Constant(ir.VectorType(_INT, WIDTH), [0] * WIDTH))
-
-
-def _teach(function, typer):
-    """Register a function with numba; typer: the type of its result from those of its arguments, or None."""
-    type_callable(function)(lambda _context: typer)
-
-
-def _is_number(kind):
-    return kind == NUMBERS or isinstance(kind, types.Float)
 
 
 def _is_wide(n):
@@ -236,103 +219,115 @@ def _width(kind):
     return types.NamedUniTuple(types.intp, 1, kind)
 
 
-def _teach_binary(function, result, make):
-    """Register an operation on two vectors, or on a vector and a number; make: its LLVM instruction."""
-    _teach(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None)
+def _numbers(n):
+    """Type of what a width gives."""
+    return NUMBERS if _is_wide(n) else types.float64
+
+
+def _is_number(kind):
+    return kind == NUMBERS or isinstance(kind, types.Float)
+
+
+def _mixed(builder, x, y, order):
+    """A vector of the elements `order` of two."""
+    return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_INT, len(order)), order))
+
+
+def _spread(builder, kind, value):
+    """A vector from a value of this type: the vector itself, or one number in all lanes."""
+    if kind == NUMBERS:
+        return value
+    none = ir.Constant(_VECTORS[NUMBERS], ir.Undefined)
+    return _mixed(builder, builder.insert_element(none, value, _INT(0)), none, [0] * WIDTH)
+
+
+# --- operations -------------------------------------------------------------------------------------
+
+def _operation(function, typer, make, *operands):
+    """Register an operation; typer: the type of its result from those of its operands, or None; make: its LLVM
+    instruction from the builder and vectors; operands: types of them that it takes."""
+    type_callable(function)(lambda _context: typer)
 
     def lower(_context, builder, signature, values):
-        return make(builder, *(_spread(builder, kind, value) for kind, value in zip(signature.args, values)))
+        return make(builder, *(value if kind == FLAGS else _spread(builder, kind, value)
+                               for kind, value in zip(signature.args, values)))
 
-    for kinds in ((NUMBERS, NUMBERS), (NUMBERS, types.Float), (types.Float, NUMBERS)):
+    for kinds in operands:
         lower_builtin(function, *kinds)(lower)
+
+
+def _binary(function, result, make):
+    """Register an operation on two vectors of numbers, or on a vector and a number."""
+    _operation(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None, make,
+               (NUMBERS, NUMBERS), (NUMBERS, types.Float), (types.Float, NUMBERS))
 
 
 def _comparison(sign):
     return lambda builder, x, y: builder.fcmp_ordered(sign, x, y)
 
 
+def _without_sign(builder, x):
+    longs = ir.VectorType(_LONG, WIDTH)
+    return builder.bitcast(builder.and_(builder.bitcast(x, longs), ir.Constant(longs, [2**63 - 1] * WIDTH)),
+                           _VECTORS[NUMBERS])
+
+
 for _function, _make in ((operator.add, ir.IRBuilder.fadd), (operator.sub, ir.IRBuilder.fsub),
                          (operator.mul, ir.IRBuilder.fmul), (operator.truediv, ir.IRBuilder.fdiv)):
-    _teach_binary(_function, NUMBERS, _make)
+    _binary(_function, NUMBERS, _make)
 for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, "<"), (operator.le, "<="),
                          (operator.eq, "==")):
-    _teach_binary(_function, FLAGS, _comparison(_sign))
-for _function in (operator.and_, operator.or_):
-    _teach(_function, lambda x, y: FLAGS if x == y == FLAGS else None)
-for _function in (operator.neg, abs):
-    _teach(_function, lambda x: NUMBERS if x == NUMBERS else None)
-_teach(load, lambda n, table, row, field: NUMBERS if _is_wide(n) else types.float64)
-_teach(store, lambda n, table, row, field, value: types.none)
-_teach(store_where, lambda n, table, row, field, which, value: types.none)
-_teach(add, lambda n, table, row, field, value: types.none)
-_teach(zero, lambda n: NUMBERS if _is_wide(n) else types.float64)
-_teach(flags_of, lambda n, whole: FLAGS if _is_wide(n) else types.boolean)
-_teach(bits, lambda flags: types.intp)
-_teach(lanes, lambda n: types.intp)
-_teach(wall_of, lambda n, w: {Eight: _width(Lane), Rows: _width(One)}.get(n.instance_class, n))
-_teach(widest, lambda n: n if _is_wide(n) else _width(Rows))
-_teach(table_width, lambda n: _width(One) if n.instance_class is Rows else n)
-_teach(rows_of, lambda n: types.intp)
-_teach(in_blocks, lambda n, row: _width(Eight if n.instance_class is Rows else Lane))
-_teach(four, lambda n, table, rows, k, field: types.UniTuple(NUMBERS if _is_wide(n) else types.float64, 4))
-_teach(put_four, lambda n, table, rows, k, field, values: types.none)
-_teach(add_three, lambda n, table, first, second, k, field, to_first, to_second: types.none)
-_teach(add_part, lambda n, sums, kind, row, value: types.none)
-_teach(lane, lambda value, w: types.float64)
-_teach(with_lane, lambda value, w, number: value)
-_teach(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
+    _binary(_function, FLAGS, _comparison(_sign))
+for _function, _make in ((operator.and_, ir.IRBuilder.and_), (operator.or_, ir.IRBuilder.or_)):
+    _operation(_function, lambda x, y: FLAGS if x == y == FLAGS else None, _make, (FLAGS, FLAGS))
+for _function, _make in ((operator.neg, ir.IRBuilder.fneg), (abs, _without_sign)):
+    _operation(_function, lambda x: NUMBERS if x == NUMBERS else None, _make, (NUMBERS,))
 
 
-@lower_builtin(operator.and_, FLAGS, FLAGS)
-def _and(_context, builder, _signature, values):
-    return builder.and_(*values)
+# --- the functions above ----------------------------------------------------------------------------
+
+def _compiles(function, typer):
+    """Decorator of what writes the LLVM code of a call of this function; typer: the type of its result from those of
+    its arguments."""
+    type_callable(function)(lambda _context: typer)
+    return lower_builtin(function, types.VarArg(types.Any))
 
 
-@lower_builtin(operator.or_, FLAGS, FLAGS)
-def _or(_context, builder, _signature, values):
-    return builder.or_(*values)
+@_compiles(bits, lambda flags: types.intp)
+def _bits(_context, builder, signature, values):
+    (flags,) = values
+    return builder.zext(builder.bitcast(flags, ir.IntType(WIDTH)) if signature.args[0] == FLAGS else flags, _LONG)
 
 
-@lower_builtin(operator.neg, NUMBERS)
-def _neg(_context, builder, _signature, values):
-    return builder.fneg(values[0])
-
-
-@lower_builtin(abs, NUMBERS)
-def _abs(_context, builder, _signature, values):
-    longs = ir.VectorType(_LONG, WIDTH)
-    without_sign = ir.Constant(longs, [2**63 - 1] * WIDTH)
-    return builder.bitcast(builder.and_(builder.bitcast(values[0], longs), without_sign), _VECTORS[NUMBERS])
-
-
-@lower_builtin(bits, FLAGS)
-def _bits(_context, builder, _signature, values):
-    return builder.zext(builder.bitcast(values[0], ir.IntType(WIDTH)), _LONG)
-
-
-@lower_builtin(bits, types.Boolean)
-def _bit(_context, builder, _signature, values):
-    return builder.zext(values[0], _LONG)
-
-
-@lower_builtin(flags_of, types.NamedUniTuple, types.Integer)
+@_compiles(flags_of, lambda n, whole: FLAGS if _is_wide(n) else types.boolean)
 def _flags_of(_context, builder, signature, values):
     if _is_wide(signature.args[0]):
         return builder.bitcast(builder.trunc(values[1], ir.IntType(WIDTH)), _VECTORS[FLAGS])
     return builder.trunc(values[1], _FLAG)
 
 
-@lower_builtin(zero, types.NamedUniTuple)
+@_compiles(zero, _numbers)
 def _zero(_context, builder, signature, values):
     return _spread(builder, types.float64, _REAL(0.0)) if _is_wide(signature.args[0]) else _REAL(0.0)
 
 
-@lower_builtin(lanes, types.NamedUniTuple)
+@_compiles(lanes, lambda n: types.intp)
 def _lanes(_context, builder, signature, values):
     return _LONG(WIDTH if _is_wide(signature.args[0]) else 1)
 
 
-@lower_builtin(wall_of, types.NamedUniTuple, types.Integer)
+@_compiles(rows_of, lambda n: types.intp)
+def _rows_of(_context, _builder, signature, values):
+    return _LONG(WIDTH if signature.args[0].instance_class is Rows else 1)
+
+
+@_compiles(table_width, lambda n: _width(One) if n.instance_class is Rows else n)
+@_compiles(widest, lambda n: n if _is_wide(n) else _width(Rows))
+def _same(_context, _builder, _signature, values):
+    return values[0]
+
+
+@_compiles(wall_of, lambda n, w: {Eight: _width(Lane), Rows: _width(One)}.get(n.instance_class, n))
 def _wall_of(context, builder, signature, values):
     if signature.args[0].instance_class is not Eight:
         return values[0]
@@ -340,20 +335,25 @@ def _wall_of(context, builder, signature, values):
                                                                             types.intp)])
 
 
-@lower_builtin(lane, types.Any, types.Integer)
+@_compiles(in_blocks, lambda n, row: _width(Eight if n.instance_class is Rows else Lane))
+def _in_blocks(context, builder, signature, values):
+    row = context.cast(builder, values[1], signature.args[1], types.intp)
+    return context.make_tuple(builder, signature.return_type, [builder.and_(row, _LONG(WIDTH - 1))])
+
+
+@_compiles(lane, lambda value, w: types.float64)
 def _lane(_context, builder, signature, values):
     return builder.extract_element(*values) if signature.args[0] == NUMBERS else values[0]
 
 
-@lower_builtin(with_lane, types.Any, types.Integer, types.Float)
+@_compiles(with_lane, lambda value, w, number: value)
 def _with_lane(_context, builder, signature, values):
     value, w, number = values
     return builder.insert_element(value, number, w) if signature.args[0] == NUMBERS else number
 
 
-@lower_builtin(either, FLAGS, types.Any, types.Any)
-@lower_builtin(either, types.Boolean, types.Any, types.Any)
-def _choose(_context, builder, signature, values):
+@_compiles(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
+def _either(_context, builder, signature, values):
     condition, x, y = values
     if signature.return_type == NUMBERS:
         x, y = (_spread(builder, kind, value) for kind, value in zip(signature.args[1:], (x, y)))
@@ -375,38 +375,14 @@ def _pointer(context, builder, signature, values):
     return builder.bitcast(pointer, (_VECTORS[NUMBERS] if _is_wide(n) else _REAL).as_pointer())
 
 
-def _each_row(context, builder, signature, values, access):
-    """Call access(pointer, number of the row) for each of the rows of Rows."""
-    one = _width(One)
-    signature = typing.signature(types.none, one, *signature.args[1:])
-    for k in range(WIDTH):
-        row = builder.add(context.cast(builder, values[2], signature.args[2], types.intp), _LONG(k))
-        kinds = typing.signature(types.none, one, signature.args[1], types.intp, signature.args[3])
-        access(_pointer(context, builder, kinds, [values[0], values[1], row, values[3]]), k)
-
-
-def _is_scattered(signature):
-    """Whether the numbers of a vector are apart in the table."""
-    return signature.args[0].instance_class is Rows and signature.args[1].layout != "F"
-
-
 def _read(context, builder, signature, values):
     """The number or vector of a table."""
-    if not _is_scattered(signature):
-        return builder.load(_pointer(context, builder, signature, values), align=8)
-    vector = [ir.Constant(_VECTORS[NUMBERS], ir.Undefined)]
-    _each_row(context, builder, signature, values, lambda pointer, k: vector.append(
-        builder.insert_element(vector[-1], builder.load(pointer), _INT(k))))
-    return vector[-1]
+    return builder.load(_pointer(context, builder, signature, values), align=8)
 
 
 def _write(context, builder, signature, values, value):
     """Write a number or vector into a table."""
-    if not _is_scattered(signature):
-        builder.store(value, _pointer(context, builder, signature, values), align=8)
-    else:
-        _each_row(context, builder, signature, values, lambda pointer, k: builder.store(
-            builder.extract_element(value, _INT(k)), pointer))
+    builder.store(value, _pointer(context, builder, signature, values), align=8)
     return context.get_dummy_value()
 
 
@@ -417,44 +393,41 @@ def _value(context, builder, signature, values):
     return context.cast(builder, values[-1], signature.args[-1], types.float64)
 
 
-lower_builtin(load, types.NamedUniTuple, types.Array, types.Integer, types.Integer)(_read)
+_compiles(load, lambda n, table, row, field: _numbers(n))(_read)
 
 
-@lower_builtin(store, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any)
+@_compiles(store, lambda n, table, row, field, value: types.none)
 def _store(context, builder, signature, values):
     return _write(context, builder, signature, values, _value(context, builder, signature, values))
 
 
-@lower_builtin(add, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any)
+@_compiles(add, lambda n, table, row, field, value: types.none)
 def _add(context, builder, signature, values):
     old = _read(context, builder, signature, values)
-    return _write(context, builder, signature, values,
-                  builder.fadd(old, _value(context, builder, signature, values)))
+    return _write(context, builder, signature, values, builder.fadd(old, _value(context, builder, signature, values)))
 
 
-@lower_builtin(store_where, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any, types.Any)
+@_compiles(store_where, lambda n, table, row, field, which, value: types.none)
 def _store_where(context, builder, signature, values):
     old = _read(context, builder, signature, values)
     return _write(context, builder, signature, values,
                   builder.select(values[4], _value(context, builder, signature, values), old))
 
 
-@lower_builtin(table_width, types.NamedUniTuple)
-@lower_builtin(widest, types.NamedUniTuple)
-def _widest(_context, _builder, _signature, values):
-    return values[0]
+@_compiles(add_part, lambda n, sums, kind, row, value: types.none)
+def _add_part(context, builder, signature, values):
+    n, kind, of_kind, of_row = signature.args[:4]
+    part = builder.and_(context.cast(builder, values[3], of_row, types.intp), _LONG(WIDTH - 1))
+    at = _width(One) if n.instance_class is Rows else n
+    pointer = _pointer(context, builder, typing.signature(types.none, at, kind, of_kind, types.intp),
+                       [values[0], values[1], values[2], _LONG(0) if n.instance_class is Rows else part])
+    value = _value(context, builder, signature, values)
+    pointer = builder.bitcast(pointer, value.type.as_pointer())
+    builder.store(builder.fadd(builder.load(pointer, align=8), value), pointer, align=8)
+    return context.get_dummy_value()
 
 
-@lower_builtin(rows_of, types.NamedUniTuple)
-def _rows_of(_context, _builder, signature, values):
-    return _LONG(WIDTH if signature.args[0].instance_class is Rows else 1)
-
-
-@lower_builtin(in_blocks, types.NamedUniTuple, types.Integer)
-def _in_blocks(context, builder, signature, values):
-    row = context.cast(builder, values[1], signature.args[1], types.intp)
-    return context.make_tuple(builder, signature.return_type, [builder.and_(row, _LONG(WIDTH - 1))])
-
+# --- four fields of rows that an array names ----------------------------------------------------------
 
 # Shuffles of two vectors: their even elements alternately, and their odd elements.
 _EVEN, _ODD = ([k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + pair)] for k in (0, 1))
@@ -462,11 +435,6 @@ _EVEN, _ODD = ([k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + p
 _FRONT, _BACK = ([four + k + i for four in range(0, WIDTH, 4) for k in (pair, WIDTH + pair) for i in (0, 1)]
                  for pair in (0, 2))
 _FOURS = [list(range(four, four + 4)) for four in range(0, WIDTH, 4)]
-_FOUR = ir.VectorType(_REAL, 4)
-
-
-def _mixed(builder, x, y, order):
-    return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_INT, len(order)), order))
 
 
 def _as_rows(builder, a, b, c, d):
@@ -498,7 +466,7 @@ def _named(context, builder, signature, values, rows):
         yield _pointer(context, builder, kinds, [values[0], values[1], row, values[field]])
 
 
-@lower_builtin(four, types.NamedUniTuple, types.Array, types.Array, types.Integer, types.Integer)
+@_compiles(four, lambda n, table, rows, k, field: types.UniTuple(_numbers(n), 4))
 def _four(context, builder, signature, values):
     pointers = [*_named(context, builder, signature, values, 2)]
     if signature.args[0].instance_class is not Rows:
@@ -509,7 +477,7 @@ def _four(context, builder, signature, values):
     return context.make_tuple(builder, signature.return_type, found)
 
 
-@lower_builtin(put_four, types.NamedUniTuple, types.Array, types.Array, types.Integer, types.Integer, types.UniTuple)
+@_compiles(put_four, lambda n, table, rows, k, field, values: types.none)
 def _put_four(context, builder, signature, values):
     pointers, four_of = [*_named(context, builder, signature, values, 2)], [
         builder.extract_value(values[5], i) for i in range(4)]
@@ -532,8 +500,7 @@ def _added(context, builder, signature, values, rows, three):
     return zip(before, _as_rows(builder, ir.Constant(_VECTORS[NUMBERS], [0.0] * WIDTH), *three))
 
 
-@lower_builtin(add_three, types.NamedUniTuple, types.Array, types.Array, types.Array, types.Integer, types.Integer,
-               types.UniTuple, types.UniTuple)
+@_compiles(add_three, lambda n, table, first, second, k, field, to_first, to_second: types.none)
 def _add_three(context, builder, signature, values):
     both = [_added(context, builder, signature, values, rows, three)
             for rows, three in ((2, values[6]), (3, values[7]))]
@@ -543,14 +510,68 @@ def _add_three(context, builder, signature, values):
     return context.get_dummy_value()
 
 
-@lower_builtin(add_part, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any)
-def _add_part(context, builder, signature, values):
-    n, kind, of_kind, of_row = signature.args[:4]
-    part = builder.and_(context.cast(builder, values[3], of_row, types.intp), _LONG(WIDTH - 1))
-    at = _width(One) if n.instance_class is Rows else n
-    pointer = _pointer(context, builder, typing.signature(types.none, at, kind, of_kind, types.intp),
-                       [values[0], values[1], values[2], _LONG(0) if n.instance_class is Rows else part])
-    value = _value(context, builder, signature, values)
-    pointer = builder.bitcast(pointer, value.type.as_pointer())
-    builder.store(builder.fadd(builder.load(pointer, align=8), value), pointer, align=8)
-    return context.get_dummy_value()
+# --- records ------------------------------------------------------------------------------------------
+
+def reader(kind, names, prefix=""):
+    """A function (n, table, row) that returns a row as NamedTuple `kind`, of numbers or of vectors, flags as bool.
+
+    names: of the table's fields; prefix: of those of the NamedTuple.  A new field needs no change here.
+    """
+    places = [names.index(prefix + name) for name in kind._fields]
+    are_flags = [kind.__annotations__[name] is bool for name in kind._fields]
+
+    def read(n, table, row):
+        return kind(*(load(n, table, row, place) > 0.0 if is_flag else load(n, table, row, place)
+                      for place, is_flag in zip(places, are_flags)))
+
+    @_compiles(read, lambda n, table, row: types.BaseTuple.from_types(
+        [types.boolean if is_flag else _numbers(n) for is_flag in are_flags], kind))
+    def _read_all(context, builder, signature, values):
+        found = _fields(context, builder, signature, values, places)
+        return context.make_tuple(builder, signature.return_type, [
+            builder.fcmp_ordered(">", one, _REAL(0.0)) if is_flag else one for one, is_flag in zip(found, are_flags)])
+
+    return read
+
+
+def writer(kind, names, prefix=""):
+    """A function (n, table, row, which, record) that writes a NamedTuple `kind` into a row where the flags `which` are
+    set; arguments as of `reader`."""
+    places = [names.index(prefix + name) for name in kind._fields]
+
+    def keep(n, table, row, which, record):
+        for place, value in zip(places, record):
+            store_where(n, table, row, place, which, value)
+
+    @_compiles(keep, lambda n, table, row, which, record: types.none)
+    def _keep(context, builder, signature, values):
+        # All are read before the first one is written, so that vectors need not wait.
+        old = _fields(context, builder, signature, values, places)
+        of_field = typing.signature(types.none, *signature.args[:3], types.intp)
+        for k, (place, before, one) in enumerate(zip(places, old, signature.args[4])):
+            value = _value(context, builder, typing.signature(types.none, signature.args[0], one),
+                           [builder.extract_value(values[4], k)])
+            _write(context, builder, of_field, [*values[:3], _LONG(place)], builder.select(values[3], value, before))
+        return context.get_dummy_value()
+
+    return keep
+
+
+def _fields(context, builder, signature, values, places):
+    """What a row has in these fields; the first three arguments: n, table, row."""
+    of_field = typing.signature(types.none, *signature.args[:3], types.intp)
+    return [_read(context, builder, of_field, [*values[:3], _LONG(place)]) for place in places]
+
+
+def column(first, apart):
+    """A function (n, table, row, k) that loads the field `first` + k `apart`."""
+    def read(n, table, row, k):
+        return load(n, table, row, first + k * apart)
+
+    @_compiles(read, lambda n, table, row, k: _numbers(n))
+    def _read_one(context, builder, signature, values):
+        k = builder.mul(context.cast(builder, values[3], signature.args[3], types.intp), _LONG(apart))
+        of_field = typing.signature(types.none, *signature.args[:3], types.intp)
+        return _read(context, builder, of_field, [*values[:3], builder.add(k, _LONG(first))])
+
+    return read

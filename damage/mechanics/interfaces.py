@@ -12,11 +12,8 @@ All functions accept the values of one interface, or vectors of the values of ei
 
 from typing import NamedTuple
 
-import numpy as np
-
 from damage.law import joint_law
-from damage.mechanics.bodies import SMALL, small_rotation
-from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.compiled import inlined
 from damage.mechanics.eight import either
 
 
@@ -53,6 +50,16 @@ class Springs(NamedTuple):
     slide_loss: float
 
 
+class Limits(NamedTuple):
+    """Up to which an intact interface is elastic: opening at the reach, -inf once a contact point has failed, and shear
+    displacement without opening [m]; failed: FAILED once a contact point has failed, softened or been crushed, then
+    ENDING, ENDED (`damage.mechanics.tables`)."""
+
+    largest_opening: float
+    largest_slide: float
+    failed: float
+
+
 class RelativeMotion(NamedTuple):
     """Motion of body b relative to body a along the mean axes: opening and shear displacement of the middle of the
     contact points [m], and sine of the relative rotation [-]."""
@@ -87,12 +94,10 @@ class Resultant(NamedTuple):
 
 
 class Dashpots(NamedTuple):
-    """Dashpots of the soil beside the springs of an interface: damping over stiffness across and along it [s]; last:
-    their Resultant in the last step [N, N m]."""
+    """Dashpots of the soil beside the springs of an interface: damping over stiffness across and along it [s]."""
 
     across: float
     along: float
-    last: Resultant
 
 
 class BodyForces(NamedTuple):
@@ -103,18 +108,6 @@ class BodyForces(NamedTuple):
     z: float
     moment_a: float
     moment_b: float
-
-
-@compiled
-def pose_before(x, z, angle, vx, vz, rotating, dt):
-    """Pose of a body in the last step; x, z, angle: now [m, rad]; vx, vz, rotating: velocities [m/s, rad/s]; dt: time
-    step [s]."""
-    angle -= dt * rotating
-    if abs(angle) < SMALL:
-        cos1, sin = small_rotation(angle)
-    else:
-        cos1, sin = np.cos(angle) - 1.0, np.sin(angle)
-    return Pose(x - dt * vx, z - dt * vz, cos1, sin)
 
 
 @inlined
@@ -136,13 +129,11 @@ def relative_motion(line, a, b):
 
 
 @inlined
-def stays_intact(springs, largest_opening, largest_slide, motion):
-    """Whether all contact points of an intact interface stay within their elastic limits, by the largest opening.
-
-    springs: Springs; largest_opening, largest_slide: limits of opening and shear displacement [m].
-    """
+def stays_intact(springs, limits, motion):
+    """Whether all contact points of an intact interface stay within their elastic Limits, by the largest opening."""
     widest = motion.opening + springs.reach * abs(motion.rotation)
-    return joint_law.stays_elastic(widest, motion.shear, largest_opening, largest_slide, springs.slide_loss)
+    return joint_law.stays_elastic(widest, motion.shear, limits.largest_opening, limits.largest_slide,
+                                   springs.slide_loss)
 
 
 @inlined
@@ -201,10 +192,11 @@ def add_viscous(rate, motion, before, resultant, elastic_change):
 
 
 @inlined
-def add_dashpots(dashpots, dt, motion, before, resultant, elastic_change):
+def add_dashpots(dashpots, last, dt, motion, before, resultant, elastic_change):
     """Resultant with dashpots beside the springs, the Resultant of the dashpots [N, N m], and their work by the
-    trapezoidal rule over the step [J]; dt: time step [s]; otherwise as `add_viscous`."""
-    across, along, last = dashpots.across / dt, dashpots.along / dt, dashpots.last
+    trapezoidal rule over the step [J]; last: their Resultant in the last step; dt: time step [s]; otherwise as
+    `add_viscous`."""
+    across, along = dashpots.across / dt, dashpots.along / dt
     now = Resultant(across * elastic_change.normal, along * elastic_change.shear, across * elastic_change.couple)
     work = 0.5 * ((last.normal + now.normal) * (motion.opening - before.opening)
                   + (last.shear + now.shear) * (motion.shear - before.shear)

@@ -26,7 +26,7 @@ from damage.law.joint_law import TENSION
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, argument, load, store
-from damage.mechanics.rows import push_body
+from damage.mechanics.rows import inverse_mass_of, place_of, push_body, strengths_of, velocity_of
 from damage.mechanics.tables import (
     COS1,
     DAMPING,
@@ -35,12 +35,9 @@ from damage.mechanics.tables import (
     FAILED,
     FRICTION,
     HAS_FAILED,
-    INVERSE_MASS,
-    PLACE,
     RIGID,
     ROTATION,
     SIN,
-    VELOCITY,
     X,
     Z,
 )
@@ -206,18 +203,6 @@ def push_corner(n, tables, loose, row, k, p, c, dt):
 
 
 @inlined
-def velocity_of(n, inertia, b, k):
-    """Velocity of coordinate k of body b, half a step ago."""
-    return load(n, inertia, b, VELOCITY + 3 * k)
-
-
-@inlined
-def inverse_mass_of(n, inertia, b, k):
-    """Inverse mass of coordinate k of body b."""
-    return load(n, inertia, b, INVERSE_MASS + 3 * k)
-
-
-@inlined
 def damping_of(n, tables, touch, p, c):
     """Viscosity of a corner that touches [N s/m]: a share of the critical one of two bodies on its spring."""
     inverse = inverse_mass_of(n, tables.inertia, p, Z) + inverse_mass_of(n, tables.inertia, c, Z)
@@ -227,7 +212,7 @@ def damping_of(n, tables, touch, p, c):
 @inlined
 def centre_of(n, tables, loose, b, axis):
     """Coordinate of the centre of a body, or of a support's reference point [m]."""
-    return loose.cores[b, CENTRE_X + axis] + load(n, tables.bodies, b, PLACE + axis)
+    return loose.cores[b, CENTRE_X + axis] + place_of(n, tables.bodies, b, axis)
 
 
 @compiled
@@ -265,9 +250,8 @@ def have_moved(n, tables, loose):
     cores, seen = loose.cores, loose.seen
     for b in range(len(cores)):
         reach = max(-cores[b, LEFT], cores[b, RIGHT]) + max(-cores[b, LOW], cores[b, HIGH])
-        x, z, rotation = (load(n, tables.bodies, b, PLACE + X), load(n, tables.bodies, b, PLACE + Z),
-                          load(n, tables.bodies, b, PLACE + ROTATION))
-        moved, turned = abs(x - seen[b, X]) + abs(z - seen[b, Z]), abs(rotation - seen[b, ROTATION])
+        moved = abs(place_of(n, tables.bodies, b, X) - seen[b, X]) + abs(place_of(n, tables.bodies, b, Z) - seen[b, Z])
+        turned = abs(place_of(n, tables.bodies, b, ROTATION) - seen[b, ROTATION])
         if moved + turned * reach > 0.5 * MARGIN * loose.touch.radius:
             return True
     return False
@@ -333,7 +317,7 @@ def bound(n, tables, loose):
         tall = half_x * abs(sin) + half_z * abs(cos) + grown
         bounds[b, 0], bounds[b, 1], bounds[b, 2], bounds[b, 3] = x - wide, x + wide, z - tall, z + tall
         for k in range(RIGID):
-            loose.seen[b, k] = load(n, tables.bodies, b, PLACE + k)
+            loose.seen[b, k] = place_of(n, tables.bodies, b, k)
         loose.joined[b] = -1
 
 
@@ -444,8 +428,8 @@ def ends_too(n, tables, loose, p, step, motion):
 def break_bonds(n, tables, interface, step, motion):
     """Let all bonds of an interface fail, and log those that were intact; returns False where it is elastic."""
     for i in range(interface.start, interface.stop):
-        tensile, cohesion = contacts.strengths_of(n, tables.strengths, i)[:2]
-        if tensile == np.inf and cohesion == np.inf:
+        of = strengths_of(n, tables.strengths, i)
+        if of.tensile_strength == np.inf and of.cohesion == np.inf:
             return False
     for i in range(interface.start, interface.stop):
         if load(n, tables.states, i, contacts.BROKEN) == 0.0:

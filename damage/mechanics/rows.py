@@ -1,36 +1,55 @@
-"""Conversion between rows of the tables and the arguments and results of `damage.mechanics.interfaces`."""
+"""Rows of the tables as records, by the names of their fields, and the coordinates of a body."""
 
+from damage.law.joint_law import ContactState, ElasticRange
 from damage.mechanics.compiled import inlined
-from damage.mechanics.eight import add, add_three, either, four, load, store, store_where
-from damage.mechanics.interfaces import Dashpots, Line, Pose, RelativeMotion, Resultant, Springs
-from damage.mechanics.tables import COS1, PLACE, RIGID, ROTATION, SIN, X, Z
+from damage.mechanics.eight import add, add_three, column, either, four, in_blocks, load, reader, writer
+from damage.mechanics.interfaces import Dashpots, Limits, Line, Pose, RelativeMotion, Resultant, Springs
+from damage.mechanics.tables import (
+    COS1,
+    INVERSE_MASS,
+    LAST,
+    LIMITS,
+    LINES,
+    MASS,
+    PARTS,
+    PLACE,
+    RADIATION,
+    READINGS,
+    RIGID,
+    ROTATION,
+    STATES,
+    STRENGTHS,
+    VELOCITY,
+    Bearing,
+    Reading,
+    Strengths,
+    X,
+    Z,
+)
+
+law_state, keep_law_state = reader(ContactState, STATES), writer(ContactState, STATES)
+range_now, keep_range = reader(ElasticRange, STATES, "elastic_"), writer(ElasticRange, STATES, "elastic_")
+strengths_of = reader(Strengths, STRENGTHS)
+reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
+bearing_of, keep_bearing = reader(Bearing, Bearing._fields), writer(Bearing, Bearing._fields)
+limits_of = reader(Limits, LIMITS)
+line_in, springs_in = reader(Line, LINES), reader(Springs, LINES)
+last_motion, last_resultant = reader(RelativeMotion, LAST), reader(Resultant, LAST, "last_")
+keep_motion, keep_resultant = writer(RelativeMotion, LAST), writer(Resultant, LAST, "last_")
+dashpots_of, dashpots_last = reader(Dashpots, RADIATION), reader(Resultant, RADIATION, "last_")
+keep_dashpots = writer(Resultant, RADIATION, "last_")
 
 
 @inlined
-def line_of(interface):
-    """Line of a row of INTERFACE."""
-    return Line(interface.ax, interface.az, interface.bx, interface.bz, interface.head)
+def line_of(n, tables, p):
+    """Line of interface p, or of eight from there on; equal in all walls."""
+    return line_in(in_blocks(n, p), tables.lines, p // PARTS)
 
 
 @inlined
-def springs_of(interface):
-    """Springs of a row of INTERFACE."""
-    return Springs(interface.kn, interface.ks, interface.kn_offset, interface.kn_offset2, interface.reach,
-                   interface.slide_loss)
-
-
-@inlined
-def line_in(n, lines, block):
-    """Line of an interface, or of eight, in a block of `lines`; n: as of `in_blocks`."""
-    return Line(load(n, lines, block, 0), load(n, lines, block, 1), load(n, lines, block, 2), load(n, lines, block, 3),
-                load(n, lines, block, 10))
-
-
-@inlined
-def springs_in(n, lines, block):
-    """Springs of an interface, or of eight, as `line_in`."""
-    return Springs(load(n, lines, block, 4), load(n, lines, block, 5), load(n, lines, block, 6),
-                   load(n, lines, block, 7), load(n, lines, block, 8), load(n, lines, block, 9))
+def springs_of(n, tables, p):
+    """Springs of interface p, as `line_of`."""
+    return springs_in(in_blocks(n, p), tables.lines, p // PARTS)
 
 
 @inlined
@@ -46,19 +65,6 @@ def push_at(n, bodies, first, second, p, forces, which):
     x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
     add_three(n, bodies, first, second, p, PLACE + RIGID, (x, z, either(which, forces.moment_a, 0.0)),
               (-x, -z, -either(which, forces.moment_b, 0.0)))
-
-
-@inlined
-def first_force(bodies):
-    """Field of `bodies` of the first force."""
-    return bodies.shape[1] // 2 + 1
-
-
-@inlined
-def pose(n, bodies, b):
-    """Pose of body b."""
-    return Pose(load(n, bodies, b, PLACE + X), load(n, bodies, b, PLACE + Z), load(n, bodies, b, COS1),
-                load(n, bodies, b, SIN))
 
 
 @inlined
@@ -78,40 +84,21 @@ def push(n, bodies, interface, forces, which):
     push_body(n, bodies, interface.b, -x, -z, -either(which, forces.moment_b, 0.0))
 
 
-@inlined
-def last_motion(n, last, row):
-    """RelativeMotion in the last step."""
-    return RelativeMotion(load(n, last, row, 0), load(n, last, row, 1), load(n, last, row, 2))
-
+# --- coordinate k of body b: X, Z, ROTATION, then strain modes ---------------------------------------
 
 @inlined
-def last_resultant(n, last, row):
-    """Resultant in the last step [N, N m]."""
-    return Resultant(load(n, last, row, 3), load(n, last, row, 4), load(n, last, row, 5))
+def first_force(bodies):
+    """Field of `bodies` of the first force."""
+    return bodies.shape[1] // 2 + 1
 
 
 @inlined
-def keep_last(n, last, row, motion, resultant, which):
-    """Store RelativeMotion and Resultant for the next step, in the walls `which` (flags)."""
-    before, old = last_motion(n, last, row), last_resultant(n, last, row)  # all before the first one is written
-    store(n, last, row, 0, either(which, motion.opening, before.opening))
-    store(n, last, row, 1, either(which, motion.shear, before.shear))
-    store(n, last, row, 2, either(which, motion.rotation, before.rotation))
-    store(n, last, row, 3, either(which, resultant.normal, old.normal))
-    store(n, last, row, 4, either(which, resultant.shear, old.shear))
-    store(n, last, row, 5, either(which, resultant.couple, old.couple))
+def force_of(n, bodies, b, k):
+    """Force on it [N or N m]."""
+    return load(n, bodies, b, first_force(bodies) + k)
 
 
-@inlined
-def dashpots_of(n, radiation, row):
-    """Dashpots of a row of `radiation`."""
-    of_last = Resultant(load(n, radiation, row, 2), load(n, radiation, row, 3), load(n, radiation, row, 4))
-    return Dashpots(load(n, radiation, row, 0), load(n, radiation, row, 1), of_last)
-
-
-@inlined
-def keep_dashpots(n, radiation, row, resultant, which):
-    """Store the Resultant of dashpots, in the walls `which` (flags)."""
-    store_where(n, radiation, row, 2, which, resultant.normal)
-    store_where(n, radiation, row, 3, which, resultant.shear)
-    store_where(n, radiation, row, 4, which, resultant.couple)
+place_of = column(PLACE, 1)
+velocity_of, mass_of, inverse_mass_of = column(VELOCITY, 3), column(MASS, 3), column(INVERSE_MASS, 3)
+"""(n, table, row, k): value [m or rad], of `bodies`; of `inertia` velocity half a step ago, mass and its inverse, zero
+where the velocity is prescribed."""

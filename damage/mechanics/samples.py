@@ -13,28 +13,10 @@ from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.loose import STORED
-from damage.mechanics.rows import first_force
+from damage.mechanics.rows import force_of, inverse_mass_of, mass_of, place_of, reading_of, velocity_of
 from damage.mechanics.scaling import scaled_kinetic_energy
 from damage.mechanics.strain import energies_of_modes
-from damage.mechanics.tables import (
-    BASE_X,
-    ENDING,
-    HAS_FAILED,
-    INPUT,
-    INVERSE_MASS,
-    MASS,
-    PLACE,
-    PULL_Z,
-    READ_OPENING,
-    READ_SHEAR,
-    READ_SIGMA,
-    READ_TAU,
-    RIGID,
-    ROTATION,
-    STEP,
-    VELOCITY,
-    X,
-)
+from damage.mechanics.tables import BASE_X, ENDING, HAS_FAILED, INPUT, PULL_Z, RIGID, ROTATION, STEP, X
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6
 """Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks and of
@@ -121,12 +103,13 @@ def observe(n, tables, strain, loose, matrix, ending, stiffness, samples, taken)
 def observe_stored(n, tables, ending, stiffness, samples, taken):
     """Write the elastic energies and stresses of all contact points."""
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
-        sigma, tau = load(n, tables.readings, c, READ_SIGMA), load(n, tables.readings, c, READ_TAU)
-        stored = stiffness.area[c] * elastic_energy(sigma, tau, stiffness.normal[c], stiffness.shear[c])
+        now = reading_of(n, tables.readings, c)
+        stored = stiffness.area[c] * elastic_energy(now.sigma, now.tau, stiffness.normal[c], stiffness.shear[c])
         for w in range(lanes(n)):
             if ending >> w & 1:
                 samples.stored[w, taken[w], c] = lane(stored, w)
-                samples.stress[w, taken[w], 0, c], samples.stress[w, taken[w], 1, c] = lane(sigma, w), lane(tau, w)
+                samples.stress[w, taken[w], 0, c] = lane(now.sigma, w)
+                samples.stress[w, taken[w], 1, c] = lane(now.tau, w)
 
 
 @inlined
@@ -148,15 +131,15 @@ def observe_contact(n, tables, ks, ended, samples, w, k, c):
     opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part;
     ks: shear stiffness [Pa/m]; ended: bit of its interface.
     """
-    contact, states, readings, fields = tables.contacts[c], tables.states, tables.readings, samples.contacts
+    contact, states, fields = tables.contacts[c], tables.states, samples.contacts
     broken, softened = load(n, states, c, contacts.BROKEN) > 0.0, load(n, states, c, contacts.KAPPA) > 0.0
-    wide, force = load(n, readings, c, READ_OPENING), load(n, readings, c, READ_SIGMA) * contact.area
+    now = reading_of(n, tables.readings, c)
+    wide, force = now.opening, now.sigma * contact.area
     opening = wide if broken else wide - force / contact.kn
     opens = broken or (softened and wide > 0.0)
     fields[w, k, OPENING, c] = 0.0 if not opens or opening <= 0.0 else opening  # NaN passes
     fields[w, k, SLIP, c] = load(n, states, c, contacts.SLIP)
-    offset = load(n, readings, c, READ_SHEAR) - load(n, readings, c, READ_TAU) / ks
-    fields[w, k, OFFSET, c] = offset if broken or softened else 0.0
+    fields[w, k, OFFSET, c] = now.shear - now.tau / ks if broken or softened else 0.0
     fields[w, k, STATE, c] = (BROKEN if broken else 0) | (
         AT_LIMIT if load(n, states, c, contacts.AT_LIMIT) > 0.0 else 0) | (
         CRUSHED if load(n, states, c, contacts.CLOSURE) > 0.0 else 0) | ended
@@ -168,13 +151,13 @@ def observe_contact(n, tables, ks, ended, samples, w, k, c):
 def observe_places(n, tables, samples, w, k):
     """Write displacements of the bodies and forces on the supports into sample k of wall w; n: its width."""
     bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
-    supports, first = displacement.shape[2] - support_force.shape[2], first_force(bodies)
+    supports = displacement.shape[2] - support_force.shape[2]
     for b in range(displacement.shape[2]):
         for axis in range(displacement.shape[3]):
-            displacement[w, k, b, axis] = load(n, bodies, b, PLACE + axis)
+            displacement[w, k, b, axis] = place_of(n, bodies, b, axis)
         if b >= supports:
             for axis in range(RIGID):
-                support_force[w, k, b - supports, axis] = load(n, bodies, b, first + axis)
+                support_force[w, k, b - supports, axis] = force_of(n, bodies, b, axis)
 
 
 @inlined
@@ -186,19 +169,18 @@ def kinetic_energy(n, bodies, inertia, bench):
         for k in range(ROTATION):
             velocity = half_step_on(n, bodies, inertia, b, k, load(n, bench, 0, BASE_X if k == X else PULL_Z), half)
             linear = linear + velocity * velocity
-        moment, inverse = load(n, bodies, b, first_force(bodies) + ROTATION), load(
-            n, inertia, b, INVERSE_MASS + 3 * ROTATION)
-        rotating = load(n, inertia, b, VELOCITY + 3 * ROTATION) + half * moment * inverse
-        energy = energy + 0.5 * (load(n, inertia, b, MASS + 3 * X) * linear
-                                 + load(n, inertia, b, MASS + 3 * ROTATION) * rotating * rotating)
+        rotating = velocity_of(n, inertia, b, ROTATION) + half * force_of(n, bodies, b, ROTATION) * inverse_mass_of(
+            n, inertia, b, ROTATION)
+        energy = energy + 0.5 * (mass_of(n, inertia, b, X) * linear
+                                 + mass_of(n, inertia, b, ROTATION) * rotating * rotating)
     return energy
 
 
 @inlined
 def half_step_on(n, bodies, inertia, b, k, field, half):
     """Velocity of a coordinate, advanced by half a step; field: acceleration of the base and gravity [m/s2]."""
-    free, force = load(n, inertia, b, INVERSE_MASS + 3 * k), load(n, bodies, b, first_force(bodies) + k)
-    return load(n, inertia, b, VELOCITY + 3 * k) + either(free > 0.0, half * (force * free - field), 0.0)
+    free, force = inverse_mass_of(n, inertia, b, k), force_of(n, bodies, b, k)
+    return velocity_of(n, inertia, b, k) + either(free > 0.0, half * (force * free - field), 0.0)
 
 
 @inlined
@@ -211,9 +193,9 @@ def input_of_half_a_step(n, bodies, inertia, bench):
     power = zero(n)
     for b in range(len(bodies)):
         for axis in range(RIGID):
-            swept, velocity = zero(n), load(n, inertia, b, VELOCITY + 3 * axis)
+            swept, velocity = zero(n), velocity_of(n, inertia, b, axis)
             if axis != ROTATION:
-                swept = load(n, inertia, b, MASS + 3 * axis) * load(n, bench, 0, BASE_X + axis) * velocity
-            driven = load(n, bodies, b, first_force(bodies) + axis) * velocity
-            power = power + either(load(n, inertia, b, INVERSE_MASS + 3 * axis) == 0.0, driven, swept)
+                swept = mass_of(n, inertia, b, axis) * load(n, bench, 0, BASE_X + axis) * velocity
+            driven = force_of(n, bodies, b, axis) * velocity
+            power = power + either(inverse_mass_of(n, inertia, b, axis) == 0.0, driven, swept)
     return -0.5 * load(n, bench, 0, STEP) * power

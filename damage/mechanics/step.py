@@ -21,7 +21,6 @@ from damage.mechanics.eight import (
     either,
     flags_of,
     four,
-    in_blocks,
     lane,
     lanes,
     load,
@@ -34,23 +33,30 @@ from damage.mechanics.eight import (
     with_lane,
     zero,
 )
-from damage.mechanics.interfaces import RelativeMotion, Resultant
+from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
 from damage.mechanics.loose import can_end, ends_too, find_loose_forces, hand_over
 from damage.mechanics.rows import (
+    bearing_of,
+    dashpots_last,
     dashpots_of,
     first_force,
+    force_of,
+    inverse_mass_of,
+    keep_bearing,
     keep_dashpots,
-    keep_last,
+    keep_motion,
+    keep_resultant,
     last_motion,
     last_resultant,
-    line_in,
+    limits_of,
     line_of,
-    pose,
+    mass_of,
+    place_of,
     pose_at,
     push,
     push_at,
-    springs_in,
     springs_of,
+    velocity_of,
 )
 from damage.mechanics.samples import observe
 from damage.mechanics.scaling import move_scaled, turn_far
@@ -69,31 +75,23 @@ from damage.mechanics.tables import (
     FRICTION,
     HAS_FAILED,
     INPUT,
-    INVERSE_MASS,
     KINETIC,
     LARGEST_OPENING,
-    LARGEST_SLIDE,
-    LIMIT,
-    LOAD,
     LOCAL,
-    MASS,
     PARTS,
     PLACE,
-    PLAY,
     PULL_Z,
-    PULLS,
     RATE,
     RIGID,
     ROTATION,
     ROW,
     SIN,
-    SLIPPED_BY,
     STEP,
-    STIFFNESS,
     SWEPT_X,
     SWEPT_Z,
     TAKEN,
     VELOCITY,
+    Bearing,
     X,
     Z,
 )
@@ -245,20 +243,11 @@ def move_bodies(n, tables, strain, controls, damped):
     for b in range(0, len(tables.turning), rows_of(n)):
         lost = zero(n)
         x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
-        vx, vz, turning = (load(n, inertia, b, VELOCITY + 3 * X), load(n, inertia, b, VELOCITY + 3 * Z),
-                           load(n, inertia, b, VELOCITY + 3 * ROTATION))
-        swept_x, driven_x, taken_x, vx = move_coordinate(
-            bench_of, bench, dt, load(bench_of, bench, 0, BASE_X), fx, vx, load(n, inertia, b, MASS + 3 * X),
-            load(n, inertia, b, INVERSE_MASS + 3 * X), damped)
-        swept_z, driven_z, taken_z, vz = move_coordinate(
-            bench_of, bench, dt, load(bench_of, bench, 0, PULL_Z), fz, vz, load(n, inertia, b, MASS + 3 * Z),
-            load(n, inertia, b, INVERSE_MASS + 3 * Z), damped)
-        _, driven, taken, turning = move_coordinate(
-            bench_of, bench, dt, zero(bench_of), moment, turning, load(n, inertia, b, MASS + 3 * ROTATION),
-            load(n, inertia, b, INVERSE_MASS + 3 * ROTATION), damped)
-        store(n, inertia, b, VELOCITY + 3 * X, vx)
-        store(n, inertia, b, VELOCITY + 3 * Z, vz)
-        store(n, inertia, b, VELOCITY + 3 * ROTATION, turning)
+        swept_x, driven_x, taken_x, vx = move_coordinate(n, inertia, b, X, bench, load(bench_of, bench, 0, BASE_X), fx,
+                                                         damped)
+        swept_z, driven_z, taken_z, vz = move_coordinate(n, inertia, b, Z, bench, load(bench_of, bench, 0, PULL_Z), fz,
+                                                         damped)
+        _, driven, taken, turning = move_coordinate(n, inertia, b, ROTATION, bench, zero(bench_of), moment, damped)
         angle = rotation + dt * turning
         cos1, sin = bodies.small_rotation(angle)
         keep_coordinates(n, tables.bodies, tables.every, b, cos1, sin, x + dt * vx, z + dt * vz, angle)
@@ -281,10 +270,9 @@ def move_bodies(n, tables, strain, controls, damped):
 @inlined
 def coordinates(n, places, every, b):
     """x, z and rotation of body b, and the forces on these; every: numbers of all rows."""
-    first = first_force(places)
     if rows_of(n) == 1:
-        return (load(n, places, b, PLACE + X), load(n, places, b, PLACE + Z), load(n, places, b, PLACE + ROTATION),
-                load(n, places, b, first + X), load(n, places, b, first + Z), load(n, places, b, first + ROTATION))
+        return (place_of(n, places, b, X), place_of(n, places, b, Z), place_of(n, places, b, ROTATION),
+                force_of(n, places, b, X), force_of(n, places, b, Z), force_of(n, places, b, ROTATION))
     x, z = four(n, places, every, b, COS1)[2:]
     rotation, fx, fz, moment = four(n, places, every, b, PLACE + ROTATION)
     return x, z, rotation, fx, fz, moment
@@ -308,19 +296,21 @@ def keep_coordinates(n, places, every, b, cos1, sin, x, z, rotation):
 
 
 @inlined
-def move_coordinate(n, bench, dt, backwards, force, old, mass, free, damped):
-    """Advance the velocity of a coordinate by a step.
+def move_coordinate(n, inertia, b, k, bench, backwards, force, damped):
+    """Advance the velocity of coordinate k of body b by a step.
 
-    n: width of the bench; backwards: acceleration of the field [m/s2]; old: velocity; free: inverse mass.  Returns the
-    sum of its momenta before and after [kg m/s], the powers of its prescribed velocity and of its damping [W], and its
-    velocity.
+    backwards: acceleration of the field [m/s2].  Returns the sum of its momenta before and after [kg m/s], the powers
+    of its prescribed velocity and of its damping [W], and its velocity.
     """
-    rate, taken = bodies.acceleration(force, free, backwards), 0.0 * old
+    old, mass, free = velocity_of(n, inertia, b, k), mass_of(n, inertia, b, k), inverse_mass_of(n, inertia, b, k)
+    bench_of, rate, taken = table_width(n), bodies.acceleration(force, free, backwards), 0.0 * old
+    dt = load(bench_of, bench, 0, STEP)
     if damped:
-        resistance = bodies.damping(old, rate, free, load(n, bench, 0, ALPHA), load(n, bench, 0, LOCAL))
+        resistance = bodies.damping(old, rate, free, load(bench_of, bench, 0, ALPHA), load(bench_of, bench, 0, LOCAL))
         rate = rate - resistance
         taken = mass * resistance * (old + 0.5 * dt * rate)
     new = old + dt * rate
+    store(n, inertia, b, VELOCITY + 3 * k, new)
     return bodies.work_of_field(mass, free, old, new), bodies.power_of_drive(force, free, new), taken, new
 
 
@@ -346,10 +336,8 @@ def adapt(n, tables, strain, controls):
     sums, inertia = tables.sums, tables.inertia
     clear(n, sums, KINETIC)
     for b in range(len(inertia)):
-        mass = (load(n, inertia, b, MASS + 3 * X), load(n, inertia, b, MASS + 3 * Z),
-                load(n, inertia, b, MASS + 3 * ROTATION))
-        velocity = (load(n, inertia, b, VELOCITY + 3 * X), load(n, inertia, b, VELOCITY + 3 * Z),
-                    load(n, inertia, b, VELOCITY + 3 * ROTATION))
+        mass = mass_of(n, inertia, b, X), mass_of(n, inertia, b, Z), mass_of(n, inertia, b, ROTATION)
+        velocity = velocity_of(n, inertia, b, X), velocity_of(n, inertia, b, Z), velocity_of(n, inertia, b, ROTATION)
         add_part(n, sums, KINETIC, b, bodies.kinetic_energy(mass, velocity))
         if strain is not None:
             add_part(n, sums, KINETIC, b, kinetic_of_modes(n, inertia, strain, b))
@@ -383,7 +371,7 @@ def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped
     if turns:
         for b in range(len(tables.turning)):
             stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
-            moment = stiffness * (load(n, tables.bodies, b, PLACE + ROTATION) - rest)
+            moment = stiffness * (place_of(n, tables.bodies, b, ROTATION) - rest)
             add(n, tables.bodies, b, first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
     if len(tables.bearings) > 0:
         hold_top(n, tables)
@@ -400,22 +388,19 @@ def hold_top(n, tables):
 
     The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip is friction.
     """
-    bearings, bench = tables.bearings, tables.bench
-    gravity = load(n, bench, 0, PULL_Z) - load(n, bench, 0, BASE_Z)
-    for b in range(len(bearings)):
-        stiffness, limit = load(n, bearings, b, STIFFNESS), load(n, bearings, b, LIMIT)
-        play, slip, before = (load(n, bearings, b, PLAY), load(n, bearings, b, SLIPPED_BY),
-                              load(n, bearings, b, PULLS))
-        trial = stiffness * (load(n, tables.bodies, b, PLACE + X) - slip)
+    gravity = load(n, tables.bench, 0, PULL_Z) - load(n, tables.bench, 0, BASE_Z)
+    for b in range(len(tables.bearings)):
+        stiffness, limit, play, weighs, slip, before = bearing_of(n, tables.bearings, b)
+        trial = stiffness * (place_of(n, tables.bodies, b, X) - slip)
         excess = either(trial > limit, trial - limit, either(trial < -limit, trial + limit, 0.0))
         slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
         slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
         force = trial - stiffness * (slipped - slip)
-        store(n, bearings, b, SLIPPED_BY, slipped)
-        store(n, bearings, b, PULLS, force)
+        keep_bearing(n, tables.bearings, b, True,
+                     Bearing(stiffness, limit, play, weighs, slipped, force))
         add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
         add(n, tables.bodies, b, first_force(tables.bodies) + X, -force)
-        add(n, tables.bodies, b, first_force(tables.bodies) + Z, -load(n, bearings, b, LOAD) * gravity)
+        add(n, tables.bodies, b, first_force(tables.bodies) + Z, -weighs * gravity)
 
 
 @compiled
@@ -438,12 +423,9 @@ def forces_of_intact(n, tables, loose, ending, damped):
     """
     everyone, any_other, places = (1 << lanes(n)) - 1, 0, tables.bodies
     for p in range(0, len(tables.others), rows_of(n)):
-        shared, block = in_blocks(n, p), p // PARTS
-        springs, first, second = springs_in(shared, tables.lines, block), tables.first, tables.second
-        frame, motion = interfaces.relative_motion(line_in(shared, tables.lines, block), pose_at(n, places, first, p),
-                                                   pose_at(n, places, second, p))
-        intact = interfaces.stays_intact(springs, load(n, tables.limits, p, LARGEST_OPENING),
-                                         load(n, tables.limits, p, LARGEST_SLIDE), motion)
+        springs, first, second = springs_of(n, tables, p), tables.first, tables.second
+        frame, motion = moved(n, tables, p)
+        intact = interfaces.stays_intact(springs, limits_of(n, tables.limits, p), motion)
         if ending:
             intact = intact & flags_of(n, everyone ^ ending)
         if loose is not None:
@@ -464,10 +446,10 @@ def forces_of_intact(n, tables, loose, ending, damped):
 
 
 @inlined
-def stays_intact(n, interface, limits, p, motion):
-    """Whether no contact point of interface p has failed or leaves its elastic range at this RelativeMotion."""
-    return interfaces.stays_intact(springs_of(interface), load(n, limits, p, LARGEST_OPENING),
-                                   load(n, limits, p, LARGEST_SLIDE), motion)
+def moved(n, tables, p):
+    """Frame and RelativeMotion of interface p, or of eight from there on."""
+    return interfaces.relative_motion(line_of(n, tables, p), pose_at(n, tables.bodies, tables.first, p),
+                                      pose_at(n, tables.bodies, tables.second, p))
 
 
 @compiled
@@ -488,8 +470,7 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
     next step on, permanently.
     """
     interface = tables.interfaces[p]
-    frame, motion = interfaces.relative_motion(line_of(interface), pose(n, tables.bodies, interface.a),
-                                               pose(n, tables.bodies, interface.b))
+    frame, motion = moved(n, tables, p)
     gone = bits(load(n, tables.limits, p, HAS_FAILED) >= ENDING) & here
     if gone:
         let_go(n, tables, strain, loose, p, gone, motion)
@@ -513,11 +494,8 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
 @inlined
 def read(n, tables, strain, interface, motion, which):
     """Write the readings of all contact points of an interface in the walls `which` (flags)."""
-    start, size = ROW(interface.start), points_at_once(strain, interface)
-    while start < interface.stop:
-        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
-        contacts.read(n, tables, start, start + size, at_points, which)
-        start += size
+    for i in range(interface.start, interface.stop):
+        contacts.read(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion), which)
 
 
 @inlined
@@ -564,12 +542,9 @@ def let_go(n, tables, strain, loose, p, gone, motion):
 @inlined
 def let_go_of(n, tables, strain, interface, motion):
     """`damage.mechanics.contacts.let_go` of all contact points of an interface of one wall."""
-    start, size = ROW(interface.start), points_at_once(strain, interface)
-    while start < interface.stop:
-        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
-        contacts.let_go(n, tables, start, start + size, at_points)
-        tables.used[start] = 1
-        start += size
+    for i in range(interface.start, interface.stop):
+        contacts.let_go(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion))
+        tables.used[i] = 1
 
 
 @inlined
@@ -588,7 +563,7 @@ def forces_of_points(n, tables, law, strain, p, start, stop, clock, step, motion
         resultant, elastic = contacts.elastic_resultant(n, of_contacts, states, start, stop, motion, lives)
     beyond = here & ~bits(elastic)
     if beyond:
-        beyond &= ~bits(stays_intact(n, tables.interfaces[p], tables.limits, p, motion))
+        beyond &= ~bits(interfaces.stays_intact(springs_of(n, tables, p), limits_of(n, tables.limits, p), motion))
     if strain is None or tables.used[start]:
         contacts.remember(n, of_contacts, states, start, stop, motion, flags_of(n, here & ~beyond))
     changed = resultant
@@ -641,19 +616,22 @@ def motion_before(n, tables, strain, p, row, motion, damped):
         return last_motion(n, tables.last, row)
     if strain is not None:
         return motion
-    interface, dt = tables.interfaces[p], load(n, tables.bench, 0, STEP)
-    first = pose_before(n, tables.bodies, tables.inertia, interface.a, dt)
-    second = pose_before(n, tables.bodies, tables.inertia, interface.b, dt)
-    return interfaces.relative_motion(line_of(interface), first, second)[1]
+    interface = tables.interfaces[p]
+    return interfaces.relative_motion(line_of(n, tables, p), pose_before(n, tables, interface.a),
+                                      pose_before(n, tables, interface.b))[1]
 
 
-@inlined
-def pose_before(n, places, inertia, b, dt):
+@compiled
+def pose_before(n, tables, b):
     """Pose of body b of one wall in the last step."""
-    return interfaces.pose_before(
-        load(n, places, b, PLACE + X), load(n, places, b, PLACE + Z), load(n, places, b, PLACE + ROTATION),
-        load(n, inertia, b, VELOCITY + 3 * X), load(n, inertia, b, VELOCITY + 3 * Z),
-        load(n, inertia, b, VELOCITY + 3 * ROTATION), dt)
+    places, inertia, dt = tables.bodies, tables.inertia, load(n, tables.bench, 0, STEP)
+    angle = place_of(n, places, b, ROTATION) - dt * velocity_of(n, inertia, b, ROTATION)
+    if abs(angle) < bodies.SMALL:
+        cos1, sin = bodies.small_rotation(angle)
+    else:
+        cos1, sin = np.cos(angle) - 1.0, np.sin(angle)
+    return Pose(place_of(n, places, b, X) - dt * velocity_of(n, inertia, b, X),
+                place_of(n, places, b, Z) - dt * velocity_of(n, inertia, b, Z), cos1, sin)
 
 
 # --- damping of interfaces --------------------------------------------------------------------------
@@ -666,14 +644,15 @@ def damp(n, tables, row, motion, resultant, changed, which):
     changed: change of the elastic resultant since the last step.
     """
     before = last_motion(n, tables.last, row)
-    keep_last(n, tables.last, row, motion, resultant, which)
+    keep_motion(n, tables.last, row, which, motion)
+    keep_resultant(n, tables.last, row, which, resultant)
     bench_of = table_width(n)
     viscous, work = interfaces.add_viscous(load(bench_of, tables.bench, 0, RATE), motion, before, resultant, changed)
     if len(tables.radiation) > 0:
         viscous, of_dashpots, more = interfaces.add_dashpots(
-            dashpots_of(n, tables.radiation, row), load(bench_of, tables.bench, 0, STEP), motion, before, viscous,
-            changed)
-        keep_dashpots(n, tables.radiation, row, of_dashpots, which)
+            dashpots_of(n, tables.radiation, row), dashpots_last(n, tables.radiation, row),
+            load(bench_of, tables.bench, 0, STEP), motion, before, viscous, changed)
+        keep_dashpots(n, tables.radiation, row, which, of_dashpots)
         work = work + more
     add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
     return viscous
@@ -685,12 +664,11 @@ def remember_last(n, tables, strain, which):
     the walls `which` (bits)."""
     asked = flags_of(n, which)
     for p in range(len(tables.interfaces)):
-        interface = tables.interfaces[p]
-        _, motion = interfaces.relative_motion(line_of(interface), pose(n, tables.bodies, interface.a),
-                                               pose(n, tables.bodies, interface.b))
+        interface, motion = tables.interfaces[p], moved(n, tables, p)[1]
         start, size = ROW(interface.start), points_at_once(strain, interface)
         while start < interface.stop:
-            here = motion_at(n, tables.bodies, strain, interface, start, motion)
-            keep_last(n, tables.last, last_row(strain, p, start), here, contacts.present_resultant(
-                n, tables.contacts, tables.states, start, start + size, here), asked)
+            here, row = motion_at(n, tables.bodies, strain, interface, start, motion), last_row(strain, p, start)
+            keep_motion(n, tables.last, row, asked, here)
+            keep_resultant(n, tables.last, row, asked, contacts.present_resultant(
+                n, tables.contacts, tables.states, start, start + size, here))
             start += size

@@ -7,10 +7,10 @@ together.  Theory: `damage.wall.strain`.
 
 from damage.mechanics.bodies import acceleration, damping
 from damage.mechanics.compiled import inlined
-from damage.mechanics.eight import add, either, load, store, zero
+from damage.mechanics.eight import add, either, load, store, wall_of, zero
 from damage.mechanics.interfaces import RelativeMotion
-from damage.mechanics.rows import first_force
-from damage.mechanics.tables import ALPHA, INVERSE_MASS, LOCAL, MASS, PLACE, RIGID, ROW, VELOCITY
+from damage.mechanics.rows import first_force, force_of, inverse_mass_of, mass_of, place_of, velocity_of
+from damage.mechanics.tables import ALPHA, LOCAL, PLACE, RIGID, ROW, VELOCITY
 
 
 @inlined
@@ -29,7 +29,7 @@ def motion_at(n, bodies, strain, interface, i, motion):
     a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
     opening, shear = zero(n), zero(n)
     for m in range(shapes.shape[2]):
-        qa, qb = load(n, bodies, a, PLACE + RIGID + m), load(n, bodies, b, PLACE + RIGID + m)
+        qa, qb = place_of(n, bodies, a, RIGID + m), place_of(n, bodies, b, RIGID + m)
         opening = opening + (shapes[at_b, 0, m] * qb - shapes[at_a, 0, m] * qa)
         shear = shear + (shapes[at_b, 1, m] * qb - shapes[at_a, 1, m] * qa)
     return RelativeMotion(motion.opening + opening, motion.shear + shear, motion.rotation)
@@ -56,33 +56,20 @@ def move_modes(n, bodies, inertia, bench, strain, dt, b, lost, damped):
     dt: time step [s], a number where it is equal in all walls: the division in `advance_mode` is then one of numbers;
     damped: whether the bench has damping.
     """
+    one = wall_of(n, 0)  # masses are equal in all walls
     for m in range(strain.shapes.shape[2]):
         k, resistance = RIGID + m, zero(n)
-        old, place, force = (load(n, inertia, b, VELOCITY + 3 * k), load(n, bodies, b, PLACE + k),
-                             load(n, bodies, b, first_force(bodies) + k))
-        rate = acceleration(force - strain.stiffness[b, m] * place, inverse_mass_of_mode(inertia, b, k), 0.0)
+        old, place, free = velocity_of(n, inertia, b, k), place_of(n, bodies, b, k), inverse_mass_of(one, inertia, b, k)
+        rate = acceleration(force_of(n, bodies, b, k) - strain.stiffness[b, m] * place, free, 0.0)
         if damped:
-            resistance = damping(old, rate, inverse_mass_of_mode(inertia, b, k), load(n, bench, 0, ALPHA),
-                                 load(n, bench, 0, LOCAL))
-        place, new, power = advance_mode(place, old, rate, resistance, mass_of_mode(inertia, b, k),
+            resistance = damping(old, rate, free, load(n, bench, 0, ALPHA), load(n, bench, 0, LOCAL))
+        place, new, power = advance_mode(place, old, rate, resistance, mass_of(one, inertia, b, k),
                                          strain.damping[b, m], dt)
         store(n, bodies, b, PLACE + k, place)
         store(n, inertia, b, VELOCITY + 3 * k, new)
         store(n, bodies, b, first_force(bodies) + k, 0.0)
         lost = lost + power
     return lost
-
-
-@inlined
-def mass_of_mode(inertia, b, k):
-    """Mass of coordinate k of body b, a strain mode."""
-    return inertia[b, MASS + 3 * k, 0]
-
-
-@inlined
-def inverse_mass_of_mode(inertia, b, k):
-    """Its inverse, zero for a support."""
-    return inertia[b, INVERSE_MASS + 3 * k, 0]
 
 
 @inlined
@@ -104,8 +91,8 @@ def kinetic_of_modes(n, inertia, strain, b):
     """Kinetic energy of the strain modes of body b [J]."""
     energy = zero(n)
     for k in range(RIGID, RIGID + strain.shapes.shape[2]):
-        velocity = load(n, inertia, b, VELOCITY + 3 * k)
-        energy = energy + 0.5 * mass_of_mode(inertia, b, k) * velocity * velocity
+        velocity = velocity_of(n, inertia, b, k)
+        energy = energy + 0.5 * mass_of(wall_of(n, 0), inertia, b, k) * velocity * velocity
     return energy
 
 
@@ -115,14 +102,13 @@ def energies_of_modes(n, bodies, inertia, strain, dt):
 
     The velocities, known at half steps, are advanced to the time of the amplitudes.
     """
-    kinetic, stored = zero(n), zero(n)
+    kinetic, stored, one = zero(n), zero(n), wall_of(n, 0)
     for b in range(len(strain.stiffness)):
         for m in range(strain.shapes.shape[2]):
-            k = RIGID + m
-            place, velocity = load(n, bodies, b, PLACE + k), load(n, inertia, b, VELOCITY + 3 * k)
-            rate = load(n, bodies, b, first_force(bodies) + k) - strain.stiffness[b, m] * place
-            rate = rate * inverse_mass_of_mode(inertia, b, k)
+            place, velocity = place_of(n, bodies, b, RIGID + m), velocity_of(n, inertia, b, RIGID + m)
+            rate = force_of(n, bodies, b, RIGID + m) - strain.stiffness[b, m] * place
+            rate = rate * inverse_mass_of(one, inertia, b, RIGID + m)
             velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])
-            kinetic = kinetic + 0.5 * mass_of_mode(inertia, b, k) * velocity * velocity
+            kinetic = kinetic + 0.5 * mass_of(one, inertia, b, RIGID + m) * velocity * velocity
             stored = stored + 0.5 * strain.stiffness[b, m] * place * place
     return kinetic, stored

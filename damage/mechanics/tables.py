@@ -40,9 +40,38 @@ BASE_X, BASE_Z, PULL_Z, STEP, ALPHA, LOCAL, RATE, BENCH = range(8)
 """Fields of the only row of `bench`: acceleration of the base along x and z, and with gravity along z [m/s2]; time step
 [s]; mass-proportional [1/s] and local damping [-]; stiffness-proportional damping over the time step [-]."""
 
-STIFFNESS, LIMIT, PLAY, LOAD, SLIPPED_BY, PULLS, BEARING = range(7)
-"""Fields of `bearings`: stiffness [N/m], largest force while it slips [N], play [m], mass that the constant load weighs
-[kg]; slip [m] and force [N] now."""
+
+class Bearing(NamedTuple):
+    """A row of `bearings`: stiffness [N/m], limit: largest force while it slips [N], play [m], load: mass that the
+    constant load weighs [kg]; slip [m] and force [N] now."""
+
+    stiffness: float
+    limit: float
+    play: float
+    load: float
+    slip: float
+    force: float
+
+
+class Strengths(NamedTuple):
+    """Strengths [N] and fracture energies [J] of a contact point: as of LawParameters, times its area."""
+
+    tensile_strength: float
+    cohesion: float
+    mode_i_energy: float
+    mode_ii_energy: float
+    compressive_strength: float
+    crushing_energy: float
+
+
+class Reading(NamedTuple):
+    """Of a contact point: opening plus plastic closure, negative under compression, and shear displacement [m]; normal
+    stress, tension positive, and shear stress [Pa]."""
+
+    opening: float
+    shear: float
+    sigma: float
+    tau: float
 
 
 def _row(*fields):
@@ -71,9 +100,7 @@ INTERFACE = _row(  # equal in all walls that step together
     ("slide_most", REAL, "m", "the same upwards; both infinite on a support"),
 )
 LIMITS = "largest_opening", "largest_slide", "failed"
-"""Fields of the limits of an interface: opening at the reach up to which no contact point leaves its elastic range,
--inf once one has failed, and shear displacement up to which none does, without opening [m]; FAILED once a contact point
-has failed, softened or been crushed, then ENDING, ENDED."""
+"""Fields of the limits of an interface: of `damage.mechanics.interfaces.Limits`."""
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
 LINES = INTERFACE.names[:11]
 """Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
@@ -85,18 +112,17 @@ CONTACT = _row(  # of a contact point, equal in all walls that step together; st
     ("kn", REAL, "N/m", "normal stiffness"),
     ("ks", REAL, "N/m", "shear stiffness"),
 )
-STRENGTHS = ("tensile_strength", "cohesion", "mode_i_energy", "mode_ii_energy", "compressive_strength",
-             "crushing_energy")
-"""Strengths [N] and fracture energies [J] of a contact point: as of LawParameters, times its area."""
+STRENGTHS, READINGS = Strengths._fields, Reading._fields
+LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
+"""Fields of `last`: RelativeMotion and Resultant of the last step."""
+RADIATION = "across", "along", "last_normal", "last_shear", "last_couple"
+"""Fields of `radiation`: Dashpots, and their Resultant in the last step."""
 OF_STEP = "shear0", "idle", "passed"
 """Fields of a state that the step adds: shear displacement at which the contact had `shear_stress` [m]; opening up to
 which the law of a failed, open contact is not evaluated, negative before [m]; thresholds exceeded so far: 1 opened, 2
 slipped, 3 both."""
 STATES = *ContactState._fields, *(f"elastic_{name}" for name in ElasticRange._fields), *OF_STEP
 """Fields of the state of a contact point: of the joint law, its elastic range, both times its area, and OF_STEP."""
-READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
-"""Fields of `readings` of a contact point: opening plus plastic closure, negative under compression, and shear
-displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
 
 class System(namedtuple("System", (
@@ -110,18 +136,16 @@ class System(namedtuple("System", (
     trig: (bodies, 2) cosine of the rotation less one, and its sine
     interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states (STATES): contacts in the
         order of their interfaces
-    readings: (4, contacts) displacements and stresses at the last sample, READ_OPENING to READ_TAU
+    readings: (4, contacts) displacements and stresses at the last sample, READINGS
     energy: (4,) INPUT to DAMPING [J]
     events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa], opening and slip [m];
         n_events: (1,)
     relaxation: (2,) adaptive mass-proportional damping [1/s], kinetic energy of the last step [J]
-    last: (interfaces, 6) relative motion and resultant of the last step, for stiffness-proportional damping; a row for
-        each contact where bricks deform
+    last: (interfaces, LAST) for stiffness-proportional damping; a row for each contact where bricks deform
     turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad], and the rotation at
         which it has no moment [rad]
-    bearings: (bodies, BEARING) what is between a restrained top and the ground, none (0, BEARING) without
-    radiation: (rows of `last`, 5) dashpots of the soil, none (0, 5) without soil: damping over stiffness across and
-        along the interface [s], and their resultant in the last step [N, N m]
+    bearings (Bearing): (bodies,) what is between a restrained top and the ground, none without
+    radiation: (rows of `last`, RADIATION) dashpots of the soil, none without soil
     """
 
     __slots__ = ()
@@ -141,8 +165,8 @@ class Tables(namedtuple("Tables", (
     by contact point; used: (contacts,) 0 where a contact point is an intact spring in all walls.
 
     Tables of a single wall have rows up to a multiple of eight; interfaces there join the last body to itself without
-    springs and stay intact.  Its inertia, last and radiation are in the order of columns: a field of eight rows is a
-    vector.
+    springs and stay intact.  Its inertia, limits, last and radiation are in the order of columns: a field of eight rows
+    is a vector.
     """
 
 
@@ -166,16 +190,16 @@ def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots,
     def by_columns(rows, fields):
         return zeros(rows, fields) if width > 1 else aligned_zeros(1, fields, up(rows)).T
 
-    limits = zeros(p, len(LIMITS))
+    limits = by_columns(len(interfaces), len(LIMITS))
     limits[:, :HAS_FAILED] = np.inf  # places that no wall takes stay intact
     return Tables(
         bodies=zeros(up(n_bodies), 2 + 2 * coordinates), inertia=by_columns(n_bodies, 3 * coordinates),
         interfaces=interfaces, limits=limits, contacts=contacts, strengths=zeros(c, len(STRENGTHS)),
         states=zeros(c, len(STATES)),
-        readings=zeros(c, 4), energy=zeros(1, 4), events=np.zeros((width, capacity, 3), np.int64),
+        readings=zeros(c, len(READINGS)), energy=zeros(1, 4), events=np.zeros((width, capacity, 3), np.int64),
         values=np.zeros((width, capacity, 4)), n_events=np.zeros((width, 1), np.int64), relaxation=zeros(1, 2),
-        last=by_columns(n_last, 6), turning=zeros(n_bodies, 2),
-        bearings=zeros(n_bearings, BEARING), radiation=by_columns(n_dashpots, 5),
+        last=by_columns(n_last, len(LAST)), turning=zeros(n_bodies, 2),
+        bearings=zeros(n_bearings, len(Bearing._fields)), radiation=by_columns(n_dashpots, len(RADIATION)),
         bench=zeros(1, BENCH), sums=zeros(SUMS, PARTS), others=np.zeros(p, np.uint8), used=np.zeros(c, np.uint8),
         lines=aligned_zeros(blocks, len(LINES), 8), first=first, second=second,
         every=np.arange(up(n_bodies), dtype=INDEX))
@@ -195,13 +219,12 @@ def aligned_zeros(*shape):
     return bytes_[first:first + 8 * n].view(float).reshape(shape)
 
 
-def join(members, capacity=None):
-    """Tables of walls that step together, of one or eight; members: (Tables, place in them) of each; capacity: largest
-    number of events, default that of the first."""
+def join(members):
+    """Tables of walls that step together, of one or eight; members: (Tables, place in them) of each."""
     old = members[0][0]
     new = make_tables(len(old.turning), old.inertia.shape[1] // 3, old.interfaces.copy(), old.contacts.copy(),
-                      len(old.last), len(old.radiation), len(old.bearings),
-                      old.events.shape[1] if capacity is None else capacity, width=1 if len(members) == 1 else WIDTH)
+                      len(old.last), len(old.radiation), len(old.bearings), old.events.shape[1],
+                      width=1 if len(members) == 1 else WIDTH)
     for w, (tables, lane) in enumerate(members):
         copy_wall(tables, lane, new, w)
     copy_lines(new)
@@ -228,12 +251,12 @@ def system_of(tables, w):
         place=place, force=force, trig=trig,
         velocity=inertia[:n, VELOCITY::3], mass=inertia[:n, MASS::3], inverse_mass=inertia[:n, INVERSE_MASS::3],
         interfaces=tables.interfaces, contacts=tables.contacts,
-        limits=_records(tables.limits, LIMITS, w)[:len(tables.interfaces)],
+        limits=tables.limits[:len(tables.interfaces), :, w],
         strengths=_records(tables.strengths, STRENGTHS, w),
         states=_records(tables.states, STATES, w), readings=tables.readings[..., w].T, energy=tables.energy[0, :, w],
         events=tables.events[w], values=tables.values[w], n_events=tables.n_events[w],
         relaxation=tables.relaxation[0, :, w], last=tables.last[:damped, :, w], turning=tables.turning[..., w],
-        bearings=tables.bearings[..., w], radiation=tables.radiation[:damped, :, w])
+        bearings=_records(tables.bearings, Bearing._fields, w), radiation=tables.radiation[:damped, :, w])
 
 
 def _records(table, names, w):

@@ -5,9 +5,8 @@ that stops elsewhere advances by itself until the others can join it.  Results o
 """
 
 from itertools import accumulate
-from weakref import WeakKeyDictionary
 
-from damage.reference.lanes import advance_together, kind_of
+from damage.reference.lanes import advance_together
 from damage.run.turns import WAITED
 
 LEAST_LANES = 5
@@ -16,27 +15,19 @@ fewer walls are faster one by one, since a single wall takes a quarter of the ti
 with AVX2.  Of walls with deformable bricks two are enough."""
 
 
-class Ensemble:
-    """Advances walls, those with equal bricks and stiffnesses in batches."""
+def move(asked):
+    """Advance solvers, as `damage.run.turns.run_each`, those with equal bricks and stiffnesses in batches; returns
+    WAITED for those that wait for others.
 
-    def __init__(self):
-        self._kinds = WeakKeyDictionary()  # {wall: its mass, which `hold` changes; key, equal for walls of one batch}
-
-    def move(self, asked):
-        """Advance solvers, as `damage.run.turns.run_each`; returns WAITED for those that wait for others.
-
-        asked: (ReferenceSolver, *numbers of steps) of each.
-        """
-        alike = {}
-        for wall, *steps in asked:
-            if self._kinds.get(wall, (self,))[0] is not wall.mass:
-                self._kinds[wall] = wall.mass, kind_of(wall)
-            alike.setdefault(self._kinds[wall][1], {})[wall] = steps
-        failures = {}
-        for walls in alike.values():
-            for group in _chosen(walls):
-                failures |= zip(group, _advance(list(group.items())))
-        return [failures.get(wall, WAITED) for wall, *_ in asked]
+    asked: (ReferenceSolver, *numbers of steps) of each.
+    """
+    alike, failures = {}, {}
+    for wall, *steps in asked:
+        alike.setdefault(wall.lanes.kind, {})[wall] = steps
+    for walls in alike.values():
+        for group in _chosen(walls):
+            failures |= zip(group, _advance(list(group.items())))
+    return [failures.get(wall, WAITED) for wall, *_ in asked]
 
 
 def _chosen(walls):

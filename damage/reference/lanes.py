@@ -55,7 +55,7 @@ class Lanes:
     def __init__(self, walls, built=None):
         """built: Tables of a single wall that has none yet."""
         self._walls = [weakref.ref(wall) for wall in walls]  # which hold this object: no cycle keeps the tables
-        _check(walls)
+        self._kind = None if len(walls) == 1 else _common_kind(walls)
         self._n = ONE if len(walls) == 1 else EIGHT
         self.tables = built or tables.join([(wall.lanes.tables, wall.lanes.lane_of(wall)) for wall in walls])
         for w, wall in enumerate(walls):
@@ -63,6 +63,12 @@ class Lanes:
         self._law = tables.Law(walls[0].material, THRESHOLD)
         self._matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
         self._samples = self.room(0)
+
+    @property
+    def kind(self):
+        """`kind_of` each of the walls; of a single one worked out where it is asked for first."""
+        self._kind = self._kind or kind_of(next(filter(None, self.walls)))
+        return self._kind
 
     @property
     def walls(self):
@@ -130,25 +136,15 @@ class Lanes:
         self._run(kernel.FIND_FORCES, np.zeros((1, 1, 3)), np.zeros(1, int), np.array([int(singly)]), self._samples)
 
 
-def are_alike(wall, other):
-    """Whether two walls have equal bricks, stiffnesses, friction and scaled mass: can be members of one batch."""
-    return wall.material == other.material and all(
-        np.array_equal(one, two, equal_nan=True) for one, two in zip(_shared(wall), _shared(other)))
-
-
 def kind_of(wall):
-    """Key that is equal for walls that are `are_alike`, whether they find new contacts, material and a digest of what
-    is shared."""
-    parts = [np.ascontiguousarray(values).tobytes() for values in _shared(wall)]
-    return wall.loose is None, wall.material, hashlib.sha256(b"".join(parts)).digest()
-
-
-def _shared(wall):
-    """Arrays that are equal in all walls of a batch."""
+    """Key that is equal for walls that can be members of one batch: whether they find new contacts, material, and a
+    digest of the arrays of bricks, stiffnesses and scaled mass that all of them share."""
     system = wall.system
     of_modes = (system.mass[:, tables.RIGID:], *wall.strain) if wall.strain else ()
-    return [*(table[name] for table in (system.interfaces, system.contacts) for name in table.dtype.names), *of_modes,
-            np.array(len(system.radiation)), np.frombuffer(wall.mass.key if wall.mass else b"", "u1")]
+    shared = [*(table[name] for table in (system.interfaces, system.contacts) for name in table.dtype.names), *of_modes,
+              np.array(len(system.radiation)), np.frombuffer(wall.mass.key if wall.mass else b"", "u1")]
+    parts = [np.ascontiguousarray(values).tobytes() for values in shared]
+    return wall.loose is None, wall.material, hashlib.sha256(b"".join(parts)).digest()
 
 
 def _in_turn(ends):
@@ -157,9 +153,11 @@ def _in_turn(ends):
     return steps, sum(np.isin(steps, of_wall) << lane for lane, of_wall in enumerate(ends)).astype(np.int64)
 
 
-def _check(walls):
-    """Raise ValueError where the walls cannot be in one batch."""
-    for lane, wall in enumerate(walls[1:], 1):
-        if not are_alike(walls[0], wall):
+def _common_kind(walls):
+    """The `kind_of` all walls of a batch; ValueError where they cannot be in one."""
+    first, *others = map(kind_of, walls)
+    for lane, kind in enumerate(others, 1):
+        if kind != first:
             raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
                              "wall 0; step it by itself")
+    return first

@@ -9,7 +9,7 @@ from damage.errors import one_line
 from damage.history.writer import HistoryWriter
 from damage.memory import hold_buffers
 from damage.provenance import shown_path
-from damage.reference.ensembles import Ensemble
+from damage.reference.ensembles import move
 from damage.reference.lanes import MOST_LANES
 from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
@@ -39,7 +39,7 @@ def _make(layout, time_step, settings):
 
 
 BACKEND = Backend("reference", {"numba": numba.__version__}, _make, Path(__file__).parent, softening=Softening(),
-                  move=Ensemble().move, most=MOST_LANES)
+                  move=move, most=MOST_LANES)
 
 
 def run_reference(arguments):

@@ -9,7 +9,6 @@ import pickle
 from collections import OrderedDict
 from dataclasses import replace
 
-from damage.mechanics.tables import copy_wall, join
 from damage.run.settings import SELECTIVE
 
 MOST_BYTES = 64_000_000
@@ -17,66 +16,48 @@ MOST_BYTES = 64_000_000
 
 
 class SettledWalls:
-    """States of solvers at the end of their static stages, the least recently used deleted first."""
+    """Checkpoints of solvers at the end of their static stages, the least recently used deleted first."""
 
     def __init__(self):
-        self._kept = OrderedDict()  # {digest of all inputs of the static stage: State}
+        self._kept = OrderedDict()  # {digest of all inputs of the static stage: (checkpoint, looks at the stage)}
 
     def of(self, prepared):
         """Settled of a Prepared run."""
         return Settled(self, digest_of(prepared))
 
     def take(self, digest):
-        """State with this digest, None where there is none."""
+        """(checkpoint, looks) with this digest, None where there is none."""
         if digest in self._kept:
             self._kept.move_to_end(digest)
         return self._kept.get(digest)
 
-    def put(self, digest, state):
-        """Add a State, and delete the oldest ones beyond MOST_BYTES."""
-        self._kept[digest] = state
-        while sum(state.nbytes for state in self._kept.values()) > MOST_BYTES:
+    def put(self, digest, tables, looks=()):
+        """Add a checkpoint, {name: array}, and looks, and delete the oldest ones beyond MOST_BYTES."""
+        self._kept[digest] = tables, looks
+        while sum(table.nbytes for tables, _ in self._kept.values() for table in tables.values()) > MOST_BYTES:
             self._kept.popitem(last=False)
 
 
 class Settled:
-    """Access of one run to the cache of states at rest."""
+    """Access of one run to the cache of walls at rest."""
 
     def __init__(self, walls, digest):
-        self._walls, self._digest, self._state = walls, digest, walls.take(digest)
+        self._walls, self._digest, self._found = walls, digest, walls.take(digest)
 
     def recall(self, solver):
         """Set a solver that has not moved to the end of its static stage; returns the looks at that stage, None where
         the cache lacks it."""
-        if self._state is None:
+        if self._found is None:
             return None
-        self._state.put_into(solver)
-        return self._state.looks
+        tables, looks = self._found
+        solver.restore(tables)
+        return looks
 
     def keep(self, solver, looks):
-        """Store the state of a solver at the end of its static stage, and the looks at it, unless its bricks have found
-        new contacts by then."""
+        """Store the state of a solver at the end of its static stage, and the looks at it, (time [s], unbalanced
+        force), unless its bricks have found new contacts by then."""
         if solver.loose is None or not solver.loose.counts.any():
-            self._walls.put(self._digest, State(solver, looks))
-
-
-class State:
-    """Copy of the tables of a ReferenceWall and its clock; looks: at its static stage, (time [s], unbalanced force)."""
-
-    def __init__(self, wall, looks=()):
-        self.looks = tuple(looks)
-        self._step, of = wall.step, (wall.lanes.tables, wall.lanes.lane_of(wall))
-        self._tables = join([of], capacity=int(wall.system.n_events[0]))
-
-    @property
-    def nbytes(self):
-        """Size of the tables [bytes]."""
-        return sum(table.nbytes for table in self._tables)
-
-    def put_into(self, wall):
-        """Write the tables and the clock into a wall with the same bricks."""
-        wall.step = self._step
-        copy_wall(self._tables, 0, wall.lanes.tables, wall.lanes.lane_of(wall))
+            self._walls.put(self._digest, solver.checkpoint(whole_log=False), tuple(looks))
 
 
 def digest_of(prepared):

@@ -6,7 +6,7 @@ from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
 from damage.mechanics.loose import LARGEST, PAIRS
 from damage.mechanics.samples import ELASTIC, KINETIC
-from damage.mechanics.tables import LOGS, OPENED, PULLS, RIGID, SHARED, SLIPPED, STIFFNESS, WORK, Tables, X, Z
+from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
 
@@ -75,7 +75,7 @@ class ReferenceSolver(ReferenceWall, Solver):
 
         ends = sorted({*steps_of(0, sample_steps), *steps_of(since, LOOK_STEPS), end})
         # Prescribed velocities change at every sample; events of parallel elements are known at the sample alone.
-        single = self._is_driven or self.layout.fibres is not None or self.system.bearings[:, STIFFNESS].any()
+        single = self._is_driven or self.layout.fibres is not None or self.system.bearings["stiffness"].any()
         return ends[:1] if single else ends
 
     def _instants_at(self, samples):
@@ -99,7 +99,7 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def _in_bearing(self):
         """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a time."""
-        stiffness, force = self.system.bearings[:, [STIFFNESS, PULLS]].T
+        stiffness, force = self.system.bearings["stiffness"], self.system.bearings["force"]
         return 0.5 * float(np.sum(force[stiffness > 0]**2 / stiffness[stiffness > 0]))
 
     def _in_springs(self, displacement):
@@ -138,8 +138,10 @@ class ReferenceSolver(ReferenceWall, Solver):
         loose = {} if self.loose is None else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
         return found | loose | {f"passed_{kind}": passed for kind, passed in self._passed.items()}
 
-    def checkpoint(self):
-        return {name: np.array(table, order="C") for name, table in self._whole().items()} | {
+    def checkpoint(self, whole_log=True):
+        """As of Solver; whole_log: with the places of the log that hold no events, so that its size is the same."""
+        count = {name: None if whole_log else int(self.system.n_events[0]) for name in ("events", "values")}
+        return {name: np.array(table[:count.get(name)], order="C") for name, table in self._whole().items()} | {
             "clock": np.array(self.clock), "is_driven": np.array(self._is_driven)}
 
     def restore(self, tables):
@@ -153,7 +155,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         if tables["n_events"][0] < 0 or tables["clock"] < 0:
             raise InputError("the clock of the checkpoint, or its number of events, is below zero; run it again")
         for name, table in self._whole().items():
-            table[:] = tables[name]
+            table[:len(tables[name])] = tables[name]
         self.step, self._is_driven = self.first_step + int(tables["clock"]), bool(tables["is_driven"])
 
     def drain_events(self):

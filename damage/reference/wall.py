@@ -116,7 +116,7 @@ class ReferenceWall:
     @property
     def stresses(self):
         """Normal stress, tension positive, and shear stress of the contacts of the tables, (2, contacts) [Pa]."""
-        return self.system.readings[[tables.READ_SIGMA, tables.READ_TAU]]
+        return self.system.readings[2:].copy()
 
     def sample_now(self):
         """Samples with a single sample, of the present time."""
@@ -143,7 +143,7 @@ class ReferenceWall:
         """Indices of the active contact points, those of failed interfaces; all, a slice, with parallel elements."""
         if self.layout.fibres is not None:
             return slice(None)
-        interfaces, failed = self.system.interfaces, self.system.limits["failed"] > 0
+        interfaces, failed = self.system.interfaces, self.system.limits[:, tables.HAS_FAILED] > 0
         if (count := np.count_nonzero(failed)) != self._active[0]:  # failure is permanent
             self._active = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
         return self._active[1]
