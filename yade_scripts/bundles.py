@@ -36,8 +36,6 @@ class Bundles:
         self._weakest = np.flatnonzero(np.append(True, self.fibres.last[:-1]))
         self._end = np.flatnonzero(self.fibres.last) + 1
         self._area, self._normal, self._shear = contacts.area, contacts.normal_stiffness, contacts.shear_stiffness
-        # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
-        self._handed = np.where(contacts.upright, -1.0, 1.0)
         self._friction = friction_left(False, material_of(model.layout.wall.joint))
 
     def held(self, joint):
@@ -99,11 +97,11 @@ class Bundles:
         dry.phys.kn += float(area * self._normal[joint])
         dry.phys.ks += float(area * self._shear[joint])
         dry.phys.shearForce += self._force(joint, dry.geom, 0.0, area * stress)
-        self.model.rub(joint)
+        self.model.work.renew(dry)
 
     def _force(self, joint, geom, normal, shear):
         """Force vector of an interaction on its second member in YADE's order; normal (tension positive), shear [N]."""
-        n, along = geom.normal, -float(self._handed[joint] * shear)
+        n, along = geom.normal, -float(self.model.handed[joint] * shear)
         return -float(normal) * n + along * Vector3(n[2], 0, -n[0])
 
 

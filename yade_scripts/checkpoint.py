@@ -22,7 +22,7 @@ _PARTS = {
     "scene": ("share", "dry_share", "follows", "holding", "_breaks_seen", "on_top"),
     "scene.bundles": ("_weakest",),
     "model": ("signs", "bonded", "closure"),
-    "model._work": ("_rest",),
+    "model.work": ("_rest",),
     "": ("_velocity", "_top_rest", "_top_stiffness", "_supports", "_support_velocity", "_armed", "_input_power",
          "_input_time", "_input_energy", "clock", "_slip", "_slip_work"),
 }
@@ -32,7 +32,7 @@ _KINDS = "tension", "shear", "opened", "slipped"
 
 def tables_of(solver):
     """Everything that the next steps of a YadeSolver depend on, {name: array}."""
-    model, work = solver.model, solver.model._work
+    model, work = solver.model, solver.model.work
     watched = list(work._watched.items())
     near = {id(one) for one in work._near}
     return {
@@ -116,7 +116,7 @@ def _load_scene(scene, solver):
     model = solver.model
     (model.newton,) = (engine for engine in O.engines if type(engine).__name__ == "NewtonIntegrator")
     (loop,) = (engine for engine in O.engines if type(engine).__name__ == "InteractionLoop")
-    model.law, model._work._law = loop.lawDispatcher.functors[:2]
+    model.law, model.work._law = loop.lawDispatcher.functors[:2]
     model._material = O.materials["tip"]
 
 
@@ -162,7 +162,7 @@ def _is_there(bond):
 
 def _bind(solver, tables):
     """Have a solver read the bodies and interactions of the scene that was loaded."""
-    model, scene, work, removed = solver.model, solver.scene, solver.model._work, {}
+    model, scene, work, removed = solver.model, solver.scene, solver.model.work, {}
     for number, depth, kn, ks, *forces in tables["removed"].tolist():
         removed[int(number)] = SimpleNamespace(penetrationDepth=depth, shearInc=Vector3.Zero), SimpleNamespace(
             kn=kn, ks=ks, normalForce=Vector3(forces[:3]), shearForce=Vector3(forces[3:]), isCohesive=False)

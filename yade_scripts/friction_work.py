@@ -8,6 +8,8 @@ lightly compressed contacts open and close from one step to the next.
 
 from yade import Vector3
 
+_NEAR = 5e-5  # [m], opening from which a contact is not checked until the next choice (up to 0.3 m/s)
+
 
 class FrictionWork:
     """Work of friction in all contacts of a Law2_ScGeom_FrictPhys_CundallStrack that traces its energy.
@@ -60,12 +62,11 @@ class FrictionWork:
         self._near = [one for one, state in zip(self._watched.values(), states) if state[-1]]
         self._law.initPlasticDissipation(slid)
 
-    def choose(self, reach):
-        """Check only contacts that are closed, or open by less than a reach [m], until the next call."""
-        self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -reach]
-
-    def step(self):
-        """Add the work of a step; to be called after every step."""
+    def step(self, anew):
+        """Add the work of a step; to be called after every step.  anew: choose anew the contacts that are checked until
+        the next choice, those that are closed or may close."""
+        if anew:
+            self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -_NEAR]
         self._rest += sum(map(_what_is_left_out, self._near))
 
 

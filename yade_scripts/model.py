@@ -36,7 +36,6 @@ _CORNER = 1e-3  # [m], radius of the spheres in the corners, the contacts of loo
 _ON_SOIL = 4.0  # [-], largest depth of a tip on soil over the mean static one
 _INSET = 5e-4  # [m], their distance from the faces, so that they do not touch while joints hold
 _CRUSHED_INSET = 5e-3  # [m], the same where joints can crush, which brings bricks closer
-_NEAR = 5e-5  # [m], opening from which a tip is not checked until the next choice (up to 0.3 m/s)
 _MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has its tip on that brick
 _REACH = 3e-2  # [m], extension of a face where the contact point lies at the ends of both faces
 _COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
@@ -54,7 +53,8 @@ class YadeWall:
     ground: [ids of the bodies] of each support, whose motion is prescribed; bonded: whether the interaction is still
     the bond (n_contacts,); frayed: {joint: dry contact beside a partly failed bond}; closure: plastic closure of
     contact points (n_joints,) [m]; turning: states with the rotations of the bodies; tips: {contact point: _Tip} of
-    those that may fail; faces: {(body, kind): id} of the boxes.
+    those that may fail; faces: {(body, kind): id} of the boxes; work: FrictionWork; handed: +1 where a positive shear
+    follows the tangent, the normal rotated by a right angle, else -1 (n_contacts,).
     """
 
     def __init__(self, layout, parts, bonds, newton, law, work, corner_depth):
@@ -66,7 +66,9 @@ class YadeWall:
         self.tips, self.faces = parts.tips, parts.faces
         self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
         self.friction = friction_left(True, material_of(layout.wall.joint))
-        self._material, self._work = parts.tip, work
+        self._material, self.work = parts.tip, work
+        # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
+        self.handed = np.where(layout.contacts.upright, -1.0, 1.0)
         contacts, n = layout.contacts, layout.n_joints
         # Depth at which contact points crush, or to which soil gives way, else none [m]; {joint: its tip's id}.
         self._depth = np.where(np.isinf(contacts.compressive_strength), 0.0,
@@ -90,26 +92,11 @@ class YadeWall:
         contact = self._touch(joint, *stiffness)
         contact.phys.shearForce = shear
         self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
-        self._work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
-
-    def friction_work(self):
-        """Work of friction so far [J]."""
-        return self._work.total
-
-    def follow(self, anew):
-        """Update the work of friction after a step; anew: choose anew the joints that may close or slide until the next
-        choice."""
-        if anew:
-            self._work.choose(_NEAR)
-        self._work.step()
+        self.work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
 
     def fray(self, joint):
         """Add a dry contact without stiffness beside a bond, for its failed parallel elements."""
         self.frayed[joint] = self._touch(joint, 0.0, 0.0)
-
-    def rub(self, joint):
-        """Register a new stiffness and shear force of the dry contact beside a bond."""
-        self._work.renew(self.frayed[joint])
 
     def part(self, joint):
         """Replace a bond by its dry contact after its last parallel element has failed."""
@@ -138,7 +125,7 @@ class YadeWall:
     def end(self, joint, stored):
         """Remove the contact of a joint whose faces no longer overlap; stored: its elastic energy [J]."""
         contact = self.bonds[joint]
-        self._work.end(contact, stored)
+        self.work.end(contact, stored)
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
 
@@ -152,7 +139,7 @@ class YadeWall:
         place = self.frayed if joint in self.frayed else self.bonds
         old = place[joint]
         stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
-        self._work.forget(old)
+        self.work.forget(old)
         worn = self._tip_of[joint]
         force, torque, there = O.forces.f(worn, True), O.forces.t(worn, True), Vector3(O.bodies[worn].state.pos)
         self.members[self.tips[joint].body].remove(worn)
@@ -162,7 +149,7 @@ class YadeWall:
         O.forces.addF(point, force)
         O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
         contact.phys.shearForce = shear
-        self._work.renew(contact)
+        self.work.renew(contact)
 
     def _touch(self, joint, normal_stiffness, shear_stiffness):
         """Create the tip of a joint, moved by its plastic closure, and return its contact with the face."""

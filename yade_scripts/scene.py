@@ -34,7 +34,7 @@ class SceneReader:
         # Shares of the areas of the contact points [-] of the bonds, and of the interactions that slide.
         self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
         self.bundles = Bundles(model) if model.layout.fibres else None
-        self.area, self.signs, self.bonded = contacts.area, model.signs, model.bonded
+        self.area, self.bonded = contacts.area, model.bonded
         self.holding = list(range(model.layout.n_joints))  # joints whose bond has not failed
         self._breaks_seen = 0
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
@@ -45,8 +45,6 @@ class SceneReader:
         self.start = np.column_stack([bodies.x, bodies.z])
         self.turning = model.turning
         self.first_orientation = np.array([tuple(state.ori) for state in self.turning])
-        # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
-        self.handed = np.where(contacts.upright, -1.0, 1.0)
 
     def newly_broken(self):
         """Joints whose bond failed since the last call, (m,) int, or () without any."""
@@ -178,7 +176,7 @@ class SceneReader:
         along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
                           ((p, g.normal) for p, g in (self.rubbing[i] for i in select))])
         # The signs of normal and tangent change together, so that YADE's order of the bodies does not matter.
-        return -along * self.handed[select] / (self.area[select] * self.dry_share[select])
+        return -along * self.model.handed[select] / (self.area[select] * self.dry_share[select])
 
     def joint_stresses(self, n_joints):
         """Normal stress, tension positive, and shear stress of the first contact points on their whole areas, signed as
@@ -193,7 +191,7 @@ class SceneReader:
             if contact.isReal:  # not of one that has ended
                 n, on, along = contact.geom.normal, contact.phys.normalForce, contact.phys.shearForce
                 normal -= on.dot(n)
-                shear -= (along[0] * n[2] - along[2] * n[0]) * self.handed[joint]
+                shear -= (along[0] * n[2] - along[2] * n[0]) * self.model.handed[joint]
         return float(normal), float(shear)
 
     def elastic_energy(self, broken):

@@ -204,7 +204,7 @@ class YadeSolver(Solver):
         self._set_field()
         self._load_top()
         try:
-            self.model.follow(self.clock % FOLLOW_STEPS == 0)
+            self.model.work.step(anew=self.clock % FOLLOW_STEPS == 0)
             self._log_breaks(self.scene.newly_broken())
             for joint, _, work in self.crushing.step(self.clock % FOLLOW_STEPS == 0):
                 self.tracker.crushes(joint, work)
@@ -338,7 +338,7 @@ class YadeSolver(Solver):
         balance them, so that the run computes it from the energy balance.
         """
         tracker = self.tracker
-        friction = self.model.friction_work() + tracker.breaking_energy + self._slip_work
+        friction = self.model.work.total + tracker.breaking_energy + self._slip_work
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
             clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports.copy(),
