@@ -33,6 +33,15 @@ def did_you_mean(word, known):
     return f"; did you mean {near[0]}?" if near else ""
 
 
+def some_of(words, most=5):
+    """The first words of a list, and how many more there are.
+
+    >>> some_of(["a", "b", "c"], most=2), some_of(["a"])
+    ('a, b and 1 more', 'a')
+    """
+    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
+
+
 class Warned(str):  # noqa: FURB189, printed and written as any text
     """The text of a warning; code: a word by which programs know it (docs/reference/ranges.md).
 

@@ -1,4 +1,5 @@
-"""Commands about the source paper, from a clone: python3 -m paper COMMAND.  Figures, verdict, modelling choices."""
+"""Commands about the source paper, from a clone: python3 -m paper COMMAND.  Figures, verdict, modelling choices;
+and the programs that make tables of documents, by the names of their modules."""
 
 from damage.start import begin, leave
 
@@ -7,6 +8,7 @@ if __name__ == "__main__":
 
 import sys
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 
 from damage.__main__ import add_commands, guarded
@@ -16,6 +18,13 @@ from damage.files import json_text, write_text
 from damage.run.options import OneLineParser
 from damage.run.session import EXIT_INPUT, EXIT_INTERRUPTED
 
+PROGRAMS = (
+    "accumulation", "after_peak", "bouncing_caps", "changed_points", "claim_coverage", "cracks_before", "deformable",
+    "dic_field", "dilatancy", "document_figures", "falls", "fragility_coverage", "houses", "impacts", "laboratory",
+    "lives_walls", "mass_scaling", "other_starts", "published_fragility", "record_features", "repeated_loading",
+    "repetitions", "results_figures", "settled_walls", "shaken_wall", "softening", "split_and_crush", "stepped_cracks",
+    "two_solvers", "underdetermined", "unmet")
+"""Modules that make tables and figures of documents: python3 -m paper NAME, with their own arguments."""
 COMMANDS = {}
 command = partial(command, table=COMMANDS)
 
@@ -28,6 +37,9 @@ def main(arguments=None):
 def _run(arguments):
     if arguments[:1] == ["studies"]:
         return _studies(arguments[1:])
+    if arguments and arguments[0] in PROGRAMS:
+        sys.argv = [f"python3 -m paper {arguments[0]}", *arguments[1:]]
+        return import_module(f"paper.{arguments[0]}").main() or 0
     parser = OneLineParser(prog="python3 -m paper", allow_abbrev=False, description=__doc__)
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND", parser_class=OneLineParser), COMMANDS)
     asked = parser.parse_args(arguments)

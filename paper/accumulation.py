@@ -1,7 +1,7 @@
 """Three readings of one published fragility over thirty years at three addresses, to lay beside walls that were
 computed.
 
-    python3 paper/accumulation.py | python3 scripts/document_tables.py benchmarks/accumulation.csv
+    python3 -m paper accumulation | python3 scripts/document_tables.py benchmarks/accumulation.csv
 
 P. A. Korswagen (dissertation, TU Delft, 2024) gives for one event the PGV at which a wall of damage Psi_0 reaches
 Psi_f: median and logarithmic standard deviation.  How damage accumulates over many events is open:
@@ -11,14 +11,10 @@ Psi_f: median and logarithmic standard deviation.  How damage accumulates over m
     "largest alone": the largest event acts on the wall as it was before, and no other does
 """
 
-import sys
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from scipy.stats import norm
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.errors import InputError
 from damage.exposure.lives import read_address
@@ -79,7 +75,3 @@ def after(psi, pgv_mm_s, share):
             reached = mine & (norm.cdf((np.log(pgv_mm_s) - mean) / deviation) > share)
             result[reached] = np.maximum(result[reached], target)
     return result
-
-
-if __name__ == "__main__":
-    main()

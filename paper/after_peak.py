@@ -1,22 +1,18 @@
 """The tables of docs/validation/after-the-peak.md: laws of the joint one at a time and together, beside tested walls.
 
-    python3 paper/after_peak.py [--out DIR] [TABLE ...]
+    python3 -m paper after_peak [--out DIR] [TABLE ...]
 
 TABLE: laws, prediction, cycles, unseen, elsewhere, about 35 minutes on one core; scatter, consequences, tail, as many
 again; all by default, in the reference solver.  Histories that are already in DIR are not run again.
 """
 
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import NamedTuple
 from unittest import mock
 
 import numpy as np
 import pandas as pd
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage import Joint, Wall, brick_of_masonry
 from damage.laboratory.pushed import FIGURES, SPECIMENS, TESTS, read_test
@@ -30,7 +26,7 @@ from damage.wall.kinds import GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
 from damage.wall.parameters import ENERGIES, RULE, crushing_energy, softening_energies
-from paper.bench import BGAR, main, print_row, print_table, wall_file
+from paper.bench import BGAR, print_row, print_table, print_tables, wall_file
 from paper.softening import softened, stiffer
 
 FIXED = ["--boundary", "fixed"]
@@ -348,5 +344,5 @@ def tail(bench):
 TABLES = {table.__name__: table for table in (laws, prediction, cycles, unseen, elsewhere, scatter, consequences, tail)}
 
 
-if __name__ == "__main__":
-    main(TABLES, TABLES, "results/after_peak", __doc__)
+def main():
+    print_tables(TABLES, TABLES, "results/after_peak", __doc__)

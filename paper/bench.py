@@ -134,7 +134,7 @@ def chosen(asked, known, what):
     return asked or list(known)
 
 
-def main(tables, usual, folder, description, bench=Bench):
+def print_tables(tables, usual, folder, description, bench=Bench):
     """Print the tables, {name: function of a Bench}, that a command line asks for; usual: those of one that asks for
     none."""
     parsed = arguments(description, option("tables", nargs="*", metavar="TABLE", help=", ".join(tables)),

@@ -1,15 +1,12 @@
 """Joints that break in the rest after a motion: a table of docs/paper/open-points.md.
 
-    python3 paper/bouncing_caps.py [--out DIR]
+    python3 -m paper bouncing_caps [--out DIR]
 
 walls/symmetric.py in the reference solver, two cycles of 0.2 s and 0.075 g and 3 s of rest, with smaller steps, with
 damping, with other masses on top.  Histories that are already in DIR are not run again.
 """
 
-import sys
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
@@ -54,7 +51,3 @@ def main():
                 "of the time they are")
     for name, words in VARIANTS.items():
         print_row(*row_of(name, bench.run("symmetric", [*MOTION, *words], name)))
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """How far the tables of points of two versions are apart: medians, ranges, and the points that moved most.
 
-    python3 paper/changed_points.py OLD NEW [STUDY ...]      # a table of docs/paper/changed-points.md
+    python3 -m paper changed_points OLD NEW [STUDY ...]      # a table of docs/paper/changed-points.md
 
 OLD holds an older version's STUDY_points.csv, or is a commit of this repository, whose docs/tables are taken; NEW holds
 files of that name, too.  Of what changed in DI by slip, two causes are distinguished: the older tables' slip by
@@ -14,8 +14,6 @@ import sys
 from pathlib import Path
 
 import pandas as pd
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from paper.bench import REPOSITORY, print_row, print_table
 
@@ -98,7 +96,3 @@ def row_of(old, new, old_name, new_name, label, factor, digits):
     ranges = (f"{inside} of {len(several)}", texts(*widths)) if len(several) else ("-", "-")
     return (label, len(both), texts(off.median()), f"{texts(off.max())} ({short(most[0])})",
             texts(*both.loc[most, ["old", "new"]]), *ranges)
-
-
-if __name__ == "__main__":
-    main()

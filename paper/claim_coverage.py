@@ -1,6 +1,6 @@
 """Synthetic claims of known truth: coverage of the sheet's intervals, answers, and errors.
 
-    python3 paper/claim_coverage.py CLAIM... [--asked-of CLAIM] [--offsets] [--rows ROWS.csv]
+    python3 -m paper claim_coverage CLAIM... [--asked-of CLAIM] [--offsets] [--rows ROWS.csv]
 
 CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by both causes (B), by
 the earthquakes alone (E), and by the settlement alone (S), where the earthquakes of the address did not occur.  A
@@ -21,8 +21,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.claim.answer import BUT_FOR, LEAST_DRAWS, PRIORS
 from damage.claim.likeness import STATES, kernel, pairwise, strange_share
@@ -222,7 +220,3 @@ def main():
     for one, rows in zip(libraries, tables):
         if "draws" in rows:
             print_calibration(other or one, rows)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,8 +1,8 @@
 """Cracks before an earthquake: P(Psi >= 1) by the Psi that settlement left (docs/paper/settled-walls.md).
 
-    python3 paper/cracks_before.py DIR             # runs what DIR lacks, writes docs/tables/cracks_before.csv
-    python3 paper/cracks_before.py DIR --windows   # a few runs again with whole windows, cracks_before_windows.csv
-    python3 paper/cracks_before.py --tables        # tables of the page, of the CSV files
+    python3 -m paper cracks_before DIR             # runs what DIR lacks, writes docs/tables/cracks_before.csv
+    python3 -m paper cracks_before DIR --windows   # a few runs again with whole windows, cracks_before_windows.csv
+    python3 -m paper cracks_before --tables        # tables of the page, of the CSV files
 
 WALLS draws of the joints' strengths of the symmetric wall with softening joints settle by hogging until each class of
 CLASSES is reached; each settled wall is then shaken by each component, scaled to PGV_MM_S (`--continue`).  Components:
@@ -13,8 +13,6 @@ settlements and a row a run, and what is there is not run again.
 import csv
 import sys
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 import pandas as pd
@@ -159,9 +157,9 @@ def case(folder, part, window, name, seed, before):
     return {"run": run, "class": name, "wall": seed, "record": part.record, "distortion": f"{distortion:.6g}"}, words
 
 
-def main(words):
+def main():
     given = arguments(__doc__, option("folder", nargs="?", type=Path), option("--windows", action="store_true"),
-                      option("--tables", action="store_true"), words=words)
+                      option("--tables", action="store_true"))
     if given.tables:
         print_tables()
         return
@@ -227,7 +225,3 @@ def show(heads, rows):
     print_table(*heads)
     for row in rows:
         print_row(*row)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -1,8 +1,8 @@
 """Deformable bricks beside rigid ones: first periods with a triangle mesh as an independent check, and what they cost.
 
-    python3 paper/deformable.py periods [WALL ...]     # of the shipped walls, by default
-    python3 paper/deformable.py cost [WALL]            # time per step and per run, processor time
-    python3 paper/deformable.py runs DIR               # the symmetric wall shaken, five members a row, as a table
+    python3 -m paper deformable periods [WALL ...]     # of the shipped walls, by default
+    python3 -m paper deformable cost [WALL]            # time per step and per run, processor time
+    python3 -m paper deformable runs DIR               # the symmetric wall shaken, five members a row, as a table
 
 `runs` keeps its histories in DIR and makes only those that are missing; the table has the rows that are there.
 """
@@ -17,8 +17,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.history.reader import read_history
 from damage.law.modes import natural_modes
@@ -162,7 +160,3 @@ def main():
                       option("walls", nargs="*", help="walls, or the folder of `runs`"))
     {"periods": lambda: periods(asked.walls or WALLS), "runs": lambda: runs(Path(*asked.walls)),
      "cost": lambda: cost(*(asked.walls or ["symmetric"]))}[asked.what]()
-
-
-if __name__ == "__main__":
-    main()

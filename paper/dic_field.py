@@ -1,13 +1,10 @@
 """What a DIC field with noise shows of a simulation, beside what the simulation says: docs/reference/crack-format.md.
 
     python3 -m damage reference walls/symmetric.py --harmonic 0.2 0.1 --no-pictures --out FILE.h5
-    python3 paper/dic_field.py FILE.h5 [--every-s 0.1] [--noise-mm 0.01]
+    python3 -m paper dic_field FILE.h5 [--every-s 0.1] [--noise-mm 0.01]
 """
 
-import sys
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
@@ -75,7 +72,3 @@ def main():
         missed = np.abs([level[name][0] for level in found] - true)
         print(f"{name} in the end: {found[-1][name][0]:.4f} in the field, {true[-1]:.4f} in the simulation; of "
               f"{len(found)} fields missed by {missed.mean():.4f} in the mean, {missed.max():.4f} at most")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """Dilatant joints as a prototype on top of the plain step: what an option for dilatancy would change.
 
-    python3 paper/dilatancy.py      # two minutes
+    python3 -m paper dilatancy      # two minutes
 
 The joint law stays.  A failed contact point that has slipped by s is thicker by the integral of the dilatancy,
 
@@ -11,13 +11,9 @@ J. Eng. Mech. 130(11)); its decrease with pressure is left out, which makes it l
 Its rest position moves by d every few steps, as a negative plastic closure.
 """
 
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.laboratory.pushed import SPECIMENS
 from damage.mechanics.tables import Z
@@ -93,7 +89,7 @@ WALLS = (("squat_tested", "brittle", True), ("comp2_4", "brittle", False),
 """Wall file, what a table calls its joints, whether the top turns."""
 
 
-def walls():
+def main():
     """Tested walls: residual force by dilatancy, and where the top is kept from lifting."""
     print_table("wall", "joints", "tan ψ_0", "top", "peak [kN]", "mean force from 0.1 to 0.2 % [kN]",
                 "to no dilatancy", "lift at 0.2 % [mm]")
@@ -110,7 +106,3 @@ def walls():
             print_row(SPECIMENS[name], label, dilatancy, "free to lift" if lifts else "kept from lifting",
                       f"{done.force.max() / 1e3:.1f}", f"{residual / 1e3:.1f}",
                       f"{100 * (residual / without - 1):+.1f} %", f"{1e3 * done.lift[-1]:.2f}")
-
-
-if __name__ == "__main__":
-    walls()

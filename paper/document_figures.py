@@ -1,6 +1,6 @@
 """Figures of five documents, drawn from docs/tables and, of contact points, from the layout of a small wall.
 
-    python3 paper/document_figures.py [FOLDER]      # by default docs/pictures
+    python3 -m paper document_figures [FOLDER]      # by default docs/pictures
 
 writes thirty_years.png (docs/paper/thirty-years.md), settled_walls.png (docs/paper/settled-walls.md),
 after_the_peak.png (docs/validation/after-the-peak.md), shaken_walls.png (docs/validation/shaken-walls.md) and
@@ -8,11 +8,7 @@ model_contact_points.png (docs/model/model.md).
 """
 
 import re
-import sys
 from pathlib import Path
-
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
 
 import numpy as np
 import pandas as pd
@@ -40,6 +36,7 @@ from damage.wall.kinds import BED, HEAD
 from damage.wall.kinematics import ContactKinematics, rigid_displacement
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
+from paper.bench import REPOSITORY, arguments, option
 from paper.cracks_before import BINS, LEAST_PSI
 from paper.lives_walls import ADDRESSES, WALLS
 
@@ -357,11 +354,7 @@ def shaken_walls():
 FIGURES = thirty_years, settled_walls, after_the_peak, shaken_walls, model_contact_points
 
 
-def main(words):
-    folder = Path(words[0]) if words else REPOSITORY / "docs" / "pictures"
+def main():
+    folder = arguments(__doc__, option("folder", nargs="?", type=Path, default=REPOSITORY / "docs" / "pictures")).folder
     for draw in FIGURES:
         print(save_png(draw(), folder / f"{draw.__name__}.png", "paper/document_figures.py"))
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

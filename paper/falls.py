@@ -1,9 +1,9 @@
 """Falls of one wall in both solvers: when the first brick fell, since when the heap rests, overlaps, and a picture.
 
-    python3 paper/falls.py --out docs/pictures/heaps.png        # a small dry spandrel, minutes
+    python3 -m paper falls --out docs/pictures/heaps.png        # a small dry spandrel, minutes
     W="walls/symmetric.py --lintel none --harmonic 0.2 0.1 --new-contacts --after-fall --no-pictures"
     ./yade $W --out yade.h5; python3 -m damage reference $W --out reference.h5
-    python3 paper/falls.py yade.h5 reference.h5 --out heaps.png
+    python3 -m paper falls yade.h5 reference.h5 --out heaps.png
 
 The first brick has fallen once it is lower by half its height, by snapshots 10 ms (spandrel) or 20 ms apart,
 interpolated.
@@ -18,8 +18,6 @@ from types import SimpleNamespace
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.draw import style
 from damage.errors import InputError
@@ -159,7 +157,3 @@ def heaps(falls):
     axes[0].set_ylabel("z [m]")
     figure.tight_layout()
     return figure
-
-
-if __name__ == "__main__":
-    main()

@@ -1,18 +1,15 @@
 """How often the 90 % interval for a new record holds its median: the table in docs/reference/studies.md.
 
-    python3 paper/fragility_coverage.py [--studies 100]
+    python3 -m paper fragility_coverage [--studies 100]
 
 Made-up studies of 25 walls at 4 intensities a record; medians of records scatter by tau, walls by 0.1.  The share of
 all new records that an interval holds is known, as tau is: printed is its mean over the studies, expected to be 0.90.
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
 from scipy.special import ndtr
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.studies.new_record import new_record
 from paper.bench import arguments, option, print_row, print_table
@@ -50,7 +47,3 @@ def main():
         found = [coverage(n_records, factor, tau, n_studies) for factor, tau in cells]
         print_row(n_records, *(f"{mean:.2f}" for mean, _ in found))
         print(f"largest standard error {max(error for _, error in found):.3f}", file=sys.stderr)
-
-
-if __name__ == "__main__":
-    main()

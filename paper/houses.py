@@ -1,17 +1,14 @@
 """Walls of houses: those that ship, one façade under five lintels, two walls in both solvers.
 
-    python3 paper/houses.py ships              # modes, a push, BGAR x 1: a row a wall (5 minutes)
-    python3 paper/houses.py facade             # lintels of an ordinary façade under BGAR x 3 (10 minutes)
-    python3 paper/houses.py codes --out DIR    # YADE beside the reference solver under BGAR x 1.5 (an hour)
+    python3 -m paper houses ships              # modes, a push, BGAR x 1: a row a wall (5 minutes)
+    python3 -m paper houses facade             # lintels of an ordinary façade under BGAR x 3 (10 minutes)
+    python3 -m paper houses codes --out DIR    # YADE beside the reference solver under BGAR x 1.5 (an hour)
 
 DIR keeps the histories of `codes`; those that are there already are not made again.
 """
 
-import sys
 from dataclasses import replace
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import damage
 from damage.law.modes import natural_modes
@@ -120,7 +117,3 @@ def main():
     asked = arguments(__doc__, option("what", choices=("ships", "facade", "codes")),
                       option("--seeds", type=int, default=3), option("--out", type=Path, default=Path("houses")))
     {"ships": ships, "facade": lambda: facade(asked.seeds), "codes": lambda: codes(asked.out)}[asked.what]()
-
-
-if __name__ == "__main__":
-    main()

@@ -1,27 +1,23 @@
 """Energy that a block keeps at a rocking impact, beside Housner's and tested ones: a table of
 docs/validation/shaken-walls.md.
 
-    python3 paper/impacts.py        # writes docs/tables/benchmarks/impacts.csv; 15 seconds
+    python3 -m paper impacts        # writes docs/tables/benchmarks/impacts.csv; 15 seconds
 
 A block is let go from half its overturning angle on a dry joint without damping.  By Housner it keeps the share r^2 of
 its energy, r = 1 - 1.5 sin^2 alpha; the model's is the mean of six impacts, by the peaks of its rotation.
 """
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
 
 from damage import Brick, Joint, Wall
 from damage.law.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
+from paper.bench import REPOSITORY
 
 OUT = REPOSITORY / "docs" / "tables" / "benchmarks" / "impacts.csv"
 WIDE_M, SLENDERNESS = 0.2, (3, 5)
@@ -97,7 +93,3 @@ def main():
     table = pd.DataFrame(rows())
     table.to_csv(OUT, index=False, float_format="%.4g")
     print(table.to_string())
-
-
-if __name__ == "__main__":
-    main()

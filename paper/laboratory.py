@@ -1,6 +1,6 @@
 """The tables of docs/validation/laboratory.md: all tested walls by all laws of the joint, beside the tests.
 
-    python3 paper/laboratory.py [--out DIR] [TABLE ...]
+    python3 -m paper laboratory [--out DIR] [TABLE ...]
 
 TABLE: laws, cycles; both by default, in the reference solver, about half an hour on one core.  And speed, parameters:
 brittle joints pushed with other speeds, damping and material; yade: pushes in both solvers, half an hour or so;
@@ -8,20 +8,16 @@ yade_cycles: what cycles dissipate in both.  Histories that are already in DIR a
 """
 
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.laboratory.pushed import SPECIMENS, read_test
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
-from paper.bench import HELD, Bench, main, print_row, print_table
+from paper.bench import HELD, Bench, print_row, print_table, print_tables
 from paper.softening import Masonry, stiffer
 
 LAWS = {"rule, tested c and φ": "rule", "5/50, calibrated": "5/50", "11/209, clay": "11/209", "brittle": "brittle",
@@ -182,5 +178,5 @@ def vary(bench, name, common, rows):
 TABLES = {table.__name__: table for table in (laws, cycles, speed, parameters, yade, yade_cycles)}
 
 
-if __name__ == "__main__":
-    main(TABLES, ("laws", "cycles"), "results/laboratory", __doc__, Masonry)
+def main():
+    print_tables(TABLES, ("laws", "cycles"), "results/laboratory", __doc__, Masonry)

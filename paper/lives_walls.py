@@ -1,6 +1,6 @@
 """Visible damage after thirty years, wall by wall, with and without damage before, in one table.
 
-    python3 paper/lives_walls.py results/lives_walls/figures
+    python3 -m paper lives_walls results/lives_walls/figures
 
 Takes the tables of `python3 -m damage lives results/lives_walls`.  A row is a wall, its joints and the ground before
 the first earthquake; cells are P(Psi >= 1) with 95 % intervals in per cent.
@@ -65,7 +65,3 @@ def main():
     print("| " + " | ".join(names) + " |\n|" + " --- |" * len(names))
     for (wall, prefix), (ground, suffix) in product(WALLS.items(), BEFORE.items()):
         print("| " + " | ".join((wall, ground, *row(prefix, suffix, final, settled, choices))) + " |")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,9 +1,9 @@
 """Tables of docs/validation/mass-scaling.md: walls with softening joints in explicit steps and with mass scaling.
 
-    python3 paper/mass_scaling.py runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv; continues there
-    python3 paper/mass_scaling.py table DIR/runs.csv                         # medians, two-sample tests
-    python3 paper/mass_scaling.py curves DIR/runs.csv                        # fragility and lives
-    python3 paper/mass_scaling.py rocking | falling
+    python3 -m paper mass_scaling runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv; continues there
+    python3 -m paper mass_scaling table DIR/runs.csv                         # medians, two-sample tests
+    python3 -m paper mass_scaling curves DIR/runs.csv                        # fragility and lives
+    python3 -m paper mass_scaling rocking | falling
 
 A draw is one of the joints' strengths (coefficient of variation 0.3), or a life of the address.  Runs are not repeated
 where their energy balance is off, so that each step is judged by itself.  A further case is a line of CASES.
@@ -20,8 +20,6 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest, ks_2samp
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 import damage
 from damage.history.in_memory import HistoryInMemory
 from damage.law.modes import natural_modes
@@ -33,7 +31,7 @@ from damage.reference.wall import ReferenceWall
 from damage.run import scheme, watch
 from damage.run.options import parse_run
 from damage.run.schedule import SOFTENING_STEP_FACTOR
-from damage.studies.fragility import fit
+from damage.studies.fragility import solve
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -186,7 +184,7 @@ def curves(path):
         over = chosen.assign(over=chosen[measure] >= level).pivot(index="draw", columns="case", values="over")
         drawn = np.random.default_rng(1).integers(len(over), size=(500, len(over)))
         intensity = np.array([pgv[case] for case in over.columns])
-        fits = np.array([fit(intensity, over.iloc[rows].sum().to_numpy(), np.full(len(intensity), len(over)))
+        fits = np.array([solve(intensity, over.iloc[rows].sum().to_numpy(), np.full(len(intensity), len(over)))[:2]
                          for rows in (range(len(over)), *drawn)])
         low, high = np.quantile(fits[1:], (0.025, 0.975), axis=0)
         print_row(f"{measure} {level:g}", way, *(
@@ -271,7 +269,3 @@ def main():
         runs(parsed.path if parsed.path.suffix != ".csv" else parsed.path.parent, parsed.draws, parsed.cases)
     else:
         globals()[parsed.what](*[parsed.path] * (parsed.what in ("table", "curves")))
-
-
-if __name__ == "__main__":
-    main()

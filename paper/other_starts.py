@@ -1,16 +1,13 @@
 """Three cycles that start and end otherwise than a sine from zero, as records: the rows of docs/paper/open-points.md.
 
-    python3 paper/other_starts.py [--out DIR] [cosine] [ramp] [in-and-out]
+    python3 -m paper other_starts [--out DIR] [cosine] [ramp] [in-and-out]
 
 Each runs on walls/symmetric.py in the reference solver at the document's four motions; prints rows in
 Markdown, of all motions together, then the last cycle begun in each motion and the first free one.
 Histories that are already in DIR are not run again.
 """
 
-import sys
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 import pandas as pd
@@ -49,7 +46,3 @@ def main():
                             for name in ("last_cycle_s", "first_free_cycle_s")) for one in found]
         cycles[0] = f"last and first free cycle [s]: {cycles[0]}"
         print_row(shape, *(f"{one['max']['DI']:.3f} / {one['max_shear_limit']['DI']:.3f}" for one in found), *cycles)
-
-
-if __name__ == "__main__":
-    main()

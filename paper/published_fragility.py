@@ -1,23 +1,19 @@
 """Fragility of light damage beside a published one: table and picture of docs/paper/published-fragility.md.
 
     ./run_all.sh published --solver reference
-    python3 paper/published_fragility.py results/published [--out DIR]
+    python3 -m paper published_fragility results/published [--out DIR]
 
 Psi over 1 and 2 by PGV: this model's symmetric wall, with stress, period and damping switched in turn, and the shares
 of P. A. Korswagen and others (2022).  `--soil` prints, without a study, the periods that the walls would have on his
 soil springs.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from matplotlib.lines import Line2D
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, SKY, VERMILLION, save_figures, styled
@@ -150,7 +146,3 @@ def main():
     table(found)
     save_figures([("published_fragility", picture(runs, found))], asked.out or asked.study / "fragility",
                  f"study {asked.study}")
-
-
-if __name__ == "__main__":
-    main()

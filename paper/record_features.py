@@ -1,21 +1,18 @@
 """Why records of equal Sa(T1) differ in the damage that they do: the study stations by distance, duration and spectrum.
 
-    python3 paper/record_features.py results/stations
+    python3 -m paper record_features results/stations
 
 Probit curves, P = Phi((ln Sa(T1) + b f - m) / beta), where f is a feature of the record: b is by how much ln Sa(T1) may
 be less for each unit of the feature.  Each record at each scale counts once, as its walls are the same.  Intervals are
 percentiles over samples of the 16 stations, drawn anew with both of their components.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import minimize
 from scipy.special import log_ndtr
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.intensity import response_spectrum
@@ -83,7 +80,3 @@ def main():
     print_table("outcome", "feature", "beta", "b")
     for row in rows(features(load_runs(asked.study)), asked.samples):
         print_row(*row)
-
-
-if __name__ == "__main__":
-    main()

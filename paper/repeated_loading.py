@@ -1,7 +1,8 @@
 """Spandrels and walls that were loaded again and again, beside Korswagen's tests (2024): tables of
 docs/validation/shaken-walls.md.
 
-    python3 paper/repeated_loading.py [spandrels] [laws] [walls] [summary]     # docs/tables/benchmarks/repeated_*.csv
+    python3 -m paper repeated_loading [spandrels] [laws] [walls] [solvers] [summary]
+        # docs/tables/benchmarks/repeated_*.csv
 
 A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held down near its ends.
 A wall is pushed to a drift and back, one way and then two ways.  Both are steered by displacement; the force at each
@@ -9,24 +10,27 @@ repetition is that at the amplitude.
 """
 
 import math
+import os
+import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
-
 from damage import Joint, Opening, Wall, brick_of_masonry
 from damage.law.modes import natural_modes
+from damage.measure.cracks import PSI_FROM, crack_table, psi
 from damage.mechanics.tables import RIGID, Z
 from damage.reference.solver import ReferenceSolver
 from damage.run.schedule import SOFTENING_STEP_FACTOR
+from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper.bench import chosen
+from paper.bench import REPOSITORY, chosen
+from yade_scripts import COMMAND
 
 OUT = REPOSITORY / "docs" / "tables" / "benchmarks"
 REPETITIONS = 30
@@ -68,48 +72,63 @@ class Specimen:
     """A wall in the reference solver that is moved by displacement; `force` [N] and `measure` [m] are its readings."""
 
     def __init__(self, layout):
-        self.layout = layout
+        self.layout, self._segments = layout, tributary_ends(joint_table(layout))
         modes = natural_modes(layout, 1)
-        self.wall = ReferenceSolver(layout, SOFTENING_STEP_FACTOR * modes.critical_time_step_s, beta=BETA_S)
+        self._make_wall(SOFTENING_STEP_FACTOR * modes.critical_time_step_s)
+
+    def _make_wall(self, time_step):
+        self.wall = ReferenceSolver(self.layout, time_step, beta=BETA_S)
         self.wall.damp(local=0.7, beta=BETA_S)
 
     def advance(self, time_s):
         """Let time pass."""
         self.wall.run(max(1, round(time_s / self.wall.time_step)))
 
+    def cracks(self):
+        """{widest crack [micrometres], Psi [-]} of now, the joints on the base left out."""
+        off_base = self._segments[:, 0, 1] > 0
+        table = crack_table(self._segments[off_base], self.wall.opening[off_base], self.wall.offset[off_base], PSI_FROM)
+        return {"widest_um": 1e6 * table["width_m"].max(), "psi": psi(table)}
+
 
 class Spandrel(Specimen):
     """supports_m, loads_m: distances between the two supports in the middle of its base, and between the two places
-    at its top that are held down."""
+    at its top that are held down; fibres: parallel elements of a bond."""
 
-    def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, cov=0.35):
+    def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, cov=0.35, fibres=0):
         joint = joint_of(masonry)
         brick = bricks_of(masonry, joint)
         wall = Wall("spandrel", bricks * brick.length, courses * brick.height, precompression=0.0, brick=brick,
                     joint=joint)
         super().__init__(lay_out(wall, ModelOptions(supports="bricks", contacts="gauss", cells=2, strength_cov=cov,
-                                                    strength_seed=seed)))
+                                                    strength_seed=seed, fibres=fibres)))
         middle, bodies, supports = wall.length / 2, self.layout.bodies, self.layout.supports
         self._pushed = [int(np.argmin(np.abs(supports.x - middle - side * supports_m / 2))) for side in (-1, 1)]
         top = np.flatnonzero(bodies.course == bodies.course.max())
         held = [top[np.argmin(np.abs(bodies.x[top] - middle - side * loads_m / 2))] for side in (-1, 1)]
         near = np.argsort(np.abs(bodies.x[top] - middle))[:4]
         self._ends = top[[near[np.argmin(bodies.x[top][near])], near[np.argmax(bodies.x[top][near])]]]
-        self._drop_other_supports()
+        self._drop(np.array([k for k in range(len(self.layout.supports)) if k not in self._pushed]))
         self.advance(0.05)
-        for body in held:
-            self.wall.system.inverse_mass[body, Z] = self.wall.system.velocity[body, Z] = 0.0
+        self._hold(held)
         self._zero = self._reading()
 
-    def _drop_other_supports(self):
-        """Let all supports but two be far below."""
-        others = [k for k in range(len(self.layout.supports)) if k not in self._pushed]
-        self.wall.system.place[len(self.layout.bodies) + np.array(others), Z] -= 0.05
+    def _drop(self, supports):
+        """Let supports be far below."""
+        self.wall.system.place[len(self.layout.bodies) + supports, Z] -= 0.05
         self.wall.refresh()
+
+    def _hold(self, bodies):
+        """Keep bodies at their height."""
+        for body in bodies:
+            self.wall.system.inverse_mass[body, Z] = self.wall.system.velocity[body, Z] = 0.0
 
     def _reading(self):
         first, second = self._ends
-        return self.wall.displacement[second, 0] - self.wall.displacement[first, 0]
+        return self._places()[second, 0] - self._places()[first, 0]
+
+    def _places(self):
+        return self.wall.displacement
 
     @property
     def measure(self):
@@ -155,7 +174,7 @@ def repeated(specimen, amplitudes=STEPS_M, repetitions=REPETITIONS, speed=SPEED)
             if largest is None:
                 return pd.DataFrame(rows)
             rows.append({"amplitude_um": 1e6 * amplitude, "repetition": repetition, "force_n": specimen.force,
-                         "largest_n": largest})
+                         "largest_n": largest, **specimen.cracks()})
             if until(specimen, -speed, lambda: specimen.force <= UNLOADED_N) is None:
                 return pd.DataFrame(rows)
             rows[-1]["unloaded_um"] = 1e6 * specimen.measure
@@ -201,7 +220,8 @@ def pushed(specimen, protocol, drift, repetitions):
     amplitude, rows = drift * specimen.layout.wall.height, []
     for repetition in range(1, repetitions + 1):
         until(specimen, WALL_SPEED, lambda: specimen.measure >= amplitude)
-        rows.append({"protocol": protocol, "drift": drift, "repetition": repetition, "plus_n": specimen.force})
+        rows.append({"protocol": protocol, "drift": drift, "repetition": repetition, "plus_n": specimen.force,
+                     **specimen.cracks()})
         if protocol == "two-way":
             until(specimen, -WALL_SPEED, lambda: specimen.measure <= -amplitude)
             rows[-1]["minus_n"] = specimen.force
@@ -252,6 +272,26 @@ def walls(seeds):
                 pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
 
 
+FIBRES, COMPARED = 16, 4
+"""Parallel elements of a bond, by which YADE softens, and repetitions of the smallest spandrel in both solvers."""
+
+
+def compared(kind, fibres=FIBRES):
+    """Table of the smallest spandrel, a class, to the first step."""
+    return repeated(kind(*SPANDRELS["calcium silicate"], 1, fibres=fibres), STEPS_M[:1], COMPARED)
+
+
+def solvers():
+    """The smallest spandrel in both solvers, by parallel elements, and by the smooth law."""
+    with TemporaryDirectory() as made:
+        subprocess.run([*COMMAND, Path(__file__).with_name("spandrel_in_yade.py"), Path(made) / "yade.csv"], check=True,
+                       env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
+        tables = [compared(Spandrel).assign(solver="reference", fibres=FIBRES),
+                  compared(Spandrel, 0).assign(solver="reference", fibres=0),
+                  pd.read_csv(Path(made) / "yade.csv").assign(solver="yade", fibres=FIBRES)]
+    pd.concat(tables).to_csv(OUT / "repeated_solvers.csv", index=False, float_format="%.6g")
+
+
 TESTED = {"clay": ("18 to 29", "110 to 740", "15 to 21"), "calcium silicate": ("29 to 35", "90 to 190", "13 to 15")}
 """Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of clay of all; force
 lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
@@ -259,32 +299,18 @@ TESTED_WALLS = {"one-way": "-16 to -51", "two-way": "+4 to -13, -57 to +1"}
 """Change of the force by a repetition [N], of two ways each."""
 
 
+TESTED_GROWTH = {"one-way": "none in the first step, slight beyond", "two-way": "more than one-way"}
+"""Of a width at equal amplitude, in words of the source, which tabulates none (sections 3.2.3 and 6.1.2)."""
+TESTED_PSI = "small increase in general, in places a decrease"
+"""Of walls (figure 6.1.4 and its text)."""
+
+
 def summary():
-    """The table beside the tests, from the tables of all repetitions."""
-    rows = []
-    for material, of_all in pd.read_csv(OUT / "repeated_spandrels.csv").groupby("material"):
-        peaks, places, lost, late = [], [], [], []
-        for _, one in of_all.groupby("draw"):
-            highest = one.loc[one["largest_n"].idxmax()]
-            peaks.append(highest["largest_n"] / 1e3)
-            places.append(highest["amplitude_um"])
-            force = one.pivot_table(index="amplitude_um", columns="repetition", values="force_n")
-            lost.append(100 * (1 - force[REPETITIONS] / force[1]).mean())
-            late.append(100 * (1 - force[REPETITIONS] / force[2]).mean())
-        rows += [{"case": f"spandrels, {material}", "quantity": quantity, "model": f"{min(values):.3g} to "
-                  f"{max(values):.3g}", "test": tested} for quantity, values, tested in zip(
-                      ("peak force [kN]", "CMOD at the peak [µm], steps of 50", "force lost in 30 repetitions [%]"),
-                      (peaks, places, lost), TESTED[material])]
-        rows.append({"case": f"spandrels, {material}", "quantity": "... of that after the second [%]",
-                     "model": f"{min(late):.3g} to {max(late):.3g}", "test": ""})
-    walls = pd.read_csv(OUT / "repeated_walls.csv")
-    for (drift, protocol), one in walls.groupby(["drift", "protocol"], sort=False):
-        last = one["repetition"].max() - 1
-        change = [(abs(one[side].iloc[-1]) - abs(one[side].iloc[0])) / last
-                  for side in ("plus_n", "minus_n") if one[side].notna().all()]
-        rows.append({"case": f"wall, clay, {protocol}", "quantity": f"change a repetition at {1e3 * drift:.2g} per mil "
-                     "[N]", "model": ", ".join(f"{value:+.0f}" for value in change), "test": TESTED_WALLS[protocol]})
-    pd.DataFrame(rows).to_csv(OUT / "repeated_loading.csv", index=False)
+    """The tables beside the tests, from the tables of all repetitions."""
+    spandrels, walls = (pd.read_csv(OUT / f"repeated_{name}.csv") for name in ("spandrels", "walls"))
+    rows = [row for material, tables in spandrels.groupby("material") for row in of_spandrels(material, tables)]
+    rows += [row for case, table in walls.groupby(["drift", "protocol"], sort=False) for row in of_wall(*case, table)]
+    pd.DataFrame(rows, columns=["case", "quantity", "model", "test"]).to_csv(OUT / "repeated_loading.csv", index=False)
     laws = pd.read_csv(OUT / "repeated_laws.csv")
     pd.DataFrame([{"joints": name, "CMOD [µm]": f"{step:g}", "first force [kN]": f"{force.iloc[0] / 1e3:.3g}", **{
         f"after {count}": f"{force.iloc[count - 1] / force.iloc[0]:.2f}" for count in (2, 5, 10, 30)}}
@@ -292,12 +318,40 @@ def summary():
             OUT / "repeated_causes.csv", index=False)
 
 
-def main(asked):
+def of_spandrels(material, tables):
+    """Rows of the spandrels of a material: ranges over the draws, of steps their mean."""
+    found = []
+    for _, one in tables.groupby("draw"):
+        highest = one.loc[one["largest_n"].idxmax()]
+        force, left, psis = (one.pivot_table(index="amplitude_um", columns="repetition", values=name)
+                             for name in ("force_n", "unloaded_um", "psi"))
+        found.append((highest["largest_n"] / 1e3, highest["amplitude_um"],
+                      100 * (1 - force[REPETITIONS] / force[1]).mean(),
+                      100 * (1 - force[REPETITIONS] / force[2]).mean(), (left[REPETITIONS] - left[1]).mean(),
+                      (psis[REPETITIONS] - psis[1]).mean()))
+    quantities = ("peak force [kN]", "CMOD at the peak [µm], steps of 50", "force lost in 30 repetitions [%]",
+                  "... of that after the second [%]", "growth of CMOD at 2 kN in 30 repetitions [µm]",
+                  "growth of Psi at equal CMOD in 30 repetitions")
+    for quantity, values, tested in zip(quantities, zip(*found), (*TESTED[material], "", "", "")):
+        yield f"spandrels, {material}", quantity, f"{min(values):.3g} to {max(values):.3g}", tested
+
+
+def of_wall(drift, protocol, table):
+    """Rows of the wall in a protocol."""
+    last, case, at = table["repetition"].max() - 1, f"wall, clay, {protocol}", f"at {1e3 * drift:.2g} per mil"
+    change = [(abs(table[side].iloc[-1]) - abs(table[side].iloc[0])) / last
+              for side in ("plus_n", "minus_n") if table[side].notna().all()]
+    yield case, f"change a repetition {at} [N]", ", ".join(f"{one:+.0f}" for one in change), TESTED_WALLS[protocol]
+    ends = table[["widest_um", "psi"]].iloc[[0, -1]].to_numpy().T
+    if np.isnan(ends).any():  # cracks were not followed in it
+        return
+    yield case, f"widest crack {at}, repetitions 1 and {last + 1} [µm]", ", ".join(f"{one:.0f}" for one in ends[0]), \
+        TESTED_GROWTH[protocol]
+    yield case, f"Psi {at}, repetitions 1 and {last + 1}", ", ".join(f"{one:.2f}" for one in ends[1]), TESTED_PSI
+
+
+def main():
     tables = {"spandrels": lambda: spandrels((1, 2, 3)), "laws": lambda: laws((1,)), "walls": lambda: walls((1,)),
-              "summary": summary}
-    for name in chosen(asked, tables, "table"):
+              "solvers": solvers, "summary": summary}
+    for name in chosen(sys.argv[1:], tables, "table"):
         tables[name]()
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -1,18 +1,15 @@
 """Psi after N equal events over that of one, beside the figures of Korswagen's finite-element runs.
 
-    python3 paper/repetitions.py shocks.csv     # tables/shocks.csv of the study repetitions
+    python3 -m paper repetitions shocks.csv     # tables/shocks.csv of the study repetitions
 
 A pair is a wall and a motion in which one event leaves Psi > 0.  Psi at rest is that of the last sample of an event's
 settling stage, max_psi the largest so far.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.errors import InputError
 from paper.bench import arguments, option, print_row, print_table
@@ -60,7 +57,3 @@ def main():
     print_table(*found)
     for row in found.itertuples(index=False):
         print_row(*(f"{value:.3g}" if isinstance(value, float) else value for value in row))
-
-
-if __name__ == "__main__":
-    main()

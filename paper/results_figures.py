@@ -1,21 +1,25 @@
 """Numbers of docs/validation/two-solvers.md that no table holds.
 
-    python3 paper/results_figures.py RESULTS
+    python3 -m paper results_figures RESULTS
 
 How far YADE's points of crosscheck lie from the medians of harmonic and ida; RESULTS holds the studies' folders.
 """
 
-import sys
+
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from paper.bench import arguments, option
+
 COMPARED = ("max_drift_ratio", "max_DI", "max_shear_limit_DI", "residual_DI", "residual_shear_limit_DI")
 
 
-def two_codes(results):
+def main():
     """Print the largest and the median difference over the points with the elastic lintel."""
+    results = arguments(__doc__, option("results", type=Path)).results
+
     def points(study):
         table = pd.read_csv(results / study / "tables/points.csv", keep_default_na=False, na_values=[""])
         return table[table["lintel"] == "elastic"].set_index("point")
@@ -28,9 +32,3 @@ def two_codes(results):
         share = (off / both[f"{name}_reference"]).max() if name == "max_drift_ratio" else np.nan
         print(f"  {name:24s} at most {off.max():.4f} ({off.idxmax()}), median {off.median():.5f}"
               + (f", at most {100 * share:.1f} %" if np.isfinite(share) else ""))
-
-
-if __name__ == "__main__":
-    if len(sys.argv) != 2 or not Path(sys.argv[1]).is_dir():
-        sys.exit("error: expected one folder with the results of studies; run them with ./run_all.sh")
-    two_codes(Path(sys.argv[1]))

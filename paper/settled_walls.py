@@ -4,13 +4,9 @@ They are those of docs/paper/settled-walls.md:
 
     ./run_all.sh settlement --solver reference --keep summary
     python3 scripts/keep_tables.py results/settlement settlement       # docs/tables/settlement_points.csv
-    python3 paper/settled_walls.py                                # two tables in Markdown
+    python3 -m paper settled_walls                                # two tables in Markdown
 """
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import pandas as pd
 
@@ -79,7 +75,3 @@ def at_rest(row):
     before, fell = 0.0 if pd.isna(row["settled_psi"]) else row["settled_psi"], int(row["collapsed"])
     after = f"{fell} of {int(row['members'])} fall" if fell else f"{row['residual_psi']:.2f}"
     return f"{before:.2f}, {after}"
-
-
-if __name__ == "__main__":
-    main()

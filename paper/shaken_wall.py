@@ -1,9 +1,12 @@
 """The wall US-1 of a shaking table, shaken by its runs in sequence; the tables of docs/validation/shaken-walls.md.
 
-    python3 paper/shaken_wall.py FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
-    python3 paper/shaken_wall.py FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
-    python3 paper/shaken_wall.py FOLDER choices         # what load, bearing, stiffness and law change
-    python3 paper/shaken_wall.py FOLDER solvers         # run 21 in both solvers
+    python3 -m paper shaken_wall FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
+    python3 -m paper shaken_wall FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
+    python3 -m paper shaken_wall FOLDER heights         # peaks at three heights, of the kept draws, beside the test
+    python3 -m paper shaken_wall FOLDER choices         # what load, bearing, stiffness and law change
+    python3 -m paper shaken_wall FOLDER ranges          # 16 draws of all inputs that are uncertain
+    python3 -m paper shaken_wall FOLDER period          # what would have to be lost for the periods of the test
+    python3 -m paper shaken_wall FOLDER solvers         # run 21 in both solvers
 
 FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
 """
@@ -21,9 +24,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.signal import butter, sosfiltfilt
-
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+from scipy.stats import qmc
 
 from damage import Brick, Joint, Wall
 from damage.history.buffer import Buffer
@@ -46,7 +47,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import RULE
 from damage.wall.restraints import Restraint
-from paper.bench import Bench, arguments, option
+from paper.bench import REPOSITORY, Bench, arguments, option
 
 TABLES = REPOSITORY / "docs" / "tables"
 HEIGHT_M, COURSES, WIDTH_M, THICK_M, DENSITY = 2.58, 43, 1.292, 0.21, 1885.0
@@ -66,7 +67,8 @@ RIGID_PA = 1e15
 class Case(NamedTuple):
     """load_n: on the top [N]; stiffness [N/m], friction, play [m]: of the bearing, stiffness None where the top is
     driven; moving_kg: mass that slides with it; period_s: to which the joints' stiffness is fitted; cohesion [Pa];
-    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint."""
+    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint; motion: factor
+    on all motions."""
 
     load_n: float = 10.35e3
     stiffness: float | None = 3e6
@@ -78,6 +80,7 @@ class Case(NamedTuple):
     softens: bool = True
     damping: float = 0.0
     cells: int = 8
+    motion: float = 1.0
 
 
 def strip(case, normal_stiffness):
@@ -185,6 +188,7 @@ def shaken(case, wall, events, seed):
     """A generator as `simulate` of one draw, which returns its table of events: peak and residual [mm] at the sensors,
     the period after it [s]."""
     model = ModelOptions(contacts="gauss", cells=case.cells, strength_cov=COV, strength_seed=seed)
+    events = [replace(event, factor=case.motion * event.factor) for event in events]
     settings = RunSettings(events[0].loading, model, events=tuple(events), sequence=tuple(
         event.factor for event in events), rest_s=REST_S, beta_s=None,
         alpha_1_s=4 * math.pi * case.damping / case.period_s, relaxation="adaptive", accept_implausible=True)
@@ -220,8 +224,8 @@ def table_of(kept, collapsed_at_s):
 
 
 def draws_of(cases, events, seeds, numbers):
-    """Table of all draws of cases {name: Case}: a row a case, seed and run."""
-    todo = [(name, seed) for name in cases for seed in seeds]
+    """Table of all draws of cases {name: Case}: a row a case, seed and run; seeds: of each case, or {name: seeds}."""
+    todo = [(name, seed) for name in cases for seed in (seeds[name] if isinstance(seeds, dict) else seeds)]
     walls = {name: fitted(case) for name, case in cases.items()}
     runs = (shaken(cases[name], walls[name], events, seed) for name, seed in todo)
     tables = []
@@ -307,6 +311,15 @@ def quantiles(draws):
     return pd.DataFrame.from_dict(found, orient="index")
 
 
+def heights(folder):
+    """Peaks at the three sensors: those of the test, and medians of the kept draws."""
+    tested = pd.read_csv(folder / "exp_Test9_tilt.csv").set_index("run")[PEAKS]
+    names = [f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]
+    median = pd.read_csv(TABLES / "benchmarks" / "us1_draws.csv").groupby("run")[names].median()
+    keep(tested.set_axis([f"tested_{name}" for name in names], axis=1).join(median, how="inner").reset_index(),
+         "us1_heights")
+
+
 # --- choices -----------------------------------------------------------------------------------------
 
 CHOICES = {
@@ -339,6 +352,80 @@ def choices(folder):
         subset=["with_mm"]).rename_axis("run").reset_index(), "us1_ec40")
 
 
+# --- all inputs that are uncertain -------------------------------------------------------------------
+
+UNCERTAIN = {"load_n": LOADS_N, "stiffness": (3e6, 1e8), "friction": (0.02, 0.4), "play": (1e-3, 10e-3),
+             "cohesion": (0.3e6, 0.4e6), "damping": (0.005, 0.05), "motion": (1 / 1.2, 1.2)}
+"""Bounds of the inputs: the two loads and two cohesions given, the bearings tried, damping as assumed for masonry, and
+the ratio by which the two files of the test differ in the PGV of run 21.  Each is log-uniform, the load one of both."""
+WIDE_DRAWS, HALF = 16, 8
+
+
+def uncertain_cases(count=WIDE_DRAWS, seed=0):
+    """{name: Case} of draws of all inputs, by a Latin hypercube."""
+    places = qmc.LatinHypercube(len(UNCERTAIN), seed=seed).random(count)
+    cases = {}
+    for number, place in enumerate(places, start=1):
+        drawn = {name: low * (high / low) ** share for (name, (low, high)), share in zip(UNCERTAIN.items(), place)}
+        cases[str(number)] = Case(**drawn)._replace(load_n=LOADS_N[int(2 * place[0])])
+    return cases
+
+
+def ranges(folder):
+    """The runs of US-1 in draws of all uncertain inputs: quantiles of all, and of the half nearest to runs 1 to 10."""
+    runs = read_runs(folder).set_index("run", drop=False)
+    events, numbers = events_of(folder, runs)
+    cases = uncertain_cases()
+    draws = draws_of(cases, events, {name: [int(name)] for name in cases}, numbers)
+    keep(draws.join(pd.DataFrame.from_dict({name: case._asdict() for name, case in cases.items()}, orient="index"),
+                    on="case"), "us1_wide_draws")
+    tested = runs["edp"]
+    early = draws[draws["run"] <= CHOSEN_ON]
+    apart = np.log(early["peak_mm_2060"] / early["run"].map(tested)) ** 2
+    nearest = apart.groupby(early["case"]).mean().nsmallest(HALF).index
+    kept = {"all": draws, "near": draws[draws["case"].isin(nearest)]}
+    keep(pd.concat([quantiles(table)[[f"peak_mm_{q}" for q in QUANTILES]].add_suffix(f"_{name}")
+                    for name, table in kept.items()], axis=1).assign(tested_peak_mm=tested).rename_axis(
+                        "run").reset_index(), "us1_ranges")
+
+
+# --- the period --------------------------------------------------------------------------------------
+
+FACES = {1: "an eighth of the thickness at each face", 2: "a quarter", 3: "three eighths"}
+"""{contact points lost at each face, of eight: words}."""
+SHARES = 0.9, 0.8, 0.7, 0.6, 0.5, 0.4
+
+
+def weakened(layout, points, n_joints):
+    """A Layout whose lowest joints have lost this number of contact points at each face."""
+    contacts = layout.contacts
+    from_face, height = np.minimum(contacts.x, THICK_M - contacts.x).round(6), contacts.z.round(6)
+    lost = np.isin(height, np.unique(height)[:n_joints]) & (from_face <= np.unique(from_face)[points - 1])
+    return replace(layout, contacts=replace(contacts, **{
+        name: np.where(lost, 1e-6, 1.0) * getattr(contacts, name) for name in ("normal_stiffness", "shear_stiffness")}))
+
+
+def periods(_):
+    """How much longer the first period of the strip is by a loss of stiffness; the test's grew by 13 and 22 %."""
+    case, options = Case(), ModelOptions(contacts="gauss", cells=Case().cells)
+    wall = fitted(case)
+    stiffness, rows = wall.joint.normal_stiffness, []
+
+    def note(lost, changed, **more):
+        period_s = natural_modes(changed, 1).period_s[0]
+        rows.append({"lost": lost, **more, "longer_pct": 100 * (period_s / PERIOD_S - 1)})
+
+    for share in SHARES:
+        note("stiffness of all joints", lay_out(strip(case, share * stiffness), options), share_left=share)
+    for share in SHARES:
+        softer = case._replace(stiffness=share * case.stiffness)
+        note("stiffness of the bearing", lay_out(strip(softer, stiffness), options), share_left=share)
+    for points, words in FACES.items():
+        for joints in (1, 5, COURSES + 1):
+            note(words, weakened(lay_out(wall, options), points, joints), joints=joints)
+    keep(pd.DataFrame(rows).astype({"joints": "Int64"}), "us1_period")
+
+
 # --- both solvers ------------------------------------------------------------------------------------
 
 OPTIONS = "--rest", 0.3, "--contacts", "gauss", "--cells", 8, "--strength-cov", COV, "--accept-implausible"
@@ -363,7 +450,8 @@ def solvers(folder):
     keep(pd.DataFrame(rows), "us1_solvers")
 
 
-PROGRAMS = {"bearings": bearings, "prediction": prediction, "choices": choices, "solvers": solvers}
+PROGRAMS = {"bearings": bearings, "prediction": prediction, "heights": heights, "choices": choices, "ranges": ranges,
+            "period": periods, "solvers": solvers}
 
 
 def main():
@@ -375,7 +463,3 @@ def main():
               f"them into {parsed.folder}", file=sys.stderr)
         return 2
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Tables of docs/validation: tested walls pushed over, step and damping, ensembles, crack patterns.
 
-    python3 paper/softening.py [--out DIR] [TABLE ...]
+    python3 -m paper softening [--out DIR] [TABLE ...]
 
 TABLE: fibres, steps, damping, scatter, patterns; all of these by default, which run in the reference solver, about half
 an hour on one core.  And yade_steps, yade_shaken: YADE beside the reference solver, half an hour on one core.
@@ -8,13 +8,9 @@ Histories that are already in DIR are not run again.
 """
 
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.laboratory.pushed import read_test
 from damage.law.modes import natural_modes
@@ -25,7 +21,7 @@ from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.parameters import brick_of_masonry, softening_energies
-from paper.bench import REPOSITORY, Bench, main, print_row, print_table
+from paper.bench import REPOSITORY, Bench, print_row, print_table, print_tables
 
 PUSHED = {"squat_tested": ("COMP1_3", []), "comp2_4": ("COMP2_4", ["--boundary", "fixed"])}
 """Wall -> its test, how it is held."""
@@ -221,5 +217,5 @@ USUAL = {table.__name__: table for table in (fibres, steps, damping, scatter, pa
 TABLES = USUAL | {table.__name__: table for table in (yade_steps, yade_shaken)}
 
 
-if __name__ == "__main__":
-    main(TABLES, USUAL, "results/softening", __doc__, Masonry)
+def main():
+    print_tables(TABLES, USUAL, "results/softening", __doc__, Masonry)

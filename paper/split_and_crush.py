@@ -1,6 +1,6 @@
 """The tables of docs/validation/laboratory.md: tested walls whose bricks split and whose joints crush, pushed over.
 
-    python3 paper/split_and_crush.py [--out DIR] [--drift PERCENT] [--share SHARE] [--solver reference|yade]
+    python3 -m paper split_and_crush [--out DIR] [--drift PERCENT] [--share SHARE] [--solver reference|yade]
                                           [WALL ...]
 
 Joints soften by the rule (docs/model/model.md); bricks have a share of their normalised compressive strength for a
@@ -8,14 +8,11 @@ tensile one, joints the masonry's compressive strength, both of damage/data/euce
 core in the reference solver; histories that are already in DIR are not run again.
 """
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.laboratory.pushed import SPECIMENS, TESTS, read_test
 from damage.measure.pushed import mode_shares
@@ -80,7 +77,3 @@ def main():
         for case in parsed.cases:
             words = ["--pushover", parsed.drift, *HELD[name], *SPEED]
             row(run(of_case(name, case, parsed.share), words, name, case, f"{parsed.share:g}"), name, case)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """Equal events on a wall whose piers have a straight or a stepped crack at their foot: how far the wall walks.
 
-    python3 paper/stepped_cracks.py [--events 4]
+    python3 -m paper stepped_cracks [--events 4]
 
 All other joints are too strong to fail.  A pier rocks about either end of its crack.  Where one end is higher by h, a
 rotation θ moves the end that is lifted sideways by h θ, to the side of the lower one whichever way the pier rocks.  If
@@ -8,14 +8,11 @@ it lands there, the pier walks down the steps; on a straight crack it has no suc
 """
 
 import csv
-import sys
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.wall.file import load_wall
 from paper.bench import BGAR, Bench, arguments, option, print_row, print_table
@@ -77,7 +74,3 @@ def main():
                       for pier in ((0.0, PIER), (LENGTH - PIER, LENGTH))]
             drift = 100 * history.series["drift_ratio"].abs().max()
         print_row(name, f"{drift:.2f}", *walked)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,15 +1,12 @@
 """The table of docs/validation/two-solvers.md: YADE against an ensemble of the reference solver, motion by motion.
 
-    python3 paper/two_solvers.py --out DIR
+    python3 -m paper two_solvers --out DIR
 
 DIR keeps the histories; those that are there already are not made again.  About an hour on one core, almost all
 of it YADE's.
 """
 
-import sys
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.measure.compare import compare
 from paper.bench import BGAR, Bench, arguments, option, print_row, print_table
@@ -87,7 +84,3 @@ def pattern_row(words, scores):
     print_row("", f"FSS of {words} (shuffled, mirrored)", "",
               f"{scores['fss']:.2f} ({scores['shuffled']:.2f}, {scores['mirrored']:.2f}{lacking})", LEAST_FSS,
               in_words(holds))
-
-
-if __name__ == "__main__":
-    main()

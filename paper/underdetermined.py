@@ -1,16 +1,14 @@
 """The tables of docs/paper/open-points.md, in Markdown, from two studies and one that this script writes.
 
-    python3 paper/underdetermined.py --write DIR       # DIR/more.toml: bricks, openings, members at the edge
+    python3 -m paper underdetermined --write DIR       # DIR/more.toml: bricks, openings, members at the edge
     ./run_all.sh DIR/more.toml --solver reference --out DIR/more
-    python3 paper/underdetermined.py results/underdetermined results/sensitivity DIR/more
+    python3 -m paper underdetermined results/underdetermined results/sensitivity DIR/more
 
 Maximum DI is by displacement / by the shear limit; in brackets the range over members, which rest 2 s in the second.
 """
 
 import sys
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 import pandas as pd
@@ -113,7 +111,3 @@ def main():
              for name, point in more.groupby("point", sort=False))
     for row in (*rows(single, many), *walls, *by_cycle(asked.studies[0]), *by_cycle(asked.studies[2])):
         print_row(*row)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,17 +1,13 @@
 """Why hardly any reading of the paper meets some claims: a table of docs/paper/open-points.md.
 
-    python3 paper/unmet.py
+    python3 -m paper unmet
 
 P2b by periods of walls with the opening elsewhere and with more mass; P9e, P11c and P12 by the symmetric wall pushed
 at its top and shaken at 0.2 s, 0.1 g by two cycles, in the reference solver, with an elastic lintel and one of two
 courses.
 """
 
-import sys
 from dataclasses import replace
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
@@ -116,7 +112,3 @@ def main():
         rows += last_cycle(lintel, drift, force, height_m, weight_n, period_s, friction)
     for row in sorted(rows, key=lambda row: ("P2b", "P9e", "P11c", "P12").index(row[0])):
         print_row(*row)
-
-
-if __name__ == "__main__":
-    main()

@@ -9,6 +9,7 @@ import pytest
 from conftest import REPOSITORY
 
 from damage.__main__ import main
+from paper.__main__ import COMMANDS, PROGRAMS
 from paper.document_figures import FIGURES, after_the_peak, places_of, settled_walls, thirty_years, two_courses
 
 ROOT_DOCUMENTS = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
@@ -77,6 +78,15 @@ def test_commands_are_those_of_the_program(document):
     if document.name != "CHANGELOG.md":  # it names old ones, too
         named = set(COMMAND.findall(document.read_text())) - {"COMMAND"}
         assert [name for name in named if not is_command(name)] == []
+
+
+def test_programs_of_documents_are_there():
+    """Every module of paper/ with a `main` can be asked for by name, and those that documents ask for are there."""
+    programs = {path.stem for path in (REPOSITORY / "paper").glob("[a-z]*.py")
+                if re.search(r"^def main\(", path.read_text(), re.MULTILINE)}
+    assert programs == set(PROGRAMS)
+    named = {name for path in DOCUMENTS for name in re.findall(r"python3 -m paper (\w+)", path.read_text())}
+    assert named <= {*PROGRAMS, *COMMANDS, "studies", "NAME", "COMMAND"}
 
 
 PAGES = {path.relative_to(REPOSITORY / "docs").as_posix() for path in (REPOSITORY / "docs").rglob("*.md")

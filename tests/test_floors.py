@@ -135,20 +135,6 @@ def test_floors_are_described_where_a_run_begins():
                                                              "concrete floor at 2 m, x = 0 to 2 m: 1.5 t"]
 
 
-@pytest.mark.parametrize(("floors", "message"), [
-    ((Floor(3.0, 10.0),), "not above the wall"),
-    ((Floor(0.1, 10.0, kind="concrete"),), "a course below it"),
-    ((Floor(1.0, 10.0, 1.0, 2.5),), "inside the wall of 2 m"),
-    ((Floor(1.0, 10.0, 1.95),), "expected half a brick"),
-    ((SLAB, Floor(1.9, 10.0)), "floors apart"),
-    ((Floor(1.0, 10.0, 0.9, 1.3),), "has no brick below it"),
-    ((Floor(1.0, 10.0, 0.9, 2.0, "concrete"),), "nothing below it at x = 0.925"),
-])
-def test_impossible_floors_are_refused(floors, message):
-    with pytest.raises(InputError, match=message):
-        wall(*floors, openings=DOOR)
-
-
 @pytest.fixture(scope="module")
 def shaken():
     """A short run of two storeys below a gable, a slab above the first and a timber floor above the second."""

@@ -18,7 +18,6 @@ from damage.studies.fragility import (
     at_intensities,
     curve,
     efficiency_table,
-    fit,
     fit_all,
     fragility,
     in_words,
@@ -41,9 +40,12 @@ from damage.studies.states import (
 )
 
 MEDIAN_G, DISPERSION = 0.2, 0.4
-
-
 INTENSITIES_G = np.arange(1, 9) / 20
+
+
+def fit(intensity, exceed, runs):
+    """(median, dispersion)."""
+    return solve(intensity, exceed, runs)[:2]
 
 
 def walls(n_walls, seed, level=0.05):

@@ -55,12 +55,6 @@ class TestPeaks:
         # one division by g
         assert pga_g(Record("r", 0.1, [0.0, -GRAVITY, 2.0])) == pytest.approx(1.0, rel=1e-15)
 
-    def test_pgv_of_a_sine_is_twice_amplitude_over_omega(self):
-        omega = 2 * np.pi / 0.5
-        # straight lines between 200 samples a cycle: (pi / 200)^2 / 3 of an integral
-        tolerance = (math.pi / 200) ** 2
-        assert pgv_cm_s(sine(3.0)) == pytest.approx(100 * 2 * 3.0 / omega, rel=tolerance)
-
     def test_pgv_converges_with_the_square_of_the_step(self):
         exact = 100 * 2 / (2 * np.pi / 0.5)
         errors = [abs(pgv_cm_s(sine(samples_per_cycle=n)) - exact) for n in (50, 100)]
@@ -73,10 +67,6 @@ class TestArias:
         # the trapezoidal rule is exact for whole cycles of a sampled sine, but for round-off
         expected = math.pi / (2 * GRAVITY) * 3.0**2 * 5.0 / 2
         assert arias_m_s(sine(3.0)) == pytest.approx(expected, rel=1e-12)
-
-    def test_grows_with_the_square_of_the_motion(self):
-        # round-off
-        assert arias_m_s(sine(6.0)) == pytest.approx(4 * arias_m_s(sine(3.0)), rel=1e-12)
 
     def test_duration_of_constant_shaking_is_the_share_of_its_time(self):
         # the running integral is a straight line, so linear interpolation is exact
@@ -146,19 +136,6 @@ class TestSpectrum:
         expected = response_spectrum(refined, periods_s)
         # only the instants of the search differ
         assert_allclose(response_spectrum(coarse, periods_s), expected, rtol=BETWEEN_INSTANTS)
-
-    def test_agrees_with_a_state_space_simulation(self):
-        record = windowed(read_record(shipped_record_path()), 17, 23)
-        fine_s = np.arange(16 * (record.acceleration_m_s2.size - 1) + 1) * record.time_step_s / 16
-        fine = np.interp(fine_s, record.time_s, record.acceleration_m_s2)
-        for period_s in (0.06, 0.1, 0.2):
-            omega = 2 * math.pi / period_s
-            system = ([[0, 1], [-(omega**2), -0.1 * omega]], [[0], [-1]], [[1, 0]], [[0]])
-            _, displacement, _ = signal.lsim(system, fine, fine_s)
-            expected = omega**2 * np.abs(displacement).max() / GRAVITY
-            # both are exact for straight lines; the peak is sought at different instants
-            sa_g = response_spectrum(record, [period_s])
-            assert_allclose(sa_g, expected, rtol=BETWEEN_INSTANTS)
 
     def test_a_stiff_oscillator_follows_the_ground(self):
         record = read_record(shipped_record_path())

@@ -208,10 +208,8 @@ def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
 
 @pytest.mark.parametrize(("change", "complaint"), [
     (lambda: Opening(-0.1, 1.0, 1.0), "from 0 to 1000"),
-    (lambda: Wall("w", 2.0, 1.0, (Opening(1.5, 1.0, 0.5),)), "outside"),
     (lambda: Wall("w", 2.0, 1.0, (Opening(0.5, 1.0, 1.2),)), "outside"),
     (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
-    (lambda: Wall("w", 2.0, 1.0, (Opening(0.05, 1.0, 0.5),)), "cuts off a pier"),
     (lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))), "another opening"),
     (lambda: Wall("w", 0.05, 1.0), "smaller than"),
     (lambda: Wall("no good", 2.0, 1.0), "names files"),

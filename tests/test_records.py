@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import FrozenInstanceError
+from itertools import product
 
 import numpy as np
 import pytest
@@ -198,19 +199,10 @@ class TestBandPass:
         passed = band_passed(record, 0.5, 20.0, **options).acceleration_m_s2[middle]
         return math.sqrt(2 * np.mean(passed**2))
 
-    def test_the_middle_of_the_band_passes(self):
-        # the filter takes (0.05 Hz off its centre / 19.5 Hz)^4, nothing; whole cycles at 3.2 Hz
-        assert self.amplitude_after(3.2) == pytest.approx(1.0, rel=1e-6)
-
-    @pytest.mark.parametrize("corner_hz", [0.5, 20.0])
-    @pytest.mark.parametrize("order", [2, 4, 8])
-    def test_each_corner_halves_the_amplitude(self, corner_hz, order):
-        # two passes of 1/sqrt(2); 20 s away the ringing of the ends has died to round-off
-        assert self.amplitude_after(corner_hz, order=order) == pytest.approx(0.5, rel=1e-10)
-
-    @pytest.mark.parametrize("frequency_hz", [0.25, 1.0, 15.0, 40.0, 60.0])
-    @pytest.mark.parametrize("order", [2, 4])
-    def test_amplitude_is_that_of_butterworth(self, frequency_hz, order):
+    @pytest.mark.parametrize("order, frequency_hz", [*product((2, 4), (0.25, 0.5, 1.0, 3.2, 15.0, 20.0, 40.0, 60.0)),
+                                                     (8, 0.5), (8, 20.0)])
+    def test_amplitude_is_that_of_butterworth(self, order, frequency_hz):
+        """One half at both corners."""
         # the bilinear transform bends frequency: f -> tan(pi f step)
         bent, low, high = (math.tan(math.pi * f * 0.005) for f in (frequency_hz, 0.5, 20.0))
         place = (bent**2 - low * high) / (bent * (high - low))

@@ -14,7 +14,7 @@ from damage.measure.energy import energy_error
 from damage.measure.tables import write_run_tables
 from damage.reference.session import run_reference
 from damage.run.options import parse_run
-from damage.run.schedule import base_acceleration, stages
+from damage.run.schedule import stages
 from damage.run.settings import SETTLE_S
 from paper.study_figures import sequences
 
@@ -35,17 +35,6 @@ def test_stages_follow_one_another_and_end_with_samples():
     assert all(stage.end_step % 100 == 0 for stage in schedule)
     lengths = [(stage.end_step - stage.start_step) * DT for stage in schedule]
     assert_allclose(lengths, 2 * [0.2, 0.3, SETTLE_S], atol=100 * DT)
-
-
-def test_base_moves_in_every_shock_by_its_factor():
-    sequence = settings("--sequence", "1,-0.5,2")
-    schedule = stages(sequence, None, DT, 100)
-    base = base_acceleration(sequence, schedule, DT)
-    once = base_acceleration(settings(), stages(settings(), None, DT, 100), DT)
-    assert_array_equal(base[:len(once)], once)
-    for factor, stage in zip((1, -0.5, 2), schedule[::3]):
-        assert_array_equal(base[stage.start_step:stage.start_step + len(once)], factor * once)
-    assert_allclose(np.abs(base).sum(), 3.5 * np.abs(once).sum())
 
 
 @pytest.mark.parametrize("words, message", [

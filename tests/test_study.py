@@ -93,8 +93,6 @@ class TestLoading:
         ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs, "
          "states, title"),
         ('name = "s"\nstates = "max_psi > 2"', "expected a list of texts"),
-        ('name = "s"\nstates = ["max_psi"]', "expected COLUMN > LEVEL"),
-        ('name = "s"\nintensity = 1', "expected the name of a column"),
         (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
         (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
         (f'name = "s"\n[[runs]]\nwall = "walls/no.py"\n{HARMONIC}', "run 1: no file walls/no.py"),

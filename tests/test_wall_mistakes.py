@@ -34,6 +34,8 @@ MISTAKES = {
                               "has nothing below it"),
     "a window beside the wall": ({"+": "[[openings]]\nleft = 4.0\nwidth = 1.1\nheight = 1"}, "outside the wall"),
     "a floor in the air": ({"+": "[[floors]]\nlevel = 9\nmass = 100"}, "expected a level with a course below it"),
+    "a slab on the ground": ({"+": '[[floors]]\nlevel = 0.1\nmass = 900\nkind = "concrete"'}, "a course below it"),
+    "a floor on a quarter": ({"+": "[[floors]]\nlevel = 2.7\nmass = 100\nleft = 4.35"}, "expected half a brick"),
     "a floor too long": ({"+": "[[floors]]\nlevel = 2.7\nmass = 100\nright = 9"}, "correct left and right"),
     "a floor over a hole": ({"+": "[[openings]]\nleft = 1.1\nwidth = 1.1\nheight = 2.1\n[[floors]]\nlevel = 1.2\n"
                                   "mass = 9\nleft = 1.2\nright = 2"}, "has no brick below it"),

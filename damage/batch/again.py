@@ -7,14 +7,14 @@ import pandas as pd
 from damage.batch.folder import ROOT
 from damage.batch.outdated import other_versions
 from damage.batch.tasks import Task
-from damage.errors import InputError, warn
+from damage.errors import InputError, some_of, warn
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY
 from damage.measure.register import names
 from damage.measure.tables import summary_row
 from damage.studies.inputs import inputs_of
 
-_NAMED = 5  # columns that a message names
+_NAMED = 5  # inputs that a message names
 
 
 def make_again(name, study, results, simulate):
@@ -46,9 +46,8 @@ def make_again(name, study, results, simulate):
         return 0
     aside = history.with_name(f"{name}.differs.h5")
     history.rename(aside)
-    more = f" and {len(differing) - _NAMED} more" if len(differing) > _NAMED else ""
     print(f"error: --run {name}: {len(differing)} columns are not those of its record: "
-          f"{', '.join(differing[:_NAMED])}{more}; the history is {aside}", file=sys.stderr)
+          f"{some_of(differing)}; the history is {aside}", file=sys.stderr)
     return 1
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from damage.batch.folder import ROOT
-from damage.errors import InputError
+from damage.errors import InputError, some_of
 from damage.files import write_text
 from damage.history.head import read_head
 from damage.measure.kept import ENDING, FOLDER
@@ -29,7 +29,7 @@ CODE = {"reference": Path(__file__).parents[1] / "reference", "yade": ROOT / "ya
 FIRST_TABLES = "index", "events", "joints", "cycles"
 """Of the first run of a point; of sequences shocks, too."""
 OLD = "one before 0.2"
-_NAMED, _DIFFERENCES = 5, 3  # runs, points and differences of each, that a message names
+_DIFFERENCES = 3  # points, and differences of each, that a message names
 _NO_NOTE = "there is no note of them"
 _FILE = re.compile(r"(.*?)(?:\.part|\.differs)?\.h5")
 """The name of a run in the name of a file that belongs to it."""
@@ -171,21 +171,17 @@ def _warnings(verdict, remake):
     """What a Verdict has to say: a list of str."""
     said = []
     if verdict.changed:
-        said.append(f"{len(verdict.changed)} points were made from other inputs and are made again: " + _some(
+        said.append(f"{len(verdict.changed)} points were made from other inputs and are made again: " + some_of(
             [f"{run.id} ({', '.join(words[:_DIFFERENCES])})" for run, words in verdict.changed.items()], _DIFFERENCES))
     if verdict.unknown:
         said.append(f"{len(verdict.unknown)} points have no note of their inputs, being made by an older version, and "
                     "are kept without a comparison; delete a run's history to have it made again: "
-                    + _some([run.id for run in verdict.unknown], _DIFFERENCES))
+                    + some_of([run.id for run in verdict.unknown], _DIFFERENCES))
     if verdict.models:
         what = "are made again" if remake else "are kept; --remake makes them again"
         said.append(f"{len(verdict.models)} runs were made by another version of the model "
-                    f"({', '.join(sorted(set(verdict.models.values())))}) and {what}: {_some(list(verdict.models))}")
+                    f"({', '.join(sorted(set(verdict.models.values())))}) and {what}: {some_of(list(verdict.models))}")
     return said
-
-
-def _some(words, most=_NAMED):
-    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
 def other_versions(row, solver):

@@ -16,7 +16,7 @@ import pandas as pd
 
 from damage.checks import check_file
 from damage.csv_table import MOST_MB, MOST_ROWS, CsvTable, as_words
-from damage.errors import InputError
+from damage.errors import InputError, some_of
 from damage.exposure.places import NETHERLANDS_DEG, NETHERLANDS_RD_M, to_rd, within
 from damage.files import DATA, text_lines, write_text
 
@@ -280,10 +280,9 @@ def from_field_km(x_m, y_m):
     return float(np.hypot(*(_field() - (x_m, y_m)).T).min()) / 1e3
 
 
-def _lines(numbers, most=5):
+def _lines(numbers):
     """Numbers of lines in words, the first few of many."""
-    return f"line{'s' * (len(numbers) > 1)} " + ", ".join(map(str, sorted(numbers)[:most])) + (
-        f" and {len(numbers) - most} more" if len(numbers) > most else "")
+    return f"line{'s' * (len(numbers) > 1)} {some_of(list(map(str, sorted(numbers))))}"
 
 
 def _time(words, where):

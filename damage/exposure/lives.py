@@ -18,12 +18,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from damage.checks import check_choice, check_range, check_whole
+from damage.checks import check_choice, check_range
 from damage.errors import InputError, did_you_mean
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS, model_named
 from damage.exposure.places import at, at_rd
+from damage.fields import check_fields, choice, quantity
 from damage.files import is_there
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Recorded
@@ -53,7 +54,6 @@ KEYS = {
 COLUMNS = ["time_utc", "magnitude", "place", "id", "pgv_mm_s", "record", "scale", "start_s", "end_s"]
 FACTORS = 0.1, 10.0
 """Bounds of the factor on a record: the README beside the components has the reason."""
-SCALES = "pgv", "sa"
 _GROUND = 1  # third number of the seed of draws of the ground
 TENTH_S = 0.1
 """Windows are rounded outwards to this [s]."""
@@ -65,20 +65,17 @@ ADDRESS_FILE = "the file of an address (.toml)", 1
 class Choices:
     """How motions are chosen; fields as in KEYS."""
 
-    above_mm_s: float = 2.0
-    within_km: float = 10.0
-    scale_to: str = "pgv"
+    above_mm_s: float = quantity("mm/s", 0.01, 1000, default=2.0, called="above_mm_s [mm/s]")
+    within_km: float = quantity("km", 0.1, 1000, default=10.0, called="within_km [km]")
+    scale_to: str = choice(("pgv", "sa"), default="pgv", called="scale_to")
     strong: tuple[float, float] | None = None
     largest_alone: bool = False
     settle: tuple[str, ...] | None = None
     distortion: tuple[float, float] | None = None
-    seed: int = 0
+    seed: int = quantity("1", 0, 2**31, whole=True, default=0, called="seed")
 
     def __post_init__(self):
-        check_range("above_mm_s [mm/s]", self.above_mm_s, 0.01, 1000)
-        check_range("within_km [km]", self.within_km, 0.1, 1000)
-        check_choice("scale_to", self.scale_to, SCALES)
-        check_whole("seed", self.seed, 0, 2**31)
+        check_fields(self)
         if not isinstance(self.largest_alone, bool):
             raise InputError(f"largest_alone = {self.largest_alone!r}: expected true or false; correct it")
         if self.strong is not None:
@@ -163,12 +160,8 @@ class Draws:
         InputError where no component may be scaled to a PGV.
         """
         pgv, share, sign = self.pgv(number)
-        events, rows = self.exposure.catalogue, []
-        for k in np.flatnonzero(self._chosen(pgv)):
-            row, factor = self._component(pgv[k], share[k])
-            rows.append([f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k],
-                         pgv[k], row.record, sign[k] * factor, row.start_s, row.end_s])
-        return pd.DataFrame(rows, columns=COLUMNS)
+        return self._table([(k, pgv[k], sign[k], *self._component(pgv[k], share[k]))
+                            for k in np.flatnonzero(self._chosen(pgv))])
 
     def event(self, date, number=None):
         """Table of one row, as of `life`, of the event of a date, such as 2012-08-16 or more of its time; of several
@@ -192,8 +185,14 @@ class Draws:
             pgvs, share, signs = self.pgv(number)
             pgv, sign = pgvs[k], signs[k]
             row, factor = self._component(pgv, share[k])
-        return pd.DataFrame([[times[k], events.magnitude[k], events.place[k], events.id[k], pgv, row.record,
-                              sign * factor, row.start_s, row.end_s]], columns=COLUMNS)
+        return self._table([(k, pgv, sign, row, factor)])
+
+    def _table(self, motions):
+        """Table of COLUMNS; motions: (index of an event, PGV [mm/s], sign, row of `components`, factor) of each row."""
+        events = self.exposure.catalogue
+        return pd.DataFrame([[f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k],
+                              pgv, row.record, sign * factor, row.start_s, row.end_s]
+                             for k, pgv, sign, row, factor in motions], columns=COLUMNS)
 
     @cached_property
     def components(self):

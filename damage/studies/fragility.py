@@ -196,11 +196,6 @@ def curve(intensity, median, dispersion):
     return ndtr(np.log(np.asarray(intensity) / median) / np.maximum(dispersion, 1e-12))
 
 
-def fit(intensity, exceeding, runs):
-    """(median, dispersion) of `solve`."""
-    return tuple(solve(intensity, exceeding, runs)[:2])
-
-
 def solve(intensity, exceeding, runs):
     """The Fit by maximum likelihood.
 

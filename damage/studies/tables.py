@@ -14,15 +14,13 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from damage.errors import InputError
+from damage.errors import InputError, some_of
 from damage.files import whole_or_nothing
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, slip_criteria
 from damage.measure.register import names
 from damage.measure.tables import repeated, summary_row, write_table
 from damage.studies.records import TABLES, is_of_today, read_records
-
-_NAMED = 5  # runs that a message names
 
 
 def histories_in(folder):
@@ -41,9 +39,8 @@ def refuse_other_measures(rows, histories, folder):
     histories are not there to make others: a table has one definition."""
     lost = [name for name, row in rows.items() if not is_of_today(row) and name not in histories]
     if lost:
-        more = f" and {len(lost) - _NAMED} more" if len(lost) > _NAMED else ""
         raise InputError(f"{folder}: the index or measures of {len(lost)} runs are defined as in another version, and "
-                         f"their histories were not kept: {', '.join(lost[:_NAMED])}{more}; expected one definition in "
+                         f"their histories were not kept: {some_of(lost)}; expected one definition in "
                          "a table, give --remake to make these runs again, or continue with the version that made them")
 
 
