@@ -7,7 +7,7 @@ import string
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import one_line_error
+from conftest import REPOSITORY, one_line_error
 
 import damage
 from damage.__main__ import main
@@ -27,7 +27,7 @@ from damage.claim.likeness import FARTHEST, KERNEL, kernel, pairwise, strange_sh
 from damage.claim.make import describe, layout_of
 from damage.claim.numbers import draws_needed, enough
 from damage.claim.sheet import sheet
-from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins
+from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins, write_twins
 from damage.exposure.lives import read_address
 from damage.html.words import LANGUAGES, all_words, number
 from damage.measure.cracks import close_pairs
@@ -36,6 +36,9 @@ from damage.measure.kept import SETTLED, START, patterns_of, read_patterns
 from damage.measure.survey import Seen, distance, distances, read_survey, seen_of, surveyed
 from damage.motion.settlement import PROFILES
 from damage.run.options import parse_run
+from damage.run.scheme import schemes
+from damage.studies.definition import load_study
+from damage.wall.file import load_wall
 
 WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
 CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
@@ -75,15 +78,27 @@ class TestTwins:
         wall, out = claimed.parent / "narrow.py", claimed.parent / "alone"
         for point in (SHAKEN, BOTH):
             history = damage.run(wall, address=claimed / f"{point}.address.toml", life=2, rest=0.1, strength_cov=0.3,
-                                 supports="bricks", out=out / f"{point}.h5")
+                                 supports="bricks", settling="adaptive", out=out / f"{point}.h5")
             assert equal(patterns_of(history), kept(claimed, point, 2))
         ground = read_address(claimed / f"{BOTH}.address.toml").settlement(2)
         settled = patterns_of(damage.run(wall, settle=ground.profile, distortion=ground.distortion, strength_cov=0.3,
-                                         strength_seed=2, dt=history.time_step_s,
+                                         strength_seed=2, settling="adaptive", dt=history.time_step_s,
                                          out=out / "settled.h5"))
         twin = kept(claimed, BOTH, 2)
         whole = [one.at(SETTLED, 1000) for one in (settled, twin)]
         assert np.array_equal(*whole) and whole[0].any()
+
+    @pytest.mark.parametrize("wall", ["terrace_end", "solid"])
+    def test_twins_are_integrated_alike(self, tmp_path, wall):
+        """With one scheme and one damping of settling stages, which the residual cracks depend on."""
+        address = {"latitude": 53.36786, "longitude": 6.71359, "above_mm_s": 12.0, "within_km": 3.5}
+        study = load_study(write_twins(tmp_path, wall, address, {}, {}, 2), "reference")
+        found = {}
+        for point in study.runs:
+            steps = schemes(point.settings(REPOSITORY), load_wall(point.wall), 5e-5, 0.1)
+            found[point.point.partition("_")[0]] = [(one.settles, one.mass_scaling, step) for one, step in steps]
+        assert found[SHAKEN] == found[BOTH] and found[BOTH][0][:2] == (
+            "adaptive", {"terrace_end": "selective", "solid": "none"}[wall])
 
     def test_what_was_lost_is_made_again_and_more_draws_change_no_other(self, claimed):
         before = {path.name: path.read_bytes() for path in (claimed / "patterns").iterdir()}

@@ -158,7 +158,7 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
     ("", 1e-4), ("--sequence 1,0.5", 1e-4), ("--lintel none", 1e-4),
     ("--bricks deformable --contacts gauss", 5e-5), ("--mass-scaling none", None), ("--dt 1e-5", None),
     ("--pushover 0.1", None), ("--free-vibration", None), ("--settle hogging", None),
-    ("--settle hogging --harmonic 0.2 0.05", None),
+    ("--settle hogging --harmonic 0.2 0.05", None), ("--settle hogging --harmonic 0.2 0.05 --settling adaptive", 1e-4),
     ("--contacts gauss", None),
     ("--bricks deformable", None), ("--soil 1e8", None), ("--fibres 4", None), ("--new-contacts", None),
     ("--settling local", None), ("--relaxation local", None)])

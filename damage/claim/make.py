@@ -18,7 +18,7 @@ from damage.history.reader import read_history
 from damage.html.words import number
 from damage.measure.evidence import evidence_for, facts
 from damage.measure.summary import summarise
-from damage.measure.survey import read_survey
+from damage.measure.survey import on_joints, read_survey
 from damage.run.options import fraction, parse_run
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall, wall_path
@@ -61,6 +61,7 @@ def make_claim(claim, out, jobs):
         settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)
     warn(*claim.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
+    print(on_joints(survey.as_dict()))
     _state_time(claim, out, jobs, steps)
     for draws in steps:
         study = _study(claim, out, draws)

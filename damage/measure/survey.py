@@ -273,13 +273,18 @@ def _near(places, flags, others):
     return float(places.length[flags][near].sum() / places.length[flags].sum())
 
 
+def on_joints(survey):
+    """A survey (`Survey.as_dict`) on its wall in a line."""
+    return (f"survey {survey['file']}: {survey['cracks']} cracks, {survey['crack_length_m']:.2f} m, "
+            f"{100 * survey['share_on_joints']:.0f} % of it on joints, up to {1e3 * survey['apart_m']:.0f} mm away")
+
+
 def describe_beside(found):
     """The result of `beside` as lines."""
     survey, positions = found["survey"], found["positions"]
     shares = ["-" if positions[name] is None else f"{100 * positions[name]:.0f} %" for name in ("of_survey", "of_run")]
     return [
-        f"survey {survey['file']}: {survey['cracks']} cracks, {survey['crack_length_m']:.2f} m, "
-        f"{100 * survey['share_on_joints']:.0f} % of it on joints, up to {1e3 * survey['apart_m']:.0f} mm away",
+        on_joints(survey),
         f"seen from {survey['detection_limit_mm']:.3g} mm, +-{survey['width_error_mm']:.3g} mm",
         f"{'':16}{'survey':>10}{'run':>10}",
         *(f"{name:16}{here:>10.3g}{there:>10.3g}" for name, (here, there) in found["widths"].items()),

@@ -90,9 +90,7 @@ class Lanes:
         Raises ValueError where their sums differ.
         """
         walls = self.walls
-        for wall in walls:
-            if wall.adaptive_damping == 0.0:
-                wall.system.relaxation[:] = 0.0
+        _clear_relaxation(walls)
         if (longest := max(map(len, steps))) > self._samples.totals.shape[1]:
             self._samples = self.room(longest)
         ends = [np.cumsum(of_wall) for of_wall in steps]
@@ -103,6 +101,7 @@ class Lanes:
         if last == 0:
             return
         self._run(kernel.ADVANCE, np.array([wall.field(last + 1) for wall in walls]), *_in_turn(ends), self._samples)
+        _clear_relaxation(walls)
         for wall in walls:
             wall.step += last
 
@@ -134,6 +133,13 @@ class Lanes:
         """Forces of a single wall at the present displacements without damping; if singly, by contact points and with
         readings."""
         self._run(kernel.FIND_FORCES, np.zeros((1, 1, 3)), np.zeros(1, int), np.array([int(singly)]), self._samples)
+
+
+def _clear_relaxation(walls):
+    """Clear what adaptive damping keeps of those that have none: beside one that has, a batch keeps it of all."""
+    for wall in walls:
+        if wall.adaptive_damping == 0.0:
+            wall.system.relaxation[:] = 0.0
 
 
 def kind_of(wall):

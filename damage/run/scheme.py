@@ -26,11 +26,13 @@ _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
 def is_shown(settings, wall):
     """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit steps: softening joints,
     openings, bricks that stay whole, shaken by a record or harmonically.  On ground that settles the residual DI
-    follows the damping of settling stages, which differs."""
+    follows the damping of settling stages, which would differ from the default of explicit steps: there it has to be
+    asked for."""
     model = {name: getattr(settings.model, name) for name in _FREE}
     return (wall.joint.softens and len(wall.openings) > 0 and not wall.brick.splits
             and wall.joint.compressive_strength is None and not wall.restraints
-            and settings.settlement is None and isinstance(settings.loading, Harmonic | Recorded)
+            and (settings.settlement is None or settings.settling == "adaptive")
+            and isinstance(settings.loading, Harmonic | Recorded)
             and settings.model in [replace(shown, **model) for shown in _SHOWN]
             and not settings.new_contacts and "local" not in (settings.relaxation, settings.settling))
 
