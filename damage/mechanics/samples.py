@@ -60,7 +60,7 @@ class Samples(NamedTuple):
     """Samples of one or several walls.
 
     contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; stress: (walls,
-    samples, 2, contacts) normal, tension positive, and shear [Pa]; displacement:
+    samples, 2, contacts) normal, tension positive, and shear [Pa], of no contacts where not asked for; displacement:
     (walls, samples, bodies, coordinates) [m, m, rad, m sqrt(kg) ...], the supports last; support_force: (walls,
     samples, supports, 3) of the wall on them [N, N, N m]; totals: (walls, samples, TOTALS).
     """
@@ -73,17 +73,17 @@ class Samples(NamedTuple):
     totals: np.ndarray
 
     @classmethod
-    def none(cls, n_walls, n_samples, system, n_supports):
+    def none(cls, n_walls, n_samples, system, n_supports, with_stresses=True):
         """Samples with all values zero; system: System of one of the walls, whose last bodies are the supports."""
         n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
-                   np.zeros((n_walls, n_samples, 2, n_contacts)),
+                   np.zeros((n_walls, n_samples, 2, n_contacts * with_stresses)),
                    np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
                    np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
 
-    def of(self, wall, which):
-        """Samples of one wall, without the axis of walls; which: slice or indices of samples."""
-        return Samples(*(values[wall, which] for values in self))
+    def of(self, wall, count):
+        """Views of the first samples of one wall, without the axis of walls."""
+        return Samples(*(values[wall, :count] for values in self))
 
 
 @compiled
@@ -126,7 +126,8 @@ def observe_stored(n, tables, ending, stiffness, samples, taken):
         for w in range(lanes(n)):
             if ending >> w & 1:
                 samples.stored[w, taken[w], c] = lane(stored, w)
-                samples.stress[w, taken[w], 0, c], samples.stress[w, taken[w], 1, c] = lane(sigma, w), lane(tau, w)
+                if samples.stress.shape[3] > 0:
+                    samples.stress[w, taken[w], 0, c], samples.stress[w, taken[w], 1, c] = lane(sigma, w), lane(tau, w)
 
 
 @inlined
