@@ -283,8 +283,8 @@ def skipped():
 
 
 def _shaken(layout, step, damping, factor):
-    """Displacements (n_bodies, 3) of an intact wall from rest [m, m, rad]: 2 s into BGAR times a factor, after settling,
-    1 s later."""
+    """Displacements (n_bodies, 3) of an intact wall from rest [m, m, rad]: 2 s into BGAR times a factor, after
+    settling, 1 s later."""
     wall = ReferenceWall(layout, step, scaled=step >= 1e-4)
     wall.adaptive_damping = ADAPTIVE_DAMPING
     wall.start(np.zeros((0, 2)), GRAVITY * np.linspace(0.0, 1.0, round(0.2 / step)))

@@ -119,15 +119,13 @@ def observe(n, tables, strain, loose, matrix, ending, stiffness, samples, taken)
 
 @inlined
 def observe_stored(n, tables, ending, stiffness, samples, taken):
-    """Write the elastic energies and stresses of all contact points."""
+    """Write the elastic energies of all contact points."""
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
         sigma, tau = load(n, tables.readings, c, READ_SIGMA), load(n, tables.readings, c, READ_TAU)
         stored = stiffness.area[c] * elastic_energy(sigma, tau, stiffness.normal[c], stiffness.shear[c])
         for w in range(lanes(n)):
             if ending >> w & 1:
                 samples.stored[w, taken[w], c] = lane(stored, w)
-                if samples.stress.shape[3] > 0:
-                    samples.stress[w, taken[w], 0, c], samples.stress[w, taken[w], 1, c] = lane(sigma, w), lane(tau, w)
 
 
 @inlined
@@ -167,7 +165,8 @@ def observe_contact(n, tables, ks, ended, samples, w, k, c):
 
 @inlined
 def observe_places(n, tables, samples, w, k):
-    """Write displacements of the bodies and forces on the supports into sample k of wall w; n: its width."""
+    """Write displacements of the bodies, forces on the supports and, where there is room for them, stresses into sample
+    k of wall w; n: its width."""
     bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
     supports, first = displacement.shape[2] - support_force.shape[2], first_force(bodies)
     for b in range(displacement.shape[2]):
@@ -176,6 +175,9 @@ def observe_places(n, tables, samples, w, k):
         if b >= supports:
             for axis in range(RIGID):
                 support_force[w, k, b - supports, axis] = load(n, bodies, b, first + axis)
+    for c in range(samples.stress.shape[3]):
+        samples.stress[w, k, 0, c] = load(n, tables.readings, c, READ_SIGMA)
+        samples.stress[w, k, 1, c] = load(n, tables.readings, c, READ_TAU)
 
 
 @inlined

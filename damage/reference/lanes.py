@@ -116,7 +116,7 @@ class Lanes:
         return walls[0].room(len(self._walls), n_samples, any(wall.with_stresses for wall in walls))
 
     def samples_of(self, wall, count):
-        """Views of the first samples of a wall from the last `run`, of its numbers of steps; the next overwrites them."""
+        """The first samples of a wall from the last `run`, views that the next one overwrites."""
         return self._samples.of(self.lane_of(wall), count)
 
     def sample_now(self, wall, field):

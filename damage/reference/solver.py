@@ -87,17 +87,18 @@ class ReferenceSolver(ReferenceWall, Solver):
         return self._instants(np.array([self.clock]), self.sample_now(), [0])
 
     def _instants(self, clock, samples, rows):
-        """Instants of these rows of Samples, taken at these steps; a pushed wall has one only, to which the present push
-        force belongs.  Of the contact points, which the next steps overwrite, only what is used is copied."""
-        totals, moved, joints, n = samples.totals[rows], samples.displacement[rows], self.active_contacts(), len(
-            self.layout.bodies)
+        """Instants of these rows of Samples, copied, taken at these steps; a pushed wall has one only, to which the
+        present push force belongs."""
+        totals, moved, joints = samples.totals[rows], samples.displacement[rows], self.active_contacts()
+        n = len(self.layout.bodies)
+        strain = moved[:, :n, RIGID:] if self.layout.strain else None
         contacts = {name: values[rows] for name, values in self.contact_data(samples, joints).items()}
         stress = np.moveaxis(self.of_joints(samples.stress[rows]), 1, 2) if self.with_stresses else None
-        return Instants(clock, moved[:, :n, :RIGID], moved[:, n:, :RIGID], samples.support_force[rows], joints, contacts,
-                        np.full(len(clock), self.push_force()), totals[:, KINETIC],
+        return Instants(clock, moved[:, :n, :RIGID], moved[:, n:, :RIGID], samples.support_force[rows], joints,
+                        contacts, np.full(len(clock), self.push_force()), totals[:, KINETIC],
                         np.add.reduce(samples.stored, axis=1)[rows] + totals[:, ELASTIC] + self._in_bearing(),
                         totals[:, KINETIC + 1] - self._in_springs(moved[:, :n]), *totals[:, KINETIC + 2:ELASTIC].T,
-                        moved[:, :n, RIGID:] if self.layout.strain else None, stress)
+                        strain, stress)
 
     def _in_bearing(self):
         """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a time."""
