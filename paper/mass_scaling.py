@@ -3,7 +3,7 @@
     python3 -m paper mass_scaling runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv; continues there
     python3 -m paper mass_scaling table DIR/runs.csv                         # medians, two-sample tests
     python3 -m paper mass_scaling curves DIR/runs.csv                        # fragility and lives
-    python3 -m paper mass_scaling rocking | falling
+    python3 -m paper mass_scaling rocking | falling | skipped
 
 A draw is one of the joints' strengths (coefficient of variation 0.3), or a life of the address.  Runs are not repeated
 where their energy balance is off, so that each step is judged by itself.  A further case is a line of CASES.
@@ -30,7 +30,8 @@ from damage.reference.session import run_references
 from damage.reference.wall import ReferenceWall
 from damage.run import scheme, watch
 from damage.run.options import parse_run
-from damage.run.schedule import SOFTENING_STEP_FACTOR
+from damage.run.schedule import SOFTENING_STEP_FACTOR, STEP_FACTOR
+from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, SETTLE_S
 from damage.studies.fragility import solve
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
@@ -260,8 +261,48 @@ def falling():
                   history.parameters["repeated_for"])
 
 
+def skipped():
+    """Print what events that leave a wall intact would have to share to need no steps: motions of lives that are equal,
+    and the wall after such an event, BGAR at two factors, and before it."""
+    lives = pd.read_csv(REPOSITORY / "docs" / "tables" / "lives" / "lives.csv")
+    print_table("lives", "events", "different motions")
+    for point, events in lives.groupby("point"):
+        print_row(point, len(events), len(events.drop_duplicates(["record", "scale"])))
+    layout = lay_out(load_wall(REPOSITORY / "walls" / "symmetric.py"))
+    print_table("step", "damping in settling", "factor", "largest motion [mm]", "after settling [mm]",
+                "1 s later [mm]", "nonlinear share of the motion")
+    explicit = STEP_FACTOR * natural_modes(layout).critical_time_step_s
+    for step, damping in ((explicit, "local"), (explicit, "adaptive"), (2e-4, "adaptive")):
+        moved = {factor: _shaken(layout, step, damping, factor) for factor in (0.1, 0.2)}
+        share = np.abs(2 * moved[0.1][0] - moved[0.2][0]).max() / np.abs(moved[0.2][0]).max()
+        for factor, (motion, *later) in moved.items():
+            print_row(f"{step:.2g}", damping, factor, *(f"{1e3 * np.abs(one).max():.2g}" for one in (motion, *later)),
+                      f"{share:.1g}")
+
+
+def _shaken(layout, step, damping, factor):
+    """Displacements (n_bodies, 3) of an intact wall from rest [m, m, rad]: 2 s into BGAR times a factor, after
+    settling, 1 s later."""
+    wall = ReferenceWall(layout, step, scaled=step >= 1e-4)
+    wall.adaptive_damping = ADAPTIVE_DAMPING
+    wall.start(np.zeros((0, 2)), GRAVITY * np.linspace(0.0, 1.0, round(0.2 / step)))
+    wall.run(round(1.5 / step))
+    wall.adaptive_damping, rest, found = 0.0, wall.displacement, []
+    motion = parse_run([*BGAR, "--scale", repr(factor)], "", "reference").loading
+    wall.start(motion.drive.base(np.arange(round(motion.duration_s / step)) * step))
+    for length_s in (2.0, motion.duration_s - 1.9, SETTLE_S, 1.0):
+        if length_s == SETTLE_S:
+            wall.adaptive_damping, wall.local_damping = (
+                (ADAPTIVE_DAMPING, 0.0) if damping == "adaptive" else (0.0, LOCAL_DAMPING))
+        wall.run(round(length_s / step))
+        found.append(wall.displacement - rest)
+    if (wall.system.limits["failed"] > 0).any():
+        sys.exit(f"joints failed at {factor} of BGAR: expected an intact wall")
+    return found[0], *found[2:]
+
+
 def main():
-    parsed = arguments(__doc__, option("what", choices=("runs", "table", "curves", "rocking", "falling")),
+    parsed = arguments(__doc__, option("what", choices=("runs", "table", "curves", "rocking", "falling", "skipped")),
                        option("path", type=Path, nargs="?", default=Path("results/mass_scaling/runs.csv")),
                        option("--cases", nargs="+", choices=CASES, default=list(CASES)),
                        option("--draws", type=int, default=32))

@@ -86,10 +86,16 @@ class Buffer:
             sink.static_stage(values)
         self.flush()
 
+    @property
+    def keeps_state(self):
+        """Whether the history has a file, which keeps the state of the solver at the end of the run."""
+        return any(sink.keeps_state for sink in self._sinks)
+
     def keep_state(self, state):
-        """Keep the state of the solver at the end of the run, bytes (n,), where the history has a file."""
+        """Keep the state of the solver at the end of the run, bytes (n,), in the file of the history."""
         for sink in self._sinks:
-            sink.keep_state(state)
+            if sink.keeps_state:
+                sink.keep_state(state)
 
     def history(self, path=None):
         """The History of a finished run with a sink in memory, equal to that of `read_history`; raises the same

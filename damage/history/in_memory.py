@@ -25,6 +25,8 @@ class Memory:
     there is a file beside it, which is kept alone then.
     """
 
+    keeps_state = False
+
     def __init__(self, path, layout, attributes, new_file=None):
         self.path, self.where = path, f"in memory, and in {path} should the run fail"
         self._layout, self._attributes, self._new_file = layout, attributes, new_file
@@ -40,9 +42,6 @@ class Memory:
 
     def static_stage(self, values):
         self._values = values
-
-    def keep_state(self, state):
-        """Not in memory."""
 
     def store(self, columns):
         if self._file is not None:

@@ -41,6 +41,8 @@ class File:
     cannot close in order then: end the process by os._exit.
     """
 
+    keeps_state = True
+
     def __init__(self, path, layout, attributes, versions, overwrite=False):
         self.path, self.where, self.attributes = Path(path), str(path), attributes
         with self._writing():

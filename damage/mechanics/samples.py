@@ -42,7 +42,7 @@ class Samples(NamedTuple):
     """Samples of one or several walls.
 
     contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; stress: (walls,
-    samples, 2, contacts) normal, tension positive, and shear [Pa]; displacement:
+    samples, 2, contacts) normal, tension positive, and shear [Pa], of no contacts where not asked for; displacement:
     (walls, samples, bodies, coordinates) [m, m, rad, m sqrt(kg) ...], the supports last; support_force: (walls,
     samples, supports, 3) of the wall on them [N, N, N m]; totals: (walls, samples, TOTALS).
     """
@@ -55,17 +55,17 @@ class Samples(NamedTuple):
     totals: np.ndarray
 
     @classmethod
-    def none(cls, n_walls, n_samples, system, n_supports):
+    def none(cls, n_walls, n_samples, system, n_supports, with_stresses=True):
         """Samples with all values zero; system: System of one of the walls, whose last bodies are the supports."""
         n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
-                   np.zeros((n_walls, n_samples, 2, n_contacts)),
+                   np.zeros((n_walls, n_samples, 2, n_contacts * with_stresses)),
                    np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
                    np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
 
-    def of(self, wall, which):
-        """Samples of one wall, without the axis of walls; which: slice or indices of samples."""
-        return Samples(*(values[wall, which] for values in self))
+    def of(self, wall, count):
+        """Views of the first samples of one wall, without the axis of walls."""
+        return Samples(*(values[wall, :count] for values in self))
 
 
 @compiled
@@ -101,15 +101,13 @@ def observe(n, tables, strain, loose, matrix, ending, stiffness, samples, taken)
 
 @inlined
 def observe_stored(n, tables, ending, stiffness, samples, taken):
-    """Write the elastic energies and stresses of all contact points."""
+    """Write the elastic energies of all contact points."""
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
         now = reading_of(n, tables.readings, c)
         stored = stiffness.area[c] * elastic_energy(now.sigma, now.tau, stiffness.normal[c], stiffness.shear[c])
         for w in range(lanes(n)):
             if ending >> w & 1:
                 samples.stored[w, taken[w], c] = lane(stored, w)
-                samples.stress[w, taken[w], 0, c] = lane(now.sigma, w)
-                samples.stress[w, taken[w], 1, c] = lane(now.tau, w)
 
 
 @inlined
@@ -149,7 +147,8 @@ def observe_contact(n, tables, ks, ended, samples, w, k, c):
 
 @inlined
 def observe_places(n, tables, samples, w, k):
-    """Write displacements of the bodies and forces on the supports into sample k of wall w; n: its width."""
+    """Write displacements of the bodies, forces on the supports and, where there is room for them, stresses into sample
+    k of wall w; n: its width."""
     bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
     supports = displacement.shape[2] - support_force.shape[2]
     for b in range(displacement.shape[2]):
@@ -158,6 +157,9 @@ def observe_places(n, tables, samples, w, k):
         if b >= supports:
             for axis in range(RIGID):
                 support_force[w, k, b - supports, axis] = force_of(n, bodies, b, axis)
+    for c in range(samples.stress.shape[3]):
+        now = reading_of(n, tables.readings, c)
+        samples.stress[w, k, 0, c], samples.stress[w, k, 1, c] = now.sigma, now.tau
 
 
 @inlined

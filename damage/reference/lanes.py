@@ -91,7 +91,8 @@ class Lanes:
         """
         walls = self.walls
         _clear_relaxation(walls)
-        if (longest := max(map(len, steps))) > self._samples.totals.shape[1]:
+        longest, room = max(map(len, steps)), self._samples
+        if longest > room.totals.shape[1] or (any(wall.with_stresses for wall in walls) and not room.stress.shape[3]):
             self._samples = self.room(longest)
         ends = [np.cumsum(of_wall) for of_wall in steps]
         last = int(ends[0][-1])
@@ -116,18 +117,19 @@ class Lanes:
 
     def room(self, n_samples):
         """Samples of all walls, all zero."""
-        return next(filter(None, self.walls)).room(len(self._walls), n_samples)
+        walls = list(filter(None, self.walls))
+        return walls[0].room(len(self._walls), n_samples, any(wall.with_stresses for wall in walls))
 
-    def samples_of(self, wall, which):
-        """Samples of a wall from the last `run`; which: slice or indices of its numbers of steps."""
-        return self._samples.of(self.lane_of(wall), which)
+    def samples_of(self, wall, count):
+        """The first samples of a wall from the last `run`, views that the next one overwrites."""
+        return self._samples.of(self.lane_of(wall), count)
 
     def sample_now(self, wall, field):
         """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of the base and
         gravity."""
         samples, w = self.room(1), self.lane_of(wall)
         self._run(kernel.LOOK, np.tile(field, (len(self._walls), 1, 1)), np.zeros(1, int), np.array([1 << w]), samples)
-        return samples.of(w, slice(1))
+        return samples.of(w, 1)
 
     def find_forces(self, singly):
         """Forces of a single wall at the present displacements without damping; if singly, by contact points and with
@@ -156,7 +158,10 @@ def kind_of(wall):
 def _in_turn(ends):
     """Steps at which any wall ends, (n,), and the walls that do as bits, (n,)."""
     steps = np.unique(np.concatenate(ends))
-    return steps, sum(np.isin(steps, of_wall) << lane for lane, of_wall in enumerate(ends)).astype(np.int64)
+    walls = np.zeros(len(steps), np.int64)
+    for lane, of_wall in enumerate(ends):
+        walls[np.searchsorted(steps, of_wall)] |= 1 << lane
+    return steps, walls
 
 
 def _common_kind(walls):

@@ -80,33 +80,37 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def _instants_at(self, samples):
         """Instants of samples of the last `run`, {index of the end: step}."""
-        return self._instants(np.array([*samples.values()]), self.lanes.samples_of(self, list(samples)))
+        steps, rows = np.array([*samples.values()]), list(samples)
+        return self._instants(steps, self.lanes.samples_of(self, rows[-1] + 1), rows)
 
     def instants(self):
-        return self._instants(np.array([self.clock]), self.sample_now())
+        return self._instants(np.array([self.clock]), self.sample_now(), [0])
 
-    def _instants(self, clock, samples):
-        """Instants of Samples at these steps; a pushed wall has one only, to which the present push force belongs."""
-        totals, joints = samples.totals, self.active_contacts()
-        bodies, supports = np.split(samples.displacement[..., :RIGID], [len(self.layout.bodies)], axis=1)
-        strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
-        stress = np.moveaxis(self.of_joints(samples.stress), 1, 2) if self.with_stresses else None
-        return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
-                        np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC] + self._in_bearing(),
-                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain,
-                        stress)
+    def _instants(self, clock, samples, rows):
+        """Instants of these rows of Samples, copied, taken at these steps; a pushed wall has one only, to which the
+        present push force belongs."""
+        totals, moved, joints = samples.totals[rows], samples.displacement[rows], self.active_contacts()
+        n = len(self.layout.bodies)
+        strain = moved[:, :n, RIGID:] if self.layout.strain else None
+        contacts = {name: values[rows] for name, values in self.contact_data(samples, joints).items()}
+        stress = np.moveaxis(self.of_joints(samples.stress[rows]), 1, 2) if self.with_stresses else None
+        return Instants(clock, moved[:, :n, :RIGID], moved[:, n:, :RIGID], samples.support_force[rows], joints,
+                        contacts, np.full(len(clock), self.push_force()), totals[:, KINETIC],
+                        np.add.reduce(samples.stored, axis=1)[rows] + totals[:, ELASTIC] + self._in_bearing(),
+                        totals[:, KINETIC + 1] - self._in_springs(moved[:, :n]), *totals[:, KINETIC + 2:ELASTIC].T,
+                        strain, stress)
 
     def _in_bearing(self):
         """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a time."""
         stiffness, force = self.system.bearings["stiffness"], self.system.bearings["force"]
-        return 0.5 * float(np.sum(force[stiffness > 0]**2 / stiffness[stiffness > 0]))
+        held = stiffness > 0
+        return 0.5 * float(np.sum(force[held]**2 / stiffness[held])) if held.any() else 0.0
 
     def _in_springs(self, displacement):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]: work of the push that
         did not enter the wall."""
         stiffness, rest = self.system.turning[:displacement.shape[1]].T
-        return 0.5 * ((displacement[..., RIGID - 1] - rest)**2 @ stiffness)
+        return 0.5 * ((displacement[..., RIGID - 1] - rest)**2 @ stiffness) if stiffness.any() else 0.0
 
     def forces(self):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]

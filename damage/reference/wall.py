@@ -30,7 +30,10 @@ class ReferenceWall:
     scaling (`damage.mechanics.scaling`) for this time step and beta, without local damping.  time_step, beta, alpha,
     `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
     changed at any time.
+    with_stresses: whether samples hold the stresses of the joints.
     """
+
+    with_stresses = False
 
     def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=False):
         self.layout, self.time_step, self.step = layout, time_step, 0
@@ -124,9 +127,9 @@ class ReferenceWall:
         field[2] = GRAVITY
         return self.lanes.sample_now(self, field)
 
-    def room(self, n_walls, n_samples):
+    def room(self, n_walls, n_samples, with_stresses):
         """Samples for n_walls walls like this one, all zero."""
-        return Samples.none(n_walls, n_samples, self.system, len(self.layout.supports))
+        return Samples.none(n_walls, n_samples, self.system, len(self.layout.supports), with_stresses)
 
     def field(self, n_steps):
         """Acceleration of the base along x and z and gravity in the next steps, (n_steps, 3) [m/s2].

@@ -216,7 +216,7 @@ class Run:
         self._write_events(self.solver.drain_events())
         self.writer.snapshot(*self._last)
         if finished and self.collapsed_at_s is None:
-            if (state := self.solver.saved_state()) is not None:
+            if self.writer.keeps_state and (state := self.solver.saved_state()) is not None:
                 self.writer.keep_state(as_bytes(state | self._carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
