@@ -282,4 +282,4 @@ def test_picture_film_and_report_show_the_fallen_bricks(fallen, tmp_path):
     path = write_film(history, tmp_path / "film.gif", (end - 0.1, end))
     with Image.open(path) as film:
         assert film.n_frames >= 4
-    assert run_part(history, "A")["heap"]
+    assert run_part(history, "A")["beside"]["heap"]

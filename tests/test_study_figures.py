@@ -27,6 +27,7 @@ from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import figures as study_figures
 from paper.__main__ import COMMANDS as of_paper
+from paper.__main__ import PROGRAMS
 from paper.__main__ import main
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
@@ -501,7 +502,7 @@ def test_the_table_of_figures_names_commands_and_studies_that_are_there():
         "studies", ".toml").keys()
     for words in (words[1:] for words in commands if words[0] == "python3"):
         if words[0] == "-m":
-            assert words[2] in {"damage": of_package, "paper": of_paper}[words[1]]
+            assert words[2] in {"damage": of_package, "paper": {*of_paper, *PROGRAMS}}[words[1]]
         else:
             assert (REPOSITORY / words[0]).is_file()
     assert sum(line.startswith("| ") for line in page.splitlines()) == 16  # the table's rows, with its head
