@@ -27,8 +27,7 @@ from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import figures as study_figures
 from paper.__main__ import COMMANDS as of_paper
-from paper.__main__ import PROGRAMS
-from paper.__main__ import main
+from paper.__main__ import PROGRAMS, main
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
 from paper.marks import NOTHING, describe_members, in_order, record_markers, scale_note
