@@ -146,8 +146,6 @@ def judged(found, but_for, width):
             for table in ("like_survey", "all_draws"):
                 three = (found["crack_width_mm"][prior][table] or {}).get(what)
                 row[f"{table}_{what}_{prior}"] = three and three[0] - 1e-9 <= true <= three[2] + 1e-9
-            row[f"wide_{what}_{prior}"] = three and found["crack_width_mm"][prior]["like_survey"][what][2] - \
-                found["crack_width_mm"][prior]["like_survey"][what][0]
     return row
 
 
