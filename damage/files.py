@@ -117,8 +117,8 @@ def whole_or_nothing(path):
         yield unfinished
         os.replace(unfinished, path)
     except (FileExistsError, NotADirectoryError) as error:
-        raise InputError(f"cannot write {path}: {path.parent} is a file, or lies below one; expected a folder; choose "
-                         "another place") from error
+        raise InputError(f"cannot write {path}: {path.parent}, or a folder above it, is no folder; expected one; "
+                         "choose another place") from error
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}; expected a disk with room "
                          "and a folder that can be written to; make room, or choose another place") from error

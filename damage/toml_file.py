@@ -6,6 +6,8 @@ import tomllib
 from damage.checks import check_file
 from damage.errors import InputError
 
+DRAFT = "http://json-schema.org/draft-07/schema#"
+"""The newest that Taplo, which editors use for TOML, knows."""
 DEEPEST = 20
 """Tables and lists in each other, and parts of a dotted key, which makes as many tables; a study has five."""
 _WORDS = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*', re.DOTALL)

@@ -40,7 +40,8 @@ def _run(arguments):
     if arguments and arguments[0] in PROGRAMS:
         sys.argv = [f"python3 -m paper {arguments[0]}", *arguments[1:]]
         return import_module(f"paper.{arguments[0]}").main() or 0
-    parser = OneLineParser(prog="python3 -m paper", allow_abbrev=False, description=__doc__)
+    parser = OneLineParser(prog="python3 -m paper", allow_abbrev=False, description=__doc__,
+                           epilog=f"Programs: {', '.join(PROGRAMS)}.")
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND", parser_class=OneLineParser), COMMANDS)
     asked = parser.parse_args(arguments)
     return asked.command(asked) or 0

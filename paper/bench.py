@@ -119,12 +119,12 @@ def option(*names, **given):
     return names, given
 
 
-def arguments(description, *options, words=None):
+def arguments(description, *options):
     """What a command line says of some options; description: the docstring of a program."""
     parser = argparse.ArgumentParser(description=description.splitlines()[0])
     for names, given in options:
         parser.add_argument(*names, **given)
-    return parser.parse_args(words)
+    return parser.parse_args()
 
 
 def chosen(asked, known, what):

@@ -200,8 +200,9 @@ def main():
     tables = [rows_of(one, other or one, asked.offsets) for one in libraries]
     if asked.rows:
         pd.concat(tables).to_csv(asked.rows, index=False)
+    below = f"answers below {LEAST_DRAWS} draws, too"
     print_table("wall", "claim", "claims", "no answer", "refused", f"below {LEAST_DRAWS} draws", "strange", "small",
-                "answers", "wrong", below := f"answers below {LEAST_DRAWS} draws, too", f"wrong ({below})")
+                "answers", "wrong", below, f"wrong ({below})")
     for one, rows in zip(libraries, tables):
         asked_of = f" asked of {other.name}" if other else ""
         print_rows(rows, f"{one.name}{asked_of} ({len((other or one).twins)} draws)")

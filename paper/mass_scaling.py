@@ -24,7 +24,7 @@ import damage
 from damage.history.in_memory import HistoryInMemory
 from damage.law.modes import natural_modes
 from damage.measure.tables import summary_row
-from damage.mechanics.tables import FRACTURE, FRICTION
+from damage.mechanics.tables import FRACTURE, FRICTION, HAS_FAILED
 from damage.motion.intensity import pgv_m_s
 from damage.reference.session import run_references
 from damage.reference.wall import ReferenceWall
@@ -290,13 +290,15 @@ def _shaken(layout, step, damping, factor):
     wall.adaptive_damping, rest, found = 0.0, wall.displacement, []
     motion = parse_run([*BGAR, "--scale", repr(factor)], "", "reference").loading
     wall.start(motion.drive.base(np.arange(round(motion.duration_s / step)) * step))
-    for length_s in (2.0, motion.duration_s - 1.9, SETTLE_S, 1.0):
-        if length_s == SETTLE_S:
+    rest_s = 0.1
+    for stage, length_s in (("motion", 2.0), ("rest", motion.duration_s - 2.0 + rest_s), ("settling", SETTLE_S),
+                            ("later", 1.0)):
+        if stage == "settling":
             wall.adaptive_damping, wall.local_damping = (
                 (ADAPTIVE_DAMPING, 0.0) if damping == "adaptive" else (0.0, LOCAL_DAMPING))
         wall.run(round(length_s / step))
         found.append(wall.displacement - rest)
-    if (wall.system.limits["failed"] > 0).any():
+    if (wall.system.limits[:, HAS_FAILED] > 0).any():
         sys.exit(f"joints failed at {factor} of BGAR: expected an intact wall")
     return found[0], *found[2:]
 

@@ -2,7 +2,9 @@
 docs/validation/shaken-walls.md.
 
     python3 -m paper repeated_loading [spandrels] [laws] [walls] [solvers] [summary]
-        # docs/tables/benchmarks/repeated_*.csv
+        # docs/tables/benchmarks/repeated_*.csv; all by default
+
+`solvers` needs YADE; `summary` makes the tables beside the tests of the others: run it last.
 
 A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held down near its ends.
 A wall is pushed to a drift and back, one way and then two ways.  Both are steered by displacement; the force at each
@@ -12,7 +14,6 @@ repetition is that at the amplitude.
 import math
 import os
 import subprocess
-import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -29,7 +30,7 @@ from damage.run.schedule import SOFTENING_STEP_FACTOR
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper.bench import REPOSITORY, chosen
+from paper.bench import REPOSITORY, arguments, chosen, option
 from yade_scripts import COMMAND
 
 OUT = REPOSITORY / "docs" / "tables" / "benchmarks"
@@ -85,7 +86,8 @@ class Specimen:
         self.wall.run(max(1, round(time_s / self.wall.time_step)))
 
     def cracks(self):
-        """{widest crack [micrometres], Psi [-]} of now, the joints on the base left out."""
+        """{"widest_um": widest crack [micrometres], "psi": Psi [-]} at present, without the joints on the base; NaN
+        and 0 where nothing has cracked."""
         off_base = self._segments[:, 0, 1] > 0
         table = crack_table(self._segments[off_base], self.wall.opening[off_base], self.wall.offset[off_base], PSI_FROM)
         return {"widest_um": 1e6 * table["width_m"].max(), "psi": psi(table)}
@@ -166,7 +168,7 @@ def until(specimen, speed, reached):
 
 def repeated(specimen, amplitudes=STEPS_M, repetitions=REPETITIONS, speed=SPEED):
     """Table of a protocol, unloaded to UNLOADED_N: amplitude and what is left of it unloaded [micrometres], repetition,
-    force [N] at the amplitude and largest force on the way."""
+    force [N] at the amplitude and largest force on the way, and `cracks`."""
     rows = []
     for amplitude in amplitudes:
         for repetition in range(1, repetitions + 1):
@@ -216,7 +218,8 @@ class PushedWall(Specimen):
 
 
 def pushed(specimen, protocol, drift, repetitions):
-    """Rows of a protocol, "one-way" or "two-way": force [N] at the amplitude in each repetition, both ways."""
+    """Rows of a protocol, "one-way" or "two-way": force [N] at the amplitude in each repetition, both ways, and
+    `cracks`."""
     amplitude, rows = drift * specimen.layout.wall.height, []
     for repetition in range(1, repetitions + 1):
         until(specimen, WALL_SPEED, lambda: specimen.measure >= amplitude)
@@ -277,7 +280,7 @@ FIBRES, COMPARED = 16, 4
 
 
 def compared(kind, fibres=FIBRES):
-    """Table of the smallest spandrel, a class, to the first step."""
+    """Table of the smallest spandrel in its first step; kind: Spandrel or a subclass; fibres: as there."""
     return repeated(kind(*SPANDRELS["calcium silicate"], 1, fibres=fibres), STEPS_M[:1], COMPARED)
 
 
@@ -353,5 +356,6 @@ def of_wall(drift, protocol, table):
 def main():
     tables = {"spandrels": lambda: spandrels((1, 2, 3)), "laws": lambda: laws((1,)), "walls": lambda: walls((1,)),
               "solvers": solvers, "summary": summary}
-    for name in chosen(sys.argv[1:], tables, "table"):
+    asked = arguments(__doc__, option("tables", nargs="*", metavar="TABLE", help=", ".join(tables))).tables
+    for name in chosen(asked, tables, "table"):
         tables[name]()

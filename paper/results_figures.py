@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.errors import InputError
 from paper.bench import arguments, option
 
 COMPARED = ("max_drift_ratio", "max_DI", "max_shear_limit_DI", "residual_DI", "residual_shear_limit_DI")
@@ -19,6 +20,8 @@ COMPARED = ("max_drift_ratio", "max_DI", "max_shear_limit_DI", "residual_DI", "r
 def main():
     """Print the largest and the median difference over the points with the elastic lintel."""
     results = arguments(__doc__, option("results", type=Path)).results
+    if not results.is_dir():
+        raise InputError(f"{results}: expected the folder with the results of studies; run them with ./run_all.sh")
 
     def points(study):
         table = pd.read_csv(results / study / "tables/points.csv", keep_default_na=False, na_values=[""])

@@ -413,9 +413,9 @@ PROGRAMS = {"bearings": bearings, "prediction": prediction, "heights": heights, 
 
 
 def main():
-    parsed = arguments(__doc__, option("folder", type=Path), option("tables", choices=PROGRAMS))
+    parsed = arguments(__doc__, option("folder", type=Path), option("table", choices=PROGRAMS))
     try:
-        PROGRAMS[parsed.tables](parsed.folder)
+        PROGRAMS[parsed.table](parsed.folder)
     except FileNotFoundError as error:
         print(f"error: no file {error.filename}: expected the files that docs/validation/shaken-walls.md names; put "
               f"them into {parsed.folder}", file=sys.stderr)

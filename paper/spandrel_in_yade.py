@@ -24,7 +24,7 @@ class SpandrelInYade(Spandrel):
         self.wall.advance(max(1, round(time_s / self.wall.time_step)), 10**9, lambda _: True)
 
     def cracks(self):
-        """Nothing: widths are compared by the forces alone."""
+        """Empty: the solvers are compared by force alone."""
         return {}
 
     def _drop(self, supports):

@@ -60,7 +60,7 @@ def app(tmp_path):
 def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
     (tmp_path / "out").touch()
     said = one_line_error(make_app, tmp_path / "out", PORT, TOKEN, ROOT)
-    assert "expected a folder that is there or can be made" in said
+    assert "cannot make this folder" in said and "expected a folder, or a name that nothing has yet" in said
 
 
 @pytest.fixture

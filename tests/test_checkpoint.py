@@ -203,6 +203,9 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_com
     now, names = damage.read_history(cut), whole.series.select_dtypes("number").columns
     before, after = (history.series[names].fillna(0.0).to_numpy() for history in (whole, now))
     loose = (whole.opening_m > LOOSE).any(axis=1)
+    alike = next(iter(np.flatnonzero((after != before).any(axis=1))), len(before))
+    assert np.array_equal(now.opening_m[:alike], whole.opening_m[:alike], equal_nan=True)
+    assert np.array_equal(now.snapshot_time_s, whole.snapshot_time_s)
     for differs in np.flatnonzero((after != before).any(axis=1))[:1]:
         assert loose[:differs].any()
         assert np.all(np.abs(after - before)[differs] <= 1e-12 * np.abs(before).max(axis=0))

@@ -296,7 +296,7 @@ class TestSheet:
         layout = layout_of(claimed.parent / "narrow.py")
         twins, survey = read_twins(claimed, layout), read_survey(claimed.parent / "survey.csv", layout)
         numbers = json.loads((claimed / "claim.json").read_text()) | {"no_answer": []}
-        added = [one["like_survey"]["added"] for one in numbers["crack_width_mm"].values()]
+        added = [one[of]["added"] for one in numbers["crack_width_mm"].values() for of in ("all_draws", "like_survey")]
         least, most = min(one[0] for one in added), max(one[2] for one in added)
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
         least, most = (number("en", round(one, 2) + 0.0) for one in (least, most))
@@ -344,7 +344,7 @@ class TestBadInput:
         (tmp_path / "file").write_text("mine")
         assert main([*words(claimed.parent), "--out", str(tmp_path / out)]) == 2
         said = capsys.readouterr().err
-        assert "expected a folder" in said and "room" not in said and (tmp_path / "file").read_text() == "mine"
+        assert "is no folder; expected one" in said and "room" not in said and (tmp_path / "file").read_text() == "mine"
 
     def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):
         levels, out = tmp_path / "levels.csv", tmp_path / "o"

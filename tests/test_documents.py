@@ -85,7 +85,9 @@ def test_programs_of_documents_are_there():
     programs = {path.stem for path in (REPOSITORY / "paper").glob("[a-z]*.py")
                 if re.search(r"^def main\(", path.read_text(), re.MULTILINE)}
     assert programs == set(PROGRAMS)
-    named = {name for path in DOCUMENTS for name in re.findall(r"python3 -m paper (\w+)", path.read_text())}
+    named = {name for path in DOCUMENTS for name in re.findall(r"python3\s+-m\s+paper\s+(\w+)", path.read_text())}
+    assert not [path for path in DOCUMENTS if path.name != "CHANGELOG.md" and re.search(r"python3\s+paper/\w+\.py",
+                                                                                        path.read_text())]
     assert named <= {*PROGRAMS, *COMMANDS, "studies", "NAME", "COMMAND"}
 
 

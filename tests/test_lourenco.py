@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from damage.mechanics.tables import READINGS
 from damage.reference.wall import ReferenceWall
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
@@ -91,7 +92,7 @@ def test_tension_of_a_stone_on_its_two_ends():
     contacts, weight = wall.layout.contacts, GRAVITY * wall.layout.total_mass
     ends = np.abs(contacts.x - STONE.length / 2) > 0.4 * STONE.length
     assert ends.sum() == 2
-    wall.system.readings[2] = np.where(ends, -weight / 2 / contacts.area, 0.0)
+    wall.system.readings[READINGS.index("sigma")] = np.where(ends, -weight / 2 / contacts.area, 0.0)
     modulus = STONE.thickness * STONE.height**2 / 6
     assert_allclose(stone_tension(wall), [weight * STONE.length / 8 / modulus])
 

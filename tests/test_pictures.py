@@ -522,7 +522,7 @@ class TestFiles:
 
     def test_a_file_where_the_folder_should_be_is_refused(self, cracked, tmp_path):
         (tmp_path / "taken").write_text("")
-        with pytest.raises(InputError, match="taken is a file, or lies below one; expected a folder"):
+        with pytest.raises(InputError, match="taken, or a folder above it, is no folder; expected one"):
             save_all(cracked, tmp_path / "taken")
 
     def test_the_host_keeps_its_style_and_gets_no_pyplot(self, cracked, tmp_path):

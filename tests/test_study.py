@@ -170,6 +170,15 @@ class TestInputs:
         softer = replace(now, wall=replace(now.wall, brick=replace(now.wall.brick, density=1800.0)))
         assert differences(note, softer) == ["wall.brick.density 1800.0, which was not there"]
 
+    def test_what_is_no_input_any_more_does_not_count(self, inputs):
+        """Notes had it once; a run that is equal otherwise is not made again."""
+        now = inputs()
+        note = as_json(now)
+        note["settings"] |= {"checkpoint_s": None, "resumed": None}
+        assert differences(note, now) == []
+        note["settings"]["unheard_of"] = 1
+        assert differences(note, now) == ["settings.unheard_of of a later version"]
+
     def test_a_station_file_is_an_input(self, inputs):
         now = inputs()
         note = as_json(now)

@@ -52,8 +52,8 @@ class Desk:
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"--out {out}: {error.strerror}; expected a folder that is there or can be made; choose "
-                             "another") from error
+            raise InputError(f"--out {out}: cannot make this folder ({error.strerror}); expected a folder, or a name "
+                             "that nothing has yet; choose another") from error
         self.job = None
 
     def path(self, name):

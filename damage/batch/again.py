@@ -14,8 +14,6 @@ from damage.measure.columns import MADE_BY
 from damage.measure.tables import summary_row
 from damage.studies.inputs import inputs_of
 
-_NAMED = 5  # inputs that a message names
-
 
 def make_again(name, study, results, simulate):
     """Make the history of one run of a study, which is not there; returns the exit status: 1 where the run fails, or
@@ -32,7 +30,7 @@ def make_again(name, study, results, simulate):
     changed = results.changes(run, inputs_of(run, ROOT), key)
     if changed:
         raise InputError(f"--run {name}: its inputs are not those that the table was made from: "
-                         f"{', '.join(changed[:_NAMED])}; expected the same, restore them, or run the study again")
+                         f"{some_of(changed)}; expected the same, restore them, or run the study again")
     row = record.get("row")
     if row is None:
         warn(f"--run {name}: no record of it in {results.folder}: its values are not compared")

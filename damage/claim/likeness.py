@@ -15,8 +15,8 @@ from damage.measure.survey import distances
 KERNEL = 0.25
 """Width of the kernel [-]."""
 FARTHEST = 2 * KERNEL
-"""Distance from which a draw does not resemble the survey at all [-]: of many that are equally far away, weights alone
-would make as many that resemble it."""
+"""Distance [-] beyond which a draw has no weight.  Weights alone would count many draws that are equally far away as
+many that resemble the survey."""
 NEAREST = 10
 """Draws whose mean distance says how strange a survey is."""
 STATES = "both", "earthquakes"

@@ -35,7 +35,7 @@ class Claim:
     """What a claim is about: wall: its file, or the name of one that ships; address: {key of
     `damage.exposure.lives.KEYS`: value}; exposure: at it; survey: the file of cracks; options: of each run; settlement:
     options of a settlement of known shape and size, {} for none that is known; draws: their number, None for as many as
-    the intervals need; language: of the sheet."""
+    the intervals or an answer need; language: of the sheet."""
 
     wall: str
     address: dict

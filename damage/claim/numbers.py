@@ -28,7 +28,7 @@ SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
 ENOUGH = 0.1
 """Half-width of the widest interval of the first table up to which no more draws are asked for [-]."""
 HOPE = 2.0
-"""Factor on the most draws beyond which `draws_needed`, which few draws tell within about a half, is out of reach."""
+"""`draws_needed`, an estimate to within about half, is out of reach above HOPE times the most draws."""
 
 
 class Likeness(NamedTuple):
@@ -80,8 +80,8 @@ def answers(twins, likeness, survey):
 
 
 def enough(numbers, most):
-    """Whether no more draws, of `most` in all, would help: the intervals of the first table are narrow enough, and
-    their number is not all that forbids an answer, or enough of them are out of reach."""
+    """Whether to stop; most: draws that are made at most.  The intervals of the first table are narrow, and an answer
+    does not lack draws alone, or those that it lacks are out of reach."""
     rows = [row for of in numbers["all_draws"].values() for row in of.values()]
     narrow = all(row["share"] is None or (row["high"] - row["low"]) / 2 <= ENOUGH for row in rows)
     return narrow and not (lacks_draws(numbers) and draws_needed(numbers) <= HOPE * most)

@@ -37,8 +37,8 @@ def write_twins(folder, wall, address, options, settlement, draws):
     and size, {} for one of DRAWN; draws: their number.
     """
     ground = {} if settlement else dict(zip(("settle", "distortion"), map(list, DRAWN)))
-    # Of both, so that they differ by the settlement alone: without the damping that they are asked for, settled walls
-    # would take explicit steps and local damping, others mass scaling and adaptive damping.
+    # For both, so that they differ by the settlement alone: by default, settled walls would take explicit steps and
+    # local damping, the others mass scaling and adaptive damping.
     options = {"supports": "bricks", "settling": "adaptive", **options}
     points = {SHAKEN: (address, options), BOTH: (address | ground, options | settlement)}
     return write_points(Path(folder) / NAME, wall, points, draws, "claim")

@@ -156,7 +156,7 @@ def _claim(asked):
     if settle and is_there(settle):
         settle = str(Path(settle).resolve())
     settlement = {name: value for name, value in (("settle", settle), ("distortion", asked.distortion)) if value}
-    exposure = _exposure_of(asked)  # first: it says where the address is missing
+    exposure = _exposure_of(asked)  # before _address_of, which fails where no address is given
     return make_claim(
         Claim(asked.wall, _address_of(asked), exposure, asked.cracks,
               {"rest": asked.rest, "strength-cov": asked.strength_cov}, settlement, asked.draws, asked.language),

@@ -133,7 +133,7 @@ GROUPS = {
                   "my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
                   "--language nl --out results/claim"),
         "app": ("--out results/claim", "--out results/claim --port 8765 --no-browser")}}
-"""Title -> {command: its examples, without what comes before its options}, all in the order in which help lists them;
+"""Title -> {command: its examples, what follows the command's name}, all in the order in which help lists them;
 `reference` and `study` have examples of their own."""
 
 

@@ -434,9 +434,9 @@ PICTURES = {
 
 
 def pictures_beside(history):
-    """PICTURES that only some Histories have: of the heap where bricks were followed beyond the collapse, of stresses
-    where bricks are deformable, of the events where there are several, of forces at rest and at the maximum index where
-    the run kept stresses."""
+    """{file name without suffix: function that draws it} of what only some Histories have: the heap where bricks were
+    followed beyond the collapse, stresses where bricks are deformable, the events where there are several, forces at
+    rest and at the maximum index where the run kept stresses."""
     found = {"heap": heap_picture} if has_heap(history) else {}
     found |= {"stress_max": stress_picture} if has_stresses(history) else {}
     found |= {"sequence": sequence_picture} if has_sequence(history) else {}

@@ -22,9 +22,8 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from damage.errors import InputError
 from damage.files import whole_or_nothing
-from damage.history.moments import joint_states, nearest_snapshot, support_motion
+from damage.history.moments import check_samples, joint_states, nearest_snapshot, support_motion
 from damage.history.reader import History
 from damage.measure.brick_stress import principal_stresses
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
@@ -110,9 +109,7 @@ class WallCells:
     history: History
 
     def __post_init__(self):
-        if len(self.history.series) == 0:
-            raise InputError(f"{self.history.path} holds no sample yet ({self.history.status}); expected one or more, "
-                             "let the run continue")
+        check_samples(self.history)
 
     @property
     def time_s(self):

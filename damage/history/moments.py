@@ -71,7 +71,7 @@ def choose_samples(history, moments):
 
 
 def spans_of(time_s, chosen):
-    """[[first, last time]] of each stretch of chosen samples."""
+    """[[first, last time]] [s] of each stretch of chosen samples; time_s: (n,) [s]; chosen: (n,) bool."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
     return [[float(time_s[first]), float(time_s[last - 1])] for first, last in zip(edges[::2], edges[1::2])]
 

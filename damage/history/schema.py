@@ -1,5 +1,5 @@
-"""Names, codes, units and meanings in the history file, shown in `docs/reference/history-schema.md`; which columns of
-summary.csv a function makes: `measure`, which stands on it."""
+"""Names, codes, units and meanings in the history file, shown in `docs/reference/history-schema.md`; and `measure`, the
+decorator of functions that make columns of summary.csv."""
 
 from functools import wraps
 from inspect import signature

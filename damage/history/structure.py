@@ -12,6 +12,8 @@ PACKED = 1032
 """What deflate makes of a row of zeros: so many bytes of one."""
 _LONGEST_CHUNK = 65536  # rows
 _FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
+_WORDS = ("solver", "wall", "command", "created_utc", "machine", "parameters_json", "versions_json")
+_LENGTHS = ("total_joint_length_m", "drift_height_m", "height_m", "length_m")
 
 
 def check_structure(file):
@@ -19,7 +21,7 @@ def check_structure(file):
 
     Raises InputError where a dataset is missing, is not a dataset, or differs from the schema in shape or type.
     """
-    _check_run(file)
+    _check_attributes(file)
     version = int(file.attrs["schema_version"])
     tables, codes = schema.tables_of(version), schema.codes_of(version)
     sizes, n_bytes, ended = {}, 0, True
@@ -32,7 +34,8 @@ def check_structure(file):
             _check_type(path, dataset, column, codes)
             _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
             n_bytes += _stored(path, dataset)
-        ended = file["run/status"][()] != 0
+        if group == "run":
+            ended = file["run/status"][()] != 0
     for what in ("joints", "bodies", *(["supports"] if tables["supports"] else [])):
         if sizes[what] == 0:
             raise InputError(f"it has no {what}")
@@ -49,14 +52,26 @@ def stored_bytes(file, path, most):
     return dataset[()]
 
 
-def _check_run(file):
+def _check_attributes(file):
     run = file.get("run", getlink=True)
     if not isinstance(run, h5py.HardLink) or not isinstance(file["run"], h5py.Group):
         raise InputError("it has no group run")
-    wall = file["run"].attrs.get("wall")
-    if not isinstance(wall, str) or not is_plain_name(wall):  # files are named after it
-        raise InputError(f"attribute wall of run is {wall!r:.80}, expected a name without slashes and control "
-                         "characters")
+    attributes = file["run"].attrs
+    for name in _WORDS:
+        if not isinstance(attributes.get(name), str):
+            raise InputError(f"attribute {name} of run is {_plain(attributes.get(name))!r}, expected words")
+    if not is_plain_name(attributes["wall"]):  # files are named after it
+        raise InputError(f"attribute wall of run is {attributes['wall']!r:.80}, expected a name without slashes and "
+                         "control characters")
+    for name in _LENGTHS:
+        value = attributes.get(name)
+        if not isinstance(value, (float, np.floating)) or not 0 < value < np.inf:
+            raise InputError(f"attribute {name} of run is {_plain(value)!r}, expected a length")
+
+
+def _plain(value):
+    """A number as Python's: NumPy 2 prints its own as np.float64(-1.0)."""
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _dataset(file, path):
@@ -111,10 +126,28 @@ def _stored(path, dataset):
 
 _HUGE = 1e30
 """No quantity of a wall comes near this number of its unit."""
+_UNITS = ("_s", "_g", "_m", "_pa")
+"""With which the names of parameters end that are numbers."""
 
 
 def check_parameters(parameters):
-    """Raise InputError unless the factors and the events of a run are such as a run writes them."""
+    """Raise InputError unless the parameters of a run consist of tables, numbers and text, as a run writes them."""
+    optional = dict.fromkeys(("settlement", "cracked", "life", "event"), (dict, type(None)))
+    kinds = optional | {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list,
+                        "events": list, "motions": list, "points": list, "stresses": bool}
+    numbers = (float, int)
+    if not isinstance(parameters, dict):
+        raise InputError("its parameters are no table")
+    for name, value in parameters.items():
+        words = () if name.endswith(_UNITS) else (str,)
+        if not isinstance(value, kinds.get(name, (*words, *numbers, type(None)))):
+            wanted = "a number" if name.endswith(_UNITS) else "what a run writes there"
+            raise InputError(f"parameter {name} is {value!r:.80}, expected {wanted}")
+        if isinstance(value, numbers) and not abs(value) < _HUGE:
+            raise InputError(f"parameter {name} is {value!r:.80}, expected a number that can be")
+    for place in parameters.get("points", []):
+        if not (isinstance(place, list) and len(place) == 2 and all(isinstance(one, numbers) for one in place)):
+            raise InputError(f"parameter points is {place!r:.80}, expected places x, z")
     for factor in parameters.get("sequence", [1.0]) or [None]:
         check_number("a factor of parameter sequence", factor, "a number that can be", lambda value: abs(value) < _HUGE)
     _check_events(parameters)

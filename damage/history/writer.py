@@ -144,7 +144,7 @@ class HistoryWriter(Buffer):
     def of(cls, layout, file):
         """The writer that continues a File."""
         writer = cls.__new__(cls)
-        super(cls, writer).__init__(layout, file)
+        super(HistoryWriter, writer).__init__(layout, file)
         writer.file = file
         return writer
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.moments import BREAKS, STATES, state_codes
+from damage.history.moments import BREAKS, STATES, check_samples, state_codes
 from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
 from damage.measure.patterns import common_slip, compare_patterns, describe_patterns
@@ -43,8 +43,7 @@ def compare(first, others):
     ground that settles alone, have none.
     """
     for history in (first, *others):
-        if len(history.series) == 0:
-            raise InputError(f"{history.path} holds no sample; compare runs that have begun")
+        check_samples(history)
         if history.wall != first.wall or len(history.bodies) != len(first.bodies):
             raise InputError(f"{history.path} is of wall {history.wall} with {len(history.bodies)} bodies, "
                              f"{first.path} of {first.wall} with {len(first.bodies)}; compare runs of one wall")

@@ -32,7 +32,7 @@ def energy_groups(series):
 
 
 def known_energies(series):
-    """All energies of a series, zero where the solver does not record them."""
+    """All energies of a series, a DataFrame [J], zero where the solver does not record them."""
     return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
 
 

@@ -345,7 +345,7 @@ def adapt(n, tables, strain, controls):
     for w in range(len(controls)):
         kinetic, relaxation = sums[KINETIC, 0, w], tables.relaxation
         relaxation[0, 0, w] = bodies.adaptive_damping(kinetic, relaxation[0, 1, w], controls[w, 4], controls[w, 0])
-        relaxation[0, 1, w] = kinetic
+        relaxation[0, 1, w] = kinetic if controls[w, 4] > 0.0 else 0.0  # a wall that relaxes later begins without
 
 
 # --- forces -----------------------------------------------------------------------------------------
@@ -396,8 +396,7 @@ def hold_top(n, tables):
         slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
         slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
         force = trial - stiffness * (slipped - slip)
-        keep_bearing(n, tables.bearings, b, True,
-                     Bearing(stiffness, limit, play, weighs, slipped, force))
+        keep_bearing(n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force))
         add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
         add(n, tables.bodies, b, first_force(tables.bodies) + X, -force)
         add(n, tables.bodies, b, first_force(tables.bodies) + Z, -weighs * gravity)

@@ -76,7 +76,7 @@ def rotd100(record: Record, across: Record) -> dict:
 
 
 INSTANTS = 16
-"""A step at which `pgv_rotd100_m_s` looks for the peak."""
+"""Parts of each time step of a record at whose ends `pgv_rotd100_m_s` looks for the peak velocity."""
 
 
 def pgv_rotd100_m_s(record: Record, across: Record) -> float:

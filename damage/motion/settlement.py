@@ -168,6 +168,7 @@ def _rising(table, x, height, rows):
 
 
 def _day(table, row, word):
+    """The day of a word in a row of a table; InputError, with the line, where it is none."""
     try:
         return date.fromisoformat(word)
     except ValueError as error:

@@ -90,7 +90,9 @@ class Lanes:
         Raises ValueError where their sums differ.
         """
         walls = self.walls
-        _clear_relaxation(walls)
+        for wall in walls:
+            if wall.adaptive_damping == 0.0:
+                wall.system.relaxation[:] = 0.0
         longest, room = max(map(len, steps)), self._samples
         if longest > room.totals.shape[1] or (any(wall.with_stresses for wall in walls) and not room.stress.shape[3]):
             self._samples = self.room(longest)
@@ -102,7 +104,6 @@ class Lanes:
         if last == 0:
             return
         self._run(kernel.ADVANCE, np.array([wall.field(last + 1) for wall in walls]), *_in_turn(ends), self._samples)
-        _clear_relaxation(walls)
         for wall in walls:
             wall.step += last
 
@@ -137,13 +138,6 @@ class Lanes:
         self._run(kernel.FIND_FORCES, np.zeros((1, 1, 3)), np.zeros(1, int), np.array([int(singly)]), self._samples)
 
 
-def _clear_relaxation(walls):
-    """Clear what adaptive damping keeps of those that have none: beside one that has, a batch keeps it of all."""
-    for wall in walls:
-        if wall.adaptive_damping == 0.0:
-            wall.system.relaxation[:] = 0.0
-
-
 def kind_of(wall):
     """Key that is equal for walls that can be members of one batch: whether they find new contacts, material, and a
     digest of the arrays of bricks, stiffnesses and scaled mass that all of them share."""
@@ -165,7 +159,7 @@ def _in_turn(ends):
 
 
 def _common_kind(walls):
-    """The `kind_of` all walls of a batch; ValueError where they cannot be in one."""
+    """The `kind_of` that all walls of a batch have; ValueError where they cannot be in one."""
     first, *others = map(kind_of, walls)
     for lane, kind in enumerate(others, 1):
         if kind != first:

@@ -119,7 +119,7 @@ class ReferenceWall:
     @property
     def stresses(self):
         """Normal stress, tension positive, and shear stress of the contacts of the tables, (2, contacts) [Pa]."""
-        return self.system.readings[2:].copy()
+        return self.system.readings[tables.READINGS.index("sigma"):].copy()
 
     def sample_now(self):
         """Samples with a single sample, of the present time."""

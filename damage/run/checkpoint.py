@@ -1,7 +1,7 @@
 """Checkpoints of a run: everything that its next steps depend on, in FILE.checkpoint beside its history FILE.h5.
 
 A line with the digest of the rest, then a NumPy archive without objects.  The file is written beside and renamed, so
-that a kill leaves the last checkpoint whole; the run that continues leaves rows of the history out that came after it.
+that a kill leaves the last checkpoint whole; the run that continues omits rows of the history that came after it.
 Of YADE the archive holds a scene (`O.save`).
 """
 

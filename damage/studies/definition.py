@@ -66,8 +66,9 @@ HEAVY = 0.1
 """Range of the first members' values over their median from which as many again are run: the median of five is then
 uncertain by some percent, and a sixth member lies outside of their range in one case out of three."""
 LEAST_MEMBERS = 5
-"""For a statement on tails."""
+"""Least number of members by which `tails_are_heavy` can judge."""
 JUDGED = ("max_DI", "max_drift_ratio")
+"""Measures whose spread `tails_are_heavy` judges."""
 LIVES_A_POINT, FROM = 48, "_from"
 """Most lives of a point, and what its name has before the number of the first."""
 KEYS = {
@@ -139,7 +140,7 @@ class StudyRun:
 
     @property
     def most_members(self):
-        """How many members it may come to: `tails_are_heavy` is asked where there are as many as it needs."""
+        """How many runs an ensemble may come to, twice `members` where their tails are heavy; 1 of a single run."""
         return 2 * self.members if self.adaptive and self.members >= LEAST_MEMBERS else self.members
 
     def runs_needed(self, records):

@@ -54,7 +54,8 @@ def as_json(inputs):
 def differences(note, inputs):
     """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty where they agree.
 
-    note: of `as_json`.  A field that the note lacks came with a later version and agrees at its default.
+    note: of `as_json`.  A field that the note lacks came with a later version and agrees at its default; one that
+    is no input any more does not count.
     """
     return list(_differing(note, inputs, ""))
 
@@ -73,14 +74,13 @@ def _plain(value):
 
 def _differing(then, now, name):
     if is_dataclass(now) and isinstance(then, dict) and then.get("kind") == type(now).__name__:
-        known = _fields(now)
-        for one in known:
+        for one in _fields(now):
             value, place = getattr(now, one.name), f"{name}.{one.name}".lstrip(".")
             if one.name in then:
                 yield from _differing(then[one.name], value, place)
             elif value != _default(one):
                 yield f"{place} {_word(value)}, which was not there"
-        for other in sorted(then.keys() - {"kind", *(one.name for one in known)}):
+        for other in sorted(then.keys() - {"kind", *(one.name for one in fields(now))}):
             yield f"{name}.{other} of a later version".lstrip(".")
     elif isinstance(now, (list, tuple)) and isinstance(then, list) and len(then) == len(now):
         for number, pair in enumerate(zip(then, now)):

@@ -20,7 +20,7 @@ from damage.studies.definition import (
     RESERVED_OPTIONS,
     SOLVERS,
 )
-from damage.wall.file import DRAFT
+from damage.toml_file import DRAFT
 
 _NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
 _NAMED = r"\{[A-Za-z_][A-Za-z0-9_]*\}"

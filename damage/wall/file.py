@@ -33,7 +33,7 @@ from pathlib import Path
 from damage.checks import check_path, check_range
 from damage.errors import InputError, did_you_mean
 from damage.files import shipped_files
-from damage.toml_file import read_toml
+from damage.toml_file import DRAFT, read_toml
 from damage.wall.floors import Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
@@ -49,8 +49,6 @@ FRICTION = "friction"
 """Key of [joint]: the friction coefficient, in place of the angle."""
 _TABLES = {"brick": Brick, "joint": Joint}
 _LISTS = {"openings": Opening, "floors": Floor, "restraints": Restraint}
-DRAFT = "http://json-schema.org/draft-07/schema#"
-"""The newest that Taplo, which editors use for TOML, knows."""
 _RECORDS = Wall, Opening, Floor, Lintel, Brick, Joint
 
 

@@ -11,8 +11,8 @@ BED, HEAD, CUT, CAP = 0, 1, 2, 3
 KINDS = ("bed", "head", "brick", "cap")
 """On bed and head joints, on the cuts where bricks can split, on the caps' glue."""
 CAP_COURSE, SLAB_COURSE, LINTEL_COURSE, ARCH_COURSE, SIDE_COURSE = -1, -2, -3, -4, -5
-"""`course` of a cap, or of the beam of a restrained top; of a slab, the segments of a beam, the bricks of an arch, a
-party wall."""
+"""`course` of bodies that are no bricks of a course, in this order: a cap, or the beam of a restrained top; a concrete
+floor; a segment of a lintel's beam; a brick of an arch; a party wall."""
 CAP_HEIGHT = 0.20
 """Of a cap [m], settled: its centre lies 0.10 m above the wall's top."""
 
