@@ -17,7 +17,8 @@ NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the
 def check_samples(history):
     """Raise InputError where a History holds no sample."""
     if len(history.series) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); expected one or more, "
+                         "let the run continue")
 
 
 def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
