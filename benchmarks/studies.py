@@ -1,205 +1,129 @@
-"""Runs an hour of a study: members one after another and in lanes, a piece of the fragility study, in turns.
+"""Runs an hour of studies on this machine's cores, as `./run_all.sh` computes them, in turn with another checkout.
 
-    python3 benchmarks/studies.py                              # 2 points of 8 members, 3 rounds, about 4 minutes
-    python3 benchmarks/studies.py --members 4 --rounds 1
+    python3 benchmarks/studies.py                                  # this checkout alone, about 6 minutes
+    python3 benchmarks/studies.py --old OLD --rounds 2             # OLD: the folder of another checkout
+    python3 benchmarks/studies.py --account softening              # profile of eight runs in a process; bytes of a run
 
-All ways do all that a member needs: a record, a history, its tables' rows.  One after another is a process that does
-a member whole before the next, as studies did up to now, its summary printed and its history read again for the
-tables; in lanes is what `damage/batch/worker.py` does with a group in one process, where all histories are kept
-and where those of each point's first run are.  A round does each of the points in every way, and the last way first
-every second time; the ratio is of the processor's seconds, its median and range over the rounds.  Then come the account
-of the time in each, timed in one more round without which the ratio is taken, the time of two processes at once, bytes
-of a run, and what they say of 100 000 runs on a node of 64 cores.
+A time is that of the clock from the start of the command to its last table, with `--keep summary` and a process for
+each core; other programs should rest.  A first study of each checkout, which is not counted, compiles, or loads what is
+compiled.  Each checkout chooses its time step, as for its users.
 """
 
 import argparse
 import contextlib
+import cProfile
 import io
 import json
-import multiprocessing
+import os
+import pstats
+import shutil
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.history.in_memory import HistoryInMemory, HistoryKept
+from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
-from damage.history.writer import HistoryWriter
-from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
-from damage.reference import lanes
-from damage.reference import session as of_reference
-from damage.reference.session import run_reference, run_references
-from damage.reference.solver import ReferenceSolver
-from damage.run import session
-from damage.run.run import Run
+from damage.reference.session import run_references
 from damage.studies.records import record_of
 
-BGAR = ROOT / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
-SCALES = (1.5, 0.5)
-"""Of the points: one cracks widely, one hardly."""
-RUNS, CORES = 100_000, 64
-"""What is extrapolated to."""
+SOFTENING, BRITTLE = "walls/variants/symmetric_softening.py", "walls/symmetric.py"
+DRAWN = {"rest": 0.1, "strength-cov": 0.3}
+RECORD = {"record": "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "window": [18.2, 22.1], "scale": 1.5, **DRAWN}
+LIFE = {"address": "studies/addresses/garsthuizen.toml", **DRAWN}
+DEFORMABLE = {"bricks": "deformable", "contacts": "gauss"}
+CASES = {
+    "softening": (SOFTENING, RECORD, "samples", 64),
+    "lives": (SOFTENING, LIFE, "lives", 16),
+    "deformable": (SOFTENING, {**RECORD, **DEFORMABLE}, "samples", 16),
+    "brittle": (BRITTLE, RECORD, "samples", 64),
+}
+"""{case: (wall file, options, what a study calls the runs of a point, their number)}."""
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--members", type=int, default=8)
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--old", type=Path)
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
+    parser.add_argument("--rounds", type=int, default=1)
+    parser.add_argument("--account", choices=CASES)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        measure(folder, asked.members, asked.rounds)
+        if asked.account:
+            print_account(Path(name), asked.account)
+        else:
+            checkouts = [asked.old.resolve(), ROOT] if asked.old else [ROOT]
+            print_runs_an_hour(Path(name), checkouts, asked.cases, asked.rounds)
 
 
-def measure(folder, members, rounds):
-    """Measure and print all."""
-    ways = {"one after another": one_after_another, "in lanes": in_lanes, "in lanes, summary": in_lanes_for_a_summary}
-    for way in ways.values():  # compiles, or loads what is compiled
-        timed(way, folder, lines(folder, SCALES[0], 1))
-    seconds = {name: [] for name in ways}
-    for number in range(rounds):
-        for name in sorted(ways, reverse=number % 2 == 1):
-            seconds[name].append(sum(timed(ways[name], folder, lines(folder, scale, members)) for scale in SCALES))
-            print(f"round {number + 1}, {name}: {seconds[name][-1] / members / len(SCALES):.3f} s a run", flush=True)
-    for name in list(ways)[1:]:
-        ratios = [one / other for one, other in zip(seconds["one after another"], seconds[name])]
-        print(f"ratio of runs an hour, {name}: {statistics.median(ratios):.2f} ({min(ratios):.2f} to "
-              f"{max(ratios):.2f})")
-    count = members * len(SCALES)
-    for name, way in ways.items():
-        print_account(name, way, folder, members)
-    alone, both = (wall_time(folder, members, processes) for processes in (1, 2))
-    print(f"in lanes, at {SCALES[0]}: {3600 * members / alone:.0f} runs an hour of one process, "
-          f"{3600 * 2 * members / both:.0f} of two at once")
-    histories = [path.stat().st_size for path in folder.rglob("*.h5")]
-    records = [len(json.dumps(record_of(read_history(path), path.stem, "p"))) for path in folder.rglob("*.h5")]
-    print_extrapolation(statistics.median(seconds["in lanes"]) / count, alone / both, histories, records)
+# --- runs an hour -----------------------------------------------------------------------------------
+
+def print_runs_an_hour(folder, checkouts, cases, rounds):
+    """Print a line for each case: runs an hour of the checkouts, their least and most, and the ratios of the rounds."""
+    for case in cases:
+        for checkout in checkouts:
+            time_study(folder, checkout, case, 1)
+        hourly = [[3600 * CASES[case][3] / time_study(folder, checkout, case, CASES[case][3])
+                   for checkout in (checkouts if number % 2 == 0 else checkouts[::-1])][::1 if number % 2 == 0 else -1]
+                  for number in range(rounds)]
+        texts = [spread(of_checkout, 0) for of_checkout in zip(*hourly)]
+        if len(checkouts) > 1:
+            texts.append("new to old " + spread([new / old for old, new in hourly], 2))
+        print(f"{case}, {CASES[case][3]} runs: runs an hour {'; '.join(texts)}", flush=True)
 
 
-def print_extrapolation(a_run_s, scaling, histories, records):
-    """Print what a large study would take: by the processor's seconds a run, by the share of it that is left of a core
-    where its neighbour works, too, and by the mean sizes [bytes]."""
-    history, record = statistics.mean(histories), statistics.mean(records)
-    hours = RUNS * a_run_s / scaling / CORES / 3600
-    print(f"a history has {history / 1e6:.2f} MB, a record {record / 1e3:.1f} kB")
-    print(f"{RUNS} runs on {CORES} cores: {hours:.2f} h, {RUNS * history / 1e9:.0f} GB with all histories, "
-          f"{(RUNS * record + RUNS / 25 * history) / 1e9:.1f} GB with those of one member of 25")
+def spread(values, digits):
+    """Median and range of some numbers, as text."""
+    return f"{statistics.median(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
 
 
-def lines(folder, scale, members):
-    """{name: words} of a point's members."""
-    return {f"{scale}_s{k}": [
-        str(ROOT / "walls/symmetric.py"), "--record", str(BGAR), "--scale", str(scale), "--window", "18.2", "22.1",
-        "--rest", "0.1", "--strength-cov", "0.3", "--strength-seed", str(k), "--no-pictures", "--overwrite",
-        "--out", str(folder / f"{scale}_s{k}.h5")] for k in range(1, members + 1)}
-
-
-def one_after_another(folder, asked):
-    """As an ensemble was run before there were lanes."""
-    for number, (name, words) in enumerate(asked.items()):
-        run_reference(words)
-        history = read_history(folder / f"{name}.h5")
-        write_run_tables(history, folder / name, RUN_TABLES if number == 0 else ("cycles",))
-        summary_row(history)
-
-
-def in_lanes(folder, asked, in_memory=()):
-    """As `damage/batch/worker.py` runs a group; in_memory: names of those whose histories are not kept."""
-    histories = {name: HistoryInMemory if name in in_memory else HistoryKept for name in asked}
-    for _ in run_references(asked.items(), histories):
-        pass
-    for number, name in enumerate(asked):
-        history = histories.pop(name).history()
-        if number == 0:
-            write_run_tables(history, folder / name)
-        record_of(history, name, "p")
-
-
-def in_lanes_for_a_summary(folder, asked):
-    """The same with --keep summary."""
-    in_lanes(folder, asked, list(asked)[1:])
-
-
-def timed(way, *arguments):
-    """Seconds of the processor."""
-    start = time.process_time()
-    with contextlib.redirect_stdout(io.StringIO()):
-        way(*arguments)
-    return time.process_time() - start
-
-
-def wall_time(folder, members, processes):
-    """Seconds that so many processes take side by side, each with the members of the first point in lanes."""
-    def work(number):
-        mine = folder / str(number)
-        mine.mkdir(exist_ok=True)
-        timed(in_lanes, mine, lines(mine, SCALES[0], members))
-
-    workers = [multiprocessing.get_context("fork").Process(target=work, args=(number,)) for number in range(processes)]
+def time_study(folder, checkout, case, runs):
+    """Clock time of a study of so many runs of a case [s]."""
+    wall, options, word, _ = CASES[case]
+    out, study = folder / "out", folder / f"{case}.toml"
+    options = ", ".join(f"{name} = {json.dumps(value)}" for name, value in options.items())
+    study.write_text(f'name = "{case}"\ntitle = "{case}"\npictures = "none"\n[[runs]]\nwall = "{wall}"\n'
+                     f'options = {{ {options} }}\n{word} = {runs}\n', encoding="utf-8")
+    shutil.rmtree(out, ignore_errors=True)
     start = time.monotonic()
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
+    subprocess.run([sys.executable, "-m", "damage", "study", study, "-j", str(os.cpu_count()), "--out", out, "--solver",
+                    "reference", "--keep", "summary"], cwd=checkout, check=True, stdout=subprocess.DEVNULL,
+                   env={**os.environ, "PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"})
     return time.monotonic() - start
 
 
 # --- where the time goes ----------------------------------------------------------------------------
 
-PARTS = {
-    "record, options": (session, ["parse_run"]), "layout": (session, ["lay_out"]),
-    "modes": (session, ["natural_modes"]),
-    "history: begin": (HistoryWriter, ["__init__"]),
-    "history: write": (HistoryWriter, ["append", "extend", "event", "snapshot", "static_stage", "flush"]),
-    "history: seal": (HistoryWriter, ["finish"]),
-    "history in memory": (HistoryInMemory, ["__init__", "static_stage", "flush", "finish", "history"]),
-    "steps": (lanes.kernel, ["run"]),
-    "between stretches": (lanes.Lanes, ["run", "__init__"]),
-    "instants, events": (ReferenceSolver, ["instants", "drain_events", "forces", "base_reaction"]),
-    "samples": (Run, ["take_samples"]),
-    "stages": (session, ["take_turns"]), "stages and turns": (of_reference, ["as_they_end"]),
-    "summary": (session, ["report"]), "reading": (sys.modules[__name__], ["read_history"]),
-    "tables": (sys.modules[__name__], ["write_run_tables", "summary_row", "record_of"]),
-}
+def print_account(folder, case, runs=8):
+    """Print the profile of runs in one process, as a study with `--keep summary` computes them, then bytes of a run."""
+    wall, options, _, _ = CASES[case]
+    words = [str(word) for name, value in options.items()
+             for word in (f"--{name}", *(value if isinstance(value, list) else [value]))]
+    os.chdir(ROOT)
+    compute(folder, [wall, *words], 1, {})
+    records, profile = [], cProfile.Profile()
+    with profile:
+        histories = {str(k): HistoryInMemory for k in range(runs)}
+        compute(folder, [wall, *words], runs, histories)
+        records = [json.dumps(record_of(kept.history(), name, case)) for name, kept in histories.items()]
+    pstats.Stats(profile).sort_stats("tottime").print_stats(25)
+    size = read_history(folder / "0.h5").path.stat().st_size
+    print(f"a history has {size / 1e6:.2f} MB, a record {statistics.mean(map(len, records)) / 1e3:.1f} kB")
 
 
-def print_account(name, way, folder, members):
-    """Print the processor's seconds a run by parts, each without those within it."""
-    spent, within, undo = Counter(), [], []
-    for part, (owner, names) in PARTS.items():
-        for one in names:
-            undo.append((owner, one, getattr(owner, one)))
-            setattr(owner, one, counted(getattr(owner, one), part, spent, within))
-    try:
-        total = sum(timed(way, folder, lines(folder, scale, members)) for scale in SCALES)
-    finally:
-        for owner, one, function in undo:
-            setattr(owner, one, function)
-    count = members * len(SCALES)
-    print(f"{name}: {total / count:.3f} s a run")
-    for part, value in [*spent.most_common(), ("the rest", total - sum(spent.values()))]:
-        print(f"  {part:20s}{value / count:8.4f} s {100 * value / total:5.1f} %")
-
-
-def counted(function, part, spent, within):
-    """A function whose time, without that of others in it, is added to `spent`; within: times of what is in those that
-    are under way [s]."""
-    def run(*arguments, **named):
-        start = time.thread_time()
-        within.append(0.0)
-        try:
-            return function(*arguments, **named)
-        finally:
-            took = time.thread_time() - start
-            spent[part] += took - within.pop()
-            if within:
-                within[-1] += took
-    return run
+def compute(folder, words, runs, histories):
+    """Compute runs side by side; histories: {name: HistoryInMemory} of those that write no file."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        for name, status in run_references(((str(k), [*words, "--strength-seed", str(k + 1), "--no-pictures",
+                                                      "--overwrite", "--out", str(folder / f"{k}.h5")])
+                                            for k in range(runs)), histories):
+            if status:
+                sys.exit(f"error: run {name} ended with exit status {status}")
 
 
 if __name__ == "__main__":
