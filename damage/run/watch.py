@@ -66,9 +66,9 @@ class Borne:
 
     def largest_drop(self, motion):
         """By how much a brick has moved down from all that bore it (n,) [m]; motion: (n, n_bodies, 3) [m, m, rad]."""
-        z, rotation = motion[:, :, 1], motion[:, :, 2]
-        drop = z[:, self._low] + np.sin(rotation[:, self._low]) * self._arm - z[:, self._brick]
-        return np.minimum.reduceat(drop, self._start, axis=1).max(axis=1, initial=0.0)
+        z, rotation = np.ascontiguousarray(motion.T[1:])  # rows of a body, which reduceat takes whole
+        drop = z[self._low] + np.sin(rotation)[self._low] * self._arm[:, np.newaxis] - z[self._brick]
+        return np.minimum.reduceat(drop, self._start).max(axis=0, initial=0.0)
 
 
 def check_drop(drop_m, time_s):
