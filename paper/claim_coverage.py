@@ -4,8 +4,8 @@
 
 CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by both causes (B), by
 the earthquakes alone (E), and by the settlement alone (S), where the earthquakes of the address did not occur.  A
-surveyor sees cracks from 0.1 mm on, each crack's width within 0.05 mm, rounded to 0.05 mm, and misses one, a narrow one
-rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no claim.  The
+surveyor sees cracks from 0.1 mm on, each crack's width within 0.05 mm, of which rounding to 0.05 mm is half, and misses
+one, a narrow one rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no claim.  The
 sheet answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of another wall, whose
 joints the cracks are laid on.
 
@@ -81,7 +81,8 @@ def surveyed_wall(library, state, k, rng, offsets):
     opening, offset = twins.opening_m[state][k].astype(float), twins.offset_m[state][k].astype(float)
     width = np.hypot(opening, offset)
     crack = crack_numbers(cracked(width, LIMIT / 2), close_pairs(twins.ends))
-    error = rng.uniform(-ERROR, ERROR, crack.max(initial=0) + 1)
+    read = ERROR - STEP / 2  # the rest of the error is of rounding
+    error = rng.uniform(-read, read, crack.max(initial=0) + 1)
     shown = np.where(crack > 0, np.round(np.maximum(width + error[crack], 0.0) / STEP) * STEP, 0.0)
     shown = np.where(cracked(shown, LIMIT), shown, 0.0)
     numbers = np.unique(crack[shown > 0])

@@ -204,6 +204,13 @@ class TestButFor:
         assert found["left"] == pytest.approx([0.05, 0.3, 0.5]) and found["before"] == pytest.approx([0.01, 0.05, 0.3])
         assert found["added"] == pytest.approx([0.0, 0.04, 0.45])
 
+    def test_widths_of_a_survey(self):
+        """What is left is measured: the earthquakes added what the draws do not have without them."""
+        found = widths(worlds_of(FOUR, 1.0), surveyed_mm=0.8, error_mm=0.05)
+        assert found["left"] == pytest.approx([0.75, 0.8, 0.85]) and found["before"] == pytest.approx([0.01, 0.05, 0.3])
+        assert found["added"] == pytest.approx([0.75 - 0.3, 0.8 - 0.05, 0.85 - 0.01])
+        assert widths(worlds_of(FOUR, 0.5, np.zeros((2, 4))), 0.8) == dict.fromkeys(("before", "added", "left"))
+
     def test_a_wall_that_fell_counts_as_visible_and_has_no_width(self):
         fell = made(both=[np.inf, 0.5], earthquakes=[0.05, 0.05], settlement=[0.05, 0.05])
         assert table(worlds_of(fell, 1.0))["both"]["share"] == 1.0

@@ -81,14 +81,19 @@ def table(worlds):
     return rows | {name: share(of, among) for name, of in hits.items()}
 
 
-def widths(worlds):
+def widths(worlds, surveyed_mm=None, error_mm=0.0):
     """Widest crack [mm] of worlds that stand: {before, added, left: [5, 50, 95 %]}, None without a weight; before:
-    without the earthquakes."""
+    without the earthquakes.  Where a survey is given, `left` is its widest crack, within the error, and `added` the
+    rest of it beside `before`: a crack wider than those of most draws would be compared with narrower ones."""
     stands = np.isfinite(worlds.width["now"]) & np.isfinite(worlds.width["without_earthquakes"])
     weight = np.where(stands, worlds.weight, 0.0)
     left, before = (np.where(stands, worlds.width[case], 0.0) for case in ("now", "without_earthquakes"))
-    return {name: quantiles(of / MILLIMETRE, weight) for name, of in (
+    found = {name: quantiles(of / MILLIMETRE, weight) for name, of in (
         ("before", before), ("added", left - before), ("left", left))}
+    if surveyed_mm is not None and found["before"]:
+        found["left"] = [surveyed_mm - error_mm, surveyed_mm, surveyed_mm + error_mm]
+        found["added"] = [now - one for now, one in zip(found["left"], reversed(found["before"]))]
+    return found
 
 
 def quantiles(values, weight, shares=RANGE):

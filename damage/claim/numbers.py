@@ -68,7 +68,8 @@ def answers(twins, likeness, survey):
     for prior in map(str, PRIORS):
         every, worlds = worlds_of(twins, float(prior)), worlds_of(twins, float(prior), like)
         first[prior], second[prior], number[prior] = table(every), table(worlds), effective(worlds.weight)
-        wide[prior] = {"all_draws": widths(every), "like_survey": widths(worlds)}
+        wide[prior] = {"all_draws": widths(every),
+                       "like_survey": widths(worlds, survey["max_width_mm"], survey["width_error_mm"])}
     nearest = np.argsort(np.where(standing(twins), away, np.inf).ravel(), kind="stable")[:SHOWN_NEAREST]
     return {
         "draws": len(twins), "kernel": KERNEL, "farthest": FARTHEST, "all_draws": first, "like_survey": second,

@@ -43,14 +43,14 @@ def in_words(numbers, language="en"):
 
 
 def _answer(numbers, say, shown):
-    """Sentences of the verdict, a list; the last is what the earthquakes added, over all priors and both tables: where
-    the settlement is known, the second one's range alone is too narrow (docs/paper/claims.md)."""
+    """Sentences of the verdict, a list; the last is what the earthquakes added by the draws like the survey, over all
+    priors."""
     found = []
     for name in BUT_FOR:
         shares = [100 * one[name]["share"] for one in numbers["like_survey"].values() if one[name]["share"] is not None]
         ranges = "-".join(str(one) for one in sorted({round(min(shares)), round(max(shares))})) if shares else "-"
         found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
-    added = [of["added"] for one in numbers["crack_width_mm"].values() for of in one.values() if of["added"]]
+    added = [one["like_survey"]["added"] for one in numbers["crack_width_mm"].values() if one["like_survey"]["added"]]
     if added:
         least, most = min(one[0] for one in added), max(one[2] for one in added)
         found.append(say("added_width", least=shown(round(least, 2) + 0.0), most=shown(round(most, 2) + 0.0),
