@@ -52,8 +52,8 @@ def _answer(numbers, say, shown):
         found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
     added = [one["like_survey"]["added"] for one in numbers["crack_width_mm"].values() if one["like_survey"]["added"]]
     if added:
-        least, most = min(one[0] for one in added), max(one[2] for one in added)
-        found.append(say("added_width", least=shown(round(least, 2) + 0.0), most=shown(round(most, 2) + 0.0),
+        least, most = (round(one, 2) + 0.0 for one in (min(one[0] for one in added), max(one[2] for one in added)))
+        found.append(say("added_width" if least >= 0 else "changed_width", least=shown(least), most=shown(most),
                          now=shown(numbers["survey"]["max_width_mm"])))
     return found
 
