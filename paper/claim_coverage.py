@@ -4,11 +4,11 @@
 
 CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by both causes (B), by
 the earthquakes alone (E), and by the settlement alone (S), where the earthquakes of the address did not occur.  A
-surveyor sees cracks from 0.1 mm on, each crack's width within 0.05 mm, half of it by rounding to 0.05 mm, and misses
-surveyor sees cracks from 0.1 mm on, each crack's width within 0.05 mm, half of it by rounding to 0.05 mm, and misses one,
-a narrow one rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no
-claim.  The sheet answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of
-another wall, whose joints the cracks are laid on.
+surveyor sees cracks from 0.1 mm on, each width within 0.05 mm, half of it by rounding to 0.05 mm, and misses one, a
+narrow one rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no
+claim.  The sheet answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of another
+wall, whose joints the cracks are laid on.
+
 Prints three tables.  Claims, why there is no answer, and answers that are wrong, also where only the number of draws
 forbids one.  For each prior of settlement the share of claims, weighted by that prior, whose true widths lie in the
 90 % intervals.  What the sheet states as "not without the earthquakes" beside what was so, by a prior of 0.5, and the
