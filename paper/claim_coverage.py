@@ -25,7 +25,7 @@ import pandas as pd
 from damage.claim.answer import BUT_FOR, LEAST_DRAWS, PRIORS
 from damage.claim.likeness import STATES, kernel, pairwise, strange_share
 from damage.claim.make import layout_of
-from damage.claim.numbers import Likeness, answers, claimed, standing
+from damage.claim.numbers import Likeness, answers, claimed
 from damage.claim.twins import NAME, read_twins
 from damage.errors import InputError
 from damage.index import THRESHOLD
@@ -71,7 +71,7 @@ class Library:
         others = np.arange(len(self.twins)) != left_out
         kept = (self.shown & others).ravel()[self.shown.ravel()]
         strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
-        weight = kernel(away, standing(self.twins))[:, others]
+        weight = kernel(away, self.shown)[:, others]
         return answers(self.twins.at(others), Likeness(away[:, others], weight, strange), survey.as_dict())
 
 

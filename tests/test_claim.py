@@ -3,6 +3,7 @@
 import json
 import re
 import string
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -25,7 +26,7 @@ from damage.claim.answer import (
 )
 from damage.claim.likeness import FARTHEST, KERNEL, kernel, pairwise, strange_share
 from damage.claim.make import describe, layout_of
-from damage.claim.numbers import draws_needed, enough
+from damage.claim.numbers import draws_needed, enough, likeness_of
 from damage.claim.sheet import sheet
 from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins, write_twins
 from damage.exposure.lives import read_address
@@ -274,6 +275,15 @@ class TestLikeness:
         away = np.full(100, FARTHEST + 1e-9)
         assert effective(kernel(away, np.ones(100, bool))) == 0, "draws equally far away do not resemble the survey"
         assert effective(np.exp(-(away / KERNEL)**2 / 2)) == pytest.approx(100)
+
+    def test_a_wall_without_cracks_resembles_no_survey(self, claimed, tmp_path):
+        """Within the error of widths it is near, and no draw at all may have cracks."""
+        layout = layout_of(claimed.parent / "narrow.py")
+        (tmp_path / "survey.csv").write_text(CRACKS.replace("0.15,no", "0.1,no"))
+        twins, survey = read_twins(claimed, layout), read_survey(tmp_path / "survey.csv", layout)
+        whole = {state: np.zeros_like(values) for state, values in twins.opening_m.items()}
+        found = likeness_of(replace(twins, opening_m=whole, offset_m=whole), survey, layout)
+        assert (found.away <= FARTHEST).all() and not found.weight.any() and found.strange == 1.0
 
     def test_a_survey_unlike_all_is_stranger_than_all(self):
         rng = np.random.default_rng(0)

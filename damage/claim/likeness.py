@@ -4,8 +4,9 @@ A draw has the weight
 
     exp(-(d / KERNEL)^2 / 2)
 
-by its distance d from the survey (`damage.measure.survey`), up to FARTHEST.  A wall that fell has none: the surveyed
-one stands.
+by its distance d from the survey (`damage.measure.survey`), up to FARTHEST.  A wall that fell, or that has no visible
+crack, has none: the surveyed one stands, with cracks.  Within the error of widths a wall without cracks would be at 0.5
+from a survey of the narrowest ones.
 """
 
 import numpy as np
@@ -23,9 +24,9 @@ STATES = "both", "earthquakes"
 """What a survey can be of: the ground settled, or it did not."""
 
 
-def kernel(distance, stands):
-    """Weights (n,) by distances, of walls that stand."""
-    return np.where(stands & (distance <= FARTHEST), np.exp(-(distance / KERNEL)**2 / 2), 0.0)
+def kernel(distance, claimed):
+    """Weights (n,) by distances, of walls that stand with visible cracks."""
+    return np.where(claimed & (distance <= FARTHEST), np.exp(-(distance / KERNEL)**2 / 2), 0.0)
 
 
 def strangeness(distance):
@@ -35,8 +36,10 @@ def strangeness(distance):
 
 def pairwise(seen, error_m, known_m):
     """Distances (n, n) [-] of all rows of Seen from one another, each once as the survey; infinite from itself."""
-    found = np.array([distances(seen.at([k]), seen, error_m, known_m) for k in range(len(seen.area))])
-    np.fill_diagonal(found, np.inf)
+    found = np.empty((len(seen.area), len(seen.area)))
+    for k, row in enumerate(found):
+        row[:] = distances(seen.at([k]), seen, error_m, known_m)
+        row[k] = np.inf
     return found
 
 

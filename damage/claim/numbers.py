@@ -47,7 +47,7 @@ def likeness_of(twins, survey, wall):
     away = np.array([distances(mine, one, survey.width_error_m, known) for one in seen])
     shown = claimed(twins, seen)
     pairs = pairwise(Seen(*map(np.concatenate, zip(*seen))).at(shown.ravel()), survey.width_error_m, known)
-    return Likeness(away, kernel(away, standing(twins)), strange_share(away[shown], pairs))
+    return Likeness(away, kernel(away, shown), strange_share(away[shown], pairs))
 
 
 def standing(twins):
