@@ -222,7 +222,7 @@ def _rocked(layout, step, scaled, velocity):
     """Cells of a row of `rocking`."""
     wall = ReferenceWall(layout, step, scaled=scaled)
     wall.adaptive_damping = 1.0
-    wall.start(np.zeros((0, 2)), GRAVITY * np.minimum(1.0, np.arange(round(0.2 / step)) * step / 0.2))
+    wall.start(np.zeros((0, 2)), GRAVITY * np.linspace(0.0, 1.0, round(0.2 / step)))
     wall.run(round(0.5 / step))
     wall.adaptive_damping = 0.0
     wall.start(np.zeros((0, 2)))
