@@ -289,6 +289,20 @@ class TestPool:
         one.run(self.tasks(tmp_path), full)
         assert one.short and one.ended and not one.failed
 
+    def test_a_process_does_not_run_handlers_of_its_parent(self, pool, tmp_path):
+        """A signal that comes before it has its own; the parent's would end other processes."""
+        def work(connection, *_):
+            came = []
+            os.kill(os.getpid(), signal.SIGTERM)
+            signal.signal(signal.SIGTERM, lambda *_: came.append(True))
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, folder.HELD)
+            while (task := connection.recv()) is not None:
+                connection.send((task, 0 if came else 1, {}))
+
+        one, _ = pool(work)
+        one.run(self.tasks(tmp_path, 2))
+        assert not one.failed and one.n_lost == 0 and not one.ended
+
     def test_runs_that_have_ended_leave_their_records_though_they_are_interrupted(self, pool, tmp_path, monkeypatch):
         """An interrupt while a process concludes."""
         (tmp_path / "runs").mkdir()
