@@ -118,10 +118,10 @@ def print_account(folder, case, runs=8):
 
 def compute(folder, words, runs, histories):
     """Compute runs side by side; histories: {name: HistoryInMemory} of those that write no file."""
+    draw = "--life" if "--address" in words else "--strength-seed"
     with contextlib.redirect_stdout(io.StringIO()):
-        for name, status in run_references(((str(k), [*words, "--strength-seed", str(k + 1), "--no-pictures",
-                                                      "--overwrite", "--out", str(folder / f"{k}.h5")])
-                                            for k in range(runs)), histories):
+        for name, status in run_references(((str(k), [*words, draw, str(k + 1), "--no-pictures", "--overwrite", "--out",
+                                                      str(folder / f"{k}.h5")]) for k in range(runs)), histories):
             if status:
                 sys.exit(f"error: run {name} ended with exit status {status}")
 
