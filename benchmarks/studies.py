@@ -28,7 +28,6 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.history.in_memory import HistoryInMemory
-from damage.history.reader import read_history
 from damage.reference.session import run_references
 from damage.studies.records import record_of
 
@@ -68,9 +67,12 @@ def print_runs_an_hour(folder, checkouts, cases, rounds):
     for case in cases:
         for checkout in checkouts:
             time_study(folder, checkout, case, 1)
-        hourly = [[3600 * CASES[case][3] / time_study(folder, checkout, case, CASES[case][3])
-                   for checkout in (checkouts if number % 2 == 0 else checkouts[::-1])][::1 if number % 2 == 0 else -1]
-                  for number in range(rounds)]
+        hourly = []
+        for number in range(rounds):
+            turn = checkouts if number % 2 == 0 else checkouts[::-1]
+            found = {checkout: 3600 * CASES[case][3] / time_study(folder, checkout, case, CASES[case][3])
+                     for checkout in turn}
+            hourly.append([found[checkout] for checkout in checkouts])
         texts = [spread(of_checkout, 0) for of_checkout in zip(*hourly)]
         if len(checkouts) > 1:
             texts.append("new to old " + spread([new / old for old, new in hourly], 2))
@@ -106,13 +108,12 @@ def print_account(folder, case, runs=8):
              for word in (f"--{name}", *(value if isinstance(value, list) else [value]))]
     os.chdir(ROOT)
     compute(folder, [wall, *words], 1, {})
-    records, profile = [], cProfile.Profile()
-    with profile:
+    with cProfile.Profile() as profile:
         histories = {str(k): HistoryInMemory for k in range(runs)}
         compute(folder, [wall, *words], runs, histories)
         records = [json.dumps(record_of(kept.history(), name, case)) for name, kept in histories.items()]
     pstats.Stats(profile).sort_stats("tottime").print_stats(25)
-    size = read_history(folder / "0.h5").path.stat().st_size
+    size = (folder / "0.h5").stat().st_size
     print(f"a history has {size / 1e6:.2f} MB, a record {statistics.mean(map(len, records)) / 1e3:.1f} kB")
 
 

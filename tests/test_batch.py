@@ -295,7 +295,7 @@ class TestPool:
             came = []
             os.kill(os.getpid(), signal.SIGTERM)
             signal.signal(signal.SIGTERM, lambda *_: came.append(True))
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, folder.HELD)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, folder.POLITE_ENDS)
             while (task := connection.recv()) is not None:
                 connection.send((task, 0 if came else 1, {}))
 

@@ -24,8 +24,8 @@ LOCK_PATIENCE_S = 10.0
 LEAST_FREE = 20_000_000
 """Room for a study to start and continue [bytes]: tens of runs write less between two looks, and tables need some."""
 NO_ROOM = errno.ENOSPC, errno.EDQUOT
-HELD = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
-"""Signals that end a study politely."""
+POLITE_ENDS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+"""Signals at which a study ends what runs and keeps what is done."""
 _PR_SET_PDEATHSIG = 1
 _LIBC = CDLL(None)
 _ALREADY = "another batch is at work in {}; wait for its end, or choose another --out"
@@ -144,7 +144,7 @@ def end_with_parent(signal_number):
 @contextmanager
 def handled(handler):
     """While this lasts an interrupt, a polite kill and a terminal that closes call a handler of signals."""
-    names = [name for name in HELD if signal.getsignal(name) != signal.SIG_IGN]  # as nohup leaves SIGHUP
+    names = [name for name in POLITE_ENDS if signal.getsignal(name) != signal.SIG_IGN]  # as nohup leaves SIGHUP
     before = {name: signal.signal(name, handler) for name in names}
     try:
         yield

@@ -15,7 +15,7 @@ from dataclasses import replace
 from importlib import import_module
 from multiprocessing.connection import wait
 
-from damage.batch.folder import HELD, NO_ROOM, handled, is_short
+from damage.batch.folder import NO_ROOM, POLITE_ENDS, handled, is_short
 from damage.batch.tasks import RUN
 from damage.errors import warn
 from damage.mechanics.compiled import COMPILING, is_cached
@@ -35,14 +35,14 @@ _FORK = multiprocessing.get_context("fork")  # processes begin with all librarie
 class Worker:
     """A process, and the tasks that it has: in its connection, or under way.
 
-    It begins with the signals HELD blocked, as the parent's handlers of them would end other processes, and lets them
-    come when it has handlers of its own.
+    It starts with POLITE_ENDS blocked and unblocks them once it has handlers of its own: those of the parent, which it
+    inherits, would end the other processes.
     """
 
     def __init__(self, work, lock):
         self.connection, theirs = _FORK.Pipe()
         self.process = _FORK.Process(target=work, args=(theirs, os.getpid(), lock), daemon=True)
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, HELD)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, POLITE_ENDS)
         try:
             self.process.start()
         finally:

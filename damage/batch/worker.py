@@ -13,7 +13,7 @@ import sys
 import time
 from collections import deque
 
-from damage.batch.folder import HELD, ROOT, end_with_parent, environment, open_log
+from damage.batch.folder import POLITE_ENDS, ROOT, end_with_parent, environment, open_log
 from damage.batch.tasks import PICTURES
 from damage.errors import InputError
 from damage.files import YADE
@@ -39,7 +39,7 @@ def work(connection, parent, lock):
     signal.signal(signal.SIGTERM, lambda *_: _leave_without(parent))
     for name in (signal.SIGINT, signal.SIGHUP):  # of a terminal: the parent's to answer
         signal.signal(name, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, HELD)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, POLITE_ENDS)
     end_with_parent(signal.SIGTERM)
     _leave_without(parent)
     os.chdir(ROOT)

@@ -83,8 +83,8 @@ def table(worlds):
 
 def widths(worlds, surveyed_mm=None, error_mm=0.0):
     """Widest crack [mm] of worlds that stand: {before, added, left: [5, 50, 95 %]}, None without a weight; before:
-    without the earthquakes.  Where a survey is given, `left` is its widest crack, within the error, and `added` the
-    rest of it beside `before`: a crack wider than those of most draws would be compared with narrower ones."""
+    without the earthquakes.  With a survey, `left` is its widest crack, within its error, and `added` is `left` less
+    `before`: what the draws added themselves would be too little for a crack wider than theirs."""
     stands = np.isfinite(worlds.width["now"]) & np.isfinite(worlds.width["without_earthquakes"])
     weight = np.where(stands, worlds.weight, 0.0)
     left, before = (np.where(stands, worlds.width[case], 0.0) for case in ("now", "without_earthquakes"))
