@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_html import Page
+from test_html import Page, unpack_arrays
 
 import damage
 from damage.__main__ import main
 from damage.draw.style import BODY_COLOURS
 from damage.errors import InputError
 from damage.html.charts import states_legend
-from damage.html.packing import unpack_arrays
 from damage.html.report import page
 from damage.measure.summary import summarise
 from damage.wall.as_built import describe_lintels, describe_openings, warn_of_courses, warn_of_slabs

@@ -1,6 +1,7 @@
 """The report as one HTML file: what is in it is what the histories and tables hold, nothing else is fetched or run."""
 
 import base64
+import gzip
 import json
 import re
 import shutil
@@ -34,7 +35,7 @@ from paper.evidence import Point, load_runs
 
 pytest.importorskip("jinja2")
 
-from damage.html.packing import quantised, unpack_arrays
+from damage.html.packing import quantised
 from damage.html.plain import plain
 from damage.html.report import Words, page, plotly_code, write_report
 from damage.html.run_part import MOST_INSTANTS, MOST_POINTS, points, preview, still
@@ -44,6 +45,13 @@ from damage.html.tables import digits_of
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
 RAMP = np.linspace(0, 1, 21)
 MIB = 2**20
+
+
+def unpack_arrays(content):
+    """Flat arrays {name: array} from the result of `pack_arrays`, as the page's program makes them."""
+    data = gzip.decompress(base64.b64decode(content["packed"]))
+    return {name: np.frombuffer(data, f"<{kind}", length, first)
+            for name, (kind, first, length) in content["arrays"].items()}
 
 
 class Page(HTMLParser):

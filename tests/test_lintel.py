@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_history import make_history
-from test_html import Page
+from test_html import Page, unpack_arrays
 
 from damage.draw.run import wall_picture
 from damage.draw.wall import wall_shape
 from damage.history.in_memory import HistoryInMemory
-from damage.html.packing import unpack_arrays
 from damage.html.report import page
 from damage.law.modes import natural_modes
 from damage.measure.summary import summarise

@@ -86,10 +86,9 @@ class Desk:
         try:
             write_text(trial, text)
             layout = _laid_out(trial)
+            os.replace(trial, self.path(HOUSE))
         except InputError as error:
             raise InputError(str(error).replace(str(trial), "the front")) from error
-        else:
-            os.replace(trial, self.path(HOUSE))
         finally:
             trial.unlink(missing_ok=True)
         return _drawn(layout)
@@ -197,10 +196,10 @@ class Desk:
     def state(self):
         """What there is already of the claim: after a restart the page continues with it."""
         house, survey = self.path(HOUSE), self.path(SURVEY)
-        drawn = _redrawn(read_cracks(survey)[-1]) if survey.exists() else None
         return {"house": house.read_text(encoding="utf-8") if house.exists() else None,
                 "front": _drawn(self.layout()) if house.exists() else None,
-                "drawn": drawn, "photo": self.path(PHOTO).exists(), "straight": self.path(STRAIGHT).exists(),
+                "drawn": _redrawn(read_cracks(survey)[-1]) if survey.exists() else None,
+                "photo": self.path(PHOTO).exists(), "straight": self.path(STRAIGHT).exists(),
                 "fronts": self.fronts(), **self.progress()}
 
 

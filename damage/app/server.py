@@ -20,8 +20,10 @@ from damage.html.words import LANGUAGES
 
 PAGE = Path(__file__).parent / "page"
 ASSETS = {"icon.svg": "image/svg+xml", "app.js": "text/javascript; charset=utf-8", "app.css": "text/css; charset=utf-8"}
-POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
-          "base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
+HEADERS = {"Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+           "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+           "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
+           "Cross-Origin-Resource-Policy": "same-origin"}
 SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Of the sheet, which has its style and pictures in itself; it can be printed."""
 MOST_JSON = 2_000_000
@@ -67,9 +69,7 @@ def _guard(app, hosts, token, page):
 
     @app.after_request
     def label(response):
-        for name, value in (("Content-Security-Policy", POLICY), ("X-Content-Type-Options", "nosniff"),
-                            ("Referrer-Policy", "no-referrer"), ("Cache-Control", "no-store"),
-                            ("Cross-Origin-Resource-Policy", "same-origin")):
+        for name, value in HEADERS.items():
             response.headers.setdefault(name, value)
         return response
 

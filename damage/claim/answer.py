@@ -28,11 +28,10 @@ RANGE = 0.05, 0.5, 0.95
 
 
 class Worlds(NamedTuple):
-    """Worlds of twins, (2, n) each, the first where the ground settled: weight; and of what stands there, without the
-    earthquakes, without the settlement, and without both: visible (whether it has a crack of THRESHOLD), width [m]."""
+    """Worlds of twins, (2, n) each, the first where the ground settled: weight; width [m] of what stands there, without
+    the earthquakes, without the settlement, and without both."""
 
     weight: np.ndarray
-    visible: dict
     width: dict
 
 
@@ -44,7 +43,7 @@ def worlds_of(twins, prior, likeness=None):
     """The Worlds of Twins by a prior; likeness: (2, n) weights of the second table, None for the first."""
     width = {case: np.array([twins.width_m[one] for one in states]) for case, states in _CASES.items()}
     weight = np.array([[prior], [1 - prior]]) * (np.ones((2, len(twins))) if likeness is None else likeness)
-    return Worlds(weight, {case: cracked(values) for case, values in width.items()}, width)
+    return Worlds(weight, width)
 
 
 def effective(weight):
@@ -72,13 +71,10 @@ def wilson(p, n):
 
 def table(worlds):
     """{of ROWS and BUT_FOR: `share`} of Worlds; those of BUT_FOR are of worlds that now have visible cracks."""
-    now, without_e, without_s, none = (worlds.visible[case] for case in _CASES)
-    found = {"both": now, "earthquakes": without_s, "settlement": without_e, "none": none}
-    rows = {name: share(hits, worlds.weight) for name, hits in found.items()}
-    among = worlds.weight * now
-    hits = {"not_without_earthquakes": ~without_e, "not_without_settlement": ~without_s,
-            "neither_alone": ~without_e & ~without_s}
-    return rows | {name: share(of, among) for name, of in hits.items()}
+    now, without_e, without_s, none = (cracked(worlds.width[case]) for case in _CASES)
+    rows = {name: share(hits, worlds.weight) for name, hits in zip(ROWS, (now, without_s, without_e, none))}
+    hits = ~without_e, ~without_s, ~without_e & ~without_s
+    return rows | {name: share(of, worlds.weight * now) for name, of in zip(BUT_FOR, hits)}
 
 
 def widths(worlds, surveyed_mm=None, error_mm=0.0):

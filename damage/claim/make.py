@@ -69,8 +69,8 @@ def make_claim(claim, out, jobs):
         if status != 0:
             return status
         twins = read_twins(out, layout)
-        numbers = numbers_of(twins, survey, layout, claim.exposure, _chosen(claim), _ground(claim),
-                             _evidence(out, study))
+        given = {name: value for name, value in claim.address.items() if value is not None} | claim.options
+        numbers = numbers_of(twins, survey, layout, claim.exposure, given, _ground(claim), _evidence(out, study))
         write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
         place = write_text(out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS))
         if enough(numbers, steps[-1]):
@@ -86,14 +86,11 @@ def layout_of(wall):
 
 def _no_answer_foreseen(survey, most):
     """Sentences on what forbids an answer whatever the runs give; most: draws that are asked for."""
-    foreseen = [why for why, _ in reasons(survey.as_dict(), most, 0.0)]
-    if "draws" in foreseen:
-        yield (f"--draws {most}: the sheet will have no answer, for which {LEAST_DRAWS} draws have to resemble the "
-               f"survey; leave --draws out for up to {STEPS[-1]}")
-    if "off_joints" in foreseen:
-        yield "the sheet will have no answer: more than a fifth of the drawn length lies on no joint"
-    if "small" in foreseen:
-        yield "the sheet will have no answer: no surveyed crack is wide enough to be visible"
+    words = {"draws": f"--draws {most}: the sheet will have no answer, for which {LEAST_DRAWS} draws have to resemble "
+             f"the survey; leave --draws out for up to {STEPS[-1]}",
+             "off_joints": "the sheet will have no answer: more than a fifth of the drawn length lies on no joint",
+             "small": "the sheet will have no answer: no surveyed crack is wide enough to be visible"}
+    return [words[why] for why, _ in reasons(survey.as_dict(), most, 0.0)]
 
 
 def _state_time(claim, out, jobs, steps):
@@ -114,10 +111,6 @@ def _study(claim, out, draws):
     """The Study of so many draws, whose file is written into a folder."""
     path = write_twins(out, claim.wall, claim.address, claim.options, claim.settlement, draws)
     return load_study(path, "reference", ROOT)
-
-
-def _chosen(claim):
-    return {name: value for name, value in claim.address.items() if value is not None} | claim.options
 
 
 def _ground(claim):

@@ -122,8 +122,7 @@ def by_event(twins):
     for point, events in twins.events.items():
         for (time, name), of in events.groupby(["time_utc", "id"]):
             rows.append({"point": point, "time_utc": time, "id": name, "draws": len(of), **{
-                column: [float(one) for one in np.quantile(of[column], RANGE)]
-                for column in ("psi", "crack_width_mm")}})
+                column: np.quantile(of[column], RANGE).tolist() for column in ("psi", "crack_width_mm")}})
     return rows
 
 
@@ -133,9 +132,9 @@ def at_the_end(twins):
     found = {}
     for name, psi in twins.psi.items():
         stands = ~twins.fell[name]
-        found[name] = {"fell": int(twins.fell[name].sum()), **{what: [float(one) for one in np.quantile(
-            values[stands], RANGE)] if stands.any() else None for what, values in (
-                ("psi", psi), ("crack_width_mm", twins.width_m[name] / MILLIMETRE))}}
+        found[name] = {"fell": int(twins.fell[name].sum()), **{
+            what: np.quantile(values[stands], RANGE).tolist() if stands.any() else None
+            for what, values in (("psi", psi), ("crack_width_mm", twins.width_m[name] / MILLIMETRE))}}
     return found
 
 

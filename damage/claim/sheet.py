@@ -25,8 +25,10 @@ def sheet(numbers, wall, survey, twins, language, json_name):
     say, shown = partial(words, language), partial(number, language)
 
     def ranges(three):
-        least, middle, most = (shown(round(value, 2) + 0.0) for value in three) if three else "-" * 3
-        return Markup("{}<small>{}</small>").format(middle, say("range", least=least, most=most)) if three else "-"
+        if not three:
+            return "-"
+        least, middle, most = (shown(round(value, 2) + 0.0) for value in three)
+        return Markup("{}<small>{}</small>").format(middle, say("range", least=least, most=most))
 
     return environment().get_template("claim.html").render(
         numbers=numbers, words=say, shown=shown, language=language, cell=of_hundred, ranges=ranges,
@@ -37,9 +39,11 @@ def sheet(numbers, wall, survey, twins, language, json_name):
 
 
 def in_words(numbers, language="en"):
-    """{"answer": sentences of the verdict, "why": sentences on why there is none}, lists."""
+    """{"answer": sentences of the verdict, "why": sentences on why there is none, empty where there is one}, lists."""
     say, shown = partial(words, language), partial(number, language)
-    return {"answer": _answer(numbers, say, shown), "why": _why(numbers, say, shown)}
+    why = [say(f"why_{one['why']}", value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
+               limit=shown(_LIMITS[one["why"]])) for one in numbers["no_answer"]]
+    return {"answer": _answer(numbers, say, shown), "why": why}
 
 
 def _answer(numbers, say, shown):
@@ -58,14 +62,7 @@ def _answer(numbers, say, shown):
     return found
 
 
-def _why(numbers, say, shown):
-    """Sentences on why there is no answer, a list that is empty where there is one."""
-    return [say(f"why_{one['why']}", value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
-                limit=shown(_LIMITS[one["why"]])) for one in numbers["no_answer"]]
-
-
 def _taken(numbers, say, shown):
-    """Sentences on what was taken, a list."""
     given, survey = numbers["settlement"], numbers["survey"]
     if "drawn" in given:
         least, most = (round(1 / one) for one in given["distortion"])
@@ -87,7 +84,6 @@ def _taken(numbers, say, shown):
 
 
 def _evidence(evidence, say):
-    """The sentence on evidence."""
     outside = [say(f"quantity {name}") for name, one in evidence.items() if one["inside"] is False]
     known = sum(one["inside"] is not None for one in evidence.values())
     return say("outside", found=len(outside), known=known, names=", ".join(outside)) if outside else \
@@ -98,10 +94,9 @@ def _evidence(evidence, say):
 
 def _pictures(numbers, wall, survey, twins, say, shown):
     """(SVG, caption) of the survey and of the nearest computed walls."""
-    of = numbers["survey"]
+    of, parts = numbers["survey"], survey.pattern.stretches
     caption = say("survey_is", cracks=of["cracks"], length=shown(of["crack_length_m"]),
-                    width=shown(of["max_width_mm"]), share=round(100 * of["share_on_joints"]))
-    parts = survey.pattern.stretches
+                  width=shown(of["max_width_mm"]), share=round(100 * of["share_on_joints"]))
     found = [(front(wall, ends_of(parts), parts["width_m"].to_numpy(float), "#b00", say("survey")),
               f"{say('survey')}: {caption}")]
     for one in numbers["nearest"]:

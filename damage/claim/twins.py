@@ -87,9 +87,9 @@ class Twins:
             np.hypot(self.opening_m[name], self.offset_m[name]), self.length_m, pairs)) for name in STATES}
 
 
-def psi_of(width_m, length_m, pairs, threshold=PSI_FROM):
-    """Psi (n,) of widths (n, n_joints) [m] from a threshold [m] on; pairs: of `close_pairs`."""
-    is_cracked = cracked(width_m, threshold)
+def psi_of(width_m, length_m, pairs):
+    """Psi (n,) of widths (n, n_joints) [m]; pairs: of `close_pairs`."""
+    is_cracked = cracked(width_m, PSI_FROM)
     used = is_cracked.any(axis=0)
     number = np.cumsum(used) - 1
     pairs = number[pairs[used[pairs].all(axis=1)]]
@@ -112,6 +112,7 @@ def read_twins(folder, layout):
     patterns = {point: [read_patterns(done[point][number][1]) for number in numbers] for point in done}
     whole = {name: np.array([one.at(moment, layout.n_joints) for one in patterns[point]], "f4")
              for name, (point, moment) in STATES.items()}
+    draws = {point: read_address(folder / f"{point}.address.toml") for point in done}
     rows = {point: [done[point][number][0]["row"] for number in numbers] for point in done}
     fell = {point: np.array([row.get("collapsed_at_s") is not None for row in rows[point]]) for point in done}
     return Twins(
@@ -119,10 +120,6 @@ def read_twins(folder, layout):
         {name: fell[point] if moment is None else np.zeros(len(numbers), bool)
          for name, (point, moment) in STATES.items()},
         tributary_ends(joint_table(layout))[:layout.n_joints], layout.contacts.length[:layout.n_joints],
-        {point: _events(folder / f"{point}.address.toml", numbers, done[point]) for point in done},
+        {point: pd.concat([life_of(done[point][number][0], draws[point], number) for number in numbers],
+                          ignore_index=True) for point in done},
         pd.DataFrame([{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]))
-
-
-def _events(address, numbers, done):
-    draws = read_address(address)
-    return pd.concat([life_of(done[number][0], draws, number) for number in numbers], ignore_index=True)

@@ -80,16 +80,13 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
 
 @style.styled
 def _shoot(history, snapshots, magnify, writer, path):
-    """Draw all frames with a writer."""
     damage, times = history.index()["DI"].to_numpy(), history.series["time_s"].to_numpy()
     samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
     magnify = _common_magnification(history, snapshots) if magnify is None else magnify
-    shapes = (shape_at(history, sample, damage[sample], magnify=magnify, snapshot=snapshot)
-              for sample, snapshot in zip(samples, snapshots))
     figure, show = _stage(history, snapshots, samples, magnify)
     with writer.saving(figure, path, DOTS_PER_INCH):
-        for shape in shapes:
-            show(shape)
+        for sample, snapshot in zip(samples, snapshots):
+            show(shape_at(history, sample, damage[sample], magnify=magnify, snapshot=snapshot))
             writer.grab_frame()
 
 
@@ -104,15 +101,17 @@ def _stage(history, snapshots, samples, magnify):
     gravest = wall_shape(history, "max", magnify=magnify)
     figure, (wall, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
     draw_wall(wall, gravest)
-    ratio = _widen(wall, history, snapshots, magnify)
+    ratio = show_all(wall, *(body_corners(history.bodies, history.displacement[k].astype(float), magnify)
+                             for k in snapshots), ground=False)
     gravest = gravest.on_page(span_m=(np.ptp(wall.get_xlim()), np.ptp(wall.get_ylim())))
     labels = 0.45  # [inch] that ticks and labels take beside and below
     figure.set_size_inches(style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels)
     clock = wall.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
-    mark = _draw_below(below, history, samples, history.snapshot_time_s[snapshots[-1]])
-    slowed = _slowness(history, snapshots)
-    style.add_title(figure, history, f"displacements × {magnify:g}" + (f", slowed down {slowed:.2g} times" if slowed
-                                                                       else ""))
+    times, words = history.snapshot_time_s[snapshots], f"displacements × {magnify:g}"
+    mark = _draw_below(below, history, samples, times[-1])
+    if len(times) > 1:
+        words += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
+    style.add_title(figure, history, words)
     style.legend_below(figure, joint_handles(gravest, history.judged_by("displacement")), columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
@@ -139,12 +138,6 @@ def _update(drawn, shape):
         drawn[state].set_linewidths([THIN[state]] if state in THIN else shape.line_width(chosen))
 
 
-def _widen(ax, history, snapshots, magnify):
-    """Set axes limits that contain the bodies in all frames; returns their height over width."""
-    return show_all(ax, *(body_corners(history.bodies, history.displacement[k].astype(float), magnify)
-                          for k in snapshots), ground=False)
-
-
 def _draw_below(ax, history, samples, until_s):
     """Draw drift ratio and index over the time shown; returns the line that marks a time.
 
@@ -163,9 +156,3 @@ def _draw_below(ax, history, samples, until_s):
     right.set(ylabel="DI [-]", ylim=(0, None))
     right.spines["right"].set_visible(True)
     return ax.axvline(time_s[samples[0]], color=style.VERMILLION, lw=1)
-
-
-def _slowness(history, snapshots):
-    """Duration of the animation over that of the run [-]; None for a single frame."""
-    times = history.snapshot_time_s[snapshots]
-    return len(times) / FRAMES_PER_S / (times[-1] - times[0]) if len(times) > 1 else None

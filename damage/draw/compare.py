@@ -30,16 +30,19 @@ def compare_picture(first, second):
     agreement = joint_agreement(first, second)
     elastic = first.joints["elastic"].to_numpy(bool) & (agreement == "intact")
     segments = tributary_ends(first.joints)
-    for state, (_, colour, width) in JOINTS.items():
-        below.add_collection(LineCollection(segments[(agreement == state) & ~elastic], colors=colour, linewidths=width))
+    handles = []
+    for state, (label, colour, width) in JOINTS.items():
+        chosen = (agreement == state) & ~elastic
+        below.add_collection(LineCollection(segments[chosen], colors=colour, linewidths=width))
+        handles.append(Line2D([], [], color=colour, lw=max(width, 0.8), label=f"{label}: {chosen.sum()} points"))
     below.autoscale_view()
     below.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
     below.add_collection(LineCollection(segments[elastic], colors=JOINT_COLOURS["elastic"], label="elastic",
                                         linewidths=THIN["elastic"], linestyles=DASHES["elastic"]))
-    figure.suptitle(_title(first, second), x=0.02, ha="left")
-    counts = {state: int(np.sum((agreement == state) & ~elastic)) for state in JOINTS}
-    handles = [Line2D([], [], color=colour, lw=max(width, 0.8), label=f"{label}: {counts[state]} points")
-               for state, (label, colour, width) in JOINTS.items()]
+    joints = compare_joints(first, second)
+    kappa = "nothing failed" if joints["kappa"] is None else \
+        f"{joints['broke_in_both']} of {joints['broke_in_either']} joints failed in both, kappa {joints['kappa']:.2f}"
+    figure.suptitle(f"{fill(run_title(first), style.TITLE_CHARACTERS)}\n{kappa}", x=0.02, ha="left")
     if elastic.any():
         handles.append(Line2D([], [], color=JOINT_COLOURS["elastic"], lw=0.8, ls=DASHES["elastic"],
                               label=f"elastic, cannot fail: {elastic.sum()} points"))
@@ -54,9 +57,8 @@ def joint_agreement(first, second):
     """
     here, there = joints_ever(first), joints_ever(second)
     both = here["broken"] & there["broken"]
-    kinds = np.select(
-        [both & (here["state"] == there["state"]), both, here["broken"], there["broken"]],
-        ["same", "other", "first", "second"], default="intact")
+    kinds = np.select([both & (here["state"] == there["state"]), both, here["broken"], there["broken"]],
+                      ["same", "other", "first", "second"], default="intact")
     by_pair = dict(zip(here.index, kinds))
     return np.array([by_pair[pair] for pair in zip(*joint_keys(first))])
 
@@ -87,10 +89,3 @@ def run_labels(first, second):
         parts = 1 if first.path.stem != second.path.stem else 2
         names = [f"{history.solver}, {'/'.join(history.path.with_suffix('').parts[-parts:])}" for history in pair]
     return [fill(f"{which}: {name}", style.TITLE_CHARACTERS // 2) for which, name in zip(("first", "second"), names)]
-
-
-def _title(first, second):
-    joints = compare_joints(first, second)
-    kappa = "nothing failed" if joints["kappa"] is None else \
-        f"{joints['broke_in_both']} of {joints['broke_in_either']} joints failed in both, kappa {joints['kappa']:.2f}"
-    return f"{fill(run_title(first), style.TITLE_CHARACTERS)}\n{kappa}"

@@ -39,7 +39,10 @@ def motion_picture(loading, measures):
     spectrum.set_xticks(LABELLED_S, list(map("{:g}".format, LABELLED_S)))
     from_zero(spectrum)
     letter(spectrum, 2, f"spectrum, {100 * DAMPING:g} % damping; points: ordinates as printed")
-    figure.suptitle(fill(f"{loading.record.name}: {_preparation(measures)}", TITLE_CHARACTERS), x=0.02, ha="left")
+    steps = preparation(measures["scale"], measures["window_s"], measures["baseline_order"], measures["band_hz"],
+                        measures["interpolated_for_s"])
+    steps = ", ".join(steps if measures["band_hz"] else [*steps, "not filtered"])
+    figure.suptitle(fill(f"{loading.record.name}: {steps}", TITLE_CHARACTERS), x=0.02, ha="left")
     return figure
 
 
@@ -48,11 +51,3 @@ def _over_time(ax, time_s, values, label):
     ax.plot(time_s, values, color=BLACK, lw=0.6)
     ax.set_ylabel(label)
     ax.margins(x=0)
-
-
-def _preparation(measures):
-    """Text: the processing steps of the motion."""
-    band = measures["band_hz"]
-    parts = preparation(measures["scale"], measures["window_s"], measures["baseline_order"], band,
-                        measures["interpolated_for_s"])
-    return ", ".join(parts if band else [*parts, "not filtered"])

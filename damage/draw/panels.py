@@ -1,10 +1,8 @@
 """Parts of the figures of studies: grids of panels, headings, legends, the slip criterion in words."""
 
-from textwrap import fill
-
 from matplotlib.figure import Figure
 
-from damage.draw.style import COLUMN_WIDTH, legend_below
+from damage.draw.style import COLUMN_WIDTH, legend_below, put_title
 from damage.measure.columns import slip_criteria
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
@@ -31,10 +29,7 @@ def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):
 
 def add_heading(figure, *lines):
     """Add title lines at the left; the figure grows by their height."""
-    characters = round(64 * figure.get_size_inches()[0] / COLUMN_WIDTH)
-    title = figure.suptitle("\n".join(fill(line, characters) for line in lines if line), x=0.01, ha="left")
-    width, height = figure.get_size_inches()
-    figure.set_size_inches(width, height + title.get_window_extent().height / figure.dpi)
+    put_title(figure, filter(None, lines), round(64 * figure.get_size_inches()[0] / COLUMN_WIDTH), 0.01)
 
 
 def finish(figure, handles, columns=4):

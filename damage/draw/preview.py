@@ -12,7 +12,7 @@ from damage.units import GRAVITY
 from damage.wall.as_built import openings_as_built
 from damage.wall.geometry import body_corners, body_table, kinds_of_bodies, tributary_ends
 
-TONNE, KILO = 1e3, 1e3
+TONNE = KILO = 1e3
 GROUND_DEPTH = 0.06  # of the wall's height, drawn
 HIGHEST_NAME = 6  # most courses above an opening over which the name of its spandrel is centred
 _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
@@ -45,14 +45,17 @@ def wall_preview(plan, bodies, joints, supports=()):
         ax.plot(*zip(*wall.outline), color=style.PURPLE, lw=0.8, ls="--")
         handles.append(Line2D([], [], color=style.PURPLE, lw=0.8, ls="--", label="outline"))
     handles += _draw_floors(ax, plan)
-    _draw_ground(ax, wall, supports or ((0.0, wall.length),))
+    depth = GROUND_DEPTH * wall.built_height
+    for left, right in supports or ((0.0, wall.length),):
+        ax.add_patch(Rectangle((left, -depth), right - left, depth, facecolor=style.GROUND_COLOUR, edgecolor=style.DARK,
+                               linewidth=0.3))
     _size_openings(ax, plan)
     _name_parts(ax, plan)
     points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
     highest, margin = points[:, 1].max(), 0.03 * max(wall.length, points[:, 1].max())
-    ax.set(xlim=(-margin, wall.length + margin), ylim=(-GROUND_DEPTH * wall.built_height, highest + 1.5 * margin),
-           aspect="equal", xlabel="x [m]", ylabel="z [m]")
-    ratio = (highest + 1.5 * margin + GROUND_DEPTH * wall.built_height) / (wall.length + 2 * margin)
+    ax.set(xlim=(-margin, wall.length + margin), ylim=(-depth, highest + 1.5 * margin), aspect="equal", xlabel="x [m]",
+           ylabel="z [m]")
+    ratio = (highest + 1.5 * margin + depth) / (wall.length + 2 * margin)
     figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3)
     figure.suptitle(title_of(wall, bodies, joints), x=0.02, ha="left")
     style.legend_below(figure, handles, columns=3)
@@ -72,14 +75,6 @@ def title_of(wall, bodies, joints):
 def _edge(kind):
     """Colour of the edges of bodies of a kind: the segments of a lintel have none between them."""
     return {"bricks": "0.55", "lintels": style.BODY_COLOURS["lintels"]}.get(kind, style.DARK)
-
-
-def _draw_ground(ax, wall, supports):
-    """The supports below the wall."""
-    depth = GROUND_DEPTH * wall.built_height
-    for left, right in supports:
-        ax.add_patch(Rectangle((left, -depth), right - left, depth, facecolor=style.GROUND_COLOUR, edgecolor=style.DARK,
-                               linewidth=0.3))
 
 
 def _draw_floors(ax, plan):
@@ -106,8 +101,8 @@ def _size_openings(ax, plan):
 
 def _name_parts(ax, plan):
     """P1, P2 ... on the piers of each row of openings, from the base upwards, S1, S2 ... on the spandrels above."""
-    h, named = plan.wall.brick.height, {"color": style.BLUE, "fontsize": 7, "ha": "center", "va": "center",
-                                   "fontweight": "bold", "bbox": _PAPER}
+    h = plan.wall.brick.height
+    named = {"color": style.BLUE, "fontsize": 7, "ha": "center", "va": "center", "fontweight": "bold", "bbox": _PAPER}
     piers = [(course, run) for course in _pier_courses(plan) for run in plan.runs[course]]
     for number, (course, (left, right)) in enumerate(piers, start=1):
         ax.text((left + right) / 2, (course + 0.5) * h, f"P{number}", **named)

@@ -65,8 +65,7 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     """
     shape = wall_shape(history, sample, slip, threshold, magnify)
     figure, ax = style.new_figure(1.0)
-    ratio = draw_wall(ax, shape)
-    return _with_words(figure, ratio, history, _moment(shape, sample),
+    return _with_words(figure, draw_wall(ax, shape), history, _moment(shape, sample),
                        joint_handles(shape, history.judged_by(slip), threshold))
 
 
@@ -367,8 +366,7 @@ def hysteresis_picture(history):
     figure, ax = style.new_figure(2.4)
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
-    drift = factor * ratio
-    shear_kn = history.series["base_shear_n"].to_numpy() / 1e3
+    drift, shear_kn = factor * ratio, history.series["base_shear_n"].to_numpy() / 1e3
     stage = history.series["stage"].to_numpy()
     ax.axhline(0, color=style.LIGHT, lw=0.6, zorder=0)
     ax.axvline(0, color=style.LIGHT, lw=0.6, zorder=0)
@@ -376,8 +374,8 @@ def hysteresis_picture(history):
         chosen = np.flatnonzero(stage == name)
         if len(chosen):
             first = max(chosen[0] - 1, 0)  # joined to the stage before
-            ax.plot(drift[first:chosen[-1] + 1], shear_kn[first:chosen[-1] + 1], color=colour,
-                    lw=width, zorder=layer, label=name)
+            ax.plot(drift[first:chosen[-1] + 1], shear_kn[first:chosen[-1] + 1], color=colour, lw=width, zorder=layer,
+                    label=name)
     if history.collapsed_at_s is not None:
         at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
         ax.plot(drift[at], shear_kn[at], "x", color=style.BLACK, ms=5, zorder=4,
@@ -407,7 +405,8 @@ def energy_picture(history):
     error = energy_error_of(history)
     style.add_title(figure, history, *[] if error is None or not np.isfinite(error) else [
         f"imbalance before settling up to {100 * error:.2g} % of the energy supplied"])
-    scale, unit = _error_scale(series, error)
+    scale, unit = (1.0, "J") if error is None else (
+        100 / energy_scale(known_energies(series[series["stage"] != "settling"])), "%")
     below.axhline(0, color=style.MEDIUM, lw=0.5)
     below.plot(series["time_s"], imbalance(known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
@@ -415,12 +414,6 @@ def energy_picture(history):
     marks = style.mark_times(history, (above, below))
     style.legend_below(figure, above.get_lines()[:len(ENERGIES)] + marks, columns=3)
     return figure
-
-
-def _error_scale(series, error):
-    """Factor from J to the unit of the imbalance, and that unit; error: energy balance error [-] or None."""
-    return (1.0, "J") if error is None else (
-        100 / energy_scale(known_energies(series[series["stage"] != "settling"])), "%")
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -468,21 +461,18 @@ def sequence_picture(history):
     base.plot(series["time_s"], series["base_acceleration_x_m_s2"] / GRAVITY, color=style.BLACK, lw=0.4)
     base.set_ylabel("base [g]")
     letter(base, 0, f"{len(table)} events")
-    for number, (ax, name, label) in enumerate(((psi, "psi", r"$\Psi$ [-]"), (index, "DI", "DI [-]")), 1):
-        largest = _steps(ax, table, f"max_{name}", style.MEDIUM, "--")
-        residual = _steps(ax, table, f"residual_{name}", style.BLACK)
+    for number, (ax, name, label, words) in enumerate((
+            (psi, "psi", r"$\Psi$ [-]", "Psi of the cracks"), (index, "DI", "DI [-]", "damage index")), 1):
+        largest = _steps(ax, table, f"max_{name}", "largest in the event", style.MEDIUM, "--")
+        residual = _steps(ax, table, f"residual_{name}", "at rest after it", style.BLACK)
         ax.set_ylabel(label)
-        letter(ax, number, {"psi": "Psi of the cracks", "DI": "damage index"}[name])
-    largest.set_label("largest in the event")
-    residual.set_label("at rest after it")
-    after = _steps(offset, table, "offset_after_mm", style.BLUE)
-    after.set_label("largest offset at rest")
+        letter(ax, number, words)
+    after = _steps(offset, table, "offset_after_mm", "largest offset at rest", style.BLUE)
     offset.set_ylabel("offset [mm]")
     letter(offset, 3, "offset of the joints")
     bars = failed.bar(table["start_s"], table["newly_failed"], width=(table["end_s"] - table["start_s"]), align="edge",
                       color=style.ORANGE, edgecolor="white", lw=0.3, label="newly failed")
-    failed.set_ylabel("contact points")
-    failed.set_xlabel("time [s]")
+    failed.set(ylabel="contact points", xlabel="time [s]")
     letter(failed, 4, f"newly failed contact points, {int(table['newly_failed'].sum())} in all")
     for ax in (psi, index, offset, failed):
         from_zero(ax)
@@ -490,16 +480,16 @@ def sequence_picture(history):
         ax.margins(x=0)
         for start in table["start_s"]:
             ax.axvline(start, color="0.88", lw=0.4, zorder=0)
-    marks = [ax.axvline(history.collapsed_at_s, color=style.VERMILLION, lw=1, ls="--", label="collapse")
-             for ax in (psi,) if history.collapsed_at_s is not None]
+    marks = [] if history.collapsed_at_s is None else [
+        psi.axvline(history.collapsed_at_s, color=style.VERMILLION, lw=1, ls="--", label="collapse")]
     style.add_title(figure, history)
     figure.align_ylabels()
     style.legend_below(figure, [largest, residual, after, bars, *marks], columns=2)
     return figure
 
 
-def _steps(ax, table, column, colour, line="-"):
+def _steps(ax, table, column, label, colour, line="-"):
     """Draw a value an event, constant from its start to its end; returns the line."""
     values = table[column].to_numpy(float)
     times = np.append(table["start_s"], table["end_s"].iloc[-1])
-    return ax.plot(times, np.append(values, values[-1:]), ls=line, drawstyle="steps-post", color=colour)[0]
+    return ax.plot(times, np.append(values, values[-1:]), ls=line, drawstyle="steps-post", color=colour, label=label)[0]

@@ -3,7 +3,6 @@
 Only figure objects are used, so that pictures come out the same without a screen and inside any program.
 """
 
-from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from textwrap import fill
@@ -89,8 +88,12 @@ def add_title(figure, history, *more):
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
         lines.append(f"collapsed at {history.collapsed_at_s:.3f} s")
-    text = "\n".join(fill(line, TITLE_CHARACTERS) for line in (*lines, *more))
-    title = figure.suptitle(text, x=0.02, ha="left")
+    put_title(figure, [*lines, *more], TITLE_CHARACTERS, 0.02)
+
+
+def put_title(figure, lines, characters, x):
+    """Put lines of so many characters at the left above a figure, which grows by their height."""
+    title = figure.suptitle("\n".join(fill(line, characters) for line in lines), x=x, ha="left")
     width, plot = figure.get_size_inches()
     figure.set_size_inches(width, plot + title.get_window_extent().height / figure.dpi)
 
@@ -146,8 +149,9 @@ def collapse_label(history):
     return f"collapse at {history.collapsed_at_s:.3f} s"
 
 
-METADATA = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject"), "svg": ("Creator", "Description")}
-"""{suffix: (metadata key of the software, key of the origin of the results)}."""
+METADATA = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject", "CreationDate"),
+            "svg": ("Creator", "Description", "Date")}
+"""{suffix: (metadata key of the software, key of the origin of the results, key of the date where there is one)}."""
 FORMATS = ("png", "pdf")
 """Suffixes of `save_figures`."""
 
@@ -173,22 +177,12 @@ def save_picture(figure, path, made=""):
 
 
 def _save(figure, path, ending, made):
-    drawn_by, shows = METADATA[ending]
-    metadata = {drawn_by: f"masonry-damage {VERSION}, commit {commit()}", shows: made}
-    undated = {"pdf": "CreationDate", "svg": "Date"}.get(ending)
-    if undated:
-        metadata[undated] = None  # same run, same bytes
-    with whole_or_nothing(path) as unfinished, _canvas(figure, ending) as canvas:
-        getattr(canvas, f"print_{ending}")(unfinished, metadata=metadata)
-    return path
-
-
-@contextmanager
-def _canvas(figure, ending):
-    """A canvas that writes a Figure in one format, for a while.  Figure.savefig would draw it twice, first for a layout
-    that drawing makes anyway: the same bytes, a seventh later."""
+    values = f"masonry-damage {VERSION}, commit {commit()}", made, None  # no date: same run, same bytes
     before = figure.canvas
-    try:
-        yield get_registered_canvas_class(ending)(figure)
-    finally:
-        figure.set_canvas(before)
+    with whole_or_nothing(path) as unfinished:
+        try:  # Figure.savefig would draw twice, first for a layout that drawing makes anyway: a seventh later
+            canvas = get_registered_canvas_class(ending)(figure)
+            getattr(canvas, f"print_{ending}")(unfinished, metadata=dict(zip(METADATA[ending], values)))
+        finally:
+            figure.set_canvas(before)
+    return path

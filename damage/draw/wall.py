@@ -17,20 +17,12 @@ from damage.errors import InputError
 from damage.history.moments import STATES, choose_sample, joint_states, nearest_snapshot, support_motion
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
-from damage.wall.geometry import (
-    body_corners,
-    cuts_of_lintels,
-    joint_gaps,
-    joint_segments,
-    kinds_of_bodies,
-    support_outlines,
-)
+from damage.wall import geometry
 
 VISIBLE_SHARE = 0.03  # largest drawn displacement over the height of the wall
 LARGEST_MAGNIFICATION = 1000.0  # above it a residual of micrometres would look like a tilt
 DRAWN = ("elastic", *STATES)
 """States of joints in the order of drawing, the most severe on top."""
-_INTACT = STATES.index("intact")
 COLUMN_PT = 205, 340
 """Largest width and height of a wall in a picture of one column, without labels [pt]."""
 SUPPORT_DEPTH = 0.1  # [m], drawn depth of supports that move
@@ -94,7 +86,7 @@ class WallShape:
         """Indices of the joints in one of DRAWN: the elastic ones, or those in a state of STATES, the elastic ones
         left out of the intact."""
         if state == "elastic":
-            return np.flatnonzero(self.elastic & (self.state == _INTACT))
+            return np.flatnonzero(self.elastic & (self.state == STATES.index("intact")))
         chosen = self.state == STATES.index(state)
         return np.flatnonzero(chosen & ~self.elastic if state == "intact" else chosen)
 
@@ -129,18 +121,18 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
     if magnify is None:
         magnify = magnification(history.bodies, motion)
     supports = support_motion(history, snapshot)
-    segments = joint_segments(history.joints, history.bodies, motion, magnify, supports)
-    cuts = cuts_of_lintels(history.joints, history.bodies)
+    segments = geometry.joint_segments(history.joints, history.bodies, motion, magnify, supports)
+    cuts = geometry.cuts_of_lintels(history.joints, history.bodies)
     segments[cuts] = np.nan
     if snapshot is not None and history.snapshot_time_s[snapshot] > history.series["time_s"].iloc[-1]:
         time_s = float(history.snapshot_time_s[snapshot])
-        segments[joint_gaps(history.joints, history.bodies, motion, supports) > WIDEST_JOINT] = np.nan
+        segments[geometry.joint_gaps(history.joints, history.bodies, motion, supports) > WIDEST_JOINT] = np.nan
     return WallShape(
         sample=sample, time_s=time_s, index=damage,
         snapshot_time_s=None if snapshot is None else float(history.snapshot_time_s[snapshot]),
-        magnification=float(magnify), corners=body_corners(history.bodies, motion, magnify),
-        kinds=kinds_of_bodies(history.bodies["course"]),
-        supports=support_outlines(supports, SUPPORT_DEPTH, magnify),
+        magnification=float(magnify), corners=geometry.body_corners(history.bodies, motion, magnify),
+        kinds=geometry.kinds_of_bodies(history.bodies["course"]),
+        supports=geometry.support_outlines(supports, SUPPORT_DEPTH, magnify),
         ground_moves=len(supports.left) > 1 or bool(supports.motion.any()),
         segments=segments,
         state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool) & ~cuts,
@@ -151,8 +143,8 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
 def magnification(bodies, motion):
     """Factor that makes the largest displacement of a corner about VISIBLE_SHARE of the bricks'
     height: 1, 2 or 5 times a power of ten, from 1 to LARGEST_MAGNIFICATION; 1 without motion."""
-    rest = body_corners(bodies, np.zeros_like(motion))
-    moved = body_corners(bodies, motion) - rest
+    rest = geometry.body_corners(bodies, np.zeros_like(motion))
+    moved = geometry.body_corners(bodies, motion) - rest
     largest = float(np.max(np.hypot(moved[..., 0], moved[..., 1])))
     if largest == 0:
         return 1.0

@@ -39,18 +39,14 @@ def station_of(name):
 def run_title(history):
     """Text: the wall and the motion of a History, as "Symmetric wall, harmonic motion of 0.2 s and 0.05 g, three
     cycles"."""
-    motion = motion_words(history.loading)
-    settlement = history.parameters.get("settlement")
-    settled = settlement_words(settlement) if settlement else ""
-    if settled:
-        motion = settled + ("" if motion == "no motion" else f", then {motion}")
+    motion, events = motion_words(history.loading), counted(len(history.sequence), "event")
     if "motions" in history.parameters:
         records = {loading.horizontal.get("record") for loading in history.event_loadings}
-        return (f"{wall_words(history.wall)}, {settled + ', then ' if settled else ''}sequence of "
-                f"{counted(len(history.sequence), 'event')}, {counted(len(records), 'record')}")
-    if len(history.sequence) > 1:
-        factors = ", ".join(f"{factor:g}" for factor in history.sequence)
-        motion += f", {counted(len(history.sequence), 'event')} × {factors}"
+        motion = f"sequence of {events}, {counted(len(records), 'record')}"
+    elif len(history.sequence) > 1:
+        motion += f", {events} × {', '.join(f'{factor:g}' for factor in history.sequence)}"
+    if settlement := history.parameters.get("settlement"):
+        motion = settlement_words(settlement) + ("" if motion == "no motion" else f", then {motion}")
     return f"{wall_words(history.wall)}, {motion}"
 
 
@@ -101,7 +97,6 @@ def motion_words(loading):
 
 
 def _top_words(loading):
-    """A `TopDisplacement` in words."""
     drifts, top = ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct), _TOPS[loading.boundary]
     if loading.cycles == 0:
         return f"top pushed to a drift of {loading.amplitudes_pct[0]:g} %, {top}"

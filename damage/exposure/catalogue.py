@@ -108,8 +108,7 @@ def read_catalogue(path=SHIPPED):
     if first.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"{", b"[")):
         raise InputError(f"{path}: XML or JSON; expected CSV, or the text of an FDSN event service; ask it for "
                          "format=text")
-    fdsn = b"|" in first
-    return (_read_fdsn if fdsn else _read_csv)(path)
+    return (_read_fdsn if b"|" in first else _read_csv)(path)
 
 
 def with_later(path, base=SHIPPED):
@@ -150,18 +149,14 @@ def _read_csv(path):
     if not pairs:
         raise InputError(f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
                          f"{' and '.join(_DEGREES)} [degrees]")
-    first, second, magnitude = (_known(table, name) for name in (*pairs[0], "magnitude"))
-    words = zip(table.words("date_utc"), table.words("time_utc"))
-    times = [_time(f"{date}T{time}", f"{path} line {line}") for (date, time), line in zip(words, table.line)]
-    return _catalogue(path, table.line, times, magnitude, (first, second), pairs[0] == _GRID, table.words("place"),
-                      table.words("knmi_id"), {"depth": table.numbers("depth_km")})
-
-
-def _known(table, name):
-    """A column of numbers, none of which is missing."""
-    values = table.numbers(name)
-    table.refuse(np.isnan(values), f"no {name}; expected a number; give it")
-    return values
+    numbers = {name: table.numbers(name) for name in (*pairs[0], "magnitude")}
+    for name, values in numbers.items():
+        table.refuse(np.isnan(values), f"no {name}; expected a number; give it")
+    times = [_time(f"{date}T{time}", f"{path} line {line}")
+             for date, time, line in zip(table.words("date_utc"), table.words("time_utc"), table.line)]
+    return _catalogue(path, times, pd.DataFrame(numbers | {
+        "line": table.line, "place": table.words("place"), "id": table.words("knmi_id"),
+        "depth": table.numbers("depth_km"), "type": "", "agency": ""}))
 
 
 def _read_fdsn(path):
@@ -170,102 +165,98 @@ def _read_fdsn(path):
     if missing := [name for name in _FDSN_NEEDED if name not in heads]:
         raise InputError(f"{path} line 1: no column {', '.join(missing)}; expected FDSN text that begins with "
                          "#EventID|Time|Latitude|Longitude|Depth/km|Author|...|Magnitude|...")
-    rows, numbers = [], []
+    rows, times = [], []
     for number, line in enumerate(lines[1:], 2):
         if not line.strip() or line.startswith("#"):
             continue
-        cells = [cell.strip() for cell in line.split("|")]
+        cells, where = [cell.strip() for cell in line.split("|")], f"{path} line {number}"
         if len(cells) != len(heads):
-            raise InputError(f"{path} line {number}: {len(cells)} cells, the first line has {len(heads)}: expected as "
-                             "many, with | between")
-        rows.append({"place": "", "id": "", "depth": "", "type": "", "agency": "", **dict(zip(heads, cells))})
-        numbers.append(number)
+            raise InputError(f"{where}: {len(cells)} cells, the first line has {len(heads)}: expected as many, with | "
+                             "between")
+        row = {"place": "", "id": "", "depth": "", "type": "", "agency": "", **dict(zip(heads, cells))}
+        numbers = {name: _number(row[name], name, where) for name in ("magnitude", "latitude", "longitude")}
+        depth = _number(row["depth"], "depth", where) if row["depth"] else np.nan
+        rows.append(row | numbers | {"depth": depth, "line": number})
+        times.append(_time(row["time"], where))
     if not rows:
         raise InputError(f"{path}: no event; expected at least one line below the first")
-    where = [f"{path} line {number}" for number in numbers]
-    times = [_time(row["time"], place) for row, place in zip(rows, where)]
-    magnitude, latitude, longitude = (
-        np.array([_number(row[name], name, place) for row, place in zip(rows, where)])
-        for name in ("magnitude", "latitude", "longitude"))
-    depth = np.array([_number(row["depth"], "depth", place) if row["depth"] else np.nan
-                      for row, place in zip(rows, where)])
-    return _catalogue(path, numbers, times, magnitude, (latitude, longitude), False,
-                      *(np.array([row[name] for row in rows], object) for name in ("place", "id")),
-                      {"depth": depth, **{name: [row[name] for row in rows] for name in ("type", "agency")}})
+    return _catalogue(path, times, pd.DataFrame(rows))
 
 
-def _catalogue(path, lines, times, magnitude, epicentres, in_grid, place, identifier, more):
-    """A Catalogue of columns, after a check of their ranges; lines: numbers of the file's lines; more: columns depth
-    [km], type, agency of those that the file has."""
+def _catalogue(path, times, table):
+    """A Catalogue of events, after a check of their ranges.
+
+    times: datetimes; table: columns line (number in the file), magnitude, those of _GRID or of _DEGREES, place, id,
+    depth [km], type and agency; depth NaN, the last two "" where the file does not say.
+    """
     least, most = MAGNITUDES
-    bounds, (first, second) = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)
-    outside = ~within(bounds, *epicentres)
+    in_grid = _GRID[0] in table
+    bounds, pair = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)
+    epicentres, magnitude = [table[name].to_numpy(float) for name in pair], table["magnitude"]
     for wrong, problem in (
             ((magnitude < least) | (magnitude > most), f"expected a magnitude from {least:g} to {most:g}"),
-            (outside, f"epicentre outside the Netherlands; expected {first} from {bounds[0][0]:g} to {bounds[0][1]:g} "
-             f"and {second} from {bounds[1][0]:g} to {bounds[1][1]:g}")):
+            (~within(bounds, *epicentres), f"epicentre outside the Netherlands; expected {pair[0]} from "
+             f"{bounds[0][0]:g} to {bounds[0][1]:g} and {pair[1]} from {bounds[1][0]:g} to {bounds[1][1]:g}")):
         if wrong.any():
-            raise InputError(f"{path} line {lines[int(np.argmax(wrong))]}: {problem}; correct it")
+            raise InputError(f"{path} line {table['line'][int(np.argmax(wrong))]}: {problem}; correct it")
     x_m, y_m = epicentres if in_grid else to_rd(*epicentres)
-    columns = np.array(times, object), magnitude, x_m, y_m, place, identifier
-    order = np.array(sorted(range(len(times)), key=times.__getitem__))
-    kept, notes = order, []
+    table, notes = table.assign(x_m=x_m, y_m=y_m, time=pd.Series(times, dtype=object)), []
+    table = table.sort_values("time", kind="stable", ignore_index=True)
     if Path(path) != SHIPPED:
-        kept, notes = _of_the_field(order, np.asarray(lines), *columns[:4], more)
-        if not len(kept):
+        table, notes = _of_the_field(table)
+        if table.empty:
             raise InputError(f"{path}: no event that the ground-motion models are for; expected induced earthquakes of "
                              f"the Groningen field; {notes[0]}")
-    for column in (columns := tuple(np.asarray(column)[kept] for column in columns)):
+    columns = [table[name].to_numpy() for name in _COLUMNS]
+    for column in columns:
         column.setflags(write=False)
     return Catalogue(*columns, str(path), tuple(f"{path}: {note}" for note in notes))
 
 
-def _of_the_field(order, lines, times, magnitude, x_m, y_m, more):
-    """Those of the indices `order`, in the order of time, whose events the models are for, and notes on the others."""
-    depth = more["depth"][order] if more.get("depth") is not None else np.full(len(order), np.nan)
-    kinds = [str(more["type"][k]).strip().lower() if "type" in more else "" for k in order]
-    no_quake = np.array([kind not in _NO_TYPE and not any(word in kind for word in _EARTHQUAKE) for kind in kinds])
-    field_km = np.array([from_field_km(x_m[k], y_m[k]) for k in order])
-    kept, notes = np.ones(len(order), bool), []
+def _of_the_field(table):
+    """The events of a table, in the order of time, that the models are for, and notes on the others."""
+    depth, kinds = table["depth"], table["type"].str.strip().str.lower()
+    no_quake = ~kinds.isin(_NO_TYPE) & ~kinds.str.contains("|".join(_EARTHQUAKE))
+    field_km = np.array(list(map(from_field_km, table["x_m"], table["y_m"])))
+    kept, notes = np.ones(len(table), bool), []
     for out, words in ((no_quake, "no earthquake by its type"),
                        (depth > DEEPEST_KM, f"deeper than {DEEPEST_KM:g} km, as tectonic earthquakes are"),
                        (field_km > BESIDE_KM, f"more than {BESIDE_KM:g} km from the epicentres of the field")):
         if (out & kept).any():
-            notes.append(f"left out as {words}: {_lines(lines[order[out & kept]])}")
+            notes.append(f"left out as {words}: {_lines(table['line'][out & kept])}")
         kept &= ~out
     deep = kept & (depth > SHALLOW_KM)
     if deep.any():
         notes.append(f"deeper than {SHALLOW_KM:g} km, but taken at the field's depth, 3 km: "
-                     f"{_lines(lines[order[deep]])}; take out what is not of the field")
-    rank = np.zeros(len(times))  # by which the line of an earthquake stays
-    rank[order] = magnitude[order] - 100 * deep
-    order, pairs = _one_by_one(order[kept], times, rank, x_m, y_m, more.get("agency"))
-    return order, notes + [
-        f"lines {lines[first]} and {lines[second]} are {seconds:.1f} s and {km:.1f} km apart (M {magnitude[first]:g} "
-        f"and {magnitude[second]:g}): taken as one earthquake, line {lines[second]} left out; take out the other line "
-        "to have this one" for first, second, seconds, km in pairs]
+                     f"{_lines(table['line'][deep])}; take out what is not of the field")
+    rank = table["magnitude"] - 100 * deep  # by which the line of an earthquake stays
+    chosen, pairs = _one_by_one(table.assign(rank=rank)[kept])
+    return table.loc[chosen], notes + [
+        f"lines {stays.line} and {goes.line} are {seconds:.1f} s and {km:.1f} km apart (M {stays.magnitude:g} "
+        f"and {goes.magnitude:g}): taken as one earthquake, line {goes.line} left out; take out the other line "
+        "to have this one" for stays, goes, seconds, km in pairs]
 
 
-def _one_by_one(order, times, rank, x_m, y_m, agency):
-    """The indices `order` without those of an earthquake that is there already, of which the highest rank stays, and
-    (kept, left out, seconds, km) of each of these."""
+def _one_by_one(events):
+    """The index of the events of a table without those of an earthquake that is there already, of which the highest
+    rank stays, and (kept, left out, seconds, km) of each of these, rows as tuples."""
     kept, pairs = [], []
-    for k in order:
+    for one in events.itertuples():
         for place in reversed(range(len(kept))):
             other = kept[place]
-            seconds = (times[k] - times[other]).total_seconds()
-            km = float(np.hypot(x_m[k] - x_m[other], y_m[k] - y_m[other])) / 1e3
-            most_s, most_km = ONE_EVENT[agency is not None and agency[k] != agency[other]]
+            seconds = (one.time - other.time).total_seconds()
+            km = float(np.hypot(one.x_m - other.x_m, one.y_m - other.y_m)) / 1e3
+            most_s, most_km = ONE_EVENT[one.agency != other.agency]
             if seconds <= most_s and km <= most_km:
-                kept[place], goes = (k, other) if rank[k] > rank[other] else (other, k)
+                kept[place], goes = (one, other) if one.rank > other.rank else (other, one)
                 pairs.append((kept[place], goes, seconds, km))
                 break
             if seconds > ONE_EVENT[True][0]:
-                kept.append(k)
+                kept.append(one)
                 break
         else:
-            kept.append(k)
-    return np.array(sorted(kept, key=times.__getitem__), int), pairs
+            kept.append(one)
+    return [one.Index for one in sorted(kept, key=lambda one: one.time)], pairs
 
 
 @lru_cache(maxsize=1)
@@ -281,7 +272,6 @@ def from_field_km(x_m, y_m):
 
 
 def _lines(numbers):
-    """Numbers of lines in words, the first few of many."""
     return f"line{'s' * (len(numbers) > 1)} {some_of(list(map(str, sorted(numbers))))}"
 
 

@@ -67,11 +67,12 @@ class Exposure:
     def warnings(self):
         """Sentences on what is doubtful: of the catalogue, and of distances."""
         strongest = int(np.argmax(self.median_mm_s))
-        km = self.distance_km[strongest]
-        return [*self.catalogue.notes, *([
-            f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is {km:.0f} km away: the "
-            f"model was compared with records to {REACH_KM:g} km, PGV farther away is extrapolated"] if km > REACH_KM
-            else [])]
+        km, found = self.distance_km[strongest], list(self.catalogue.notes)
+        if km > REACH_KM:
+            found.append(f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is {km:.0f} km "
+                         f"away: the model was compared with records to {REACH_KM:g} km, PGV farther away is "
+                         "extrapolated")
+        return found
 
     @cached_property
     def distance_km(self):
@@ -136,7 +137,7 @@ def strongest(found, rows=None):
 def describe(found, rows=10):
     """Text: `Exposure.as_dict`, with the `rows` events of the largest median."""
     events = strongest(found)
-    over = {level: sum(event["median_mm_s"] > level for event in events) for level in LEVELS_MM_S}
+    over = [sum(event["median_mm_s"] > level for event in events) for level in LEVELS_MM_S]
     lines = [
         f"latitude {found['latitude']:.5f}, longitude {found['longitude']:.5f} (RD {found['easting_rd_m']:.0f} "
         f"{found['northing_rd_m']:.0f} m), VS30 {found['vs30_m_s']:g} m/s",
@@ -148,7 +149,7 @@ def describe(found, rows=10):
         f"largest of all events: median {found['largest_of_all_median_mm_s']:.4g} mm/s, "
         f"{found['largest_of_all_one_percent_mm_s']:.4g} mm/s is exceeded with 1 %", "",
         f"{'PGV over [mm/s]':<28}" + "".join(f"{level:>9}" for level in LEVELS_MM_S),
-        f"{'events whose median is over':<28}" + "".join(f"{over[level]:>9}" for level in LEVELS_MM_S),
+        f"{'events whose median is over':<28}" + "".join(f"{count:>9}" for count in over),
         f"{'probability, at least once':<28}" + "".join(
             f"{found['at_least_once'][str(level)]:>9.3f}" for level in LEVELS_MM_S), "",
         f"{'time (UTC)':<20} {'M':>4} {'place':<18} {'km':>5} {'median':>8} {'1 %':>8}   probability of exceeding",

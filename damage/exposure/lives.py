@@ -160,8 +160,7 @@ class Draws:
         InputError where no component may be scaled to a PGV.
         """
         pgv, share, sign = self.pgv(number)
-        return self._table([(k, pgv[k], sign[k], *self._component(pgv[k], share[k]))
-                            for k in np.flatnonzero(self._chosen(pgv))])
+        return self._table((k, pgv[k], sign[k], share[k]) for k in np.flatnonzero(self._chosen(pgv)))
 
     def event(self, date, number=None):
         """Table of one row, as of `life`, of the event of a date, such as 2012-08-16 or more of its time; of several
@@ -177,22 +176,25 @@ class Draws:
                              "expected a day or a time (UTC) of one, like 2012-08-16 or 2018-01-08T14:00:52; look at "
                              "python3 -m damage exposure, or give a later catalogue")
         k = max(found, key=self.exposure.median_mm_s.__getitem__)
-        pgv, sign = self.exposure.median_mm_s[k], 1.0
         if number is None:
-            pick = int(np.argmin(np.abs(np.log(self._fitting(pgv)[1]))))
-            row, factor = self._component(pgv, pick=pick)
-        else:
-            pgvs, share, signs = self.pgv(number)
-            pgv, sign = pgvs[k], signs[k]
-            row, factor = self._component(pgv, share[k])
-        return self._table([(k, pgv, sign, row, factor)])
+            return self._table([(k, self.exposure.median_mm_s[k], 1.0, None)])
+        pgv, share, sign = self.pgv(number)
+        return self._table([(k, pgv[k], sign[k], share[k])])
 
     def _table(self, motions):
-        """Table of COLUMNS; motions: (index of an event, PGV [mm/s], sign, row of `components`, factor) of each row."""
-        events = self.exposure.catalogue
-        return pd.DataFrame([[f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k],
-                              pgv, row.record, sign * factor, row.start_s, row.end_s]
-                             for k, pgv, sign, row, factor in motions], columns=COLUMNS)
+        """Table of COLUMNS; motions: (index of an event, PGV [mm/s], sign, share) of each row.
+
+        The component is that at the share of those that may be scaled to the PGV; without a share the one whose factor
+        is nearest to 1.
+        """
+        events, rows = self.exposure.catalogue, []
+        for k, pgv, sign, share in motions:
+            fit, factor = self._fitting(pgv)
+            which = int(np.argmin(np.abs(np.log(factor)))) if share is None else int(share * len(fit))
+            row = next(self.components.iloc[[fit[which]]].itertuples())
+            rows.append([f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k], pgv,
+                         row.record, sign * factor[which], row.start_s, row.end_s])
+        return pd.DataFrame(rows, columns=COLUMNS)
 
     @cached_property
     def components(self):
@@ -216,12 +218,6 @@ class Draws:
         sa = self.components["sa_0.2_s_g"].to_numpy()
         return sa / np.exp(np.mean(np.log(sa / pgv)))
 
-    def _component(self, pgv_mm_s, share=None, pick=None):
-        """(row of `components`, factor) at a share of those that may be scaled to a PGV, or the one at an index."""
-        fit, factor = self._fitting(pgv_mm_s)
-        which = int(share * len(fit)) if pick is None else pick
-        return next(self.components.iloc[[fit[which]]].itertuples()), factor[which]
-
     def _fitting(self, pgv_mm_s):
         """Indices and factors of `components` that may be scaled to a PGV."""
         factor = pgv_mm_s / self._unit_pgv
@@ -235,14 +231,14 @@ class Draws:
     def as_dict(self):
         """What decides the lives, fit for JSON."""
         exposure = self.exposure
-        choices = {name: value for name, value in asdict(self.choices).items()
+        choices = {name: list(value) if isinstance(value, tuple) else value
+                   for name, value in asdict(self.choices).items()
                    if value is not None or name not in ("settle", "distortion")}  # older histories lack these
-        choices |= {name: list(choices[name]) for name in ("settle", "distortion") if name in choices}
         return {"latitude": exposure.place.latitude, "longitude": exposure.place.longitude,
                 "vs30_m_s": float(exposure.vs30_m_s), "model": exposure.model.source,
                 "component": exposure.model.component, "years": [int(year) for year in exposure.catalogue.years],
                 "events": len(exposure.median_mm_s), "sum_of_medians_mm_s": float(exposure.median_mm_s.sum()),
-                **choices, "strong": choices["strong"] and [float(share) for share in choices["strong"]]}
+                **choices, "strong": choices["strong"] and list(map(float, choices["strong"]))}
 
 
 @lru_cache(maxsize=256)

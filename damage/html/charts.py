@@ -66,12 +66,6 @@ def _line(run, series, name, colour, dash):
     return {"run": run, "series": series, "name": name, "colour": colour, "dash": dash}
 
 
-def energy_lines():
-    """Lines of the panel of energies of one run."""
-    return [{"series": name, "name": label, "colour": colour, "dash": DASHES[line]}
-            for name, (label, colour, line) in ENERGIES.items()]
-
-
 def states_legend(runs=()):
     """Styles of joints and energies: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
     last, "bodies": [{"fill", "edge"}] by kind, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a
@@ -83,7 +77,9 @@ def states_legend(runs=()):
     uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])
     bodies = [{"fill": to_hex(colour), "edge": to_hex(colour if kind == "lintels" else "0.69")}
               for kind, colour in BODY_COLOURS.items()]
-    return {"states": states, "bodies": bodies, "elastic": ELASTIC, "energies": energy_lines(), "widths": [
+    energies = [{"series": name, "name": label, "colour": colour, "dash": DASHES[line]}
+                for name, (label, colour, line) in ENERGIES.items()]
+    return {"states": states, "bodies": bodies, "elastic": ELASTIC, "energies": energies, "widths": [
         {"from_mm": low, "pixels": round(float(PIXELS * line_width(MILLIMETRE * (low * high) ** 0.5, widest_pt)), 2)}
         for low, high in zip(LEGEND_WIDTHS_MM, uppers)]}
 

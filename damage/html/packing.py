@@ -26,13 +26,6 @@ def pack_arrays(arrays):
     return {"packed": base64.b64encode(gzip.compress(bytes(data), 9, mtime=0)).decode("ascii"), "arrays": places}
 
 
-def unpack_arrays(content):
-    """Flat arrays {name: array} from the result of `pack_arrays`."""
-    data = gzip.decompress(base64.b64decode(content["packed"]))
-    return {name: np.frombuffer(data, f"<{kind}", length, first)
-            for name, (kind, first, length) in content["arrays"].items()}
-
-
 def quantised(values):
     """int16 of values (n, ..., k), and the step of each of the k columns: values are step times these numbers.
 

@@ -41,7 +41,6 @@ def plotly_version():
 
 LETTERS = "ABCDEF"
 """Letters of runs side by side, whose number is limited to these."""
-ENDINGS = (".html", ".htm")
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ def write_report(paths, out=None, words=Words()):
     """
     paths = [Path(path) for path in paths]
     out = Path(out) if out else paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
-    if out.suffix.lower() not in ENDINGS:
+    if out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out {out}: expected a name that ends in .html; give it one")
     files, folders = ([path for path in paths if path.is_dir() == of_study] for of_study in (False, True))
     return write_text(out, page(files, folders, words))
@@ -88,6 +87,8 @@ def page(files, folders, words=Words()):
     letters = {history.path.resolve(): letter for history, letter in zip(histories, LETTERS)}
     parts = [study_part(folder, {path.stem: letter for path, letter in letters.items()
                                  if path.parent == (folder / "runs").resolve()}) for folder in studies]
+    drawn = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
+             "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend(runs)}
     return environment().get_template("report.html").render(
         runs=runs, language=words.language, words=partial(texts, words.language), studies=parts,
         of_folders=[{"name": folder.resolve().name, "documents": documents(folder), "figures": figures(folder)}
@@ -100,7 +101,8 @@ def page(files, folders, words=Words()):
         author=words.author, paragraphs=words.paragraphs, measures=measures(runs) if runs else [],
         energies=energy_balance(runs) if runs else [], parameters=parameters, versions=versions,
         threshold_mm=THRESHOLD / MILLIMETRE,
-        data=_for_program(runs), style=(PAGE / "report.css").read_text(encoding="utf-8"),
+        data=htmlsafe_json_dumps(drawn, dumps=json_text),  # safe inside HTML
+        style=(PAGE / "report.css").read_text(encoding="utf-8"),
         program=(PAGE / "report.js").read_text(encoding="utf-8"), library=plotly_code() if runs else "",
         library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
 
@@ -132,10 +134,3 @@ def _title(runs, studies):
     if studies:
         return ", ".join(f"study {part['name']}" for part in studies)
     return runs[0]["title"] if len(runs) == 1 else f"{len(runs)} runs side by side"
-
-
-def _for_program(runs):
-    """Data of the page's program, JSON that is safe inside HTML."""
-    content = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
-            "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend(runs)}
-    return htmlsafe_json_dumps(content, dumps=json_text)

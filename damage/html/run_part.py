@@ -1,6 +1,7 @@
 """Part of the page on a run: moving wall, lines over time, summary, and notes before its results."""
 
 import numpy as np
+import pandas as pd
 
 from damage.draw.preview import wall_preview
 from damage.draw.run import ENERGIES, pictures_beside, wall_picture
@@ -32,12 +33,10 @@ def run_part(history, letter, language="en"):
     Raises InputError of a file without a sample.
     """
     summary, index, row = summarise(history), history.index(), summary_row(history)
-    part = {"letter": letter, "title": run_title(history), "solver": history.solver,
+    part = {"letter": letter, "title": run_title(history), "solver": history.solver, "history": history,
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
-            "evidence": _evidence(summary["evidence"]),
-            "row": row,
-            "plain": plain(history, summary, row, members_of(history), language), "info": info(history),
-            "history": history,
+            "evidence": _evidence(summary["evidence"]), "row": row, "info": info(history),
+            "plain": plain(history, summary, row, members_of(history), language),
             "key": _key_numbers(history, summary, index), "still": still(history),
             "preview": preview(history),
             "beside": {name: as_png(draw(history)) for name, draw in pictures_beside(history).items()},
@@ -113,14 +112,8 @@ def _key_numbers(history, summary, index):
             "Psi after the settlement", summary["settled_psi"], 2, "",
             f"widest crack {rounded(summary['settled_crack_width_mm'], 2)} mm, DI {summary['settled_DI']:.3f}, angular "
             f"distortion {rounded(summary['angular_distortion'], 2)}{of_members('settled_psi')}"))
-    return [(name, value, _shown(value, digits), *rest) for name, value, digits, *rest in found_here]
-
-
-def _shown(value, digits):
-    """A number as the screen shows it (`damage.run.report`): so many significant digits, or None for three decimals."""
-    if value is None:
-        return None
-    return f"{value:.3f}" if digits is None else rounded(value, digits)
+    return [(name, value, None if value is None else f"{value:.3f}" if digits is None else rounded(value, digits),
+             *rest) for name, value, digits, *rest in found_here]  # digits as on the screen (`damage.run.report`)
 
 
 # --- what is drawn -----------------------------------------------------------------------------------
@@ -167,11 +160,11 @@ def _moving_wall(history, chosen):
     joints, bodies, ends = history.joints.iloc[ever], history.bodies, tributary_ends(history.joints)
     elastic = np.setdiff1d(np.flatnonzero(history.joints["elastic"] & ~cuts_of_lintels(history.joints, bodies)), ever)
     arrays = {
-        "x": bodies["x_m"].astype("f4"), "z": bodies["z_m"].astype("f4"), "length": bodies["length_m"].astype("f4"),
-        "height": bodies["height_m"].astype("f4"), "kind": _kinds(bodies["course"]),
+        **{name: bodies[f"{name}_m"].astype("f4") for name in ("x", "z", "length", "height")},
+        "kind": pd.Categorical(kinds_of_bodies(bodies["course"]), BODY_COLOURS).codes.astype("u1"),
         "ends": ends[ever].astype("f4").ravel(), "elastic_ends": ends[elastic].astype("f4").ravel(),
-        "elastic_first": history.joints["first_body"].iloc[elastic].astype("i4"),
-        "elastic_second": history.joints["second_body"].iloc[elastic].astype("i4"),
+        **{f"elastic_{name}": history.joints[f"{name}_body"].iloc[elastic].astype("i4")
+           for name in ("first", "second")},
         "first": joints["first_body"].astype("i4"), "second": joints["second_body"].astype("i4"),
         "head": joints["kind"].isin(("head", "brick")).astype("u1"), "place": places.ravel(),
         "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),
@@ -180,11 +173,6 @@ def _moving_wall(history, chosen):
     largest = motion[int(np.argmax(np.abs(motion[..., :2]).max(axis=(1, 2))))]
     return arrays, {"step": step.tolist(), "n_joints": len(history.joints), "n_ever": len(ever),
                     "n_elastic": len(elastic), "magnify": magnification(bodies, largest)}
-
-
-def _kinds(course):
-    """Number of each body's kind in BODY_COLOURS, (n_bodies,)."""
-    return sum(k * (kinds_of_bodies(course) == kind) for k, kind in enumerate(BODY_COLOURS)).astype("u1")
 
 
 # --- in words ------------------------------------------------------------------------------------------
@@ -231,12 +219,11 @@ def special_samples(history, index):
     """Samples of a History with an extreme value, of the first failure, the collapse, the first and the last one."""
     series, time_s = history.series, history.series["time_s"].to_numpy()
     drift = np.nan_to_num(series["drift_ratio"].to_numpy())
-    found = [0, len(time_s) - 1, *(int(np.argmax(index[name])) for name in COMPONENTS), int(np.argmax(drift)),
-             int(np.argmin(drift)), int(np.argmax(np.abs(np.nan_to_num(series["base_shear_n"])))),
-             *(int(np.argmax(np.abs(field).max(axis=1)))
-               for field in (history.opening_m, history.slip_by("displacement")))]
+    found = [0, len(time_s) - 1, *(np.argmax(index[name]) for name in COMPONENTS), np.argmax(drift), np.argmin(drift),
+             np.argmax(np.abs(np.nan_to_num(series["base_shear_n"]))),
+             *(np.argmax(np.abs(field).max(axis=1)) for field in (history.opening_m, history.slip_by("displacement")))]
     moments = [history.collapsed_at_s, *history.events["time_s"][history.events["time_s"] >= 0][:1]]
-    found += [int(np.argmin(np.abs(time_s - moment))) for moment in moments if moment is not None]
+    found += [np.argmin(np.abs(time_s - moment)) for moment in moments if moment is not None]
     return np.array(found)
 
 

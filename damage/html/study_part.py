@@ -2,7 +2,6 @@
 
 import base64
 import math
-import re
 from itertools import starmap
 
 import numpy as np
@@ -75,21 +74,16 @@ def study_part(folder, letters):
     content = [name for name in content if name not in shared]
     heads = [{"name": name, "unit": MEANING.get(name, ("", ""))[0], "meaning": OF_POINTS.get(name) or MEANING[name][1]}
              for name in content]
-    about = _about(folder)
+    try:
+        about = read_toml(folder / "study.toml", *STUDY_FILE)
+    except InputError:
+        about = {}
     return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
-            "folder": shown_path(folder), "shared": [(name, _cell(points.iloc[0], name)[0]) for name in shared],
+            "folder": shown_path(folder), "shared": [(name, _cell(points.iloc[0][name], name)[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
             "rows": [_point(row, content, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
             "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder),
             "documents": documents(folder)}
-
-
-def _about(folder):
-    """Contents of the copy of the study's file, {} where that cannot be read."""
-    try:
-        return read_toml(folder / "study.toml", *STUDY_FILE)
-    except InputError:
-        return {}
 
 
 def said_first(folder, summary, points):
@@ -127,21 +121,16 @@ def _point(row, content, summary, letters):
     """One row of the table: its point, its runs with the letters of their parts, its cells with their range."""
     same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
     runs = [(str(name), letters.get(str(name))) for name in summary.loc[same, "run"]]
-    return {"point": str(row["point"]), "runs": runs, "cells": [(*_cell(row, name), _range(row, name))
-                                                                for name in content]}
+    cells = [(*_cell(row[name], name), _range(row, name)) for name in content]
+    return {"point": str(row["point"]), "runs": runs, "cells": cells}
 
 
-def _cell(row, name):
-    """(text, number or None) of a column in one row."""
-    return cell(_plain(row[name]), digits_of(name))
-
-
-def _plain(value):
-    """A cell of a table as Python has it; None where it is empty."""
+def _cell(value, name=""):
+    """(text, number or None) of a cell of a table, which may be numpy's, NaN where it is empty; name: of its column."""
     value = value.item() if isinstance(value, np.generic) else value
     if isinstance(value, float) and (math.isnan(value) or (value.is_integer() and abs(value) < 1e6)):
-        return None if math.isnan(value) else int(value)
-    return value
+        value = None if math.isnan(value) else int(value)
+    return cell(value, digits_of(name))
 
 
 def _range(row, name):
@@ -163,10 +152,9 @@ def figures(folder):
     for path in paths:
         if path.stat().st_size > left:
             named.append(path.relative_to(folder).as_posix())
-            continue
-        figure = _embedded(path)
-        left -= path.stat().st_size
-        embedded.append(figure)
+        else:
+            left -= path.stat().st_size
+            embedded.append(_embedded(path))
     return {"embedded": embedded, "named": named}
 
 
@@ -175,8 +163,7 @@ def _embedded(path):
     try:
         height, width = imread(path).shape[:2]
     except (OSError, ValueError, SyntaxError) as error:
-        raise InputError(f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it "
-                         "again") from error
+        raise InputError(f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it again") from error
     return {"name": path.stem, "data": base64.b64encode(path.read_bytes()).decode("ascii"), "width": width,
             "height": height, "words": figure_words(path.stem)}
 
@@ -187,10 +174,8 @@ def figure_words(name):
     >>> figure_words("fig12_drift_symmetric"), figure_words("mine")
     ('Damage index against the largest drift (fig12_drift_symmetric)', 'Figure mine')
     """
-    for start, words in FIGURE_WORDS.items():
-        if re.match(start, name):
-            return f"{words} ({name})"
-    return f"Figure {name}"
+    found = next((words for start, words in FIGURE_WORDS.items() if name.startswith(start)), None)
+    return f"{found} ({name})" if found else f"Figure {name}"
 
 
 # --- fragility, documents ----------------------------------------------------------------------------
@@ -204,7 +189,7 @@ def _fragility(folder):
     except InputError:
         return None
     table = fragility_table(fits, intensity)
-    return {"heads": list(table), "rows": [[cell(_plain(value)) for value in row] for row in table.to_numpy(object)],
+    return {"heads": list(table), "rows": [[_cell(value) for value in row] for row in table.to_numpy(object)],
             "figures": list(starmap(_drawn, fragility_pictures(runs, fits, intensity)))}
 
 

@@ -20,12 +20,8 @@ ENERGIES = {
     "fracture_energy_j": "dissipated by fracture",
     "damping_energy_j": "dissipated by damping, that of settling included",
 }
-
-
 LEAST_PLAIN, MOST_PLAIN = 1e-4, 1e6
 """Between them numbers are written without an exponent."""
-
-
 COLUMNS = {name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))
            for columns in SECTIONS.values() for name, column in each(columns).items()}
 """{column: (unit, meaning)}; a unit of 1 is none."""
@@ -45,13 +41,8 @@ def in_short(value, digits=DIGITS):
     """
     if value is None or (isinstance(value, Number) and not math.isfinite(value)):
         return "–"
-    if isinstance(value, bool) or not isinstance(value, Number):
+    if isinstance(value, int) or not isinstance(value, Number):
         return str(value) or "–"
-    return str(value) if isinstance(value, int) else _short(value, digits)
-
-
-def _short(value, digits):
-    """Significant digits of a number, with an exponent only where many zeros would stand in for it."""
     return rounded(value, digits) if LEAST_PLAIN <= abs(value) < MOST_PLAIN or value == 0 else f"{value:.{digits}g}"
 
 
@@ -93,12 +84,12 @@ def _difference(first, other):
 def energy_balance(parts):
     """Rows (label, [cell of each run]) of the energies at the end [J], their imbalance, and its largest share."""
     ends = [part["history"].series.iloc[-1] for part in parts]
-    rows = [(label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()]
-    rows.append(("stored and dissipated, less supplied", [
-        cell(float(imbalance(known_energies(part["history"].series))[-1])) for part in parts]))
     errors = [part["summary"]["energy_error_fraction"] for part in parts]
-    return [*rows, ("largest imbalance before settling, % of the energy supplied", [
-        cell(error if error is None else 100 * error) for error in errors])]
+    return [*((label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()),
+            ("stored and dissipated, less supplied", [
+                cell(float(imbalance(known_energies(part["history"].series))[-1])) for part in parts]),
+            ("largest imbalance before settling, % of the energy supplied", [
+                cell(error if error is None else 100 * error) for error in errors])]
 
 
 def parameters(content):

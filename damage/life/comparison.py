@@ -54,12 +54,11 @@ def beside(parts):
     """[(Lives, other Lives of the same wall and place by other choices, states of both as DataFrames of `Lives.until`
     with equal rows)] where the name of the other point is that of the first and one word more."""
     found = []
-    for one in parts:
-        for other in parts:
-            if other.point.rpartition("_")[0] == one.point and one.draws.exposure.place == other.draws.exposure.place:
-                first, second = one.last, other.last
-                both = first.index.intersection(second.index)
-                found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
+    for one, other in product(parts, repeat=2):
+        if other.point.rpartition("_")[0] == one.point and one.draws.exposure.place == other.draws.exposure.place:
+            first, second = one.last, other.last
+            both = first.index.intersection(second.index)
+            found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
     return found
 
 
@@ -101,7 +100,6 @@ def readings(parts):
 
 
 def _readings(lives, largest_alone):
-    """Rows of `readings` of Lives with all events and with the largest alone."""
     every, single = lives.last, largest_alone.last
     pgv = np.array([lives.draws.pgv(number)[0] for number in range(1, POPULATION + 1)])
     largest = pgv.max(axis=1)
@@ -120,9 +118,7 @@ def by_own_curve(largest, hits, pgv):
     median, dispersion, why, _ = solve(largest, np.asarray(hits, int), np.ones(len(largest), int))
     if dispersion == 0:
         median, dispersion, why = np.nan, np.nan, "no life has it up to a PGV from which on all do: no dispersion"
-    found = {"median_mm_s": median, "dispersion": dispersion, "undetermined": why}
-    if not np.isfinite(median):
-        return found | {"p_by_each_event": np.nan, "p_by_largest": np.nan}
-    single = curve(pgv, median, dispersion)
-    return found | {"p_by_each_event": float(np.mean(1 - np.prod(1 - single, axis=1))),
-                    "p_by_largest": float(np.mean(single.max(axis=1)))}
+    single = curve(pgv, median, dispersion)  # NaN where the median is
+    return {"median_mm_s": median, "dispersion": dispersion, "undetermined": why,
+            "p_by_each_event": float(np.mean(1 - np.prod(1 - single, axis=1))),
+            "p_by_largest": float(np.mean(single.max(axis=1)))}

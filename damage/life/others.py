@@ -26,10 +26,10 @@ _LOWEST = {"life": 1, "event": 0, "seed": 0, "newly_failed": 0, **dict.fromkeys(
 _HIGHEST = {"max_DI": 1.0, "DI": 1.0, "pgv_mm_s": 5000.0, "largest_mm_s": 5000.0}
 
 
-def note_of(run, records, root=Path()):
+def note_of(run, records):
     """What the lives of a StudyRun are made of, (digest of wall and options, of models, of measures), each of twelve
     hexadecimal digits; records: of its runs, whose digests are joined by a blank where they differ."""
-    inputs = as_json(inputs_of(run, Path(root).resolve()))
+    inputs = as_json(inputs_of(run, Path.cwd()))
     settings = {name: value for name, value in inputs["settings"].items() if name not in _DRAWN}
     settings["model"] = {name: value for name, value in settings["model"].items() if name != "strength_seed"}
     text = json.dumps([inputs["wall"], settings], sort_keys=True)
@@ -62,8 +62,9 @@ def read_lives(path, columns):
         if name in ("offset_after_mm", "newly_failed"):  # which a settlement lacks
             wrong &= table["event"] != 0
         if wrong.any():
-            raise _error(path, wrong, f"{name} = {table[name][wrong].iloc[0]}; expected a number from {least:g} to "
-                         f"{_HIGHEST.get(name, 1e6):g}")
+            raise InputError(f"{path}: row {np.argmax(wrong) + 1}: {name} = {table[name][wrong].iloc[0]}; expected a "
+                             f"number from {least:g} to {_HIGHEST.get(name, 1e6):g}; correct it, or leave the table "
+                             "out")
     notes = {found[1]: found.groups()[1:] for found in map(_NOTE.match, text.splitlines()) if found}
     if without := sorted(set(table["point"].astype(str)) - notes.keys()):
         warn(f"{path}: no line on the wall and options of {len(without)} points, such as {without[0]}, as of an older "
@@ -107,9 +108,3 @@ def _problem(events, draws, life):
     if not np.allclose(events["pgv_mm_s"], pgv[:len(events)], rtol=_ROUNDED):
         return "another PGV"
     return None
-
-
-def _error(path, rows, problem):
-    """InputError with the number of the first of these rows, a mask."""
-    number = int(np.argmax(rows.to_numpy())) + 1
-    return InputError(f"{path}: row {number}: {problem}; correct it, or leave the table out")

@@ -6,6 +6,7 @@ lives of one point and different seeds are counted together.
 
 import json
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -43,23 +44,20 @@ def write_points(path, wall, points, lives, command, conclusion=None):
 
     points: {name: (address, options)} as of `write_study`; command: that writes it; conclusion: that sums it up.
     """
-    runs = []
-    for point, (address, options) in points.items():
-        place = write_text(path.with_name(f"{point}.address.toml"), _toml(
-            {name: value for name, value in address.items() if value is not None}))
-        runs.append({"id": point, "wall": str(Path(wall_path(wall)).resolve()),
-                     "options": {"address": str(place.resolve()), **options}, "lives": lives})
     text = [f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage {command}",
-            f'name = "{path.stem}"', 'pictures = "none"', *([f'conclusion = "{conclusion}"'] if conclusion else [])]
-    for run in runs:
-        words = ", ".join(f"{name} = {json.dumps(value)}" for name, value in run.pop("options").items())
-        text += ["", "[[runs]]", *_toml(run).splitlines(), f"options = {{ {words} }}"]
+            *_toml({"name": path.stem, "pictures": "none"} | ({"conclusion": conclusion} if conclusion else {}))]
+    for point, (address, options) in points.items():
+        given = _toml({name: value for name, value in address.items() if value is not None})
+        place = write_text(path.with_name(f"{point}.address.toml"), "".join(f"{line}\n" for line in given))
+        text += ["", "[[runs]]",
+                 *_toml({"id": point, "wall": str(Path(wall_path(wall)).resolve()), "lives": lives}),
+                 f"options = {{ {', '.join(_toml({'address': str(place.resolve()), **options}))} }}"]
     return write_text(path, "\n".join(text) + "\n")
 
 
 def _toml(table):
-    """A flat table as TOML; JSON's numbers, words and lists are TOML's."""
-    return "".join(f"{name} = {json.dumps(value)}\n" for name, value in table.items())
+    """Lines of a flat table as TOML; JSON's numbers, words and lists are TOML's."""
+    return [f"{name} = {json.dumps(value)}" for name, value in table.items()]
 
 
 COLUMNS = {
@@ -215,24 +213,21 @@ def over_time(lives):
     rows, population = [], lives.population()
     for year in range(lives.years[0], lives.years[1] + 1):
         now = lives.until(year)
-        row = {"point": lives.point, "year": year, "lives": len(now), "median_psi": now["psi"].median(),
-               "median_max_psi": now["max_psi"].median(), "median_DI": now["DI"].median(),
-               "median_crack_width_mm": now["crack_width_mm"].median()}
-        for name in OUTCOMES:
-            for level in VISIBLE:
-                found = probability(now[name] >= level, now["largest_mm_s"], population)
-                row |= dict(zip((f"p_{name}_{level:g}{end}" for end in ("", "_low", "_high")),
-                                (found.p, *found.interval)))
+        row = {"point": lives.point, "year": year, "lives": len(now), **{
+            f"median_{name}": now[name].median() for name in ("psi", "max_psi", "DI", "crack_width_mm")}}
+        for name, level in product(OUTCOMES, VISIBLE):
+            found = probability(now[name] >= level, now["largest_mm_s"], population)
+            row |= zip((f"p_{name}_{level:g}{end}" for end in ("", "_low", "_high")), (found.p, *found.interval))
         rows.append(row)
     return pd.DataFrame(rows)[list(YEARLY)]
 
 
 def contributions(lives):
     """What each event of the catalogue contributes, DataFrame with the largest first; columns: CONTRIBUTIONS."""
-    table = lives.table.copy()
-    table["gain"] = table["psi"] - table.groupby(["seed", "life"])["psi"].shift(fill_value=0.0)
-    table["leads"] = (table["gain"] > 0) & (table["gain"] == table.groupby(["seed", "life"])["gain"].transform("max"))
-    n_lives = len(table.groupby(["seed", "life"]))
+    table, keys = lives.table.copy(), ["seed", "life"]
+    table["gain"] = table["psi"] - table.groupby(keys)["psi"].shift(fill_value=0.0)
+    table["leads"] = (table["gain"] > 0) & (table["gain"] == table.groupby(keys)["gain"].transform("max"))
+    n_lives = table.groupby(keys).ngroups
     found = table.groupby("id").agg(
         time_utc=("time_utc", "first"), magnitude=("magnitude", "first"), place=("place", "first"),
         lives=("life", "size"), mean_psi=("gain", "sum"), largest=("leads", "sum")).reset_index()
@@ -255,12 +250,11 @@ def describe(parts):
                   *_of_the_settlement(one.table),
                   f"  at the end: median Psi {last['psi'].median():.2f}, median DI {last['DI'].median():.4f}, median "
                   f"of the largest Psi {last['max_psi'].median():.2f}"]
-        for name, when in OUTCOMES.items():
-            for level in VISIBLE:
-                found = probability(last[name] >= level, last["largest_mm_s"], population)
-                lines.append(f"  P(Psi >= {level:g}) {when} = {found.p:.3f}, 95 % interval "
-                             f"{found.interval[0]:.3f} to {found.interval[1]:.3f}; for +-0.03: "
-                             f"{found.lives_for(0.03)} lives")
+        for name, level in product(OUTCOMES, VISIBLE):
+            found = probability(last[name] >= level, last["largest_mm_s"], population)
+            low, high = found.interval
+            lines.append(f"  P(Psi >= {level:g}) {OUTCOMES[name]} = {found.p:.3f}, 95 % interval {low:.3f} to "
+                         f"{high:.3f}; for +-0.03: {found.lives_for(0.03)} lives")
         if one.point in pairs:
             first, second = pairs[one.point]
             damaged = (first["psi"] > 0) & np.isfinite(first["psi"])
@@ -286,9 +280,8 @@ def write_lives(parts, folder):
     choices.csv and readings.csv (`damage.life.comparison`).
     """
     folder = Path(folder)
-    tables = {"lives.csv": pd.concat([one.table for one in parts], ignore_index=True),
-              "life.csv": pd.concat(list(map(over_time, parts)), ignore_index=True),
-              "contributions.csv": pd.concat(list(map(contributions, parts)), ignore_index=True),
+    tables = {"lives.csv": pd.concat([one.table for one in parts]), "life.csv": pd.concat(map(over_time, parts)),
+              "contributions.csv": pd.concat(map(contributions, parts)),
               "choices.csv": pd.DataFrame(choices(parts)), "readings.csv": pd.DataFrame(readings(parts))}
     paths = [write_table(table, folder / name) for name, table in tables.items() if len(table)]
     notes = {one.point: one.note for one in parts if one.note}

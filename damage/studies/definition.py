@@ -10,21 +10,12 @@ A study is a TOML file:
     wall = "walls/symmetric.py"
     options = { harmonic = [0.2, 0.05], rest = 1.0 }
 
-`options` is a table of the run's command-line options without their dashes (true stands for an
-option without a value), or the list of words of a command line.  A run may have an `id` of its own;
-otherwise one is made of its wall and options.  Paths are looked for beside the study file, then in
-the repository, then among what ships, by name, too (wall = "symmetric"); a list of paths means the first that
-is there.  A table [[grid]] has `vary` or `rows`,
-too, and stands for many runs: `damage.studies.grid`.
+In `options` true stands for an option without a value.  Paths are looked for beside the study file, then in the
+repository, then among what ships, by name, too (wall = "symmetric"); a list of paths means the first that is there.  A
+table [[grid]] has `vary` or `rows`, too, and stands for many runs: `damage.studies.grid`.
 
-Every run is a point of the study.  In the reference solver a point can be an ensemble:
-
-    members = 5        # runs whose joints' strengths scatter by scatter = 0.001, seeds 1 to 5; only one where the
-                       # first member breaks no joint; or perturb = 1e-9 [m], random offsets of the bricks
-    samples = 25       # or: draws of the joints' strengths, strength-seed 1 to 25; needs strength-cov
-    lives = 100        # or: lives 1 to 100 at the address of `options`
-
-YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a point from other solvers.
+Every run is a point of the study.  In the reference solver a point can be an ensemble, by one of the keys members (only
+one where the first breaks no joint), samples and lives (`ENTRY_KEYS`).  YADE runs a point once, without scatter.
 `docs/reference/studies.md` describes all keys.
 """
 
@@ -170,9 +161,8 @@ class StudyRun:
 
         Raises InputError where the options or a record are not accepted.
         """
-        words = with_paths(self.words, lambda path: str(root / path))
-        number = [str(self.offset + 1)] if self.is_ensemble else []
-        return parse_run([*words, *self.varied, *number], prog="study", solver=self.solver)
+        words = with_paths(self.command(1)[1:], lambda path: str(root / path))
+        return parse_run(words, prog="study", solver=self.solver)
 
 
 def tails_are_heavy(rows):
@@ -234,22 +224,19 @@ def load_study(path, solver="yade", root=None):
     check_choices(path, table.get("states", []), table.get("intensity"))
     runs = [run for entry, where in _entries(table, path, root) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
+    conclusion = table.get("conclusion")
+    if isinstance(conclusion, str):  # an older version named it alone
+        conclusion = _OLDER_CONCLUSIONS.get(conclusion, conclusion)
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
                   runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
-                  pictures=table.get("pictures", "all"), conclusion=_conclusion(table.get("conclusion")))
+                  pictures=table.get("pictures", "all"), conclusion=conclusion)
     for run, where in chosen:  # last, as each may read a record
         _try_options(run, where, root)
     return study
 
 
-def _conclusion(given):
-    """The command that sums a study up; files of an older version name it alone."""
-    return _OLDER_CONCLUSIONS.get(given, given) if isinstance(given, str) else given
-
-
 def _check_keys(table, known, where):
-    unknown = sorted(set(table) - known)
-    if unknown:
+    if unknown := sorted(set(table) - known):
         raise InputError(f"{where}: unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; "
                          "take it out or correct its spelling")
 
@@ -268,7 +255,6 @@ def _entries(table, path, root):
 
 
 def _points(grid, where, folder, root):
-    """Tables of the points of a grid."""
     if "rows" not in grid:
         return expand(grid, where)
     if not isinstance(grid["rows"], str):
@@ -285,8 +271,7 @@ def _load_entry(table, where, folder, root):
     if not isinstance(solvers, list) or not solvers or not set(solvers) <= set(SOLVERS):
         raise InputError(f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; correct it")
     words = option_words(_existing_files(table.get("options", {}), where, folder, root), where)
-    reserved = [word for word in words if word in RESERVED_OPTIONS]
-    if reserved:
+    if reserved := [word for word in words if word in RESERVED_OPTIONS]:
         raise InputError(f"{where}: {reserved[0]} is set by the batch itself; take it out")
     wall = _find(table["wall"], where, folder, root)
     words = with_paths(words, lambda path: _find(path, where, folder, root))
@@ -312,18 +297,15 @@ def _blocks(table):
 
 def _ensemble(table, where):
     """The ensemble of a StudyRun, by its `members`, `samples` or `lives`; empty without."""
-    if len(given := [name for name in _ENSEMBLES if name in table]) > 1:
-        raise InputError(f"{where}: {given[0]} and {given[1]} given together; expected one kind of ensemble, leave the "
-                         "other out")
-    kinds = [kind for kind in ("scatter", "perturb") if kind in table]
+    given, kinds = ([name for name in names if name in table] for names in (_ENSEMBLES, ("scatter", "perturb")))
+    for names in (given, kinds):
+        if len(names) > 1:
+            raise InputError(f"{where}: {names[0]} and {names[1]} given together; expected one kind of ensemble, leave "
+                             "the other out")
     if kinds and "members" not in table:
         raise InputError(f"{where}: {kinds[0]} without members; expected both; add members = 5")
-    if len(kinds) == 2:
-        raise InputError(f"{where}: scatter and perturb given together; expected one kind of ensemble, leave "
-                         "the other out")
-    for name in _ENSEMBLES:
-        if name in table:
-            check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)
+    for name in given:
+        check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)
     if "members" in table:
         kind = kinds[0] if kinds else "scatter"
         size = table.get(kind, SCATTER)
@@ -402,8 +384,7 @@ def _find(path, where, folder, root):
 
 def _try_options(run, where, root):
     """Check the options by the parser of a run, those of the first member included."""
-    taken = [word for word in run.varied if word.startswith("--") and word in run.words]
-    if taken:
+    if taken := [word for word in run.varied if word.startswith("--") and word in run.words]:
         raise InputError(f"{where}: {taken[0]} is set by members, samples or lives; take it out")
     try:
         settings = run.settings(root)

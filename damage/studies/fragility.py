@@ -16,7 +16,8 @@ in twenty samples lie beyond it, and is NaN otherwise.
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,19 +27,9 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.errors import InputError
-from damage.measure.columns import check_names, check_there, read_table
+from damage.measure.columns import check_names, read_table
 from damage.studies.new_record import CONFIDENCE, new_record
-from damage.studies.states import (
-    LEVELS,
-    STATES,
-    State,
-    check_intensity,
-    check_states,
-    in_unit,
-    leading,
-    there,
-    unit_of,
-)
+from damage.studies.states import LEVELS, STATES, State, check_intensity, check_states, in_unit, leading, there, unit_of
 
 OVER = ("walls", "records", "both")
 """What bootstrap samples draw anew."""
@@ -162,9 +153,7 @@ class Fragility:
 
     def row(self):
         """The fit as a flat dictionary: a row of the table; medians have the intensity's unit in their names."""
-        def named(name):
-            return in_unit(name, self.intensity)
-
+        named = partial(in_unit, column=self.intensity)
         row = {"state": self.state, "measure": self.measure, "level": self.level, "runs": self.n_runs,
                "exceeding": self.n_exceeding, "records": self.n_records, named("median"): self.median,
                "dispersion": self.dispersion, "undetermined": self.why}
@@ -318,9 +307,9 @@ def load_runs(folder):
     if not path.is_file():
         raise InputError(f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
                          "./run_all.sh fragility --solver reference")
-    runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed"))
+    runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed", "wall", "record", "status",
+                             "collapsed_at_s"))
     check_names(runs, path)
-    check_there(runs, path, ("wall", "record", "status", "collapsed_at_s"))
     runs = runs[(pd.to_numeric(runs["strength_cov"], errors="coerce") > 0) & (runs["status"] == "complete")]
     if len(runs) == 0:
         raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "
@@ -382,22 +371,18 @@ def _span(bounds):
 def at_intensities(fits, values):
     """A DataFrame with a row for each curve {wall: [Fragility]} and intensity of values: the probability of exceeding
     by the curve, the interval of the mean curve, and that of a new record's own probability."""
-    rows = []
+    rows, unknown = [], (np.nan, np.nan)
     for wall, one in ((wall, one) for wall, ones in fits.items() for one in ones):
         mean, new = one.bounds(values, "both"), one.new_record
         for place, value in enumerate(values):
+            low, high = unknown if mean is None else mean[:, place]
+            new_low, new_high = new.bounds([value])[:, 0] if new else unknown
             rows.append({"wall": wall, "state": one.state, "measure": one.measure, "level": one.level,
                          "intensity": one.intensity, "value": value, "unit": unit_of(one.intensity)[1],
-                         "probability": one.probability(value),
-                         **_ends("mean", mean[:, place] if mean is not None else (np.nan, np.nan)),
-                         "new_record": new.probability([value])[0] if new else np.nan,
-                         **_ends("new_record", new.bounds([value])[:, 0] if new else (np.nan, np.nan)),
-                         "undetermined": one.why})
+                         "probability": one.probability(value), "mean_low": low, "mean_high": high,
+                         "new_record": new.probability([value])[0] if new else np.nan, "new_record_low": new_low,
+                         "new_record_high": new_high, "undetermined": one.why})
     return pd.DataFrame(rows)
-
-
-def _ends(name, bounds):
-    return dict(zip((f"{name}_low", f"{name}_high"), bounds))
 
 
 def efficiency_table(runs, states=STATES, intensity=None):
@@ -409,22 +394,19 @@ def efficiency_table(runs, states=STATES, intensity=None):
     doi:10.1193/1.2723158, call an intensity efficient where it is small.  median: in `unit`.  intensity: one more than
     INTENSITIES.
     """
-    names = list(dict.fromkeys([*there(runs), *([intensity] if intensity else [])]))
-    rows = [{"wall": wall, **_efficiency(of_wall, state, name)} for wall, of_wall in runs.groupby("wall", sort=False)
-            for name in names for state in states]
+    rows = []
+    for wall, of_wall in runs.groupby("wall", sort=False):
+        for name, state in product(dict.fromkeys([*there(runs), *([intensity] if intensity else [])]), states):
+            one = fragility(of_wall, state.measure, state.level, name, replicates=0, name=state.name)
+            rows.append({"wall": wall, "state": one.state, "measure": one.measure, "level": one.level,
+                         "intensity": name, "dispersion": one.dispersion, "undetermined": one.why,
+                         "scatter": _scatter(of_wall, one.measure, name), "median": one.median,
+                         "unit": unit_of(name)[1], "runs": one.n_runs, "exceeding": one.n_exceeding,
+                         "records": one.n_records})
     measures = list(dict.fromkeys(state.measure for state in states))
     return pd.DataFrame(rows).sort_values(
         ["wall", "measure", "level", "dispersion", "scatter"], kind="stable", ignore_index=True,
         key=lambda column: column.map(measures.index) if column.name == "measure" else column)
-
-
-def _efficiency(runs, state, intensity):
-    """The row of the table for one wall, State and intensity."""
-    one = fragility(runs, state.measure, state.level, intensity, replicates=0, name=state.name)
-    return {"state": one.state, "measure": one.measure, "level": one.level, "intensity": intensity,
-            "dispersion": one.dispersion, "undetermined": one.why,
-            "scatter": _scatter(runs, one.measure, intensity), "median": one.median,
-            "unit": unit_of(intensity)[1], "runs": one.n_runs, "exceeding": one.n_exceeding, "records": one.n_records}
 
 
 def _scatter(runs, measure, intensity):

@@ -42,11 +42,9 @@ def expand(grid, where, rows=None):
     count = len(rows) * math.prod(map(len, lists.values()))
     if count > MOST_POINTS:
         raise InputError(f"{where}: vary stands for {count} runs; expected up to {MOST_POINTS}; take some values out")
-    twice = sorted(lists.keys() & rows[0].keys())
-    if twice:
+    if twice := sorted(lists.keys() & rows[0].keys()):
         raise InputError(f"{where}: vary and rows both name {twice[0]!r}; expected it in one of them; take one out")
-    unused = sorted({*lists, *rows[0]} - _names(kept))
-    if unused:
+    if unused := sorted({*lists, *rows[0]} - _names(kept)):
         raise InputError(f"{where}: vary names {unused[0]!r}, which nothing uses; expected {{{unused[0]}}} in its "
                          "wall or options; write it there or take it out")
     return [_replaced(kept, row | dict(zip(lists, chosen)), where)
@@ -111,8 +109,7 @@ def _replaced(value, chosen, where):
         return [_replaced(part, chosen, where) for part in value]
     if not isinstance(value, str):
         return value
-    unknown = sorted(_names(value) - set(chosen))
-    if unknown:
+    if unknown := sorted(_names(value) - set(chosen)):
         raise InputError(f"{where}: {value!r} names {unknown[0]!r}, which vary does not; expected one of "
                          f"{', '.join(chosen)}; correct its spelling")
     whole = _NAME.fullmatch(value)

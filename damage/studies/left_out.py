@@ -74,16 +74,15 @@ def _medians(predicted, of_record, state, intensity):
     """Bounds of a record's own median, between which it is not known, those of the NewRecord that is predicted, and the
     share of the former that lies between the latter, in ln: 0 or 1 where the median is known, NaN where it is unbounded
     on one side and need not lie outside."""
-    own = _own_median(fragility(of_record, state.measure, state.level, intensity, replicates=0))
+    least, most = _own_median(fragility(of_record, state.measure, state.level, intensity, replicates=0))
     low, high = predicted.median_bounds()
-    if own[1] < low or own[0] > high:
+    if most < low or least > high:
         share = 0.0
-    elif own[0] == 0 or own[1] == np.inf:
+    elif least == 0 or most == np.inf:
         share = np.nan
     else:
-        within = np.log(min(own[1], high) / max(own[0], low))
-        share = within / np.log(own[1] / own[0]) if own[1] > own[0] else 1.0
-    return {"own_median_low": own[0], "own_median_high": own[1], "median_low": low, "median_high": high,
+        share = np.log(min(most, high) / max(least, low)) / np.log(most / least) if most > least else 1.0
+    return {"own_median_low": least, "own_median_high": most, "median_low": low, "median_high": high,
             "median_inside": share}
 
 
@@ -100,35 +99,23 @@ def _own_median(one):
 def scores(table):
     """A DataFrame with a row for each wall, state and intensity of a table of this module, best first by Brier's score
     of the prediction; `inside` of `compared` shares, and `medians_inside` of `medians`, lie in their interval."""
-    rows = []
-    for (wall, state, measure, level, intensity), part in table.groupby(
-            ["wall", "state", "measure", "level", "intensity"], sort=False):
-        known = part.dropna(subset=["predicted"]) if "predicted" in part else part.iloc[:0]
-        if len(known):
-            rows.append({"wall": wall, "state": state, "measure": measure, "level": level, "intensity": intensity,
-                         "records": known["record"].nunique(), "runs": known["runs"].sum(), "compared": len(known),
-                         "inside": int(known["inside"].sum()), **_inside(known), "brier": _brier(known, "predicted"),
-                         "log_score": _logarithmic(known, "predicted"), "brier_pooled": _brier(known, "pooled"),
-                         "log_score_pooled": _logarithmic(known, "pooled")})
+    rows, keys = [], ["wall", "state", "measure", "level", "intensity"]
+    for group, every in table.assign(predicted=table.get("predicted", np.nan)).groupby(keys, sort=False):
+        part = every.dropna(subset=["predicted"])
+        if part.empty:
+            continue
+        medians = part.drop_duplicates("record")["median_inside"].dropna()  # of records that have one of their own
+        row = {"records": part["record"].nunique(), "runs": part["runs"].sum(), "compared": len(part),
+               "inside": int(part["inside"].sum()), "medians": len(medians), "medians_inside": medians.sum()}
+        for name, end in (("predicted", ""), ("pooled", "_pooled")):
+            p, share = part[name], part["observed"]
+            row[f"brier{end}"] = np.average(share * (1 - p)**2 + (1 - share) * p**2, weights=part["runs"])
+            p = p.clip(LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+            row[f"log_score{end}"] = np.average(-share * np.log(p) - (1 - share) * np.log(1 - p), weights=part["runs"])
+        rows.append(dict(zip(keys, group)) | row)
     if not rows:
         raise InputError("no record could be predicted; expected runs of four records or more, of which some exceed a "
                          "level and some do not; choose another study")
     first = {state: place for place, state in enumerate(table["state"].unique())}
     return pd.DataFrame(rows).sort_values(["wall", "state", "brier"], kind="stable", ignore_index=True,
                                           key=lambda column: column.map(first) if column.name == "state" else column)
-
-
-def _inside(known):
-    """How many records have a median of their own, and how many of these lie in the interval."""
-    share = known.drop_duplicates("record")["median_inside"].dropna()
-    return {"medians": len(share), "medians_inside": share.sum()}
-
-
-def _brier(part, name):
-    p, share = part[name], part["observed"]
-    return float(np.average(share * (1 - p)**2 + (1 - share) * p**2, weights=part["runs"]))
-
-
-def _logarithmic(part, name):
-    p, share = part[name].clip(LEAST_PROBABILITY, 1 - LEAST_PROBABILITY), part["observed"]
-    return float(np.average(-share * np.log(p) - (1 - share) * np.log(1 - p), weights=part["runs"]))

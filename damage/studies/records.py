@@ -90,7 +90,7 @@ def record_of(history, name, point):
 
 def line_of(content):
     """A record as a line, its checksum included."""
-    return json.dumps(content | {SUM: _sum(content)}) + "\n"
+    return json.dumps(content | {SUM: key_of(content)}) + "\n"
 
 
 def point_line(point, key, inputs):
@@ -98,9 +98,9 @@ def point_line(point, key, inputs):
     return line_of({"point": point, "inputs": key, "of": inputs})
 
 
-def key_of(inputs):
-    """The key of inputs as JSON."""
-    return _sum(inputs)
+def key_of(content):
+    """The key of inputs as JSON, and the checksum of a record: sixteen hexadecimal digits of the SHA-256."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def read_records(folder):
@@ -143,8 +143,8 @@ def _read_older(folder, found):
             inputs = json.loads(text)
         except ValueError:
             inputs = {OLDER_NOTE: text}
-        key = key_of(inputs)
-        found.inputs[key], found.points[path.name] = inputs, key
+        found.points[path.name] = key = key_of(inputs)
+        found.inputs[key] = inputs
     shards = sorted((folder / "shards").glob("*.rows*"))
     for path in shards:
         _read_file(path, found, lambda name: found.points.get(point_of(name)))
@@ -173,16 +173,11 @@ def _believed(line):
     if not isinstance(record, dict) or any(not isinstance(record.get(name), kind) for name, kind in parts.items()):
         raise ValueError(f"it lacks one of {', '.join(parts)}")
     total = record.pop(SUM, None)
-    if total is not None and total != _sum(record):
+    if total is not None and total != key_of(record):
         raise ValueError("its checksum is wrong")
     if parts is _RUN and (wrong := _wrong_number(record)) is not None:
         raise ValueError(f"its {wrong}")
     return record
-
-
-def _sum(content):
-    """Sixteen hexadecimal digits of the SHA-256 of a record."""
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _wrong_number(record):

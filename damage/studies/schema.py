@@ -7,19 +7,7 @@ and values make sense is for `load_study` to say, which every command calls.
 """
 
 from damage.run.options import file_path, make_parser
-from damage.studies.definition import (
-    CONCLUSION,
-    ENTRY_KEYS,
-    GRID_KEYS,
-    ID,
-    KEYS,
-    LONGEST_ID,
-    MOST_MEMBERS,
-    PATH_OPTIONS,
-    PICTURES,
-    RESERVED_OPTIONS,
-    SOLVERS,
-)
+from damage.studies import definition
 from damage.toml_file import DRAFT
 
 _NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
@@ -31,16 +19,16 @@ def study_schema():
     return {
         "$schema": DRAFT, "title": "A study of masonry-damage", "type": "object", "additionalProperties": False,
         "required": ["name"], "anyOf": [{"required": ["runs"]}, {"required": ["grid"]}],
-        "properties": _described(KEYS, {
-            "name": _identifier(), "title": {"type": "string"}, "pictures": {"enum": list(PICTURES)},
-            "conclusion": {"type": "string", "pattern": f"^{CONCLUSION.pattern}$"},
+        "properties": _described(definition.KEYS, {
+            "name": _identifier(), "title": {"type": "string"}, "pictures": {"enum": list(definition.PICTURES)},
+            "conclusion": {"type": "string", "pattern": f"^{definition.CONCLUSION.pattern}$"},
             "states": {"type": "array", "items": {"type": "string", "pattern": ">"}}, "intensity": {"type": "string"},
             "runs": {"type": "array", "items": _entry(grid=False)},
             "grid": {"type": "array", "items": _entry(grid=True)}})}
 
 
 def _identifier(longest=None):
-    return {"type": "string", "pattern": f"^{ID.pattern}$"} | ({"maxLength": longest} if longest else {})
+    return {"type": "string", "pattern": f"^{definition.ID.pattern}$"} | ({"maxLength": longest} if longest else {})
 
 
 def _varied(schema, grid):
@@ -57,24 +45,23 @@ def _varied(schema, grid):
 
 def _entry(grid):
     """A table of one point, or of a grid."""
-    whole = _varied({"type": "integer", "minimum": 1, "maximum": MOST_MEMBERS}, grid)
+    whole = _varied({"type": "integer", "minimum": 1, "maximum": definition.MOST_MEMBERS}, grid)
     positive = _varied({"type": "number", "exclusiveMinimum": 0}, grid)
     entry = {
         "type": "object", "additionalProperties": False, "required": ["wall"],
-        "properties": _described(ENTRY_KEYS, {
-            "id": _varied(_identifier(LONGEST_ID), grid), "wall": {"type": "string"}, "options": _options(grid),
-            "solvers": {"type": "array", "items": {"enum": list(SOLVERS)}, "minItems": 1},
-            "members": whole, "scatter": positive, "perturb": positive, "samples": whole,
-            "lives": whole}),
+        "properties": _described(definition.ENTRY_KEYS, {
+            "id": _varied(_identifier(definition.LONGEST_ID), grid), "wall": {"type": "string"},
+            "options": _options(grid),
+            "solvers": {"type": "array", "items": {"enum": list(definition.SOLVERS)}, "minItems": 1},
+            "members": whole, "scatter": positive, "perturb": positive, "samples": whole, "lives": whole}),
         "dependencies": {"scatter": ["members"], "perturb": ["members"]},
         "not": {"anyOf": [{"required": pair} for pair in (["members", "samples"], ["members", "lives"],
                                                          ["samples", "lives"], ["scatter", "perturb"])]}}
     if grid:
-        whole_number = {"type": "integer"}
         values = {"type": ["array", "object"], "minItems": 1, "required": ["from", "to"],
-                  "additionalProperties": False, "properties": {"from": whole_number, "to": whole_number}}
-        entry["anyOf"] = [{"required": [name]} for name in GRID_KEYS]
-        entry["properties"] |= _described(GRID_KEYS, {
+                  "additionalProperties": False, "properties": {key: {"type": "integer"} for key in ("from", "to")}}
+        entry["anyOf"] = [{"required": [name]} for name in definition.GRID_KEYS]
+        entry["properties"] |= _described(definition.GRID_KEYS, {
             "vary": {"type": "object", "minProperties": 1, "additionalProperties": values},
             "rows": {"type": "string"}})
     return entry
@@ -87,23 +74,22 @@ def _described(meanings, schemas):
 
 def _options(grid):
     """A table of a run's options, those of either solver, or a list of words."""
-    parsers = [make_parser("study", solver) for solver in SOLVERS]
-    actions = {action.option_strings[0]: action for parser in parsers for action in parser._actions}
+    actions = {action.option_strings[0]: action for solver in definition.SOLVERS
+               for action in make_parser("study", solver)._actions}
     properties = {
         name.removeprefix("--"): {"description": action.help, **_varied(_option(name, action, grid), grid)}
-        for name, action in actions.items() if not {*action.option_strings} & {*RESERVED_OPTIONS}}
+        for name, action in actions.items() if not {*action.option_strings} & {*definition.RESERVED_OPTIONS}}
     return {"type": ["object", "array"], "properties": properties, "additionalProperties": False,
             "items": {"type": ["string", "number"]}}
 
 
 def _option(name, action, grid):
-    """The schema of one option, of an action of argparse."""
     if action.nargs == 0:
         return {"type": "boolean"}
     one = _word(action)
     if isinstance(action.nargs, int):
         return {"type": "array", "items": _varied(one, grid), "minItems": action.nargs, "maxItems": action.nargs}
-    if name in PATH_OPTIONS:  # a list: the first of them that is there
+    if name in definition.PATH_OPTIONS:  # a list: the first of them that is there
         return {"type": ["string", "array"], "items": one, "minItems": 1}
     return one
 

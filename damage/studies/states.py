@@ -99,8 +99,7 @@ def check_states(runs, states, table="summary.csv"):
             raise InputError(f"{where}: {missing.sum()} of {len(runs)} runs have no {state.measure}; expected a number "
                              "in each run that did not collapse; choose another column")
     names = [state.words for state in states]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice:
+    if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"damage state {twice!r}: given twice; expected names that differ; name one otherwise")
 
 
@@ -115,7 +114,6 @@ def check_intensity(runs, name):
 
 
 def _numbers(runs, name, where, table="summary.csv"):
-    """A column as a Series of float."""
     numeric = [column for column in runs if pd.api.types.is_numeric_dtype(runs[column]) and runs[column].notna().any()]
     if name not in runs:
         near = get_close_matches(name, numeric, 3, 0.5)

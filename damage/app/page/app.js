@@ -158,10 +158,10 @@ async function showStraight() {
 
 let front = null, cracks = [], areas = [], open = [], joints = [];
 const wide = () => front.length + 2 * MARGIN, high = () => front.height + 2 * MARGIN;
+const placeAt = ([x, y]) => [x * wide() - MARGIN, front.height + MARGIN - y * high()];
 const board = new Board(by("front"), (at) => {
   if (!front) return;
-  const round = (value) => Math.round(value * 1e4) / 1e4;
-  const place = [round(at[0] * wide() - MARGIN), round(front.height + MARGIN - at[1] * high())];
+  const place = placeAt(at).map((value) => Math.round(value * 1e4) / 1e4);
   const last = open[open.length - 1];
   if (last && last[0] === place[0] && last[1] === place[1]) return;
   open.push(place);
@@ -172,7 +172,7 @@ board.keys = { f: finish, F: finish, Backspace: () => open.pop() };
 
 function where() {
   if (!front) return;
-  const x = board.cross[0] * wide() - MARGIN, z = front.height + MARGIN - board.cross[1] * high();
+  const [x, z] = placeAt(board.cross);
   by("cross").textContent = fill("cross_at", { x: shown(x, 3), z: shown(z, 3) });
 }
 by("front").addEventListener("keydown", where);
@@ -309,23 +309,21 @@ function showProgress(found) {
     found.status < 0 || found.status === 130 || found.status === 143 ? "stopped" : "failed";
   if (key) say("said-compute", words[key], key === "failed");
   clearTimeout(timer);
-  if (found.running) timer = setTimeout(async () => {
-    const next = await ask("progress", undefined, "said-compute");
-    if (next) showProgress(next);
-  }, 1000);
+  if (found.running) timer = setTimeout(() => compute("progress"), 1000);
 }
 
-by("start").addEventListener("click", async () => {
+async function compute(name, given) {
+  const found = await ask(name, given, "said-compute");
+  if (found) showProgress(found);
+}
+
+by("start").addEventListener("click", () => {
   const settle = by("settle").value || null;
-  const found = await ask("start", { latitude: field("latitude"), longitude: field("longitude"), settle,
+  compute("start", { latitude: field("latitude"), longitude: field("longitude"), settle,
     distortion: settle && settle !== "levels" ? 1 / field("distortion") : null, draws: field("draws"),
-    language: document.documentElement.lang }, "said-compute");
-  if (found) showProgress(found);
+    language: document.documentElement.lang });
 });
-by("stop").addEventListener("click", async () => {
-  const found = await ask("stop", {}, "said-compute");
-  if (found) showProgress(found);
-});
+by("stop").addEventListener("click", () => compute("stop", {}));
 
 // What is drawn and typed outlives a change of language.
 window.addEventListener("pagehide", () => {

@@ -78,31 +78,28 @@ function outlines(run, at, kinds) {
   return lines;
 }
 
-// Both ends of joint j of a list, each halfway between where the two bodies carry it.
-function endsOf(run, at, ends, first, second, j) {
-  return [4 * j, 4 * j + 2].map((e) => {
+// Add joint j of a list to a line with gaps: both ends, each halfway between where the two bodies carry it.
+function addJoint(line, run, at, ends, first, second, j) {
+  for (const e of [4 * j, 4 * j + 2]) {
     const [ax, az] = moved(run, at, first[j], ends[e], ends[e + 1]);
     const [bx, bz] = moved(run, at, second[j], ends[e], ends[e + 1]);
-    return [(ax + bx) / 2, (az + bz) / 2];
-  });
+    line.x.push((ax + bx) / 2);
+    line.y.push((az + bz) / 2);
+  }
+  line.x.push(null);
+  line.y.push(null);
 }
 
 // The joints that cannot fail, one line with gaps.
 function elasticLine(run, at) {
   const line = {x: [], y: []};
-  for (let j = 0; j < run.n_elastic; j++) {
-    const ends = endsOf(run, at, run.elastic_ends, run.elastic_first, run.elastic_second, j);
-    line.x.push(ends[0][0], ends[1][0], null);
-    line.y.push(ends[0][1], ends[1][1], null);
-  }
+  for (let j = 0; j < run.n_elastic; j++)
+    addJoint(line, run, at, run.elastic_ends, run.elastic_first, run.elastic_second, j);
   return line;
 }
 
-function widthClass(legend, millimetres) {
-  let found = 0;
-  legend.widths.forEach((one, number) => { if (millimetres >= one.from_mm) found = number; });
-  return found;
-}
+const widthClass = (legend, millimetres) => (
+  Math.max(legend.widths.findLastIndex((one) => millimetres >= one.from_mm), 0));
 
 const BROKEN = 1;
 
@@ -114,11 +111,10 @@ function cracks(run, k, at, legend, withWords) {
     const state = run.state[n * k + j];
     if (!state) continue;
     counts[state] = (counts[state] || 0) + 1;
-    const mm = run.width_um[n * k + j] / 1000, ends = endsOf(run, at, run.ends, run.first, run.second, j);
+    const mm = run.width_um[n * k + j] / 1000;
     const place = legend.states.findIndex((one) => one.code === state);
     const line = state === BROKEN ? lines[0] : lines[1 + widthClass(legend, mm) * legend.states.length + place];
-    line.x.push(ends[0][0], ends[1][0], null);
-    line.y.push(ends[0][1], ends[1][1], null);
+    addJoint(line, run, at, run.ends, run.first, run.second, j);
     if (withWords) {
       const words = `${run.head[j] ? "head" : "bed"} joint ${state === BROKEN ? "broken" : legend.states[place].name}, `
         + `${mm.toFixed(3)} mm wide`;
@@ -208,8 +204,6 @@ function timeMarks(runs) {
   return [...shades, ...falls];
 }
 
-function scaled(values, factor) { return factor === 1 ? values : values.map((value) => factor * value); }
-
 // On paper what is cracked is black, thicker, and distinguished by its line alone.
 function printable(run, legend, onPaper) {
   const first = legend.bodies.length + 2;
@@ -286,7 +280,7 @@ async function drawOverTime(runs, panels) {
   panels.forEach((panel, number) => {
     const several = runs.length > 1, top = 1 - number * (tall + gap), lists = [];
     for (const line of panel.lines) {
-      const y = scaled(runs[line.run][line.series], panel.factor);
+      const y = runs[line.run][line.series].map((value) => panel.factor * value);
       lists.push(y);
       traces.push({...LINE, x: runs[line.run].time_s, y, yaxis: number ? `y${number + 1}` : "y",
         name: line.name, legendgroup: several ? line.name : "",
@@ -319,14 +313,7 @@ function drawLegend(legend, withElastic) {
 
 const MAGNIFICATIONS = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 
-function lastUpTo(times, time) {
-  let low = 0, high = times.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (times[middle] <= time) low = middle; else high = middle - 1;
-  }
-  return low;
-}
+const lastUpTo = (times, time) => Math.max(times.findLastIndex((one) => one <= time), 0);
 
 class Player {
   constructor(page) {
