@@ -15,7 +15,9 @@ from pathlib import Path
 import h5py
 import pytest
 
+from damage.__main__ import main
 from damage.errors import InputError
+from damage.history.reader import read_history
 from damage.mechanics.tables import INPUT
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
@@ -26,6 +28,8 @@ BRIEFLY = REPOSITORY / "tests/yade_checks/briefly.py"  # runs a wall in YADE wit
 BATCH = (sys.executable, "-m", "damage", "study")
 """What run_all.sh starts once it has looked for all that it needs, which takes two seconds: `test_environment.py`."""
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
+TINY = "Wall('tiny', 0.45, 0.6)"
+"""Of three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g."""
 SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
 
 FIRST = ("test_widths.py", "test_deformable.py", "test_yade_run.py", "test_together.py", "test_study.py",
@@ -64,17 +68,20 @@ def without_progress(text):
     return "".join(line for line in text.splitlines(keepends=True) if not re.search(r"  .* t = +[-\d.]+ ", line))
 
 
-def run_command(*words, **options):
-    """Run a command from the repository with no screen; returns the completed process with text."""
+def run_command(*words, status=None, **options):
+    """Run a command from the repository with no screen, to this exit status if one is given; returns the completed
+    process with text."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True,
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True,
                           env=environment, **{"timeout": 3000, "cwd": REPOSITORY, **options})
+    assert status in (None, done.returncode), f"status {done.returncode}\n{done.stdout}{done.stderr}"
+    return done
 
 
 @pytest.fixture(scope="session")
 def damage_command():
-    def run(*words):
-        return run_command(sys.executable, "-m", "damage", *words)
+    def run(*words, **options):
+        return run_command(sys.executable, "-m", "damage", *words, **options)
 
     return run
 
@@ -90,6 +97,21 @@ def yade_command():
     return run
 
 
+@pytest.fixture(scope="session")
+def in_both(yade_command, damage_command):
+    """in_both(folder, *words): {solver: History} of the same run in YADE and in the reference solver; what each said is
+    in yade.txt and reference.txt.  yade: words before the others, reference: words behind them."""
+    def run(folder, *words, yade=(), reference=()):
+        words = [*words, "--no-pictures", "--out"]
+        done = {"yade": yade_command(*yade, *words, folder / "yade.h5", status=0), "reference": damage_command(
+            "reference", *words, folder / "reference.h5", *reference, status=0)}
+        for solver, one in done.items():
+            (folder / f"{solver}.txt").write_text(one.stdout + one.stderr)
+        return {solver: read_history(folder / f"{solver}.h5") for solver in done}
+
+    return run
+
+
 def one_line_error(function, *arguments, **named):
     """The one line of the InputError that a call raises; it has to say what was expected."""
     with pytest.raises(InputError) as caught:
@@ -98,6 +120,64 @@ def one_line_error(function, *arguments, **named):
     assert "\n" not in message
     assert "expected" in message or "run pip install" in message
     return message
+
+
+def refused_with(words, function, *arguments, **named):
+    """Hold a call to such an InputError in which these words, a regular expression, are found."""
+    message = one_line_error(function, *arguments, **named)
+    assert re.search(words, message), message
+
+
+@pytest.fixture
+def output_of(capsys):
+    """output_of(*words): what a command of `damage`, run in this process to a good end, prints."""
+    def run(*words):
+        capsys.readouterr()
+        status = main([str(word) for word in words])
+        out, err = capsys.readouterr()
+        assert status == 0, err
+        return out
+
+    return run
+
+
+@pytest.fixture
+def error_of(capsys):
+    """error_of(*words): the one line of a command of `damage` that is refused, fit for any terminal."""
+    def run(*words):
+        capsys.readouterr()
+        status = main([str(word) for word in words])
+        out, err = capsys.readouterr()
+        assert (status, out) == (2, "")
+        assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable() and "expected" in err, err
+        return err
+
+    return run
+
+
+def written(path, content, **how):
+    """The path of a file, after this text or these bytes are written to it."""
+    path.write_bytes(content) if isinstance(content, bytes) else path.write_text(content, **how)
+    return path
+
+
+def wall_file(path, expression):
+    """The path of a wall's module, written here, whose wall() is this expression; both solvers run it."""
+    return written(path, f"""import math
+import sys
+
+sys.path.insert(0, {str(REPOSITORY)!r})
+from damage import Brick, Joint, Opening, Wall
+
+
+def wall():
+    return {expression}
+
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+    main(wall)
+""")
 
 
 def wait_until(condition, at_most_s=300):

@@ -8,6 +8,7 @@ import threading
 from shutil import which
 
 import pytest
+from conftest import written
 
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
@@ -118,8 +119,7 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
     assert len(driver.find_elements("css selector", "#earthquakes tbody tr")) == 8
     write(driver, "front-text", FRONT)
     assert "1.125 × 0.6 m" in press(driver, "use-front", "said-front")
-    photo = tmp_path / "photo.jpg"
-    photo.write_bytes(exif_photo())
+    photo = written(tmp_path / "photo.jpg", exif_photo())
     by(driver, "photo-file").send_keys(str(photo))
     WebDriverWait(driver, 20).until(lambda driver: by(driver, "photo").is_displayed())
     for across, up in ((0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.2, 0.8)):

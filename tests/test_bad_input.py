@@ -8,22 +8,9 @@ import os
 import re
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, written
 
 from damage.reference.session import run_reference
-
-WALL = '''
-import sys
-sys.path.insert(0, {repository!r})
-from damage import Brick, Joint, Opening, Wall
-
-def wall():
-    return {wall}
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-    main(wall)
-'''
 
 RECORDS = {
     "nan": ("time_s,acc_m_s2\n0.0,0.1\n0.005,nan\n0.01,0.2\n", "finite|NaN|nan"),
@@ -90,9 +77,7 @@ def refused(capsys, tmp_path):
 
 
 def write_wall(folder, case):
-    path = folder / "wall.py"
-    path.write_text(WALL.format(repository=str(REPOSITORY), wall=WALLS[case][0]))
-    return path
+    return written(folder / "wall.py", WALLS[case][0])
 
 
 SYMMETRIC = REPOSITORY / "walls" / "symmetric.py"
@@ -101,8 +86,7 @@ SYMMETRIC = REPOSITORY / "walls" / "symmetric.py"
 @pytest.mark.parametrize("case", RECORDS)
 def test_bad_record(case, refused, tmp_path):
     text, complaint = RECORDS[case]
-    record = tmp_path / "record.csv"
-    record.write_text(text)
+    record = written(tmp_path / "record.csv", text)
     refused(complaint, SYMMETRIC, "--record", record, "--out", tmp_path / "out.h5")
 
 
@@ -131,8 +115,7 @@ def test_output_that_is_a_folder(refused, tmp_path):
 
 
 def test_output_that_is_there_already(refused, tmp_path_factory):
-    out = tmp_path_factory.mktemp("earlier") / "out.h5"
-    out.write_bytes(b"of an earlier run")
+    out = written(tmp_path_factory.mktemp("earlier") / "out.h5", b"of an earlier run")
     refused("--overwrite", SYMMETRIC, "--out", out)
     assert out.read_bytes() == b"of an earlier run"
 

@@ -7,6 +7,7 @@ import zipfile
 import h5py
 import numpy as np
 import pytest
+from conftest import refused_with, written
 from numpy.testing import assert_array_equal
 
 import damage
@@ -86,8 +87,7 @@ def test_a_history_without_a_state_is_one_line(tmp_path):
     assert read_history(first).complete
     with h5py.File(first) as file:
         assert len(file["state/solver"]) == 0
-    with pytest.raises(InputError, match="it holds no state of its solver"):
-        damage.run(SMALL, **SHAKE, **{"continue": first})
+    refused_with("it holds no state of its solver", damage.run, SMALL, **SHAKE, **{"continue": first})
 
 
 # --- a state that someone else wrote -----------------------------------------------------------------------
@@ -158,8 +158,7 @@ CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
 
 
 def test_joints_along_surveyed_cracks_have_no_bond(tmp_path):
-    path = tmp_path / "cracks.csv"
-    path.write_text(CRACK)
+    path = written(tmp_path / "cracks.csv", CRACK)
     layout = lay_out(SMALL)
     cracked = with_cracks(layout, Surveyed.read(path)).contacts
     failed = np.flatnonzero((cracked.tensile_strength == 0) & (cracked.cohesion == 0))
@@ -172,8 +171,7 @@ def test_joints_along_surveyed_cracks_have_no_bond(tmp_path):
 
 def test_a_cracked_wall_is_weaker(tmp_path):
     """The part of a slender wall above a crack rocks where the intact wall is elastic."""
-    path = tmp_path / "cracks.csv"
-    path.write_text(CRACK.replace("0.3375", "0.45"))
+    path = written(tmp_path / "cracks.csv", CRACK.replace("0.3375", "0.45"))
     slender = Wall("slender", 0.45, 1.5, precompression=0.0)
     shake = {"harmonic": (0.2, 0.5), "rest": 0.05}
     intact, cracked = damage.run(slender, **shake), damage.run(slender, cracked=path, **shake)
@@ -206,21 +204,18 @@ def test_straight_lines_become_stepped_paths(tmp_path, capsys):
 
 def test_the_tolerance_of_a_survey(tmp_path, capsys):
     """A crack 20 mm above its bed joint is on it within half a brick's length, not within 10 mm."""
-    path = tmp_path / "cracks.csv"
-    path.write_text(CRACK.replace("0.3,1", "0.32,1"))
+    path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "0.32,1"))
     settings = parse_run(["--cracked", str(path), "--tolerance-mm", "10"], "", "reference")
     assert settings.cracked.tolerance_m == 0.01 and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
     with pytest.raises(InputError, match=r"0.00 of 0.34 m of its cracks run along joints of wall small \(0 %\)"):
         with_cracks(lay_out(SMALL), settings.cracked)
     assert (with_cracks(lay_out(SMALL), Surveyed.read(path)).contacts.tensile_strength == 0).sum() == 6
-    with pytest.raises(InputError, match="--tolerance-mm belongs to --cracked"):
-        parse_run(["--tolerance-mm", "10"], "", "reference")
+    refused_with("--tolerance-mm belongs to --cracked", parse_run, ["--tolerance-mm", "10"], "", "reference")
 
 
 def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
     """Neither under gravity nor later; others still count."""
-    path = tmp_path / "cracks.csv"
-    path.write_text(DIAGONALS)
+    path = written(tmp_path / "cracks.csv", DIAGONALS)
     history = damage.run(SMALL, cracked=path, **SHAKE)
     summary = summarise(history)
     freed = ((history.joints["tensile_strength_pa"] == 0) & (history.joints["cohesion_pa"] == 0)).to_numpy()
@@ -241,8 +236,7 @@ def test_cracks_of_a_history_are_drawn(first_half, tmp_path):
 
 def test_cracks_count_as_drawn(tmp_path):
     """Straight lines touch many joints here and there; the label says which is one crack."""
-    path = tmp_path / "cracks.csv"
-    path.write_text(DIAGONALS)
+    path = written(tmp_path / "cracks.csv", DIAGONALS)
     pattern = read_cracks(path)[-1]
     mapped = map_cracks(pattern, lay_out(SMALL))
     level = describe_level(pattern, mapped, lay_out(SMALL))
@@ -251,8 +245,7 @@ def test_cracks_count_as_drawn(tmp_path):
 
 
 def test_cracks_beside_the_wall_are_one_line(tmp_path, capsys):
-    path = tmp_path / "cracks.csv"
-    path.write_text(CRACK.replace("0.3,1", "30.0,1"))
+    path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "30.0,1"))
     words = ["benchmarks/small_wall.py", "--cracked", str(path), "--out", str(tmp_path / "a.h5")]
     assert run_reference(words) == 2
     assert "100 % of the cracks' length" in capsys.readouterr().err

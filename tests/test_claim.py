@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, wall_file
 
 import damage
 from damage.__main__ import main
@@ -41,7 +41,6 @@ from damage.run.scheme import schemes
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall
 
-WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
 CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
           "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\nB,1,0.78,0.075,0.15,no,0.1,0.05\nB,2,0.9,0.075,,,,\n")
 WORDS = ("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--above", "12", "--strong", "0.2", "0.3",
@@ -53,7 +52,7 @@ WORDS = ("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--abo
 def claimed(tmp_path_factory):
     """Folder of a claim of three draws; the survey and the wall lie above it."""
     folder = tmp_path_factory.mktemp("claim")
-    (folder / "narrow.py").write_text(WALL)
+    wall_file(folder / "narrow.py", "Wall('narrow', 0.9, 1.5)")
     (folder / "survey.csv").write_text(CRACKS)
     assert main(words(folder)) == 0
     return folder / "out"
@@ -359,10 +358,9 @@ class TestBadInput:
         assert said in capsys.readouterr().err and not (tmp_path / "new" / "runs").exists()
 
     @pytest.mark.parametrize("out", ["file", "file/below"])
-    def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, capsys, out):
+    def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, error_of, out):
         (tmp_path / "file").write_text("mine")
-        assert main([*words(claimed.parent), "--out", str(tmp_path / out)]) == 2
-        said = capsys.readouterr().err
+        said = error_of(*words(claimed.parent), "--out", tmp_path / out)
         assert "is no folder; expected one" in said and "room" not in said and (tmp_path / "file").read_text() == "mine"
 
     def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):

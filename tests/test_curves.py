@@ -128,13 +128,12 @@ def test_all_formats_of_a_study(tmp_path):
                     lognorm.cdf(arrays["intensities"], row["dispersion"], scale=row["median"]), atol=1e-8)
 
 
-def test_the_command_writes_them_where_it_is_asked_to(tmp_path, capsys):
+def test_the_command_writes_them_where_it_is_asked_to(tmp_path, output_of):
     write_table(walls(20, seed=5).assign(eigen_period_s=0.2, sa_eigen_period_g=np.nan),
                 tmp_path / "study/tables/summary.csv")
     words = ["fragility", tmp_path / "study", "--out", tmp_path / "out", "--replicates", "0", "--export",
              tmp_path / "curves"]
-    assert main(list(map(str, words))) == 0
-    printed = capsys.readouterr().out.split("\n")
+    printed = output_of(*list(map(str, words))).split("\n")
     for path in (tmp_path / "curves").iterdir():
         assert str(path) in printed
 

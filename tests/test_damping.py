@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from conftest import refused_with, wall_file
 from numpy.testing import assert_allclose
 
 import damage
-from damage.errors import InputError
 from damage.law.modes import natural_modes
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
@@ -65,8 +65,7 @@ def test_damping_between_the_two_frequencies_is_lower():
     (["--rayleigh", "0.02", "5", "20", "--beta", "1e-6"], "choose one"),
 ])
 def test_bad_damping_is_refused(words, message):
-    with pytest.raises(InputError, match=message):
-        parse_run(words, "test", "reference")
+    refused_with(message, parse_run, words, "test", "reference")
 
 
 def relaxed(**damping):
@@ -95,8 +94,7 @@ def test_adaptive_damping_finds_the_static_solution_sooner_than_local():
 
 
 def test_push_force_and_base_shear_are_one_under_adaptive_damping(tmp_path):
-    wall = tmp_path / "stub.py"
-    wall.write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('stub', 0.9, 0.6)\n")
+    wall = wall_file(tmp_path / "stub.py", "Wall('stub', 0.9, 0.6)")
     out = tmp_path / "push.h5"
     assert run_reference([str(wall), "--pushover", "0.05", "--speed", "0.002", "--no-pictures", "--out", str(out)]) == 0
     series = damage.read_history(out).series

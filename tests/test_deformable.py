@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import one_line_error, total_energy
+from conftest import one_line_error, total_energy, wall_file
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
@@ -413,11 +413,10 @@ def test_a_brick_that_is_pushed_off_another_falls():
 
 
 def test_a_run_has_a_balanced_history(tmp_path, monkeypatch):
-    wall = "from damage import Wall\n\n\ndef wall():\n    return Wall('small', 0.9, 0.45)\n"
-    (tmp_path / "small.py").write_text(wall)
+    wall = wall_file(tmp_path / "small.py", "Wall('small', 0.9, 0.45)")
     words = ["--harmonic", "0.05", "1.2", "--cycles", "2", "--rest", "0.05", "--no-pictures", "--bricks", "deformable",
              "--contacts", "gauss", "--brick-mass", "16", "--out", str(tmp_path / "a.h5")]
-    assert run_reference([str(tmp_path / "small.py"), *words]) == 0
+    assert run_reference([str(wall), *words]) == 0
     history = read_history(tmp_path / "a.h5")
     assert (history.model.bricks, history.model.brick_mass, history.model.contacts) == ("deformable", 16.0, "gauss")
     assert (history.joints["normal_stiffness_pa_m"] == JOINT.normal_stiffness).all()

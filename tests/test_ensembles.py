@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -21,9 +21,7 @@ BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
 
 
 def write_study(folder, text):
-    path = folder / "study.toml"
-    path.write_text(f'name = "s"\npictures = "none"\n{text}')
-    return path
+    return written(folder / "study.toml", f'name = "s"\npictures = "none"\n{text}')
 
 
 class TestGrid:

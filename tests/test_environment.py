@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command
 
 TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
 NO_PACKAGES = f'exec {sys.executable} -I -S "$@"'  # a Python as it comes, without any package
@@ -50,8 +50,7 @@ class Machine:
         script = f"set -euo pipefail; source {self.repository}/scripts/environment.sh {group}; {then}"
         environment = {"PATH": str(self.bin), "HOME": str(self.bin), "MASONRY_NO_INSTALL": "1",
                        "SYSTEM_PYTHON": str(self.system_python), **variables}
-        return subprocess.run(["bash", "-c", script], env=environment, capture_output=True, text=True,
-                              timeout=120)
+        return run_command("bash", "-c", script, env=environment, timeout=120)
 
 
 def write_script(path, script):
@@ -279,8 +278,8 @@ class TestGates:
 
 
 def run_all(*words, **variables):
-    return subprocess.run([REPOSITORY / "run_all.sh", *map(str, words)], capture_output=True, text=True,
-                          env={**os.environ, "MASONRY_NO_INSTALL": "1", **variables}, timeout=120)
+    return run_command(REPOSITORY / "run_all.sh", *words, env={**os.environ, "MASONRY_NO_INSTALL": "1", **variables},
+                       timeout=120)
 
 
 class TestRunAll:

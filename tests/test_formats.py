@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, written
 from numpy.testing import assert_allclose
 
 from damage.motion.formats import read_record, shipped_record_path
@@ -20,9 +20,7 @@ AT2_TITLES = (
 
 
 def write(folder, text, name="motion.csv"):
-    path = folder / name
-    path.write_text(text)
-    return path
+    return written(folder / name, text)
 
 
 class TestCsv:
@@ -64,8 +62,7 @@ class TestCsv:
         assert_allclose(record.acceleration_m_s2, [0.125, -0.25], rtol=ROUND_OFF)
 
     def test_an_exponent_that_is_not_in_utf_8_is_one(self, tmp_path):
-        path = tmp_path / "motion.csv"
-        path.write_bytes("time [s];acc [cm/s²]\n0;1\n0,01;2\n".encode("latin-1"))
+        path = written(tmp_path / "motion.csv", "time [s];acc [cm/s²]\n0;1\n0,01;2\n".encode("latin-1"))
         assert_allclose(read_record(path).acceleration_m_s2, [0.01, 0.02], rtol=ROUND_OFF)
 
     def test_the_unit_is_no_part_of_a_records_name(self, tmp_path):
@@ -149,8 +146,7 @@ class TestCsv:
         assert message.startswith(str(path))
 
     def test_binary_is_not_a_csv(self, tmp_path):
-        path = tmp_path / "motion.csv"
-        path.write_bytes(bytes(range(255, 0, -1)))
+        path = written(tmp_path / "motion.csv", bytes(range(255, 0, -1)))
         assert "line" in one_line_error(read_record, path)
 
     def test_missing_file_and_directory(self, tmp_path):
@@ -231,8 +227,7 @@ class TestMiniSeed:
 
     @pytest.mark.usefixtures("obspy")
     def test_content_is_known_without_a_suffix(self, tmp_path):
-        path = tmp_path / "motion.dat"
-        path.write_bytes(shipped_record_path("NL.BGAR..HGZ").read_bytes())
+        path = written(tmp_path / "motion.dat", shipped_record_path("NL.BGAR..HGZ").read_bytes())
         assert read_record(path, self.STATION_XML).name == "NL.BGAR..HGZ"
 
     def test_station_xml_is_looked_for_beside_the_file(self, trace, tmp_path):

@@ -10,10 +10,9 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from conftest import SHORT, run_command, without_progress
+from conftest import SHORT, refused_with, run_command, without_progress
 
 import damage
-from damage.errors import InputError
 from damage.history.writer import check_output
 
 SMALL = "benchmarks/small_wall.py"
@@ -54,8 +53,7 @@ def test_a_file_that_cannot_even_begin_is_no_history(tmp_path):
     done = run_limited(20, sys.executable, "-m", "damage", "reference", SMALL, *SHAKEN, "--out", tmp_path / "run.h5")
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith("error: cannot write")
-    with pytest.raises(InputError, match="cannot be read as a history"):
-        damage.read_history(tmp_path / "run.h5")
+    refused_with("cannot be read as a history", damage.read_history, tmp_path / "run.h5")
 
 
 @pytest.mark.yade
@@ -64,8 +62,7 @@ def test_a_file_that_cannot_even_begin_is_no_history(tmp_path):
 def test_yade_ends_and_keeps_what_was_flushed(kilobytes, yade_command, tmp_path):
     out = tmp_path / "run.h5"
     done = yade_command("-j1", *SHORT, SMALL, *SHAKEN, "--out", out,
-                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1000,) * 2))
-    assert done.returncode == 1, done.stdout + done.stderr
+                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1000,) * 2), status=1)
     assert f"error: cannot write {out}" in done.stderr and "Traceback" not in done.stderr
     history = damage.read_history(out)
     assert history.status == "unfinished" and len(history.series) % 120 == 0 < len(history.series)
@@ -73,8 +70,7 @@ def test_yade_ends_and_keeps_what_was_flushed(kilobytes, yade_command, tmp_path)
 
 def test_too_little_room_is_reported_before_the_run(monkeypatch, tmp_path):
     monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(free=5e5))
-    with pytest.raises(InputError, match=r"0\.5 MB free"):
-        check_output(tmp_path / "run.h5")
+    refused_with(r"0\.5 MB free", check_output, tmp_path / "run.h5")
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system of a megabyte")

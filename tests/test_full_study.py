@@ -13,13 +13,12 @@ from types import SimpleNamespace
 
 import h5py
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, running
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, TINY, run_command, running, wall_file, written
 
 from damage.batch.folder import forecast
 from damage.studies.definition import load_study
 from damage.studies.tables import histories_in
 
-TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 STUDY = '''name = "s"
 pictures = "none"
 
@@ -43,9 +42,8 @@ ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
-    (folder / "tiny.py").write_text(TINY)
-    (folder / "s.toml").write_text(STUDY)
-    return folder / "s.toml"
+    wall_file(folder / "tiny.py", TINY)
+    return written(folder / "s.toml", STUDY)
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +60,7 @@ def environment():
 
 def run(*words):
     """Run a command; returns the completed process with text."""
-    return subprocess.run(list(map(str, words)), cwd=REPOSITORY, env=environment(), capture_output=True, text=True,
-                          timeout=300)
+    return run_command(*words, env=environment(), timeout=300)
 
 
 def command(study, out, least=None):

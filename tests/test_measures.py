@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import refused_with
 from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
-from damage.errors import InputError
 from damage.index import damage_index
 from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table, upward_crossings
 from damage.measure.energy import DISSIPATED, STORED, Balance, energy_error, energy_measures, imbalance
@@ -227,5 +227,4 @@ def test_index_is_now_and_not_ever():
 @pytest.mark.parametrize("options", [{"threshold": 0.0}, {"drift_limit": -1.0}, {"threshold": float("nan")},
                                      {"slip_criterion": "sliding"}])
 def test_bad_options_are_refused(options):
-    with pytest.raises(InputError, match="expected"):
-        index_of(**options)
+    refused_with("expected", index_of, **options)

@@ -9,10 +9,9 @@ from contextlib import contextmanager
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import contents, without_progress
+from conftest import TINY, contents, wall_file, without_progress
 from small_history import make_history
 
-from damage.__main__ import main
 from damage.history.reader import read_history
 from damage.html.run_part import run_part
 from damage.measure.summary import summarise
@@ -24,18 +23,16 @@ from damage.run.report import describe
 from damage.run.session import Backend, Progress, run_session
 from damage.units import rounded
 
-TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--no-pictures")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 
 @pytest.fixture
 def tiny(tmp_path):
-    (tmp_path / "tiny.py").write_text(TINY)
-    return str(tmp_path / "tiny.py")
+    return str(wall_file(tmp_path / "tiny.py", TINY))
 
 
-def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_path, capsys):
+def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_path, capsys, output_of):
     out = tmp_path / "run.h5"
     assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--members", "3", "--out", str(out)]) == 0
     printed = capsys.readouterr().out
@@ -55,8 +52,7 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     assert f"drift ratio   {rounded(100 * drift.median(), 3)} ({words}) %" in printed
 
     capsys.readouterr()
-    assert main(["index", str(out), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["members"]
+    found = json.loads(output_of("index", out, "--json"))["members"]
     assert found["count"] == 3 and found["max_drift_ratio"]["median"] == drift.median()
     key = {name: rest for name, *rest in run_part(read_history(out), "A")["key"]}
     assert f"3 members: {rounded(100 * drift.median(), 3)} ({words}) %" in key["Largest drift"][-1]

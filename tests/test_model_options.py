@@ -4,11 +4,10 @@ from dataclasses import fields
 
 import pandas as pd
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, refused_with
 from small_history import make_history
 
 import damage
-from damage.errors import InputError
 from damage.history.writer import HistoryWriter
 from damage.measure.columns import read_table
 from damage.measure.summary import summarise
@@ -67,8 +66,7 @@ def test_an_old_history_has_the_defaults_of_younger_options(tmp_path):
 
 def test_joints_are_by_face_alone():
     assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
-    with pytest.raises(InputError, match="--joints: invalid choice: 'centres'"):
-        parse_run(["--joints", "centres"], "test", "yade")
+    refused_with("--joints: invalid choice: 'centres'", parse_run, ["--joints", "centres"], "test", "yade")
 
 
 @pytest.mark.parametrize(("versions", "model", "normals"), [

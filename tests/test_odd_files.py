@@ -2,11 +2,10 @@
 
 import os
 import shutil
-import subprocess
 import sys
 
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, run_command, written
 from small_history import make_history, small_layout
 
 import damage.__main__ as commands
@@ -56,8 +55,7 @@ WALLS = {
 
 @pytest.mark.parametrize("text", WALLS)
 def test_a_wall_file_that_fails_is_reported_with_its_line(text, tmp_path, capsys):
-    path = tmp_path / "wall.py"
-    path.write_text(text)
+    path = written(tmp_path / "wall.py", text)
     for run in (lambda: commands.main(["modes", str(path)]),
                 lambda: run_reference([str(path), "--out", str(tmp_path / "out.h5")])):
         assert WALLS[text] in complaint(capsys, run())
@@ -122,8 +120,7 @@ def test_records_that_are_cut_off_or_garbled(name, tmp_path, capsys):
 
 def test_a_record_of_many_samples_or_bytes(tmp_path):
     assert "1e+06 MB" in one_line_error(read_record, huge(tmp_path / "huge.csv"))
-    many = tmp_path / "many.at2"
-    many.write_text(f"{AT2}NPTS= 1000002, DT= .005 SEC\n" + ("0 " * 50 + "\n") * 20000 + "0 0\n")
+    many = written(tmp_path / "many.at2", f"{AT2}NPTS= 1000002, DT= .005 SEC\n" + ("0 " * 50 + "\n") * 20000 + "0 0\n")
     assert "1000002 samples; expected up to 1000000" in one_line_error(read_record, many)
 
 
@@ -250,8 +247,8 @@ def run_as_somebody(words, **environment):
         if shutil.which("setpriv") is None:
             pytest.skip("root may read everything, and no setpriv is here")
         become = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"]
-    return subprocess.run([*become, sys.executable, "-m", "damage", *map(str, words)], capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": str(REPOSITORY), **environment}, cwd="/")
+    return run_command(*become, sys.executable, "-m", "damage", *words,
+                       env={**os.environ, "PYTHONPATH": str(REPOSITORY), **environment}, cwd="/")
 
 
 @pytest.mark.parametrize("words", [["index", "?.h5"], ["modes", "?.py"], ["study-tables", "?.toml", "?"]])
@@ -278,8 +275,7 @@ def stand_in(folder, library, text):
 
 
 def damage(folder, path, *words):
-    return subprocess.run([sys.executable, "-m", "damage", *map(str, words)], capture_output=True, text=True,
-                          cwd=folder, env={**os.environ, "PYTHONPATH": path})
+    return run_command(sys.executable, "-m", "damage", *words, cwd=folder, env={**os.environ, "PYTHONPATH": path})
 
 
 @pytest.mark.parametrize("library, words", [("numpy", ["index", "x.h5"]), ("h5py", ["index", "x.h5"]),
@@ -296,8 +292,7 @@ def test_a_missing_library_is_named(library, words, tmp_path):
 def test_a_program_that_imports_names_is_reported_the_same(tmp_path):
     path = stand_in(tmp_path, "h5py", "raise ModuleNotFoundError('none here', name='h5py')")
     code = "from damage import Wall\nfrom damage import read_history"
-    done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True,
-                          env={**os.environ, "PYTHONPATH": path})
+    done = run_command(sys.executable, "-c", code, env={**os.environ, "PYTHONPATH": path})
     assert done.stderr.splitlines()[-1].startswith("ImportError: ") and "python3-h5py" in done.stderr
 
 
@@ -315,8 +310,8 @@ def test_pictures_where_the_home_folder_takes_no_cache_are_drawn_without_a_word_
     make_history(tmp_path / "small.h5")
     (tmp_path / "file").touch()
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), str(tmp_path / "file"))
-    done = subprocess.run([sys.executable, "-m", "damage", "plot", "small.h5", "--out", "o"], capture_output=True,
-                          text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(REPOSITORY), **odd})
+    done = run_command(sys.executable, "-m", "damage", "plot", "small.h5", "--out", "o", cwd=tmp_path,
+                       env={**os.environ, "PYTHONPATH": str(REPOSITORY), **odd})
     assert done.returncode == 0 and (tmp_path / "o" / "wall_max.png").is_file()
     assert "atplotlib" not in done.stderr, done.stderr
 
@@ -330,8 +325,7 @@ def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
     code = ("import numba, os, damage.mechanics.step as k; print(k.__file__, numba.config.CACHE_DIR,"
             " os.path.isdir(numba.config.CACHE_DIR))")
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), str(file))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,
-                          env={**os.environ, "PYTHONPATH": str(tmp_path), **odd})
+    done = run_command(sys.executable, "-c", code, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path), **odd})
     assert done.returncode == 0, done.stderr
     source, folder, there = done.stdout.split()
     assert source.startswith(str(tmp_path)) and there == "True"

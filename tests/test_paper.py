@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, written
 
 from damage.index import COMPONENTS
 from damage.measure.damage_index import CRITERIA
@@ -414,8 +414,7 @@ def test_a_table_without_later_measures_is_judged_as_far_as_it_goes(papers_world
 
 def test_a_readme_without_markers_is_left_alone(papers_world, judged, tmp_path, capsys):
     judged(papers_world)
-    readme = tmp_path / "README.md"
-    readme.write_text("mine")
+    readme = written(tmp_path / "README.md", "mine")
     assert main(["verdict", str(tmp_path), "--readme", str(readme)]) == 2
     assert readme.read_text() == "mine" and "lacks the line" in capsys.readouterr().err
 

@@ -6,12 +6,11 @@ from itertools import product
 
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, refused_with
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from damage.errors import InputError
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.record import (
     Record,
@@ -142,13 +141,11 @@ class TestInterpolation:
         part, whole, cut = interpolated(record, (4.0, 6.0)), interpolated(record), windowed(record, 4.0, 6.0)
         assert (part.duration_s, part.start_utc) == (pytest.approx(cut.duration_s), cut.start_utc)
         assert_allclose(part.acceleration_m_s2, whole.acceleration_m_s2[2000:3001], rtol=0, atol=1e-12)
-        with pytest.raises(InputError, match="expected 0 <= start < end"):
-            interpolated(record, (4.0, 60.0))
+        refused_with("expected 0 <= start < end", interpolated, record, (4.0, 60.0))
 
     def test_a_record_that_gets_too_long_is_refused(self):
         long = Record("long", 0.01, np.zeros(100_001))
-        with pytest.raises(InputError, match="100001 samples of 0.01 s to interpolate; expected up to 100000"):
-            interpolated(long)
+        refused_with("100001 samples of 0.01 s to interpolate; expected up to 100000", interpolated, long)
         assert interpolated(long, (0.0, 10.0)).duration_s == pytest.approx(10.0)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import total_energy
+from conftest import total_energy, wall_file
 from numpy.testing import assert_allclose
 
 import damage
@@ -202,7 +202,7 @@ class TestSymmetricWall:
 
 
 def test_without_out_a_second_run_takes_a_name_of_its_own(tmp_path, monkeypatch):
-    (tmp_path / "tiny.py").write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('tiny', 0.45, 0.15)\n")
+    wall_file(tmp_path / "tiny.py", "Wall('tiny', 0.45, 0.15)")
     monkeypatch.chdir(tmp_path)
     for _ in range(2):
         assert run_reference(["tiny.py", "--harmonic", "0.03", "0.1", "--cycles", "1", "--rest", "0",

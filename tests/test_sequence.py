@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import refused_with, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
 
 import damage
-from damage.errors import InputError
 from damage.measure.cycles import shocks_table
 from damage.measure.energy import energy_error
 from damage.measure.tables import write_run_tables
@@ -43,16 +43,14 @@ def test_stages_follow_one_another_and_end_with_samples():
     (["--free-vibration", "--sequence", "1,1"], "belongs to"),
 ])
 def test_bad_sequences_are_refused(words, message):
-    with pytest.raises(InputError, match=message):
-        parse_run(words, "test", "reference")
+    refused_with(message, parse_run, words, "test", "reference")
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """{name: History}: a narrow wall shaken once, and twice."""
     folder = tmp_path_factory.mktemp("sequence")
-    wall = folder / "narrow.py"
-    wall.write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n")
+    wall = wall_file(folder / "narrow.py", "Wall('narrow', 0.9, 1.5)")
     for name, words in (("once", []), ("twice", ["--sequence", "1,1"])):
         assert run_reference([str(wall), "--harmonic", "0.15", "0.35", "--rest", "0.2", *words, "--no-pictures",
                               "--out", str(folder / f"{name}.h5")]) == 0

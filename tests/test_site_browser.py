@@ -6,7 +6,6 @@
 import json
 import os
 import re
-import subprocess
 import sys
 import threading
 import time
@@ -15,7 +14,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from shutil import which
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command
 
 from benchmarks.report_in_browser import BROWSER, DRIVER, browser
 
@@ -32,9 +31,8 @@ NARROW_PX, SEARCH_S = 390, 20
 def site(tmp_path_factory):
     """The folder of the site."""
     folder = tmp_path_factory.mktemp("site") / "html"
-    done = subprocess.run(["bash", REPOSITORY / "scripts" / "site.sh", "--out", folder], capture_output=True, text=True,
-                          env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
-    assert done.returncode == 0, done.stderr
+    run_command("bash", REPOSITORY / "scripts" / "site.sh", "--out", folder,
+                env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"}, status=0)
     return folder
 
 

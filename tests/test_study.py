@@ -12,7 +12,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, running, wait_until
+from conftest import (
+    BATCH,
+    BATCH_ENVIRONMENT,
+    REPOSITORY,
+    refused_with,
+    run_command,
+    running,
+    wait_until,
+    wall_file,
+    written,
+)
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -36,9 +46,7 @@ WALL = 'wall = "walls/symmetric.py"\n'
 
 
 def write_study(folder, text, name="study.toml"):
-    path = folder / name
-    path.write_text(text)
-    return path
+    return written(folder / name, text)
 
 
 class TestLoading:
@@ -113,12 +121,10 @@ class TestLoading:
         assert message in str(caught.value) and "\n" not in str(caught.value)
 
     def test_a_missing_study_is_refused(self, tmp_path):
-        with pytest.raises(InputError, match="No such file"):
-            load_study(tmp_path / "no.toml")
+        refused_with("No such file", load_study, tmp_path / "no.toml")
 
     def test_runs_are_checked_where_they_are_made(self):
-        with pytest.raises(InputError, match="names files"):
-            StudyRun(point="../x", wall="w.py", words=())
+        refused_with("names files", StudyRun, point="../x", wall="w.py", words=())
 
 
 class TestInputs:
@@ -241,10 +247,9 @@ class TestTables:
         index = pd.read_csv(tmp_path / "t" / "one_index.csv")
         assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
 
-    def test_a_file_that_is_no_history_is_reported_in_one_line(self, tmp_path, capsys):
+    def test_a_file_that_is_no_history_is_reported_in_one_line(self, tmp_path, error_of):
         (tmp_path / "a.h5").write_text("x")
-        assert main(["tables", "summary", str(tmp_path / "a.h5"), "--out", str(tmp_path / "s.csv")]) == 2
-        assert capsys.readouterr().err.count("\n") == 1
+        assert error_of("tables", "summary", tmp_path / "a.h5", "--out", tmp_path / "s.csv").count("\n") == 1
 
 
 FAKE_YADE = '''
@@ -289,8 +294,7 @@ class Batches:
         for status in ("complete", "unfinished"):
             make_history(folder / "bin" / f"{status}.h5", status=status)
         (folder / "yade.py").write_text(FAKE_YADE.format(calls=str(self.calls), folder=str(folder / "bin")))
-        yade = folder / "bin" / "yade"
-        yade.write_text(f'#!/bin/sh\nexec {sys.executable} "{folder / "yade.py"}" "$@"\n')
+        yade = written(folder / "bin" / "yade", f'#!/bin/sh\nexec {sys.executable} "{folder / "yade.py"}" "$@"\n')
         yade.chmod(0o755)
 
     def study(self, pictures="none", **rests):  # pictures take longer than all else
@@ -403,18 +407,11 @@ class TestBatch:
 @pytest.mark.yade
 @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
 def test_a_study_with_both_solvers(tmp_path):
-    (tmp_path / "t{in}y.py").write_text(
-        "import sys\n"
-        f"sys.path.insert(0, {str(REPOSITORY)!r})\n"
-        "from damage import Wall\n"
-        "def wall():\n    return Wall(name='tiny', length=0.45, height=0.15)\n"
-        "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
+    wall_file(tmp_path / "t{in}y.py", "Wall('tiny', 0.45, 0.15)")
     study = write_study(tmp_path, 'name = "tiny"\npictures = "none"\n[[runs]]\nwall = "t{in}y.py"\n'
                         'options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n')
-    done = subprocess.run([REPOSITORY / "run_all.sh", study, "--solver", "both", "--out", tmp_path / "out"],
-                          timeout=900,
-                          capture_output=True, text=True, env={**os.environ, "PYTHON": sys.executable})
-    assert done.returncode == 0, done.stderr
+    run_command(REPOSITORY / "run_all.sh", study, "--solver", "both", "--out", tmp_path / "out", timeout=900,
+                env={**os.environ, "PYTHON": sys.executable}, status=0)
     summary = pd.read_csv(tmp_path / "out" / "tables" / "summary.csv")
     name = "t-in-y_harmonic-0.05-0.05_cycles-1_rest-0.05"
     assert list(summary["run"]) == [f"{name}_yade", f"{name}_reference"]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import small_history
-from conftest import REPOSITORY
+from conftest import REPOSITORY, refused_with
 from matplotlib.colors import to_rgba
 from numpy.testing import assert_allclose
 from scipy.optimize import minimize
@@ -18,7 +18,6 @@ from damage.commands.table import COMMANDS as of_package
 from damage.draw.panels import grid, letter
 from damage.draw.style import BLACK, BLUE, VERMILLION
 from damage.draw.words import record_label
-from damage.errors import InputError
 from damage.files import shipped_files
 from damage.measure.tables import index_table, write_table
 from damage.motion.formats import read_record, shipped_record_path
@@ -397,15 +396,12 @@ class TestResults:
             results.index(point)
 
     def test_tables_of_something_else_are_refused(self, tmp_path):
-        with pytest.raises(InputError, match="expected a folder with the results of studies"):
-            load_results(tmp_path)
+        refused_with("expected a folder with the results of studies", load_results, tmp_path)
         (tmp_path / "tables").mkdir()
         (tmp_path / "tables" / "points.csv").write_text("point,solver\na,yade\n")
-        with pytest.raises(InputError, match="no column wall"):
-            load_results(tmp_path)
+        refused_with("no column wall", load_results, tmp_path)
         (tmp_path / "tables" / "points.csv").write_text("")
-        with pytest.raises(InputError, match="cannot be read as a table"):
-            load_results(tmp_path)
+        refused_with("cannot be read as a table", load_results, tmp_path)
 
 
 class TestChoices:

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY, run_command, without_progress
+from conftest import REPOSITORY, run_command, wall_file, without_progress
 from small_history import make_history
 
 import damage
@@ -36,7 +36,7 @@ except OSError:
     del taken[-20:]
 sys.exit(main(sys.argv[1:]))
 """
-LARGE = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='large', length=36.0, height=9.0)\n"
+LARGE = "Wall('large', 36.0, 9.0)"
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_a_file_that_cannot_be_written_whole_is_not_there(words, history, tmp_pa
 
 
 def test_tables_of_a_study_that_cannot_be_written_are_not_there(tmp_path):
-    (tmp_path / "tiny.py").write_text(LARGE)
+    wall_file(tmp_path / "tiny.py", LARGE)
     (tmp_path / "s.toml").write_text('name = "s"\n[[runs]]\nid = "one"\nwall = "tiny.py"\noptions = { rest = 0 }\n')
     (tmp_path / "runs").mkdir()
     make_history(tmp_path / "runs" / "one_reference.h5")
@@ -138,7 +138,7 @@ class TestMemory:
                                         **limited(resource.RLIMIT_AS, 1_500_000_000))
 
     def test_what_runs_out_on_the_way_is_reported(self, modes, tmp_path):
-        (tmp_path / "large.py").write_text(LARGE)
+        wall_file(tmp_path / "large.py", LARGE)
         done = modes(tmp_path / "large.py")
         assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
         assert done.stderr.splitlines()[-1].startswith("error: out of memory")
