@@ -5,10 +5,9 @@
 
 import re
 import threading
-from shutil import which
 
 import pytest
-from conftest import written
+from conftest import IN_BROWSER, written
 
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
@@ -18,21 +17,13 @@ from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 from test_app import FRONT, exif_photo
 
-from benchmarks.report_in_browser import BROWSER, DRIVER, browser, screenshot
+from benchmarks.report_in_browser import screenshot
 from damage.app.desk import words
 from damage.app.server import make_app
 
-pytestmark = [pytest.mark.long, pytest.mark.skipif(
-    not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]
+pytestmark = IN_BROWSER
 TOKEN, ROOT = "a token of the test", "/room"
 WORDS = words()
-
-
-@pytest.fixture(scope="module")
-def driver():
-    with browser() as driver:
-        yield driver
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import os
 import re
 
 import pytest
-from conftest import REPOSITORY, written
+from conftest import REPOSITORY, wall_file, written
 
 from damage.reference.session import run_reference
 
@@ -76,10 +76,6 @@ def refused(capsys, tmp_path):
     return run
 
 
-def write_wall(folder, case):
-    return written(folder / "wall.py", WALLS[case][0])
-
-
 SYMMETRIC = REPOSITORY / "walls" / "symmetric.py"
 
 
@@ -92,7 +88,7 @@ def test_bad_record(case, refused, tmp_path):
 
 @pytest.mark.parametrize("case", WALLS)
 def test_bad_wall(case, refused, tmp_path):
-    refused(WALLS[case][1], write_wall(tmp_path, case), "--out", tmp_path / "out.h5")
+    refused(WALLS[case][1], wall_file(tmp_path / "wall.py", WALLS[case][0]), "--out", tmp_path / "out.h5")
 
 
 @pytest.mark.parametrize("case", OPTIONS)
@@ -143,5 +139,5 @@ class TestYade:
         assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
 
     def test_bad_wall(self, yade_command, tmp_path):
-        done = yade_command(write_wall(tmp_path, "opening-outside"), "--out", tmp_path / "out.h5")
+        done = yade_command(wall_file(tmp_path / "wall.py", WALLS["opening-outside"][0]), "--out", tmp_path / "out.h5")
         assert_refused(done.returncode, done.stdout, done.stderr, WALLS["opening-outside"][1], tmp_path)

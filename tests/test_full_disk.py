@@ -3,14 +3,12 @@
 A limit on the size of files stands in for the disk: every write beyond it fails as on a full one.
 """
 
-import os
 import resource
-import subprocess
 import sys
 from types import SimpleNamespace
 
 import pytest
-from conftest import SHORT, refused_with, run_command, without_progress
+from conftest import ROOT, SHORT, disk, refused_with, run_command, without_progress
 
 import damage
 from damage.history.writer import check_output
@@ -73,19 +71,12 @@ def test_too_little_room_is_reported_before_the_run(monkeypatch, tmp_path):
     refused_with(r"0\.5 MB free", check_output, tmp_path / "run.h5")
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system of a megabyte")
+@ROOT
 def test_a_file_system_that_is_full(tmp_path):
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=1100k", "tmpfs", folder]
-    if subprocess.run(mount, capture_output=True).returncode:
-        pytest.skip("no file system can be mounted here")
-    try:
+    with disk(tmp_path / "disk", "size=1100k") as folder:
         done = run_command(sys.executable, "-m", "damage", "reference", SMALL, *SHAKEN, "--rest", "9", "--out",
                            folder / "run.h5")
         history = damage.read_history(folder / "run.h5")
-    finally:
-        subprocess.run(["umount", folder], check=True)
     assert done.returncode == 1 and "No space left on device" in done.stderr, done.stderr
     assert without_progress(done.stderr).count("\n") == 1
     assert history.status == "unfinished" and len(history.series) > 120

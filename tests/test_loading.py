@@ -76,17 +76,13 @@ class TestHarmonic:
         assert Harmonic(0.2, 0.05).name == "harmonic_0.2s_0.05g"
         assert Harmonic(1, 0.1, cycles=5).name == "harmonic_1s_0.1g_5cycles"
 
-    @pytest.mark.parametrize("period_s", [0, -0.2, math.nan, math.inf])
-    def test_period_must_be_positive(self, period_s):
-        refused_with("harmonic period", Harmonic, period_s, 0.05)
-
-    @pytest.mark.parametrize("amplitude_g", [-0.1, math.nan, math.inf])
-    def test_amplitude_must_not_be_negative(self, amplitude_g):
-        refused_with("harmonic amplitude", Harmonic, 0.2, amplitude_g)
-
-    @pytest.mark.parametrize("cycles", [0, -1, 1.5, math.nan, math.inf])
-    def test_cycles_are_whole(self, cycles):
-        refused_with("cycles = .*: expected a whole number", Harmonic, 0.2, 0.05, cycles)
+    @pytest.mark.parametrize("refusal", [
+        *(("harmonic period", period_s, 0.05) for period_s in (0, -0.2, math.nan, math.inf)),
+        *(("harmonic amplitude", 0.2, amplitude_g) for amplitude_g in (-0.1, math.nan, math.inf)),
+        *(("cycles = .*: expected a whole number", 0.2, 0.05, cycles) for cycles in (0, -1, 1.5, math.nan, math.inf))])
+    def test_period_is_positive_amplitude_not_negative_and_cycles_are_whole(self, refusal):
+        words, *numbers = refusal
+        refused_with(words, Harmonic, *numbers)
 
 
 class TestRecorded:

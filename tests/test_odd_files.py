@@ -8,23 +8,13 @@ import pytest
 from conftest import REPOSITORY, one_line_error, run_command, written
 from small_history import make_history, small_layout
 
-import damage.__main__ as commands
 from damage.laboratory.dic import read_field
 from damage.measure import crack_mapping
 from damage.measure.crack_file import read_cracks
 from damage.motion.formats import read_record, shipped_record_path, without_entities
-from damage.reference.session import run_reference
 from damage.studies.definition import load_study
 
 HUGE = 10**12  # bytes of a file that has none: a hole
-
-
-def complaint(capsys, status):
-    """The one line that a command that has failed left on stderr, fit for any terminal."""
-    out, err = capsys.readouterr()
-    assert status == 2 and out == ""
-    assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable(), err
-    return err
 
 
 def huge(path):
@@ -54,11 +44,10 @@ WALLS = {
 
 
 @pytest.mark.parametrize("text", WALLS)
-def test_a_wall_file_that_fails_is_reported_with_its_line(text, tmp_path, capsys):
+def test_a_wall_file_that_fails_is_reported_with_its_line(text, tmp_path, error_of):
     path = written(tmp_path / "wall.py", text)
-    for run in (lambda: commands.main(["modes", str(path)]),
-                lambda: run_reference([str(path), "--out", str(tmp_path / "out.h5")])):
-        assert WALLS[text] in complaint(capsys, run())
+    for words in (("modes", path), ("reference", path, "--out", tmp_path / "out.h5")):
+        assert WALLS[text] in error_of(*words)
     assert not (tmp_path / "out.h5").exists()
 
 
@@ -73,15 +62,15 @@ NAMES = {"x" * 300: "a name of 300 bytes", "é" * 200: "a name of 400 bytes", "x
                                    ["tables", "summary", "H", "--out", "?"], ["study-tables", "?", "x"],
                                    ["reference", "?"], ["reference", "W", "--record", "?"],
                                    ["reference", "W", "--out", "?"], ["cracks", "--dic", "?", "--wall", "W"]])
-def test_names_that_no_file_can_have_or_that_would_garble_a_terminal(name, words, tmp_path, capsys):
+def test_names_that_no_file_can_have_or_that_would_garble_a_terminal(name, words, tmp_path, error_of):
     make_history(tmp_path / "small.h5")
     known = {"?": name, "H": str(tmp_path / "small.h5"), "W": str(REPOSITORY / "walls" / "solid.py")}
-    assert NAMES[name] in complaint(capsys, commands.main([known.get(word, word) for word in words]))
+    assert NAMES[name] in error_of(*(known.get(word, word) for word in words))
 
 
-def test_words_that_are_no_options_are_shown_harmlessly(capsys):
+def test_words_that_are_no_options_are_shown_harmlessly(error_of):
     for words in (["reference", "-\x1b[31m"], ["no\x1bsuch"], ["index", "x.h5", "--a\x9b2J"]):
-        complaint(capsys, commands.main(words))
+        error_of(*words)
 
 
 def test_a_long_name_of_a_run_is_cut(tmp_path, monkeypatch):
@@ -112,10 +101,9 @@ TEXTS = {
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_records_that_are_cut_off_or_garbled(name, tmp_path, capsys):
+def test_records_that_are_cut_off_or_garbled(name, tmp_path, error_of):
     text, expected = TEXTS[name]
-    (tmp_path / name).write_text(text)
-    assert expected in complaint(capsys, commands.main(["record", str(tmp_path / name)]))
+    assert expected in error_of("record", written(tmp_path / name, text))
 
 
 def test_a_record_of_many_samples_or_bytes(tmp_path):
@@ -179,20 +167,18 @@ CRACKS = {
 
 @pytest.mark.parametrize("text", CRACKS, ids=lambda text: CRACKS[text])
 def test_cracks_beyond_any_wall(text, tmp_path):
-    (tmp_path / "cracks.csv").write_text(text)
-    assert CRACKS[text] in one_line_error(read_cracks, tmp_path / "cracks.csv")
+    assert CRACKS[text] in one_line_error(read_cracks, written(tmp_path / "cracks.csv", text))
 
 
 def test_files_of_a_field_are_looked_at_before_they_are_read(tmp_path):
     assert "1e+06 MB" in one_line_error(read_field, huge(tmp_path / "huge.csv"))
-    (tmp_path / "far.csv").write_text("x_m,z_m,ux_m,uz_m\n0,0,0,1e300\n")
-    assert "line 2: uz_m is beyond 1000" in one_line_error(read_field, tmp_path / "far.csv")
+    far = written(tmp_path / "far.csv", "x_m,z_m,ux_m,uz_m\n0,0,0,1e300\n")
+    assert "line 2: uz_m is beyond 1000" in one_line_error(read_field, far)
 
 
 def test_a_crack_whose_name_grows_when_it_is_escaped_is_reported_in_one_line_of_bounded_length(tmp_path):
     """4000 control characters behind its name: each is four characters where they are shown."""
-    (tmp_path / "bells.csv").write_text(f"{HEAD}a{4000 * chr(7)},4,0,0,1\n")
-    message = one_line_error(read_cracks, tmp_path / "bells.csv")
+    message = one_line_error(read_cracks, written(tmp_path / "bells.csv", f"{HEAD}a{4000 * chr(7)},4,0,0,1\n"))
     assert "\\x07" in message and message.endswith("expected 1 where a polyline begins") and len(message) < 1600
 
 
@@ -225,8 +211,8 @@ STUDIES = {
 
 @pytest.mark.parametrize("text", STUDIES, ids=lambda text: STUDIES[text])
 def test_studies_of_more_than_can_be(text, tmp_path):
-    (tmp_path / "study.toml").write_text(text)
-    assert STUDIES[text] in one_line_error(load_study, tmp_path / "study.toml", "reference", REPOSITORY)
+    path = written(tmp_path / "study.toml", text)
+    assert STUDIES[text] in one_line_error(load_study, path, "reference", REPOSITORY)
 
 
 def test_a_byte_order_mark_is_no_part_of_a_study_and_another_encoding_is_refused(tmp_path):

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY, run_command, wall_file, without_progress
+from conftest import REPOSITORY, ROOT, disk, run_command, wall_file, without_progress
 from small_history import make_history
 
 import damage
@@ -110,17 +110,11 @@ def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(tmp_path):
     assert damage.read_history(tmp_path / "run.h5").complete
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system that can only be read")
+@ROOT
 def test_a_folder_that_can_only_be_read(history, tmp_path):
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", folder], capture_output=True).returncode:
-        pytest.skip("no file system can be mounted here")
-    try:
+    with disk(tmp_path / "disk", "ro") as folder:
         one_error(run_command(*DAMAGE, "reference", SMALL, "--out", folder / "a.h5"), "Read-only file system")
         one_error(run_command(*DAMAGE, "tables", "run", history, "--out", folder / "a"), "Read-only file system")
-    finally:
-        subprocess.run(["umount", folder], check=True)
 
 
 class TestMemory:
