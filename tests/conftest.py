@@ -15,12 +15,14 @@ from pathlib import Path
 
 import h5py
 import pytest
+from small_history import make_history
 
 from benchmarks.report_in_browser import BROWSER, DRIVER, browser
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.mechanics.tables import INPUT
+from damage.reference.session import run_reference
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from yade_scripts import COMMAND
@@ -63,6 +65,12 @@ def shipped_wall(request):
 @pytest.fixture(scope="session")
 def symmetric_wall():
     return load_wall(REPOSITORY / "walls" / "symmetric.py")
+
+
+@pytest.fixture(scope="session")
+def still_history(tmp_path_factory):
+    """A History of a small wall to which nothing happens, for reading alone."""
+    return make_history(tmp_path_factory.mktemp("still") / "small.h5")
 
 
 def without_progress(text):
@@ -112,6 +120,12 @@ def in_both(yade_command, damage_command):
         return {solver: read_history(folder / f"{solver}.h5") for solver in done}
 
     return run
+
+
+def run_here(out, *words):
+    """The History of a run in the reference solver, in this process and without pictures."""
+    assert run_reference([*map(str, words), "--no-pictures", "--out", str(out)]) == 0
+    return read_history(out)
 
 
 def one_line_error(function, *arguments, **named):

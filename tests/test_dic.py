@@ -4,10 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from conftest import refused_with, wall_file, written
+from conftest import refused_with, run_here, wall_file, written
 
 from damage.__main__ import main
-from damage.history.reader import read_history
 from damage.laboratory.dic import (
     Field,
     brick_motions,
@@ -21,7 +20,6 @@ from damage.laboratory.dic import (
 from damage.measure.crack_file import read_cracks
 from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.cracks import cracks_at
-from damage.reference.session import run_reference
 from damage.wall.file import load_wall
 from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out
@@ -45,9 +43,7 @@ def panel(tmp_path_factory):
     def push(height, friction, *words):
         folder = tmp_path_factory.mktemp("panel")
         wall = wall_file(folder / "panel.py", WALL.format(height=height, friction=friction))
-        out = folder / "panel.h5"
-        assert run_reference([str(wall), *words, "--out", str(out), "--no-pictures"]) == 0
-        return lay_out(load_wall(wall)), read_history(out), wall
+        return lay_out(load_wall(wall)), run_here(folder / "panel.h5", wall, *words), wall
     return push
 
 
@@ -76,7 +72,7 @@ def test_a_rigid_motion_is_found_exactly(turn):
 @pytest.mark.parametrize("upwards", [True, False])
 def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
     """The upper half moves 0.5 mm up, or along: the bed joint below it opens or slips over its whole length."""
-    wall = written(tmp_path / "panel.py", WALL.format(height=0.45, friction=32))
+    wall = wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32))
     layout = lay_out(load_wall(wall))
     motion = np.zeros((len(layout.bodies), 3))
     motion[layout.bodies.z > 0.225, int(upwards)] = 0.5e-3

@@ -10,7 +10,6 @@ import pandas as pd
 import pytest
 from conftest import REPOSITORY, SHORT, one_line_error, wall_file, written
 from numpy.testing import assert_allclose, assert_array_equal
-from small_history import make_history
 
 import damage
 from damage import Brick, Joint, Lintel, Opening, Wall
@@ -278,9 +277,8 @@ def test_a_wrong_word_is_one_line(shaken, words, said, error_of):
     assert said in error_of("stresses", shaken[0].path, *words)
 
 
-def test_a_run_without_stresses_is_one_line(tmp_path, error_of):
-    make_history(tmp_path / "a.h5")
-    assert "has no stresses of joints: expected a run with --stresses" in error_of("stresses", tmp_path / "a.h5")
+def test_a_run_without_stresses_is_one_line(still_history, error_of):
+    assert "has no stresses of joints: expected a run with --stresses" in error_of("stresses", still_history.path)
 
 
 @pytest.mark.parametrize("place", [(0.1,), [(0.1, 0.1, 0.1)], "left"])

@@ -161,8 +161,8 @@ class TestMotion:
         row = summary_row(history)
         assert {name: row[name] for name in WRITTEN} == motion_measures(history)
 
-    def test_of_an_older_file_a_harmonic_motion_is_known_and_a_record_is_not(self, tmp_path):
-        harmonic = motion_measures(make_history(tmp_path / "a.h5"))  # 0.2 s, 0.05 g
+    def test_of_an_older_file_a_harmonic_motion_is_known_and_a_record_is_not(self, tmp_path, still_history):
+        harmonic = motion_measures(still_history)  # 0.2 s, 0.05 g
         assert harmonic["pgv_m_s"] == pytest.approx(2 * 0.05 * 9.81 * 0.2 / (2 * np.pi), rel=1e-3)
         assert harmonic["sa_eigen_period_g"] is None  # the file does not tell the period
         for loading in ("record", "free_vibration", "cyclic"):

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import TINY, contents, wall_file, without_progress
+from conftest import TINY, contents, run_here, wall_file, without_progress
 from small_history import make_history
 
 from damage.history.reader import read_history
@@ -40,9 +40,7 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run_members.csv", "tiny.py"]
     assert table["run"].to_list() == ["run_s1", "run_s2", "run_s3"] and (table["scatter"] == 0.05).all()
     for seed in (1, 3):
-        alone = tmp_path / f"{seed}.h5"
-        assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--seed", str(seed), "--out", str(alone)]) == 0
-        row = summary_row(read_history(alone))
+        row = summary_row(run_here(tmp_path / f"{seed}.h5", tiny, *SHAKEN, "--scatter", 0.05, "--seed", seed))
         assert all(table[name][seed - 1] == pytest.approx(row[name], rel=1e-8) for name in SHOWN)
     assert contents(out) == contents(tmp_path / "1.h5")
     assert f"members: {tmp_path / 'run_members.csv'}" in printed and "3 members: median (min to max)" in printed

@@ -60,8 +60,8 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     assert choice({**USUAL_MODEL, "lintel": kept}) == ("default" if kept == "elastic" else f"lintel: {kept}")
 
 
-def test_an_old_history_has_the_defaults_of_younger_options(tmp_path):
-    assert make_history(tmp_path / "old.h5").model == ModelOptions()  # its parameters hold no option
+def test_an_old_history_has_the_defaults_of_younger_options(still_history):
+    assert still_history.model == ModelOptions()  # its parameters hold no option
 
 
 def test_joints_are_by_face_alone():

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from conftest import REPOSITORY, one_line_error, run_command, written
-from small_history import make_history, small_layout
+from small_history import small_layout
 
 from damage.laboratory.dic import read_field
 from damage.measure import crack_mapping
@@ -62,9 +62,8 @@ NAMES = {"x" * 300: "a name of 300 bytes", "é" * 200: "a name of 400 bytes", "x
                                    ["tables", "summary", "H", "--out", "?"], ["study-tables", "?", "x"],
                                    ["reference", "?"], ["reference", "W", "--record", "?"],
                                    ["reference", "W", "--out", "?"], ["cracks", "--dic", "?", "--wall", "W"]])
-def test_names_that_no_file_can_have_or_that_would_garble_a_terminal(name, words, tmp_path, error_of):
-    make_history(tmp_path / "small.h5")
-    known = {"?": name, "H": str(tmp_path / "small.h5"), "W": str(REPOSITORY / "walls" / "solid.py")}
+def test_names_that_no_file_can_have_or_that_would_garble_a_terminal(name, words, still_history, error_of):
+    known = {"?": name, "H": still_history.path, "W": REPOSITORY / "walls" / "solid.py"}
     assert NAMES[name] in error_of(*(known.get(word, word) for word in words))
 
 
@@ -266,11 +265,10 @@ def damage(folder, path, *words):
 
 @pytest.mark.parametrize("library, words", [("numpy", ["index", "x.h5"]), ("h5py", ["index", "x.h5"]),
                                             ("numba", ["reference", "w.py"]), ("scipy", ["record", "x.csv"]),
-                                            ("matplotlib", ["plot", "small.h5", "--out", "o"])])
-def test_a_missing_library_is_named(library, words, tmp_path):
-    make_history(tmp_path / "small.h5")
+                                            ("matplotlib", ["plot", "H", "--out", "o"])])
+def test_a_missing_library_is_named(library, words, still_history, tmp_path):
     path = stand_in(tmp_path, library, f"raise ModuleNotFoundError('none here', name={library!r})")
-    done = damage(tmp_path, path, *words)
+    done = damage(tmp_path, path, *(still_history.path if word == "H" else word for word in words))
     assert done.returncode == 3 and len(done.stderr.splitlines()) == 1, done.stderr
     assert f"cannot import {library}: expected Debian's package python3-{library}, or pip install" in done.stderr
 
@@ -284,19 +282,17 @@ def test_a_program_that_imports_names_is_reported_the_same(tmp_path):
 
 @pytest.mark.parametrize("library, words", [("numpy", ["index", "x.h5"]), ("pandas", ["index", "x.h5"]),
                                             ("h5py", ["index", "x.h5"]), ("numba", ["reference", "w.py"]),
-                                            ("matplotlib", ["plot", "small.h5", "--out", "o"])])
-def test_an_interrupt_while_a_library_is_imported_is_quiet(library, words, tmp_path):
-    make_history(tmp_path / "small.h5")
+                                            ("matplotlib", ["plot", "H", "--out", "o"])])
+def test_an_interrupt_while_a_library_is_imported_is_quiet(library, words, still_history, tmp_path):
     path = stand_in(tmp_path, library, "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nprint('went on')\n")
-    done = damage(tmp_path, path, *words)
+    done = damage(tmp_path, path, *(still_history.path if word == "H" else word for word in words))
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
-def test_pictures_where_the_home_folder_takes_no_cache_are_drawn_without_a_word_of_matplotlib(tmp_path):
-    make_history(tmp_path / "small.h5")
+def test_pictures_where_the_home_folder_takes_no_cache_are_drawn_without_a_word_of_matplotlib(still_history, tmp_path):
     (tmp_path / "file").touch()
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), str(tmp_path / "file"))
-    done = run_command(sys.executable, "-m", "damage", "plot", "small.h5", "--out", "o", cwd=tmp_path,
+    done = run_command(sys.executable, "-m", "damage", "plot", still_history.path, "--out", "o", cwd=tmp_path,
                        env={**os.environ, "PYTHONPATH": str(REPOSITORY), **odd})
     assert done.returncode == 0 and (tmp_path / "o" / "wall_max.png").is_file()
     assert "atplotlib" not in done.stderr, done.stderr

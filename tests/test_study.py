@@ -231,11 +231,10 @@ class TestTables:
         assert_allclose(table["shear_limit_DI"], history.index(slip="shear-limit")["DI"])
         assert list(table["stage"].unique()) == ["motion", "rest", "settling"]
 
-    def test_events_name_the_place_of_their_joint(self, tmp_path):
-        history = make_history(tmp_path / "a.h5")
+    def test_events_name_the_place_of_their_joint(self, still_history):
         event = pd.DataFrame({"kind": ["shear"], "joint": [3], "time_s": [0.1]})
-        table = events_table(replace(history, events=event))
-        assert_allclose(table.loc[0, "joint_x_m"], history.joints.loc[3, "x_m"])
+        table = events_table(replace(still_history, events=event))
+        assert_allclose(table.loc[0, "joint_x_m"], still_history.joints.loc[3, "x_m"])
         assert list(table.columns[:3]) == ["time_s", "joint", "kind"]
 
     def test_files_read_back(self, history, tmp_path):
