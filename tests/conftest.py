@@ -83,7 +83,7 @@ def run_command(*words, status=None, **options):
     process with text."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True,
-                          env=environment, **{"timeout": 3000, "cwd": REPOSITORY, **options})
+                          **{"timeout": 3000, "cwd": REPOSITORY, "env": environment, **options})
     assert status in (None, done.returncode), f"status {done.returncode}\n{done.stdout}{done.stderr}"
     return done
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error, wall_file
+from conftest import REPOSITORY, one_line_error, wall_file, written
 
 import damage
 from damage.__main__ import main
@@ -353,9 +353,9 @@ class TestBadInput:
         (["--levels", "l.csv", "--settle", "knick"], "expected one of them"),
         (["--distortion", "1/500"], "--distortion belongs to --settle"), (["--settle", "dome"], "--settle dome"),
         (["--at", "52.09", "5.12"], "from the nearest epicentre"), (["--language", "fr"], "invalid choice")])
-    def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, capsys, more, said):
-        assert main([*words(claimed.parent), *more, "--out", str(tmp_path / "new")]) == 2
-        assert said in capsys.readouterr().err and not (tmp_path / "new" / "runs").exists()
+    def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, error_of, more, said):
+        assert said in error_of(*words(claimed.parent), *more, "--out", tmp_path / "new")
+        assert not (tmp_path / "new" / "runs").exists()
 
     @pytest.mark.parametrize("out", ["file", "file/below"])
     def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, error_of, out):
@@ -363,17 +363,15 @@ class TestBadInput:
         said = error_of(*words(claimed.parent), "--out", tmp_path / out)
         assert "is no folder; expected one" in said and "room" not in said and (tmp_path / "file").read_text() == "mine"
 
-    def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):
-        levels, out = tmp_path / "levels.csv", tmp_path / "o"
-        levels.write_text("x_m,height_m\n0,0.5\n0.2,0.498\n")
-        assert main([*words(claimed.parent), "--levels", str(levels), "--out", str(out)]) == 2
-        assert "expected points along all of it" in capsys.readouterr().err and not out.exists()
+    @pytest.mark.parametrize("option, text, said", [
+        ("--levels", "x_m,height_m\n0,0.5\n0.2,0.498\n", "expected points along all of it"),
+        ("--cracks", CRACKS.replace("0.16,0.075,", "9,0,"), "run along joints")], ids=["levels", "cracks"])
+    def test_levels_of_a_part_of_the_wall_and_cracks_beside_it_are_refused(self, claimed, tmp_path, error_of, option,
+                                                                           text, said):
+        file = written(tmp_path / "given.csv", text)
+        assert said in error_of(*words(claimed.parent), option, file, "--out", tmp_path / "o")
+        assert not (tmp_path / "o").exists()
 
-    def test_a_claim_without_an_address_is_refused(self, tmp_path, capsys):
-        assert main(["claim", "symmetric", "--cracks", "no.csv", "--out", str(tmp_path / "new")]) == 2
-        assert "which address? none given: expected --at LAT LON or --rd X Y" in capsys.readouterr().err
-
-    def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, capsys):
-        (tmp_path / "far.csv").write_text(CRACKS.replace("0.16,0.075,", "9,0,"))
-        assert main([*words(claimed.parent), "--cracks", str(tmp_path / "far.csv"), "--out", str(tmp_path / "o")]) == 2
-        assert "run along joints" in capsys.readouterr().err
+    def test_a_claim_without_an_address_is_refused(self, tmp_path, error_of):
+        assert "which address? none given: expected --at LAT LON or --rd X Y" in error_of(
+            "claim", "symmetric", "--cracks", "no.csv", "--out", tmp_path / "new")

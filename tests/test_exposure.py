@@ -181,6 +181,8 @@ class TestCatalogue:
         found = read_catalogue(path)
         assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
 
+    ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
+    FIRST = "a1|2018-01-08T14:00:52.5|53.363|6.751|3.0|A|3.4|induced or triggered event\n"
     HEAD = "date_utc,time_utc,magnitude,easting_rd_m,northing_rd_m\n"
     FDSN = "#EventID|Time|Latitude|Longitude|Magnitude\n"
 
@@ -198,13 +200,12 @@ class TestCatalogue:
         (FDSN + "a|2018-01-08T14:00:52|48.1|6.75|3.4\n", "line 2: epicentre outside"),
         (FDSN + "a||53.36|6.75|3.4\n", "line 2: time ''"), (FDSN, "no event"),
         ("#EventID|Time|Magnitude\na|2018-01-08|3\n", "line 1: no column latitude, longitude"),
+        (ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n",
+         "no event that the ground-motion models are for"),
+        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "XML or JSON; expected CSV, or the text .* format=text"),
     ])
-    def test_a_bad_line_is_named(self, tmp_path, text, message):
-        path = written(tmp_path / "bad.csv", text)
-        assert message in one_line_error(read_catalogue, path)
-
-    ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
-    FIRST = "a1|2018-01-08T14:00:52.5|53.363|6.751|3.0|A|3.4|induced or triggered event\n"
+    def test_a_bad_line_is_named_and_another_format(self, tmp_path, text, message):
+        refused_with(message, read_catalogue, written(tmp_path / "bad.csv", text))
 
     @pytest.mark.parametrize(("line", "note"), [
         ("b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|A|3.4|earthquake", "lines 2 and 3 are 0.4 s and 0.3 km apart (M 3.4 "
@@ -234,10 +235,6 @@ class TestCatalogue:
         path = written(tmp_path / "events.txt", self.ALL + self.FIRST + line + "\n")
         assert list(read_catalogue(path).id) == ["a1", "b9"]
 
-    def test_a_catalogue_without_any_that_the_models_are_for_is_refused(self, tmp_path):
-        path = written(tmp_path / "events.txt", self.ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n")
-        assert "no event that the ground-motion models are for" in one_line_error(read_catalogue, path)
-
     def test_depths_in_csv(self, tmp_path):
         path = tmp_path / "events.csv"
         path.write_text("date_utc,time_utc,magnitude,latitude,longitude,depth_km\n2018-01-08,14:00:52,3.4,53.363,6.751,3\n"
@@ -256,10 +253,9 @@ class TestCatalogue:
              "knmi2022c|2022-11-09T10:00:00.5|53.100000|6.000000|18.0|||KNMI|knmi2022c|MLn|1.10012||Elsewhere|\n")
     """In the form of KNMI's service: decimals of times and magnitudes, no author, catalogue and author of magnitude."""
 
-    def test_later_events_of_the_service_continue_the_catalogue(self, catalogue, tmp_path, capsys, output_of):
+    def test_later_events_of_the_service_continue_the_catalogue(self, catalogue, tmp_path, error_of, output_of):
         """What both have is not doubled, what the models are not for is left out and named."""
-        later, joined = tmp_path / "later.txt", tmp_path / "catalogue.csv"
-        later.write_text(self.LATER)
+        later, joined = written(tmp_path / "later.txt", self.LATER), tmp_path / "catalogue.csv"
         said = output_of("catalogue", later, "--out", joined)
         assert "1 of 2 events" in said and "from 2022-10-08 to 2022-10-08, the largest M 3.1" in said
         assert "left out as deeper than 10 km" in said and "1475 events from 1991-12-05 to 2022-10-08" in said
@@ -269,12 +265,8 @@ class TestCatalogue:
             assert getattr(found, name)[:-1].tolist() == getattr(catalogue, name).tolist(), name
         assert Exposure(places.at(53.36786, 6.71359), found, model_named("bommer-2022")).as_dict()[
             "catalogue_ends"] == "2022-10-08"
-        assert main(["catalogue", str(later), "--catalogue", str(joined), "--out", str(tmp_path / "c.csv")]) == 2
-        assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in capsys.readouterr().err
-
-    def test_quakeml_is_one_line(self, tmp_path):
-        path = written(tmp_path / "events.xml", "<?xml version='1.0'?>\n<q:quakeml/>\n")
-        refused_with("XML or JSON; expected CSV, or the text .* format=text", read_catalogue, path)
+        assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in error_of(
+            "catalogue", later, "--catalogue", joined, "--out", tmp_path / "c.csv")
 
     def test_years(self, catalogue):
         assert catalogue.between(2012, 2012).years == (2012, 2012)
@@ -363,14 +355,11 @@ class TestCommand:
         assert list(table) == list(COLUMNS) and table["median_mm_s"].max() == pytest.approx(12.96, abs=5e-3)
         assert {path.name for path in tmp_path.iterdir()} == {"exposure.csv", "exposure.png", "exposure.pdf"}
 
-    def test_the_grid_gives_the_same_place(self, capsys):
-        x, y = map(str, places.to_rd(*DELFZIJL))
+    def test_the_grid_gives_the_same_place(self, output_of):
         more = ["--json", "--component", "GEO", "--from", "2000", "--to", "2018"]
-        main(["exposure", "--rd", x, y, *more])
-        by_grid = json.loads(capsys.readouterr().out)
-        main(["exposure", "--at", *map(str, DELFZIJL), *more])
-        assert by_grid["largest_median_mm_s"] == pytest.approx(
-            json.loads(capsys.readouterr().out)["largest_median_mm_s"], rel=1e-9)
+        by_grid, by_degrees = (json.loads(output_of("exposure", *words, *more)) for words in (
+            ["--rd", *places.to_rd(*DELFZIJL)], ["--at", *DELFZIJL]))
+        assert by_grid["largest_median_mm_s"] == pytest.approx(by_degrees["largest_median_mm_s"], rel=1e-9)
         assert (by_grid["from"], by_grid["to"]) == (2000, 2018)
 
     def test_an_event_of_two_agencies_counts_once_and_is_named(self, output_of, tmp_path):
@@ -412,11 +401,9 @@ class TestCommand:
         (["--at", "53.3", "6.7", "--component", "ROT"], "component = 'ROT'"),
         (["--at", "53.3", "6.7", "--vs30", "nan"], "--vs30"),
     ])
-    def test_bad_input_is_one_line(self, capsys, words, message):
-        assert main(["exposure", *words]) == 2
-        said = capsys.readouterr()
-        assert said.out == "" and said.err.startswith("error: ") and said.err.count("\n") == 1
-        assert message in said.err and "expected" in said.err
+    def test_bad_input_is_one_line(self, error_of, words, message):
+        said = error_of("exposure", *words)
+        assert message in said and "expected" in said
 
 
 def station_residuals(model, vs30_m_s=200.0):

@@ -190,6 +190,7 @@ class TestPeerAt2:
             (AT2_TITLES + "NPTS= 6, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 6"),
             (AT2_TITLES + "NPTS= 4, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 4"),
             (AT2_TITLES + "NPTS= 5, DT= 0 SEC\n" + VALUES, "time step [s] = 0.0"),
+            (AT2_TITLES + "NPTS= 5, DT= 5.0 MSEC\n" + VALUES, "a time step of 5 s; expected at most 0.05 s"),
             (AT2_TITLES + "NPTS= 5, DT= .005 SEC\n.1 .2\n.3 x .5\n", "line 6: '.3 x .5' is not"),
             (AT2_TITLES + "NPTS= 2, DT= .005 SEC\n.1 NaN\n", "line 5: '.1 NaN' is not finite"),
             (AT2_TITLES.replace("ACCELERATION", "VELOCITY") + "NPTS= 5, DT= .005 SEC\n" + VALUES, "line 3:"),
@@ -201,7 +202,7 @@ class TestPeerAt2:
 
 
 class TestMiniSeed:
-    @pytest.fixture
+    @pytest.fixture(autouse=True)
     def obspy(self):
         return pytest.importorskip("obspy", reason="obspy is an optional extra")
 
@@ -216,7 +217,6 @@ class TestMiniSeed:
         stream.write(str(folder / name), format="MSEED")
         return folder / name
 
-    @pytest.mark.usefixtures("obspy")
     def test_counts_become_the_shipped_csv(self):
         counts = read_record(shipped_record_path("NL.BGAR..HGE"))
         table = read_record(shipped_record_path("BGAR_HGE"))
@@ -225,7 +225,6 @@ class TestMiniSeed:
         # the CSV has seven digits: half a unit of the last one at its peak of 1.09 m/s2 is 5e-7
         assert_allclose(counts.acceleration_m_s2, table.acceleration_m_s2, rtol=0, atol=5.01e-7)
 
-    @pytest.mark.usefixtures("obspy")
     def test_content_is_known_without_a_suffix(self, tmp_path):
         path = written(tmp_path / "motion.dat", shipped_record_path("NL.BGAR..HGZ").read_bytes())
         assert read_record(path, self.STATION_XML).name == "NL.BGAR..HGZ"
@@ -258,12 +257,10 @@ class TestMiniSeed:
         path = self.saved(trace.slice(endtime=trace.stats.starttime + 1), tmp_path)
         assert "201 samples" in one_line_error(read_record, path, self.STATION_XML)
 
-    @pytest.mark.usefixtures("obspy")
     def test_broken_file(self, tmp_path):
         path = write(tmp_path, "no seed\n", "motion.mseed")
         assert "obspy says" in one_line_error(read_record, path)
 
-    @pytest.mark.usefixtures("obspy")
     @pytest.mark.parametrize(
         ("old", "new", "says"),
         [
@@ -284,7 +281,6 @@ class TestMiniSeed:
         path = write(tmp_path, text.replace(old, new), "other.xml")
         assert says in one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
 
-    @pytest.mark.usefixtures("obspy")
     def test_a_velocity_in_the_first_stage_is_refused(self, tmp_path):
         head, stage, rest = self.STATION_XML.read_text().partition('<Stage number="1">')
         path = write(tmp_path, head + stage + rest.replace("M/S**2", "M/S", 1), "other.xml")
@@ -316,11 +312,11 @@ class TestMiniSeed:
         again = read_record(self.saved(trace, tmp_path), self.STATION_XML)
         assert again.acceleration_m_s2.tobytes() == whole.acceleration_m_s2.tobytes()
 
-    def test_without_obspy_the_extra_is_named(self, monkeypatch):
-        monkeypatch.setitem(sys.modules, "obspy", None)
-        message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"))
-        assert "pip install obspy" in message
-        assert "masonry-damage[obspy]" in message
+
+def test_without_obspy_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "obspy", None)
+    message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"))
+    assert "pip install obspy" in message and "masonry-damage[obspy]" in message
 
 
 def test_shipped_files_are_named_in_their_readme():
