@@ -145,13 +145,17 @@ def refused_with(words, function, *arguments, **named):
     assert "\n" not in str(caught.value)
 
 
+def _run_in_this_process(capsys, command, words):
+    """(Exit status, what was printed, what was said to standard error) of a main()."""
+    capsys.readouterr()
+    return command([str(word) for word in words]), *capsys.readouterr()
+
+
 @pytest.fixture
 def output_of(capsys):
-    """output_of(*words): what a command of `damage`, run in this process to a good end, prints."""
-    def run(*words):
-        capsys.readouterr()
-        status = main([str(word) for word in words])
-        out, err = capsys.readouterr()
+    """output_of(*words): what a command of `damage`, or `of` another main(), prints in this process to a good end."""
+    def run(*words, of=main):
+        status, out, err = _run_in_this_process(capsys, of, words)
         assert status == 0, err
         return out
 
@@ -160,13 +164,11 @@ def output_of(capsys):
 
 @pytest.fixture
 def error_of(capsys):
-    """error_of(*words): the one line of a command of `damage` that is refused, fit for any terminal."""
-    def run(*words):
-        capsys.readouterr()
-        status = main([str(word) for word in words])
-        out, err = capsys.readouterr()
+    """error_of(*words): the one line of a command of `damage`, or `of` another main(), that is refused."""
+    def run(*words, of=main):
+        status, out, err = _run_in_this_process(capsys, of, words)
         assert (status, out) == (2, "")
-        assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable(), err
+        assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable(), err  # fit for any terminal
         return err
 
     return run
@@ -175,6 +177,12 @@ def error_of(capsys):
 def written(path, content, **how):
     """The path of a file, after this text or these bytes are written to it."""
     path.write_bytes(content) if isinstance(content, bytes) else path.write_text(content, **how)
+    return path
+
+
+def script_file(path, text):
+    """The path of an executable shell script, written here."""
+    written(path, f"#!{shutil.which('bash')}\n{text}\n").chmod(0o755)
     return path
 
 

@@ -64,7 +64,6 @@ def test_what_is_not_there_is_one_line(tmp_path, block, words):
     refused_with(words, with_tables, block, tmp_path)
 
 
-def test_an_input_without_a_table_is_refused(monkeypatch, capsys):
+def test_an_input_without_a_table_is_refused(monkeypatch, error_of):
     monkeypatch.setattr("sys.stdin.read", lambda: "words", raising=False)
-    assert main(["benchmarks/none.csv"]) == 2
-    assert capsys.readouterr().err == "error: 0 tables in the input; expected table 1 among them\n"
+    assert error_of("benchmarks/none.csv", of=main) == "error: 0 tables in the input; expected table 1 among them\n"

@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY, run_command
+from conftest import REPOSITORY, run_command, script_file
 
 TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
 NO_PACKAGES = f'exec {sys.executable} -I -S "$@"'  # a Python as it comes, without any package
@@ -35,7 +35,7 @@ class Machine:
 
     def stub(self, name, script, folder=None):
         """Put an executable shell script on the path."""
-        return write_script((folder or self.bin) / name, script)
+        return script_file((folder or self.bin) / name, script)
 
     def python(self, *without, more=""):
         """The script of an interpreter that has MODULES but those `without`, behind what is in PYTHONPATH."""
@@ -51,12 +51,6 @@ class Machine:
         environment = {"PATH": str(self.bin), "HOME": str(self.bin), "MASONRY_NO_INSTALL": "1",
                        "SYSTEM_PYTHON": str(self.system_python), **variables}
         return run_command("bash", "-c", script, env=environment, timeout=120)
-
-
-def write_script(path, script):
-    path.write_text(f"#!{shutil.which('bash')}\n{script}\n")
-    path.chmod(0o755)
-    return path
 
 
 @pytest.fixture
@@ -266,7 +260,7 @@ class TestGates:
         (bare.repository / ".venv" / "bin").mkdir(parents=True)
         ruff = bare.stub("ruff", "echo ruff 0.0.1", bare.repository / ".venv" / "bin")
         assert bare.source("gates").returncode == 3
-        write_script(ruff, f"echo ruff {version.removeprefix('==')}")
+        script_file(ruff, f"echo ruff {version.removeprefix('==')}")
         done = bare.source("gates", then='echo "$RUFF"')
         assert (done.returncode, done.stdout.strip()) == (0, str(ruff)), done.stderr
 
@@ -322,7 +316,7 @@ class TestRunAll:
         calls = tmp_path / "calls"
         for name in MODULES:
             (tmp_path / f"{name}.py").touch()
-        python = write_script(tmp_path / "python", f"""
+        python = script_file(tmp_path / "python", f"""
             [ "$1" = -c ] && PYTHONPATH={tmp_path} exec {sys.executable} -S "$@"
             echo "$@" >>{calls}
             case "$*" in *" check "*) exit 1 ;; *" reference "*) exit {status} ;; esac""")

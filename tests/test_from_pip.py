@@ -12,7 +12,7 @@ from shutil import copytree, ignore_patterns
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, run_command
+from conftest import REPOSITORY, one_line_error, run_command, script_file
 from test_guides import GUIDES, blocks
 
 import damage
@@ -52,8 +52,7 @@ def installed(tmp_path_factory):
         copytree(REPOSITORY / folder, base.joinpath("site", *package.split(".")), ignore=ignore_patterns("__pycache__"))
     (base / "bin").mkdir()
     for name, words in (("python3", ""), ("damage", " -m damage")):
-        (base / "bin" / name).write_text(f'#!/bin/sh\nexec "{sys.executable}"{words} "$@"\n')
-        (base / "bin" / name).chmod(0o755)
+        script_file(base / "bin" / name, f'exec "{sys.executable}"{words} "$@"')
     return base
 
 

@@ -7,7 +7,7 @@ import sys
 from importlib.util import find_spec
 
 import pytest
-from conftest import REPOSITORY, TINY, run_command, wall_file, written
+from conftest import REPOSITORY, TINY, run_command, script_file, wall_file
 
 from damage.batch import cluster
 
@@ -35,8 +35,7 @@ options = { rest = 0, dt = 0.1 }
     ("slurm_load_jobs error: Unable to contact slurm controller", "running"),
 ])
 def test_states_of_jobs(tmp_path, printed, status):
-    scontrol = written(tmp_path / "scontrol", f'#!/bin/sh\necho "{printed}"\n')
-    scontrol.chmod(0o755)
+    script_file(tmp_path / "scontrol", f'echo "{printed}"')
     done = run_command(STATUS, "7", env={"PATH": f"{tmp_path}{os.pathsep}/usr/bin{os.pathsep}/bin"})
     assert done.stdout.strip() == status
 

@@ -19,6 +19,7 @@ from conftest import (
     refused_with,
     run_command,
     running,
+    script_file,
     wait_until,
     wall_file,
     written,
@@ -293,8 +294,7 @@ class Batches:
         for status in ("complete", "unfinished"):
             make_history(folder / "bin" / f"{status}.h5", status=status)
         (folder / "yade.py").write_text(FAKE_YADE.format(calls=str(self.calls), folder=str(folder / "bin")))
-        yade = written(folder / "bin" / "yade", f'#!/bin/sh\nexec {sys.executable} "{folder / "yade.py"}" "$@"\n')
-        yade.chmod(0o755)
+        script_file(folder / "bin" / "yade", f'exec {sys.executable} "{folder / "yade.py"}" "$@"')
 
     def study(self, pictures="none", **rests):  # pictures take longer than all else
         runs = [f'[[runs]]\nid = "{name}"\n{WALL}options = {{ rest = {rest} }}\n'

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, run_command, written
+from conftest import REPOSITORY, one_line_error, run_command, script_file, written
 from numpy.testing import assert_allclose
 
 from damage import Brick, Floor, Joint, Opening, Wall, load_wall, masonry
@@ -121,10 +121,8 @@ class TestData:
 
     def test_the_launcher_gives_yade_the_program_for_data(self, tmp_path):
         """A stand-in for YADE prints its arguments: the program comes before the first wall, once."""
-        fake = tmp_path / "bin/yade"
-        fake.parent.mkdir()
-        fake.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
-        fake.chmod(0o755)
+        (tmp_path / "bin").mkdir()
+        fake = script_file(tmp_path / "bin/yade", 'printf "%s\\n" "$@"')
         given = ["-n", "a/house.toml", "--out", "x.h5"]
         (tmp_path / "a").mkdir()
         (tmp_path / "a/house.toml").touch()
