@@ -139,10 +139,11 @@ def one_line_error(function, *arguments, **named):
 
 
 def refused_with(words, function, *arguments, **named):
-    """Hold a call to an InputError of one line in which these words, a regular expression, are found."""
+    """The one line of the InputError that a call raises; these words, a regular expression, are found in it."""
     with pytest.raises(InputError, match=words) as caught:
         function(*arguments, **named)
     assert "\n" not in str(caught.value)
+    return str(caught.value)
 
 
 def _run_in_this_process(capsys, command, words):

@@ -181,41 +181,27 @@ def index_of(drift=0.0, opening=(0, 0, 0, 0), slip=(0, 0, 0, 0), at_limit=(0, 0,
     return frame.iloc[0]
 
 
-def test_lengths_over_the_threshold_add_up():
-    row = index_of(opening=(2e-4, 0, 0.9e-4, 1.1e-4), slip=(0, -2e-4, 0, 0))
-    assert row.DI_open == pytest.approx(0.5) and row.DI_slip == pytest.approx(0.2)
+FIRST, SECOND, LIMITED = (2e-4, 0, 0, 0), (0, 2e-4, 0, 0), (0, 0, 1, 1)
 
 
-def test_index_combines_the_three_by_equation_one():
-    row = index_of(drift=-0.005, opening=(2e-4, 0, 0, 0), slip=(0, 2e-4, 0, 0))
-    assert row.DI_drift == pytest.approx(0.25)
-    assert row.DI == pytest.approx(1 - 0.75 * 0.9 * 0.8)
-
-
-def test_lengths_that_are_left_out_count_in_the_total():
-    row = index_of(opening=(2e-4, 0, 0, 0), slip=(0, 2e-4, 0, 0), total_length=20.0)
-    assert (row.DI_open, row.DI_slip) == pytest.approx((0.05, 0.1))
+@pytest.mark.parametrize(("given", "expected"), [
+    ({"opening": (2e-4, 0, 0.9e-4, 1.1e-4), "slip": (0, -2e-4, 0, 0)}, {"DI_open": 0.5, "DI_slip": 0.2}),
+    ({"drift": -0.005, "opening": FIRST, "slip": SECOND}, {"DI_drift": 0.25, "DI": 1 - 0.75 * 0.9 * 0.8}),
+    ({"opening": FIRST, "slip": SECOND, "total_length": 20.0}, {"DI_open": 0.05, "DI_slip": 0.1}),
+    ({"drift": 0.05}, {"DI_drift": 1.0, "drift_over_limit": 2.5}),
+    ({"slip": FIRST, "at_limit": LIMITED}, {"DI_slip": 0.1}),
+    ({"slip": FIRST, "at_limit": LIMITED, "slip_criterion": "shear-limit"}, {"DI_slip": 0.7}),
+    ({"drift": 0.005, "opening": FIRST, "threshold": 3e-4, "drift_limit": 0.01}, {"DI_open": 0.0, "DI_drift": 0.5})],
+    ids=["lengths over the threshold add up", "equation (1)", "joints that are left out count in the total",
+         "drift is clipped and kept", "slip", "slip by the shear limit", "threshold and drift limit can be set"])
+def test_the_index_of_an_instant(given, expected):
+    row = index_of(**given)
+    assert {name: row[name] for name in expected} == pytest.approx(expected)
 
 
 def test_no_damage_is_exactly_zero_and_all_damage_exactly_one():
-    assert index_of().DI == 0.0
-    assert index_of(opening=(1, 1, 1, 1)).DI == 1.0
-
-
-def test_drift_is_clipped_and_kept():
-    row = index_of(drift=0.05)
-    assert row.DI_drift == 1.0 and row.drift_over_limit == pytest.approx(2.5)
-
-
-def test_the_two_slip_criteria():
-    joints = {"slip": (2e-4, 0, 0, 0), "at_limit": (0, 0, 1, 1)}
-    assert index_of(**joints).DI_slip == pytest.approx(0.1)
-    assert index_of(**joints, slip_criterion="shear-limit").DI_slip == pytest.approx(0.7)
-
-
-def test_threshold_and_drift_limit_can_be_set():
-    row = index_of(drift=0.005, opening=(2e-4, 0, 0, 0), threshold=3e-4, drift_limit=0.01)
-    assert row.DI_open == 0.0 and row.DI_drift == pytest.approx(0.5)
+    assert index_of().DI == 0.0 and index_of(opening=(1, 1, 1, 1)).DI == 1.0
+    assert index_of(drift=0.05).DI_drift == 1.0 and index_of(opening=FIRST, threshold=3e-4).DI_open == 0.0
 
 
 def test_index_is_now_and_not_ever():

@@ -28,7 +28,6 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.__main__ import main
-from damage.errors import InputError
 from damage.measure.tables import (
     describe_table,
     events_table,
@@ -117,9 +116,7 @@ class TestLoading:
         (f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}', "runs 1 and 2 are both"),
     ], ids=str)
     def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, message):
-        with pytest.raises(InputError) as caught:
-            load_study(write_study(tmp_path, text))
-        assert message in str(caught.value) and "\n" not in str(caught.value)
+        assert message in refused_with("", load_study, write_study(tmp_path, text))
 
     def test_a_missing_study_is_refused(self, tmp_path):
         refused_with("No such file", load_study, tmp_path / "no.toml")
