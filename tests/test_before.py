@@ -21,7 +21,6 @@ from damage.laboratory.crack_report import history_drawn
 from damage.measure.crack_file import Surveyed, read_cracks
 from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.summary import summarise
-from damage.reference.session import run_reference
 from damage.run.before import with_cracks
 from damage.run.options import parse_run
 from damage.wall.layout import lay_out
@@ -244,11 +243,9 @@ def test_cracks_count_as_drawn(tmp_path):
     assert level["psi"] == pytest.approx(2 * 3**0.15) == level["psi_drawn"]  # of 1 mm
 
 
-def test_cracks_beside_the_wall_are_one_line(tmp_path, capsys):
+def test_cracks_beside_the_wall_are_one_line(tmp_path, error_of):
     path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "30.0,1"))
-    words = ["benchmarks/small_wall.py", "--cracked", str(path), "--out", str(tmp_path / "a.h5")]
-    assert run_reference(words) == 2
-    assert "100 % of the cracks' length" in capsys.readouterr().err
-    assert run_reference([*words, "--accept-implausible"]) == 2
-    assert "0.00 of 0.34 m of its cracks run along joints" in capsys.readouterr().err
+    words = ["reference", "benchmarks/small_wall.py", "--cracked", path, "--out", tmp_path / "a.h5"]
+    assert "100 % of the cracks' length" in error_of(*words)
+    assert "0.00 of 0.34 m of its cracks run along joints" in error_of(*words, "--accept-implausible")
     assert not (tmp_path / "a.h5").exists()

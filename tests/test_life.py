@@ -149,8 +149,7 @@ class TestAddress:
         ("a." * 100_000 + "a = 1\n", "a key of more than 20 parts"),
         (ADDRESS + "catalogue = 'nowhere.csv'\n", "nowhere.csv")])
     def test_what_is_wrong_is_said_in_one_line(self, tmp_path, text, message):
-        (tmp_path / "a.toml").write_text(text)
-        assert message in one_line_error(read_address, tmp_path / "a.toml")
+        assert message in one_line_error(read_address, written(tmp_path / "a.toml", text))
 
     def test_one_event_of_the_catalogue(self, exposure):
         """Its median PGV, or the one drawn in a life, by a record within the rule."""
@@ -183,16 +182,14 @@ class TestAddress:
             refused_with("--event", parse_run, words, "", "reference")
 
     def test_options_that_do_not_go_with_a_life(self, tmp_path):
-        (tmp_path / "a.toml").write_text(ADDRESS)
-        where = ["--address", str(tmp_path / "a.toml")]
+        where = ["--address", str(written(tmp_path / "a.toml", ADDRESS))]
         for words, message in ((where, "expected both"), (["--life", "1"], "expected both"),
                                ([*where, "--life", "1", "--sequence", "1,1"], "--life and --sequence"),
                                ([*where, "--life", "0"], "--life")):
             assert message in one_line_error(parse_run, words, "test", "reference")
 
     def test_strengths_are_drawn_by_the_life_s_number(self, tmp_path):
-        (tmp_path / "a.toml").write_text(ADDRESS)
-        words = ["--address", str(tmp_path / "a.toml"), "--life", "7"]
+        words = ["--address", str(written(tmp_path / "a.toml", ADDRESS)), "--life", "7"]
         assert parse_run([*words, "--strength-cov", "0.3"], "t", "reference").model.strength_seed == 7
         assert parse_run(words, "t", "reference").life["number"] == 7
 
@@ -282,23 +279,20 @@ class TestRuns:
         assert again.last.equals(one.last)
         text, changed = path.read_text(), tmp_path / "changed.csv"
         assert re.match(r"# n: wall and options \w{12}, model \w{12}, measures \w{12}\n", text)
-        written = pd.read_csv(path, comment="#", dtype={"time_utc": str})
-        first = written["life"] == 1
-        several = written.groupby("life")["event"].transform("max") > 1
+        table = pd.read_csv(path, comment="#", dtype={"time_utc": str})
+        first = table["life"] == 1
+        several = table.groupby("life")["event"].transform("max") > 1
         faults = {
             "another wall or other options": re.sub(r"wall and options \w+", "wall and options 0123456789ab", text),
-            "seed 1, life 1: ": written.assign(seed=1),
-            "another PGV": written.assign(pgv_mm_s=written["pgv_mm_s"] * 1.01),
-            "events of a wall that stands": written.drop(written.index[several][-1:]),
-            "an event is missing": written.drop(written.index[several][:1]),
-            "psi = nan": written.assign(psi=written["psi"].where(~first)), "psi = -1": written.assign(psi=-1.0),
-            "DI = 1.5": written.assign(DI=1.5), "no column psi": written.drop(columns="psi"),
-            "life = 0": written.assign(life=written["life"] - 1)}
-        for said, table in faults.items():
-            if isinstance(table, str):
-                changed.write_text(table)
-            else:
-                table.to_csv(changed, index=False)
+            "seed 1, life 1: ": table.assign(seed=1),
+            "another PGV": table.assign(pgv_mm_s=table["pgv_mm_s"] * 1.01),
+            "events of a wall that stands": table.drop(table.index[several][-1:]),
+            "an event is missing": table.drop(table.index[several][:1]),
+            "psi = nan": table.assign(psi=table["psi"].where(~first)), "psi = -1": table.assign(psi=-1.0),
+            "DI = 1.5": table.assign(DI=1.5), "no column psi": table.drop(columns="psi"),
+            "life = 0": table.assign(life=table["life"] - 1)}
+        for said, faulty in faults.items():
+            changed.write_text(faulty if isinstance(faulty, str) else faulty.to_csv(index=False))
             assert said in one_line_error(lives_of, folder, [changed])
         other = Draws(one.draws.exposure, replace(one.draws.choices, seed=1))
         unharmed = dict.fromkeys(

@@ -135,6 +135,5 @@ def test_measuring_gives_a_speed():
 
 
 def test_a_wrong_study_is_refused(tmp_path):
-    (tmp_path / "s.toml").write_text("name = 1\n")
-    done = run_command("./run_all.sh", tmp_path / "s.toml", "--dry-run")
-    assert done.returncode == 2 and "error: " in done.stderr
+    done = run_command("./run_all.sh", written(tmp_path / "s.toml", "name = 1\n"), "--dry-run", status=2)
+    assert "error: " in done.stderr
