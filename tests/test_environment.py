@@ -45,12 +45,12 @@ class Machine:
             (broken / f"{module}.py").write_text("raise ImportError('not here')\n")
         return f'PYTHONPATH={broken}:{more}:${{PYTHONPATH:-}}:{self.modules} exec {sys.executable} -S "$@"'
 
-    def source(self, group="run", then='echo "$PYTHON"', **variables):
-        """Source the script; returns the completed process."""
+    def source(self, group="run", then='echo "$PYTHON"', status=None, **variables):
+        """Source the script, to this exit status if one is given; returns the completed process."""
         script = f"set -euo pipefail; source {self.repository}/scripts/environment.sh {group}; {then}"
         environment = {"PATH": str(self.bin), "HOME": str(self.bin), "MASONRY_NO_INSTALL": "1",
                        "SYSTEM_PYTHON": str(self.system_python), **variables}
-        return run_command("bash", "-c", script, env=environment, timeout=120)
+        return run_command("bash", "-c", script, env=environment, timeout=120, status=status)
 
 
 @pytest.fixture
@@ -132,32 +132,27 @@ class TestMissing:
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 
     def test_programs_of_other_names_are_reported_by_their_packages(self, machine):
-        done = machine.source("browser")
-        assert done.returncode == 3
+        done = machine.source("browser", status=3)
         assert done.stderr.splitlines()[0].startswith(
             "error: missing on this machine: chromium chromium-driver poppler-utils")
 
     def test_only_what_is_missing_is_named(self, machine):
         machine.stub("python3", machine.python("numba", "h5py"), machine.system_python.parent)
-        done = machine.source()
-        assert done.returncode == 3
+        done = machine.source(status=3)
         assert done.stderr.splitlines()[0].endswith(": python3-h5py python3-numba")
 
     def test_a_machine_without_any_python(self, machine):
         (machine.system_python).unlink()
-        done = machine.source()
-        assert done.returncode == 3
+        done = machine.source(status=3)
         assert "python3-numpy" in done.stderr and "yade" not in done.stderr
 
     def test_without_apt_get_nothing_is_tried(self, machine):
         (machine.bin / "yade").unlink()
-        done = machine.source(MASONRY_NO_INSTALL="")
-        assert done.returncode == 3
+        done = machine.source(MASONRY_NO_INSTALL="", status=3)
         assert done.stderr.splitlines()[0] == "error: missing on this machine: yade"
 
     def test_an_unknown_group_is_refused(self, machine):
-        done = machine.source("everything")
-        assert done.returncode == 2
+        done = machine.source("everything", status=2)
         assert done.stderr == ("error: environment.sh everything: expected run, cluster, test, coverage, browser, app, "
                                "site or gates; correct the call\n")
 
@@ -202,14 +197,12 @@ class TestInstalling:
 
     def test_it_gives_up_after_the_second_failure(self, debian):
         debian.stub("apt-get", f"echo x >>{debian.repository}/calls; echo 'E: broken' >&2; exit 100")
-        done = debian.source(MASONRY_NO_INSTALL="")
-        assert done.returncode == 3
+        done = debian.source(MASONRY_NO_INSTALL="", status=3)
         assert done.stderr.count("E: broken") == 2
         assert "error: missing on this machine: yade" in done.stderr
 
     def test_it_can_be_forbidden(self, debian):
-        done = debian.source()
-        assert done.returncode == 3
+        debian.source(status=3)
         assert not (debian.repository / "calls").exists()
 
 
@@ -266,8 +259,7 @@ class TestGates:
 
     def test_a_missing_shellcheck_is_named(self, bare):
         (bare.bin / "shellcheck").unlink()
-        done = bare.source("gates")
-        assert done.returncode == 3
+        done = bare.source("gates", status=3)
         assert done.stderr.splitlines()[0] == "error: missing on this machine: shellcheck"
 
 

@@ -4,7 +4,6 @@ import base64
 import json
 import re
 import shutil
-import sys
 import tomllib
 from dataclasses import replace
 from fnmatch import fnmatch
@@ -14,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error, refused_with, run_command
+from conftest import REPOSITORY, one_line_error, refused_with
 from small_history import as_version_2, make_history, small_layout
 
 from damage.__main__ import main
@@ -487,12 +486,6 @@ class TestFile:
         out.mkdir()
         assert "cannot write" in one_line_error(write_report, [one.path], out)
         assert [path.name for path in tmp_path.iterdir()] == ["out.html"]
-
-    def test_a_missing_library_is_one_line(self, one):
-        code = (f"import sys; sys.modules['jinja2'] = None; from damage.__main__ import main; "
-                f"sys.exit(main(['report', {str(one.path)!r}]))")
-        done = run_command(sys.executable, "-c", code, status=3)
-        assert done.stderr.count("\n") == 1 and "cannot import jinja2" in done.stderr
 
 
 class TestNumbers:

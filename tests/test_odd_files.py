@@ -265,7 +265,7 @@ def damage(folder, path, *words):
 
 @pytest.mark.parametrize("library, words", [("numpy", ["index", "x.h5"]), ("h5py", ["index", "x.h5"]),
                                             ("numba", ["reference", "w.py"]), ("scipy", ["record", "x.csv"]),
-                                            ("matplotlib", ["plot", "H", "--out", "o"])])
+                                            ("matplotlib", ["plot", "H", "--out", "o"]), ("jinja2", ["report", "H"])])
 def test_a_missing_library_is_named(library, words, still_history, tmp_path):
     path = stand_in(tmp_path, library, f"raise ModuleNotFoundError('none here', name={library!r})")
     done = damage(tmp_path, path, *(still_history.path if word == "H" else word for word in words))

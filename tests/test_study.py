@@ -244,10 +244,6 @@ class TestTables:
         index = pd.read_csv(tmp_path / "t" / "one_index.csv")
         assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
 
-    def test_a_file_that_is_no_history_is_reported_in_one_line(self, tmp_path, error_of):
-        (tmp_path / "a.h5").write_text("x")
-        assert error_of("tables", "summary", tmp_path / "a.h5", "--out", tmp_path / "s.csv").count("\n") == 1
-
 
 FAKE_YADE = '''
 import shutil, sys, time
@@ -332,7 +328,7 @@ def batches(tmp_path):
 @pytest.mark.slow
 class TestBatch:
     def test_histories_tables_and_pictures_and_nothing_twice(self, batches):
-        """Then with a changed parameter, which touches one run; and another study, which may not have the folder."""
+        """Then with a changed parameter, which touches one run."""
         study = batches.study("all", a=1, b=1.5)
         done, calls = batches.run(study)
         assert (done.returncode, calls) == (0, ["1", "1.5"]), done.stderr
@@ -352,11 +348,6 @@ class TestBatch:
         done, calls = batches.run(batches.study("all", a=1, b=1.7))
         assert (done.returncode, calls) == (0, ["1.7"]), done.stderr
         assert (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns == untouched
-
-        other = write_study(batches.folder, study.read_text().replace('"s"', '"other"'), "other.toml")
-        done, calls = batches.run(other)
-        assert (done.returncode, calls, done.stderr.count("\n")) == (2, [], 1)
-        assert "holds the study 's', not 'other'" in done.stderr
 
     def test_failing_runs_stop_no_other_and_are_named_with_their_logs(self, batches):
         done, calls = batches.run(batches.study(good=1, fails=2, unfinished=3))
