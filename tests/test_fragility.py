@@ -11,7 +11,6 @@ from scipy.special import ndtr
 from scipy.stats import binom
 from scipy.stats import t as student
 
-from damage.__main__ import main
 from damage.errors import InputError
 from damage.measure.tables import write_table
 from damage.studies.after_damage import load_shocks, table_after_damage
@@ -455,23 +454,21 @@ class TestOwnStates:
                                 ("missing", "1 of 24 runs have no value"), ("record", "holds no numbers")):
             refused_with(complaint, check_intensity, runs, name)
 
-    def test_the_command_takes_them_from_its_words_or_from_the_study_file(self, tmp_path, capsys, error_of):
+    def test_the_command_takes_them_from_its_words_or_from_the_study_file(self, tmp_path, output_of, error_of):
         runs = walls(12, seed=1).assign(peak_force_n=lambda table: 1e4 * table["pga_g"])
         write_table(runs, tmp_path / "tables" / "summary.csv")
-        words = ["fragility", str(tmp_path), "--out", str(tmp_path / "f"), "--replicates", "5"]
-        assert main([*words, "--state", "wide: max_crack_width_mm > 8", "--state", "max_DI > 0.05",
-                     "--intensity", "peak_force_n", "--at", "1000", "2000"]) == 0
+        words = ["fragility", tmp_path, "--out", tmp_path / "f", "--replicates", 5]
+        output_of(*words, "--state", "wide: max_crack_width_mm > 8", "--state", "max_DI > 0.05", "--intensity",
+                  "peak_force_n", "--at", 1000, 2000)
         table = pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")
         assert list(table["state"]) == ["wide", "max_DI > 0.05"]
         assert table["median_N"].between(500, 4000).all()
         assert len(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n_at.csv")) == 4
         (tmp_path / "study.toml").write_text('states = ["a: max_DI > 0.06"]\nintensity = "peak_force_n"\n')
-        assert main(words) == 0
+        output_of(*words)
         assert list(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")["state"]) == ["a"]
         for bad, complaint in ((["--state", "max_DI > x"], "level 'x'"), (["--intensity", "pga"], "perhaps pga_g")):
-            capsys.readouterr()
-            printed = error_of(*words, *bad)
-            assert printed.startswith("error: ") and printed.count("\n") == 1 and complaint in printed
+            assert complaint in error_of(*words, *bad)
 
     def test_a_study_file_with_others_is_refused(self, tmp_path):
         for text, complaint in (('states = "max_DI > 1"', "a list of texts"), ("states = [1]", "a list of texts"),
@@ -505,16 +502,15 @@ class TestEfficiency:
         assert row["median_m_s"] == pytest.approx(0.06, rel=0.1) and not any(name.endswith("_g") for name in row)
 
 
-def test_the_command_writes_table_and_picture(tmp_path, capsys):
+def test_the_command_writes_table_and_picture(tmp_path, output_of, error_of):
     write_table(walls(12, seed=1), tmp_path / "tables" / "summary.csv")
-    assert main(["fragility", str(tmp_path), "--out", str(tmp_path / "f"), "--replicates", "20"]) == 0
+    assert "dispersion" in output_of("fragility", tmp_path, "--out", tmp_path / "f", "--replicates", 20)
     table = pd.read_csv(tmp_path / "f" / "fragility_pga_g.csv")
     assert len(table) == sum(map(len, LEVELS.values())) and set(table["runs"]) == {96}
     assert table.set_index("measure").loc["max_psi", "median_g"].isna().all()
     assert {path.suffix for path in (tmp_path / "f").glob("fragility_w_pga_g.*")} == {".png", ".pdf"}
-    assert "dispersion" in capsys.readouterr().out
     assert set(pd.read_csv(tmp_path / "f" / "efficiency.csv")["intensity"]) == {"pga_g"}
-    assert main(["fragility", str(tmp_path), "--out", str(tmp_path), "--intensity", "sa_0.2_s_g"]) == 2
+    error_of("fragility", tmp_path, "--out", tmp_path, "--intensity", "sa_0.2_s_g")
 
 
 def test_studies_without_scattered_strengths_are_refused(tmp_path):
@@ -566,8 +562,8 @@ class TestAfterDamage:
         assert set(table_after_damage(few, "pga_g", 5)["before"]) == {"undamaged"}
         refused_with("expected 20 or more", table_after_damage, shocks.head(19), "pga_g", 5)
 
-    def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, capsys):
-        assert main(["fragility", str(study), "--out", str(tmp_path / "f"), "--after-damage", "--replicates", "5"]) == 0
+    def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, output_of):
+        output_of("fragility", study, "--out", tmp_path / "f", "--after-damage", "--replicates", 5)
         table = pd.read_csv(tmp_path / "f" / "fragility_after_damage_pga_g.csv")
         median = table[(table["measure"] == "max_psi") & (table["level"] == 1.0)].set_index("before")["median_g"]
         # Psi is 1.5 f / c, or twice that: it reaches 1 at f = c / 1.5, c about 1, between the factors that were run.

@@ -68,9 +68,9 @@ def history(tmp_path):
     return make
 
 
-@pytest.fixture
-def cracked(history):
-    return history(**CASES["cracked"])
+@pytest.fixture(scope="module")
+def cracked(tmp_path_factory):
+    return make_history(tmp_path_factory.mktemp("cracked") / "small.h5", LAYOUT, **CASES["cracked"])
 
 
 def collection(figure, label):
