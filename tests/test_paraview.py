@@ -95,9 +95,8 @@ def test_a_history_without_samples_is_refused(tmp_path):
     assert "holds no sample yet" in one_line_error(write_vtkhdf, empty, tmp_path / "out")
 
 
-def test_the_command_asks_for_a_format(damage_command, history):
-    done = damage_command("export", history.path)
-    assert done.returncode == 2 and "expected --vtkhdf FILE.vtkhdf of a history" in done.stderr
+def test_the_command_asks_for_a_format(error_of, history):
+    assert "expected --vtkhdf FILE.vtkhdf of a history" in error_of("export", history.path)
 
 
 # --- VTK's own readers ------------------------------------------------------------------------------
