@@ -113,7 +113,8 @@ def test_record_shows_the_motion_of_a_wall_with_a_period(tmp_path, output_of):
 
 def test_members_take_the_interpolated_motion(tmp_path, output_of):
     pier = "Wall('pier', 0.42, 0.6, precompression=0.1e6, brick=Brick(0.21, 0.06, 0.1))"
-    said = output_of("reference", wall_file(tmp_path / "pier.py", pier), "--record", sampled(tmp_path, 0.01), "--window",
-                     0.3, 0.5, "--rest", 0, "--no-pictures", "--members", 2, "--out", tmp_path / "members.h5")
+    wall = wall_file(tmp_path / "pier.py", pier)
+    said = output_of("reference", wall, "--record", sampled(tmp_path, 0.01), "--window", 0.3, 0.5, "--rest", 0,
+                     "--no-pictures", "--members", 2, "--out", tmp_path / "members.h5")
     assert said.count("record: its step of 0.01 s is more than a tenth of the first period") == 1
     assert said.count("record interpolated, as lines between its samples would take off") == 1
