@@ -336,8 +336,7 @@ class TestPool:
 
 class TestFolder:
     def study(self, tmp_path):
-        (tmp_path / "s.toml").write_text('name = "s"')
-        return SimpleNamespace(name="s", path=tmp_path / "s.toml")
+        return SimpleNamespace(name="s", path=written(tmp_path / "s.toml", 'name = "s"'))
 
     def test_a_folder_takes_no_second_batch_whatever_is_deleted_in_it(self, tmp_path, monkeypatch):
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)

@@ -8,7 +8,7 @@ import signal
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, SHORT, one_line_error
+from conftest import REPOSITORY, SHORT, one_line_error, written
 
 import damage
 from benchmarks.same_bits import differences
@@ -43,8 +43,7 @@ def words_of(name, folder):
     """The words of a run; its wall is in the folder where it does not ship."""
     first, *more = RUNS[name] or [""]
     if first in WALLS:
-        (folder / first).write_text(WALLS[first])
-        return [folder / first, *more]
+        return [written(folder / first, WALLS[first]), *more]
     return RUNS[name] if first == SMALL else (*SHAKE, *RUNS[name])
 
 

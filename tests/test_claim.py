@@ -131,8 +131,7 @@ class TestGround:
     ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
 
     def draws(self, tmp_path, more=""):
-        (tmp_path / "a.toml").write_text(self.ADDRESS + more)
-        return read_address(tmp_path / "a.toml")
+        return read_address(written(tmp_path / "a.toml", self.ADDRESS + more))
 
     def test_the_ground_is_drawn_beside_the_motions(self, tmp_path):
         rest = self.draws(tmp_path)

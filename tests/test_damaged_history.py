@@ -263,9 +263,8 @@ def test_check_says_what_each_file_is_worth(files, finished, tmp_path, capsys):
         return status, *capsys.readouterr()
 
     make_history(tmp_path / "early.h5", status="interrupted")
-    (tmp_path / "bad.h5").write_text("words")
     paths = {WHOLE: finished, UNSEALED: files[OLD], OPEN: files[KILLED], ENDED_EARLY: tmp_path / "early.h5",
-             DAMAGED: tmp_path / "bad.h5"}
+             DAMAGED: written(tmp_path / "bad.h5", "words")}
     for worth, path in paths.items():
         assert check(path)["worth"] == worth
     status, out, err = run(*paths.values())

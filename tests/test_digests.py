@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import REPOSITORY, contents, run_command
+from conftest import REPOSITORY, contents, run_command, written
 from test_architecture import read_modules
 
 from damage.provenance import (
@@ -61,8 +61,7 @@ def test_the_commit_is_that_of_the_package_and_says_whether_files_differ(tmp_pat
 
 
 def test_a_file_that_is_not_there_has_no_checksum(tmp_path):
-    (tmp_path / "wall.py").write_text("words")
-    assert file_origin(tmp_path / "wall.py") == {"file": "wall.py", "sha256": (
+    assert file_origin(written(tmp_path / "wall.py", "words")) == {"file": "wall.py", "sha256": (
         "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e")}
     assert file_origin(tmp_path / "none.py") == {"file": "none.py", "sha256": UNKNOWN}
 

@@ -324,8 +324,7 @@ class TestStudy:
     def test_lives_are_divided_into_points(self, lived):
         folder, *_ = lived
         text = (folder / "study.toml").read_text().replace("lives = 6", "lives = 100")
-        (folder / "many.toml").write_text(text)
-        points = load_study(folder / "many.toml", "both").runs
+        points = load_study(written(folder / "many.toml", text), "both").runs
         assert [(one.point, one.members, one.command(1)[-1]) for one in points] == [
             ("n_from1", 48, "1"), ("n_from49", 48, "49"), ("n_from97", 4, "97")]
         assert {one.solver for one in points} == {"reference"}

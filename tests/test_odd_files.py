@@ -122,8 +122,7 @@ class TestMiniSeed:
     def test_cut_off(self, tmp_path, capfd):
         data = self.SHIPPED.read_bytes()
         for length in (1, 48, 100, 511, 513, 600, 4097, len(data) - 1):
-            (tmp_path / "cut.mseed").write_bytes(data[:length])
-            one_line_error(read_record, tmp_path / "cut.mseed", self.XML)
+            one_line_error(read_record, written(tmp_path / "cut.mseed", data[:length]), self.XML)
         assert capfd.readouterr() == ("", "")
 
     @pytest.mark.parametrize("text", ["", "<", "<?xml version='1.0'?>", "half", "nan", "1e400"])
@@ -131,8 +130,7 @@ class TestMiniSeed:
         whole = self.XML.read_text()
         text = {"half": whole[:len(whole) // 2], "nan": whole.replace("213867.4766", "nan"),
                 "1e400": whole.replace("213867.4766", "1e400")}.get(text, text)
-        (tmp_path / "odd.xml").write_text(text)
-        one_line_error(read_record, self.SHIPPED, tmp_path / "odd.xml")
+        one_line_error(read_record, self.SHIPPED, written(tmp_path / "odd.xml", text))
         assert capfd.readouterr() == ("", "")
 
     def test_station_xml_is_read_up_to_its_first_fault(self):

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, run_command
+from conftest import REPOSITORY, run_command, written
 from numpy.testing import assert_allclose
 
 from damage.files import DATA
@@ -158,6 +158,5 @@ def test_a_record_written_is_read_back(tmp_path):
 
 
 def test_bad_calls_are_said_in_one_line(tmp_path):
-    (tmp_path / "file").write_text("")
-    done = run_command(sys.executable, SCRIPT, "synthetic", "--out", tmp_path / "file" / "below")
+    done = run_command(sys.executable, SCRIPT, "synthetic", "--out", written(tmp_path / "file", "") / "below")
     assert done.returncode == 2 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
