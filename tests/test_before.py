@@ -71,7 +71,7 @@ def test_a_settled_wall_is_shaken_later(tmp_path):
     assert later.support_displacement[-1][:, 1].min() < -5e-4
 
 
-def test_a_history_of_another_wall_is_one_line(tmp_path, capsys):
+def test_a_history_of_another_wall_is_one_line(tmp_path):
     damage.run(SMALL, **SHAKE, out=tmp_path / "first.h5")
     other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)], lintel="courses")
     with pytest.raises(InputError, match="the history of another wall, small: joints/"):
@@ -201,7 +201,7 @@ def test_straight_lines_become_stepped_paths(tmp_path, capsys):
     assert freed > 1.27 and "1.27 m, 100 % of it on joints" in capsys.readouterr().out
 
 
-def test_the_tolerance_of_a_survey(tmp_path, capsys):
+def test_the_tolerance_of_a_survey(tmp_path):
     """A crack 20 mm above its bed joint is on it within half a brick's length, not within 10 mm."""
     path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "0.32,1"))
     settings = parse_run(["--cracked", str(path), "--tolerance-mm", "10"], "", "reference")

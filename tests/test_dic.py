@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from conftest import refused_with, run_here, wall_file, written
 
-from damage.__main__ import main
 from damage.laboratory.dic import (
     Field,
     brick_motions,
@@ -160,7 +159,7 @@ def test_slip_of_a_sliding_panel_is_that_of_the_simulation(panel):
 
 # --- file and command -----------------------------------------------------------------------------
 
-def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, capsys, output_of):
+def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, output_of):
     layout, history, wall = rocking
     fields, samples = fields_of(layout, history, [0, len(history.snapshot_time_s) - 1])
     write_field(tmp_path / "field.csv", fields)
@@ -170,8 +169,8 @@ def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, capsys, 
     assert found["levels"][1]["DI_open"][0] == pytest.approx(history.index()["DI_open"].iloc[samples[1]], abs=0.01)
     assert found["dic"]["noise_m"] == pytest.approx(NOISE, rel=0.1)
     assert [len(pattern.stretches) > 0 for pattern in read_cracks(tmp_path / "cracks.csv")] == [False, True]
-    assert main(["cracks", str(tmp_path / "cracks.csv"), "--wall", str(wall), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["max"]["DI"] == pytest.approx(found["max"]["DI"], abs=1e-6)
+    again = json.loads(output_of("cracks", tmp_path / "cracks.csv", "--wall", wall, "--json"))
+    assert again["max"]["DI"] == pytest.approx(found["max"]["DI"], abs=1e-6)
     assert "noise of a point" in output_of(*words)
 
 

@@ -121,7 +121,7 @@ class TestTheSolver:
         assert_allclose(other.multiplier, usual.multiplier, rtol=5e-3)
 
 
-def test_the_command_writes_its_table_and_pictures(tmp_path, capsys):
+def test_the_command_writes_its_table_and_pictures(tmp_path):
     assert main(["--only", "benchmark", "--tolerance", "0.05", "--markdown", str(tmp_path / "a.md"),
                  "--pictures", str(tmp_path / "p")]) == 0
     assert "| benchmark, published 0.643 | 33 | 0.6429 |" in (tmp_path / "a.md").read_text()

@@ -49,7 +49,6 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     words = " to ".join(rounded(100 * one, 3) for one in (drift.min(), drift.max()))
     assert f"drift ratio   {rounded(100 * drift.median(), 3)} ({words}) %" in printed
 
-    capsys.readouterr()
     found = json.loads(output_of("index", out, "--json"))["members"]
     assert found["count"] == 3 and found["max_drift_ratio"]["median"] == drift.median()
     key = {name: rest for name, *rest in run_part(read_history(out), "A")["key"]}
