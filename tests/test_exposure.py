@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import one_line_error, refused_with, written
+from conftest import one_line_error, written
 from scipy import stats
 
 from damage.__main__ import main
@@ -202,10 +202,11 @@ class TestCatalogue:
         ("#EventID|Time|Magnitude\na|2018-01-08|3\n", "line 1: no column latitude, longitude"),
         (ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n",
          "no event that the ground-motion models are for"),
-        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "XML or JSON; expected CSV, or the text .* format=text"),
+        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "XML or JSON; expected CSV, or the text"),
+        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "format=text"),
     ])
     def test_a_bad_line_is_named_and_another_format(self, tmp_path, text, message):
-        refused_with(message, read_catalogue, written(tmp_path / "bad.csv", text))
+        assert message in one_line_error(read_catalogue, written(tmp_path / "bad.csv", text))
 
     @pytest.mark.parametrize(("line", "note"), [
         ("b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|A|3.4|earthquake", "lines 2 and 3 are 0.4 s and 0.3 km apart (M 3.4 "
