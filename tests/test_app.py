@@ -275,7 +275,7 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
     start = {"latitude": 53.36786, "longitude": 6.71359, "settle": "hogging", "distortion": 1 / 2000, "draws": 200,
              "language": "nl"}
     for wrong in ({"settle": "--help"}, {"distortion": None}, {"draws": 1}, {"language": "fr"}, {"latitude": "53"}):
-        one_line_error(desk.start, **start | wrong)
+        refused_with("", desk.start, **start | wrong)
     assert desk.start(**start)["running"]
     refused_with("running already", desk.start, **start)
     until = time.monotonic() + 120

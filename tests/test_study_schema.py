@@ -4,7 +4,7 @@ import json
 import tomllib
 
 import pytest
-from conftest import REPOSITORY, one_line_error, written
+from conftest import REPOSITORY, refused_with, written
 
 from damage.studies.definition import load_study
 from damage.studies.schema import study_schema
@@ -56,4 +56,4 @@ def test_what_the_software_takes_passes(validator, tmp_path, text):
     NAME + "[[grid]]\n" + WALL + "vary = { r = [] }\n"])
 def test_what_the_software_refuses_fails(validator, tmp_path, text):
     assert not validator.is_valid(tomllib.loads(text))
-    one_line_error(load_study, written(tmp_path / "s.toml", text), "both", REPOSITORY)
+    refused_with("", load_study, written(tmp_path / "s.toml", text), "both", REPOSITORY)
