@@ -44,11 +44,11 @@ def files(tmp_path_factory):
 
 
 def copy_before_it_closes(patch, path):
-    """Have the first file that HDF5 closes copied before, as a writer leaves it that is killed there."""
+    """Have the first file that HDF5 closes in the folder copied before, as a writer leaves it that is killed there."""
     close = h5py.File.close
 
     def copy_and_close(self):
-        if self and self.mode == "r+" and not path.exists():
+        if self and self.mode == "r+" and not path.exists() and os.path.dirname(self.filename) == str(path.parent):
             self.flush()
             shutil.copy(self.filename, path)
         close(self)
