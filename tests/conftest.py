@@ -10,13 +10,19 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
 import pytest
+from small_history import make_history
 
+from benchmarks.report_in_browser import BROWSER, DRIVER, browser
+from damage.__main__ import main
 from damage.errors import InputError
+from damage.history.reader import read_history
 from damage.mechanics.tables import INPUT
+from damage.reference.session import run_reference
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from yade_scripts import COMMAND
@@ -26,6 +32,8 @@ BRIEFLY = REPOSITORY / "tests/yade_checks/briefly.py"  # runs a wall in YADE wit
 BATCH = (sys.executable, "-m", "damage", "study")
 """What run_all.sh starts once it has looked for all that it needs, which takes two seconds: `test_environment.py`."""
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
+TINY = "Wall('tiny', 0.45, 0.6)"
+"""Of three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g."""
 SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
 
 FIRST = ("test_widths.py", "test_deformable.py", "test_yade_run.py", "test_together.py", "test_study.py",
@@ -59,22 +67,31 @@ def symmetric_wall():
     return load_wall(REPOSITORY / "walls" / "symmetric.py")
 
 
+@pytest.fixture(scope="session")
+def still_history(tmp_path_factory):
+    """A History of a small wall to which nothing happens, for reading alone."""
+    return make_history(tmp_path_factory.mktemp("still") / "small.h5")
+
+
 def without_progress(text):
     """What a command said, but for the lines of progress that a slow machine sees."""
     return "".join(line for line in text.splitlines(keepends=True) if not re.search(r"  .* t = +[-\d.]+ ", line))
 
 
-def run_command(*words, **options):
-    """Run a command from the repository with no screen; returns the completed process with text."""
+def run_command(*words, status=None, **options):
+    """Run a command from the repository with no screen, to this exit status if one is given; returns the completed
+    process with text."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True,
-                          env=environment, **{"timeout": 3000, "cwd": REPOSITORY, **options})
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True,
+                          **{"timeout": 3000, "cwd": REPOSITORY, "env": environment, **options})
+    assert status in (None, done.returncode), f"status {done.returncode}\n{done.stdout}{done.stderr}"
+    return done
 
 
 @pytest.fixture(scope="session")
 def damage_command():
-    def run(*words):
-        return run_command(sys.executable, "-m", "damage", *words)
+    def run(*words, **options):
+        return run_command(sys.executable, "-m", "damage", *words, **options)
 
     return run
 
@@ -90,6 +107,27 @@ def yade_command():
     return run
 
 
+@pytest.fixture(scope="session")
+def in_both(yade_command, damage_command):
+    """in_both(folder, *words): {solver: History} of the same run in YADE and in the reference solver; what each said is
+    in yade.txt and reference.txt.  yade: words before the others, reference: words behind them."""
+    def run(folder, *words, yade=(), reference=()):
+        words = [*words, "--no-pictures", "--out"]
+        done = {"yade": yade_command(*yade, *words, folder / "yade.h5", status=0), "reference": damage_command(
+            "reference", *words, folder / "reference.h5", *reference, status=0)}
+        for solver, one in done.items():
+            (folder / f"{solver}.txt").write_text(one.stdout + one.stderr)
+        return {solver: read_history(folder / f"{solver}.h5") for solver in done}
+
+    return run
+
+
+def run_here(out, *words):
+    """The History of a run in the reference solver, in this process and without pictures."""
+    assert run_reference([*map(str, words), "--no-pictures", "--out", str(out)]) == 0
+    return read_history(out)
+
+
 def one_line_error(function, *arguments, **named):
     """The one line of the InputError that a call raises; it has to say what was expected."""
     with pytest.raises(InputError) as caught:
@@ -98,6 +136,103 @@ def one_line_error(function, *arguments, **named):
     assert "\n" not in message
     assert "expected" in message or "run pip install" in message
     return message
+
+
+def refused_with(words, function, *arguments, **named):
+    """The one line of the InputError that a call raises; these words, a regular expression, are found in it."""
+    with pytest.raises(InputError, match=words) as caught:
+        function(*arguments, **named)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def _run_in_this_process(capsys, command, words):
+    """(Exit status, what was printed, what was said to standard error) of a main()."""
+    capsys.readouterr()
+    return command([str(word) for word in words]), *capsys.readouterr()
+
+
+@pytest.fixture
+def output_of(capsys):
+    """output_of(*words): what a command of `damage`, or `of` another main(), prints in this process to a good end."""
+    def run(*words, of=main):
+        status, out, err = _run_in_this_process(capsys, of, words)
+        assert status == 0, err
+        return out
+
+    return run
+
+
+@pytest.fixture
+def error_of(capsys):
+    """error_of(*words): the one line of a command of `damage`, or `of` another main(), that is refused."""
+    def run(*words, of=main):
+        status, out, err = _run_in_this_process(capsys, of, words)
+        assert (status, out) == (2, "")
+        assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable(), err  # fit for any terminal
+        return err
+
+    return run
+
+
+def written(path, content, **how):
+    """The path of a file, after this text or these bytes are written to it."""
+    path.write_bytes(content) if isinstance(content, bytes) else path.write_text(content, **how)
+    return path
+
+
+def script_file(path, text):
+    """The path of an executable shell script, written here."""
+    written(path, f"#!{shutil.which('bash')}\n{text}\n").chmod(0o755)
+    return path
+
+
+def wall_file(path, expression):
+    """The path of a wall's module, written here, whose wall() is this expression; both solvers run it."""
+    return written(path, f"""import math
+import sys
+
+sys.path.insert(0, {str(REPOSITORY)!r})
+from damage import Brick, Joint, Opening, Wall
+
+
+def wall():
+    return {expression}
+
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+    main(wall)
+""")
+
+
+ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system")
+
+
+@contextmanager
+def disk(folder, options):
+    """A file system in memory with these options of mount, such as its size, in a folder made for it."""
+    folder.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode:
+        pytest.skip("no file system can be mounted here")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "--lazy", folder], check=True)
+
+
+IN_BROWSER = [pytest.mark.long, pytest.mark.skipif(
+    not (shutil.which(BROWSER) and shutil.which(DRIVER)),
+    reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]  # of selenium's own
+"""Marks of tests in a browser."""
+
+
+@pytest.fixture(scope="module")
+def driver():
+    """A browser without a network."""
+    with browser() as driver:
+        yield driver
 
 
 def wait_until(condition, at_most_s=300):

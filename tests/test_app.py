@@ -11,7 +11,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, refused_with, written
 
 pytest.importorskip("flask", reason="Flask is not installed: python3-flask")
 from PIL import Image
@@ -20,7 +20,6 @@ from damage.__main__ import main
 from damage.app.desk import Desk, words
 from damage.app.photo import MARGIN_M, cleaned, homography, rectified
 from damage.app.server import HEADER, PAGE, make_app
-from damage.errors import InputError
 from damage.motion.settlement import PROFILES
 
 PORT, TOKEN, ROOT = 8765, "a token of the test", "/room"
@@ -184,8 +183,7 @@ def png_that_claims(width, height):
     (png_that_claims(2**31 - 1, 2**31 - 1), "too many pixels; expected up to 50"),
     (b"\xff" * 20_000_001, "20 MB; expected up to 20")], ids=["empty", "svg", "cut", "bomb", "huge", "bytes"])
 def test_what_is_no_photograph_is_one_line(data, said):
-    with pytest.raises(InputError, match=said):
-        cleaned(data)
+    refused_with(said, cleaned, data)
 
 
 def test_four_points_straighten_a_photograph():
@@ -263,8 +261,7 @@ def test_levels_are_a_profile(client):
 
 
 def test_a_link_out_of_the_folder_is_not_followed(client, tmp_path):
-    other = tmp_path / "other.txt"
-    other.write_text("kept")
+    other = written(tmp_path / "other.txt", "kept")
     (tmp_path / "out/photo.jpg").symlink_to(other)
     status, answer = call(client, "photograph", exif_photo())
     assert status == 200 and "photo.jpg is a link" in answer["error"] and other.read_text() == "kept"
@@ -278,11 +275,9 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
     start = {"latitude": 53.36786, "longitude": 6.71359, "settle": "hogging", "distortion": 1 / 2000, "draws": 200,
              "language": "nl"}
     for wrong in ({"settle": "--help"}, {"distortion": None}, {"draws": 1}, {"language": "fr"}, {"latitude": "53"}):
-        with pytest.raises(InputError):
-            desk.start(**start | wrong)
+        refused_with("", desk.start, **start | wrong)
     assert desk.start(**start)["running"]
-    with pytest.raises(InputError, match="running already"):
-        desk.start(**start)
+    refused_with("running already", desk.start, **start)
     until = time.monotonic() + 120
     while not any("expected: 400 runs of 200 draws" in line for line in desk.progress()["lines"]):
         assert time.monotonic() < until and desk.running, desk.progress()
@@ -290,10 +285,9 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
     assert not desk.stop()["running"] and str(tmp_path) not in json.dumps(desk.progress()["lines"])
 
 
-def test_without_flask_the_command_is_one_line(monkeypatch, tmp_path, capsys):
+def test_without_flask_the_command_is_one_line(monkeypatch, tmp_path, error_of):
     monkeypatch.setitem(sys.modules, "werkzeug.serving", None)
-    assert main(["app", "--out", str(tmp_path / "o")]) == 2
-    assert "install Debian's package python3-flask" in capsys.readouterr().err
+    assert "install Debian's package python3-flask" in error_of("app", "--out", tmp_path / "o")
 
 
 # --- words -------------------------------------------------------------------------------------------------

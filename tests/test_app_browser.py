@@ -5,9 +5,9 @@
 
 import re
 import threading
-from shutil import which
 
 import pytest
+from conftest import IN_BROWSER, written
 
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
@@ -17,21 +17,13 @@ from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 from test_app import FRONT, exif_photo
 
-from benchmarks.report_in_browser import BROWSER, DRIVER, browser, screenshot
+from benchmarks.report_in_browser import screenshot
 from damage.app.desk import words
 from damage.app.server import make_app
 
-pytestmark = [pytest.mark.long, pytest.mark.skipif(
-    not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]
+pytestmark = IN_BROWSER
 TOKEN, ROOT = "a token of the test", "/room"
 WORDS = words()
-
-
-@pytest.fixture(scope="module")
-def driver():
-    with browser() as driver:
-        yield driver
 
 
 @pytest.fixture
@@ -118,8 +110,7 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
     assert len(driver.find_elements("css selector", "#earthquakes tbody tr")) == 8
     write(driver, "front-text", FRONT)
     assert "1.125 × 0.6 m" in press(driver, "use-front", "said-front")
-    photo = tmp_path / "photo.jpg"
-    photo.write_bytes(exif_photo())
+    photo = written(tmp_path / "photo.jpg", exif_photo())
     by(driver, "photo-file").send_keys(str(photo))
     WebDriverWait(driver, 20).until(lambda driver: by(driver, "photo").is_displayed())
     for across, up in ((0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.2, 0.8)):

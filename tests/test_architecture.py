@@ -2,12 +2,11 @@
 
 import ast
 import re
-import subprocess
 import sys
 from graphlib import CycleError, TopologicalSorter
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command
 
 # Rooms in the order of import: a room may import from those before it, not from one in its own line or after.
 ROOMS = [
@@ -120,8 +119,7 @@ def test_a_circle_within_a_room_is_found():
 
 
 def test_every_folder_with_python_has_its_room():
-    done = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.py"], cwd=REPOSITORY,
-                          capture_output=True, text=True, check=True)
+    done = run_command("git", "ls-files", "-co", "--exclude-standard", "*.py", check=True)
     folders = {line.split("/")[0] for line in done.stdout.split() if "/" in line}
     assert folders == {room.partition(".")[0] for room in RANK}
 
@@ -177,8 +175,7 @@ def test_damage_imports_without_yade():
             "import damage, pkgutil, importlib\n"
             "for module in pkgutil.walk_packages(damage.__path__, 'damage.'):\n"
             "    module.name == 'damage.__main__' or importlib.import_module(module.name)\n")
-    done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    run_command(sys.executable, "-c", code, status=0)
 
 
 @pytest.mark.parametrize("path", sorted((REPOSITORY / "walls").glob("*.py")), ids=lambda path: path.stem)

@@ -8,22 +8,9 @@ import os
 import re
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, wall_file, written
 
 from damage.reference.session import run_reference
-
-WALL = '''
-import sys
-sys.path.insert(0, {repository!r})
-from damage import Brick, Joint, Opening, Wall
-
-def wall():
-    return {wall}
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-    main(wall)
-'''
 
 RECORDS = {
     "nan": ("time_s,acc_m_s2\n0.0,0.1\n0.005,nan\n0.01,0.2\n", "finite|NaN|nan"),
@@ -89,26 +76,19 @@ def refused(capsys, tmp_path):
     return run
 
 
-def write_wall(folder, case):
-    path = folder / "wall.py"
-    path.write_text(WALL.format(repository=str(REPOSITORY), wall=WALLS[case][0]))
-    return path
-
-
 SYMMETRIC = REPOSITORY / "walls" / "symmetric.py"
 
 
 @pytest.mark.parametrize("case", RECORDS)
 def test_bad_record(case, refused, tmp_path):
     text, complaint = RECORDS[case]
-    record = tmp_path / "record.csv"
-    record.write_text(text)
+    record = written(tmp_path / "record.csv", text)
     refused(complaint, SYMMETRIC, "--record", record, "--out", tmp_path / "out.h5")
 
 
 @pytest.mark.parametrize("case", WALLS)
 def test_bad_wall(case, refused, tmp_path):
-    refused(WALLS[case][1], write_wall(tmp_path, case), "--out", tmp_path / "out.h5")
+    refused(WALLS[case][1], wall_file(tmp_path / "wall.py", WALLS[case][0]), "--out", tmp_path / "out.h5")
 
 
 @pytest.mark.parametrize("case", OPTIONS)
@@ -131,8 +111,7 @@ def test_output_that_is_a_folder(refused, tmp_path):
 
 
 def test_output_that_is_there_already(refused, tmp_path_factory):
-    out = tmp_path_factory.mktemp("earlier") / "out.h5"
-    out.write_bytes(b"of an earlier run")
+    out = written(tmp_path_factory.mktemp("earlier") / "out.h5", b"of an earlier run")
     refused("--overwrite", SYMMETRIC, "--out", out)
     assert out.read_bytes() == b"of an earlier run"
 
@@ -160,5 +139,5 @@ class TestYade:
         assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
 
     def test_bad_wall(self, yade_command, tmp_path):
-        done = yade_command(write_wall(tmp_path, "opening-outside"), "--out", tmp_path / "out.h5")
+        done = yade_command(wall_file(tmp_path / "wall.py", WALLS["opening-outside"][0]), "--out", tmp_path / "out.h5")
         assert_refused(done.returncode, done.stdout, done.stderr, WALLS["opening-outside"][1], tmp_path)

@@ -13,7 +13,18 @@ from types import SimpleNamespace
 import h5py
 import pandas as pd
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, contents, wait_until
+from conftest import (
+    BATCH,
+    BATCH_ENVIRONMENT,
+    REPOSITORY,
+    TINY,
+    contents,
+    refused_with,
+    run_command,
+    wait_until,
+    wall_file,
+    written,
+)
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -27,8 +38,6 @@ from damage.history.reader import read_history
 from damage.studies.definition import StudyRun, load_study
 from damage.studies.records import NAME, line_of, read_records, record_of
 
-# Three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g.
-TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
           'members = 3\nvary = { g = [%s], rest = [0.5] }\n')
 DRAWN = '''[[runs]]
@@ -47,13 +56,11 @@ class Batches:
     """Batches of the reference solver in a folder, with the tiny wall."""
 
     def __init__(self, folder):
-        (folder / "tiny.py").write_text(TINY)
+        wall_file(folder / "tiny.py", TINY)
         self.folder, self.out = folder, folder / "out"
 
     def study(self, text, name="s"):
-        path = self.folder / f"{name}.toml"
-        path.write_text(f'name = "{name}"\npictures = "none"\n{text}')
-        return path
+        return written(self.folder / f"{name}.toml", f'name = "{name}"\npictures = "none"\n{text}')
 
     def start(self, study, *words, out=None):
         return subprocess.Popen([*BATCH, str(study), "-j2", "--out", str(out or self.out), *words], cwd=REPOSITORY,
@@ -218,7 +225,7 @@ class TestBatch:
 
 def children(pid):
     """Processes that this one has started, the first one first."""
-    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True)
+    found = run_command("ps", "-o", "pid=", "--ppid", pid)
     return sorted(map(int, found.stdout.split()))
 
 
@@ -329,8 +336,7 @@ class TestPool:
 
 class TestFolder:
     def study(self, tmp_path):
-        (tmp_path / "s.toml").write_text('name = "s"')
-        return SimpleNamespace(name="s", path=tmp_path / "s.toml")
+        return SimpleNamespace(name="s", path=written(tmp_path / "s.toml", 'name = "s"'))
 
     def test_a_folder_takes_no_second_batch_whatever_is_deleted_in_it(self, tmp_path, monkeypatch):
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
@@ -339,12 +345,10 @@ class TestFolder:
         for path in out.rglob("*"):
             path.unlink() if path.is_file() else None
         for shared in (False, True):
-            with pytest.raises(InputError, match="another batch is at work"):
-                folder.claim(out, study, shared)
+            refused_with("another batch is at work", folder.claim, out, study, shared)
         folder.lock_as(lock, out, shared=True)
         os.close(folder.claim(out, study, shared=True))  # slices share it
-        with pytest.raises(InputError, match="another batch is at work"):
-            folder.claim(out, study)
+        refused_with("another batch is at work", folder.claim, out, study)
         os.close(lock)
         os.close(folder.claim(out, study))
 
@@ -360,8 +364,7 @@ class TestFolder:
         monkeypatch.setattr(fcntl, "flock", of_files)
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
         lock = folder.claim(tmp_path / "out", self.study(tmp_path))
-        with pytest.raises(InputError, match="another batch is at work"):
-            folder.claim(tmp_path / "out", self.study(tmp_path))
+        refused_with("another batch is at work", folder.claim, tmp_path / "out", self.study(tmp_path))
         os.close(lock)
         os.close(folder.claim(tmp_path / "out", self.study(tmp_path), shared=True))
 
@@ -372,8 +375,7 @@ class TestFolder:
     def test_another_study_may_not_have_the_folder(self, tmp_path):
         os.close(folder.claim(tmp_path / "out", self.study(tmp_path)))
         other = SimpleNamespace(name="other", path=tmp_path / "s.toml")
-        with pytest.raises(InputError, match="holds the study 's', not 'other'"):
-            folder.claim(tmp_path / "out", other)
+        refused_with("holds the study 's', not 'other'", folder.claim, tmp_path / "out", other)
 
     @pytest.mark.parametrize("name", [NAME, "logs/reference.log"])
     @pytest.mark.parametrize("kind", ["link", "pipe"])
@@ -395,8 +397,7 @@ class TestFolder:
         (("--slice", "1/2", "--run", "x"), "--slice and --run given together"),
         (("--slice", "1/2", "--slurm"), "--slice and --slurm given together")])
     def test_what_does_not_go_together_is_refused(self, words, said):
-        with pytest.raises(InputError, match=said):
-            command.run_study(["quick", *words])
+        refused_with(said, command.run_study, ["quick", *words])
 
     @pytest.mark.parametrize("word", ["0/2", "3/2", "2", "a/b", "1/2/3", "-1/2"])
     def test_a_slice_is_one_of_its_parts(self, word, tmp_path):
@@ -431,8 +432,7 @@ class TestOneRunAgain:
         assert once_more.make() == 0
         assert "the values are those of its record" in capsys.readouterr().out
         assert (tmp_path / "runs" / f"{self.NAME}.h5").is_file()
-        with pytest.raises(InputError, match="is there; expected one that is not"):
-            once_more.make()
+        refused_with("is there; expected one that is not", once_more.make)
 
     def test_other_values_are_named_and_the_history_gets_another_name(self, once_more, tmp_path, capsys):
         once_more.simulate.drift = 2e-4
@@ -443,9 +443,8 @@ class TestOneRunAgain:
         assert [path.name for path in (tmp_path / "runs").glob("*.h5")] == [f"{self.NAME}.differs.h5"]
 
     def test_other_inputs_are_refused_before_anything_runs(self, once_more, tmp_path):
-        (tmp_path / "tiny.py").write_text(TINY.replace("0.6", "0.45"))
-        with pytest.raises(InputError, match="are not those that the table was made from: wall.height 0.6 -> 0.45"):
-            once_more.make()
+        wall_file(tmp_path / "tiny.py", TINY.replace("0.6", "0.45"))
+        refused_with("are not those that the table was made from: wall.height 0.6 -> 0.45", once_more.make)
         assert not list((tmp_path / "runs").glob("*.h5"))
 
     def test_other_versions_and_runs_without_a_record_are_reported(self, once_more, tmp_path, capsys):

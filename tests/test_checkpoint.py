@@ -8,7 +8,7 @@ import signal
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, SHORT, one_line_error
+from conftest import REPOSITORY, SHORT, one_line_error, written
 
 import damage
 from benchmarks.same_bits import differences
@@ -43,8 +43,7 @@ def words_of(name, folder):
     """The words of a run; its wall is in the folder where it does not ship."""
     first, *more = RUNS[name] or [""]
     if first in WALLS:
-        (folder / first).write_text(WALLS[first])
-        return [folder / first, *more]
+        return [written(folder / first, WALLS[first]), *more]
     return RUNS[name] if first == SMALL else (*SHAKE, *RUNS[name])
 
 
@@ -188,8 +187,7 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_com
     wall's bricks are loose by the last one.  Every bit is equal until they are: potential contacts of loose bricks are
     found anew, in another order of sums, which a brittle wall amplifies."""
     words = (SMALL, "--harmonic", 0.06, 0.6, "--cycles", 2, "--rest", 0.06, "--no-pictures")
-    done = yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5")
-    assert done.returncode == 0, done.stderr
+    done = yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5", status=0)
     whole, cut, place = damage.read_history(tmp_path / "whole.h5"), tmp_path / "cut.h5", "--out"
     for number in range(kills):
         kind, status = ("INTERRUPTED_AT", 130) if number % 3 == 1 else ("KILLED_AT", -signal.SIGKILL)

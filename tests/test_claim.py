@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, wall_file, written
 
 import damage
 from damage.__main__ import main
@@ -41,7 +41,6 @@ from damage.run.scheme import schemes
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall
 
-WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
 CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
           "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\nB,1,0.78,0.075,0.15,no,0.1,0.05\nB,2,0.9,0.075,,,,\n")
 WORDS = ("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--above", "12", "--strong", "0.2", "0.3",
@@ -53,7 +52,7 @@ WORDS = ("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--abo
 def claimed(tmp_path_factory):
     """Folder of a claim of three draws; the survey and the wall lie above it."""
     folder = tmp_path_factory.mktemp("claim")
-    (folder / "narrow.py").write_text(WALL)
+    wall_file(folder / "narrow.py", "Wall('narrow', 0.9, 1.5)")
     (folder / "survey.csv").write_text(CRACKS)
     assert main(words(folder)) == 0
     return folder / "out"
@@ -132,8 +131,7 @@ class TestGround:
     ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
 
     def draws(self, tmp_path, more=""):
-        (tmp_path / "a.toml").write_text(self.ADDRESS + more)
-        return read_address(tmp_path / "a.toml")
+        return read_address(written(tmp_path / "a.toml", self.ADDRESS + more))
 
     def test_the_ground_is_drawn_beside_the_motions(self, tmp_path):
         rest = self.draws(tmp_path)
@@ -354,28 +352,25 @@ class TestBadInput:
         (["--levels", "l.csv", "--settle", "knick"], "expected one of them"),
         (["--distortion", "1/500"], "--distortion belongs to --settle"), (["--settle", "dome"], "--settle dome"),
         (["--at", "52.09", "5.12"], "from the nearest epicentre"), (["--language", "fr"], "invalid choice")])
-    def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, capsys, more, said):
-        assert main([*words(claimed.parent), *more, "--out", str(tmp_path / "new")]) == 2
-        assert said in capsys.readouterr().err and not (tmp_path / "new" / "runs").exists()
+    def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, error_of, more, said):
+        assert said in error_of(*words(claimed.parent), *more, "--out", tmp_path / "new")
+        assert not (tmp_path / "new" / "runs").exists()
 
     @pytest.mark.parametrize("out", ["file", "file/below"])
-    def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, capsys, out):
+    def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, error_of, out):
         (tmp_path / "file").write_text("mine")
-        assert main([*words(claimed.parent), "--out", str(tmp_path / out)]) == 2
-        said = capsys.readouterr().err
+        said = error_of(*words(claimed.parent), "--out", tmp_path / out)
         assert "is no folder; expected one" in said and "room" not in said and (tmp_path / "file").read_text() == "mine"
 
     def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):
-        levels, out = tmp_path / "levels.csv", tmp_path / "o"
-        levels.write_text("x_m,height_m\n0,0.5\n0.2,0.498\n")
+        levels, out = written(tmp_path / "levels.csv", "x_m,height_m\n0,0.5\n0.2,0.498\n"), tmp_path / "o"
         assert main([*words(claimed.parent), "--levels", str(levels), "--out", str(out)]) == 2
         assert "expected points along all of it" in capsys.readouterr().err and not out.exists()
 
-    def test_a_claim_without_an_address_is_refused(self, tmp_path, capsys):
-        assert main(["claim", "symmetric", "--cracks", "no.csv", "--out", str(tmp_path / "new")]) == 2
-        assert "which address? none given: expected --at LAT LON or --rd X Y" in capsys.readouterr().err
+    def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, error_of):
+        far = written(tmp_path / "far.csv", CRACKS.replace("0.16,0.075,", "9,0,"))
+        assert "run along joints" in error_of(*words(claimed.parent), "--cracks", far, "--out", tmp_path / "o")
 
-    def test_cracks_beside_the_wall_are_refused(self, claimed, tmp_path, capsys):
-        (tmp_path / "far.csv").write_text(CRACKS.replace("0.16,0.075,", "9,0,"))
-        assert main([*words(claimed.parent), "--cracks", str(tmp_path / "far.csv"), "--out", str(tmp_path / "o")]) == 2
-        assert "run along joints" in capsys.readouterr().err
+    def test_a_claim_without_an_address_is_refused(self, tmp_path, error_of):
+        assert "which address? none given: expected --at LAT LON or --rd X Y" in error_of(
+            "claim", "symmetric", "--cracks", "no.csv", "--out", tmp_path / "new")

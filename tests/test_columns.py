@@ -4,7 +4,6 @@ import h5py
 import pandas as pd
 import pytest
 from conftest import REPOSITORY, one_line_error
-from small_history import make_history
 
 from damage.history.schema import OPTIONAL, TABLES, Column, each, markdown, measure
 from damage.measure import columns, summary
@@ -26,8 +25,8 @@ def test_the_schema_document_shows_the_table(group):
     assert markdown(TABLES[group]) in (REPOSITORY / "docs/reference/history-schema.md").read_text()
 
 
-def test_a_summary_has_these_columns_and_no_others(tmp_path):
-    row = summary_row(make_history(tmp_path / "a.h5"))
+def test_a_summary_has_these_columns_and_no_others(still_history):
+    row = summary_row(still_history)
     known = [name for table in SUMMARY.values() for name in each(table)]
     assert sorted(row) == sorted(known) and len(known) == len(set(known)) > 60
 
@@ -43,26 +42,25 @@ def test_a_measure_gives_its_values_by_name():
         measure(TWO)(lambda history: (1.0, 2.0, 3.0))(None)
 
 
-def test_a_measure_is_asked_for_what_its_arguments_are_called(tmp_path, monkeypatch):
+def test_a_measure_is_asked_for_what_its_arguments_are_called(still_history, monkeypatch):
     """The threshold of the index, and the measures of a section before."""
     @measure({"drift_over_threshold": Column("1", "")})
     def ratio(max_drift_ratio, threshold):
         return max_drift_ratio / threshold
 
     monkeypatch.setitem(summary.REGISTER, "Ratios", [ratio])
-    found = summary.summarise(make_history(tmp_path / "a.h5"), threshold=5e-4)
+    found = summary.summarise(still_history, threshold=5e-4)
     assert found["drift_over_threshold"] == found["max_drift_ratio"] / 5e-4
 
 
-def test_a_point_begins_with_what_its_runs_share(tmp_path):
-    runs = pd.DataFrame([summary_row(make_history(tmp_path / "a.h5"))])
+def test_a_point_begins_with_what_its_runs_share(still_history):
+    runs = pd.DataFrame([summary_row(still_history)])
     shared = list(each(columns.PARAMETERS))
     assert list(points_of(runs).columns)[:len(shared)] == shared
 
 
-def test_a_history_has_these_datasets_with_their_units(tmp_path):
-    make_history(tmp_path / "a.h5")
-    with h5py.File(tmp_path / "a.h5") as file:
+def test_a_history_has_these_datasets_with_their_units(still_history):
+    with h5py.File(still_history.path) as file:
         for group, table in TABLES.items():
             assert {name: data.attrs["unit"] for name, data in file[group].items()} == {
                 name: column.unit for name, column in table.items() if f"{group}/{name}" not in OPTIONAL}

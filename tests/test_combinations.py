@@ -204,8 +204,7 @@ def test_the_command_writes_a_document_that_begins_with_its_conclusions(commande
     assert "32 combinations, " in commanded.printed
 
 
-def test_results_without_combinations_are_refused(design, tmp_path, capsys):
+def test_results_without_combinations_are_refused(design, tmp_path, error_of):
     (tmp_path / "tables").mkdir()
     world_of_the_paper().assign(solver="yade").to_csv(tmp_path / "tables" / "summary.csv", index=False)
-    assert main(["combinations", str(tmp_path)]) == 2
-    assert "run_all.sh combinations" in capsys.readouterr().err
+    assert "run_all.sh combinations" in error_of("combinations", tmp_path, of=main)

@@ -9,7 +9,7 @@ import sys
 from contextlib import suppress
 
 import pytest
-from conftest import REPOSITORY, one_line_error, run_command
+from conftest import REPOSITORY, one_line_error, run_command, wall_file, written
 
 from damage.__main__ import DELEGATED, command_parser, main
 from damage.commands.table import COMMANDS, GROUPS
@@ -18,17 +18,15 @@ from damage.run.options import make_parser
 from damage.version import VERSION
 from damage.wall.file import load_wall
 
-SMALL = "from damage import Brick, Joint, Opening, Wall\n\ndef wall():\n    return "
+SMALL = "Wall('w', 0.45, 0.15)"
 
 
-def test_the_version_has_the_package_s_name(capsys):
-    assert main(["--version"]) == 0
-    assert capsys.readouterr().out.startswith(f"masonry-damage {VERSION}, commit ")
+def test_the_version_has_the_package_s_name(output_of):
+    assert output_of("--version").startswith(f"masonry-damage {VERSION}, commit ")
 
 
 def test_quiet_leaves_files_and_no_word(tmp_path, capsys):
-    wall = tmp_path / "wall.py"
-    wall.write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
+    wall = wall_file(tmp_path / "wall.py", SMALL)
     assert main(["modes", str(wall), "--out", str(tmp_path / "pictures")]) == 0
     printed = capsys.readouterr()
     assert "mode 1" in printed.out and "picture: " in printed.err
@@ -38,8 +36,7 @@ def test_quiet_leaves_files_and_no_word(tmp_path, capsys):
 
 
 def test_quiet_stands_anywhere(tmp_path, capsys):
-    wall = tmp_path / "wall.py"
-    wall.write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
+    wall = wall_file(tmp_path / "wall.py", SMALL)
     for words in (["modes", "--quiet", str(wall)], ["modes", str(wall), "--quiet"]):
         assert main(words) == 0 and capsys.readouterr() == ("", "")
 
@@ -54,16 +51,14 @@ def test_a_quiet_study_hands_its_silence_on(tmp_path):
     (["index", "--thresholdmm", "0.1", "a.h5"], "--threshold-mm"), (["plot", "a.h5", "--ot", "x"], "--out"),
     (["reference", "symmetric", "--harmonix", "0.2", "0.05"], "--harmonic"),
     (["reference", "symmetric", "--recrod=a.csv"], "--record"), (["--quite", "index"], "--quiet")], ids=" ".join)
-def test_an_unknown_option_names_the_nearest(words, meant, capsys):
+def test_an_unknown_option_names_the_nearest(words, meant, error_of):
     """Also where one that is required is missing for it."""
-    assert main(words) == 2
-    error = capsys.readouterr().err
+    error = error_of(*words)
     assert error.count("\n") == 1 and f"did you mean {meant}? see --help" in error
 
 
-def test_tables_of_two_runs_do_not_share_a_name(capsys):
-    assert main(["tables", "run", "a.h5", "b.h5", "--out", "stem"]) == 2
-    assert "tables run of 2 histories: expected one" in capsys.readouterr().err
+def test_tables_of_two_runs_do_not_share_a_name(error_of):
+    assert "tables run of 2 histories: expected one" in error_of("tables", "run", "a.h5", "b.h5", "--out", "stem")
 
 
 def help_of(*words):
@@ -102,14 +97,13 @@ def test_an_old_terminal_gets_replaced_letters(words):
     assert words != ["--help"] or "fa?ade" in done.stdout
 
 
-def test_quiet_tells_errors(tmp_path, capsys):
-    assert main(["--quiet", "index", str(tmp_path / "none.h5")]) == 2
-    assert capsys.readouterr().err.startswith("error: ")
+def test_quiet_tells_errors(tmp_path, error_of):
+    assert error_of("--quiet", "index", tmp_path / "none.h5").startswith("error: ")
 
 
 @pytest.mark.parametrize("before, after", [(["--quiet"], []), ([], ["--quiet"])], ids=["before", "after"])
 def test_a_quiet_run_writes_its_history_and_no_word(tmp_path, capsys, before, after):
-    (tmp_path / "wall.py").write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
+    wall_file(tmp_path / "wall.py", SMALL)
     words = [*before, "reference", str(tmp_path / "wall.py"), "--harmonic", "0.02", "0.01", "--cycles", "1", "--rest",
              "0", "--no-pictures", "--out", str(tmp_path / "a.h5"), *after]
     assert main(words) == 0
@@ -140,7 +134,7 @@ def test_a_shell_completes_commands_options_and_choices(tmp_path, line, expected
     ('Wall("w", 1, 1, openings=[Opening(left=1, wide=1, height=1)])', "Opening(wide=...): expected "),
     ('Wall("w", 1, 1, colour=2)', "Wall(colour=...): expected one of name, length, height")])
 def test_a_wrong_keyword_names_the_right_ones(tmp_path, call, nearest):
-    (tmp_path / "wall.py").write_text(f"{SMALL}{call}\n")
+    wall_file(tmp_path / "wall.py", call)
     assert nearest in one_line_error(load_wall, tmp_path / "wall.py")
 
 
@@ -148,8 +142,7 @@ def test_a_wall_in_python_says_how_it_is_run():
     """By an interpreter that has no YADE, as others than Debian's have none."""
     code = ("import sys, runpy; sys.modules['yade'] = None; sys.argv = ['walls/solid.py']\n"
             "runpy.run_path('walls/solid.py', run_name='__main__')")
-    done = run_command(sys.executable, "-c", code)
-    assert done.returncode == 3
+    done = run_command(sys.executable, "-c", code, status=3)
     assert "expected yade walls/solid.py [OPTIONS]" in done.stderr
     assert "python3 -m damage reference walls/solid.py" in done.stderr
     assert len(done.stderr.splitlines()) == 1
@@ -165,9 +158,8 @@ def test_a_quiet_run_in_yade(yade_command, tmp_path):
 
 def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
     """The history, its tables, pictures and report."""
-    (tmp_path / "w.py").write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
-    record = tmp_path / "pulse.csv"
-    record.write_text("time_s,acc_m_s2\n0,0\n0.001,1\n0.002,0\n")
+    wall_file(tmp_path / "w.py", SMALL)
+    record = written(tmp_path / "pulse.csv", "time_s,acc_m_s2\n0,0\n0.001,1\n0.002,0\n")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
     out = tmp_path / "a.h5"
@@ -175,9 +167,9 @@ def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
                  f"--out={out}"]) == 0
     assert main(["tables", "run", str(out), "--out", str(tmp_path / "t")]) == 0
     assert main(["report", str(out)]) == 0
-    written = [path for path in tmp_path.rglob("*") if path.is_file() and path not in (record, tmp_path / "w.py")]
-    assert {path.suffix for path in written} == {".h5", ".csv", ".json", ".html", ".png", ".pdf"}
-    assert not [path for path in written if str(tmp_path).encode() in path.read_bytes()]
+    made = [path for path in tmp_path.rglob("*") if path.is_file() and path not in (record, tmp_path / "w.py")]
+    assert {path.suffix for path in made} == {".h5", ".csv", ".json", ".html", ".png", ".pdf"}
+    assert not [path for path in made if str(tmp_path).encode() in path.read_bytes()]
     assert read_history(out).command.endswith(f"w.py --record {record.name} --rest 0 --out=a.h5 --quiet")
 
 

@@ -5,11 +5,11 @@ import json
 
 import numpy as np
 import pytest
+from conftest import refused_with
 from numpy.testing import assert_allclose
 from pytest import approx
 from small_history import make_history
 
-from damage.errors import InputError
 from damage.measure.compare import allowed_difference, cohens_kappa, compare, compare_drift, cycle_length, describe
 from damage.measure.patterns import compare_patterns, cracked, fractions_skill_score, places_of
 from damage.wall.layout import lay_out
@@ -117,8 +117,7 @@ class TestKappa:
 
 def test_runs_of_different_walls_are_not_compared(tmp_path):
     run = history(tmp_path / "a.h5", wave())
-    with pytest.raises(InputError, match="one wall"):
-        compare(run, [dataclasses.replace(run, wall="another")])
+    refused_with("one wall", compare, run, [dataclasses.replace(run, wall="another")])
 
 
 # --- patterns of cracks ------------------------------------------------------------------------------

@@ -6,10 +6,9 @@ from math import nan, sqrt
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, refused_with, wall_file, written
 from small_history import make_history, small_layout
 
-from damage.__main__ import main
 from damage.errors import InputError
 from damage.index import combine
 from damage.measure.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
@@ -26,18 +25,12 @@ from damage.wall.kinds import CUT, HEAD
 from damage.wall.layout import lay_out
 
 HEADER = "load_level,drift_pct,crack,point,x_m,z_m,opening_mm,slip_mm,width_mm,mode\n"
-WALL = '''
-from damage import Wall
-
-def wall():
-    return Wall("small", 0.9, 0.45)
-'''
+WALL = "Wall('small', 0.9, 0.45)"
 BED = 0.15  # [m] height of a bed joint of the small wall
 
 
 def patterns(tmp_path, text, header=HEADER):
-    path = tmp_path / "cracks.csv"
-    path.write_text(header + text)
+    path = written(tmp_path / "cracks.csv", header + text)
     return read_cracks(path)
 
 
@@ -102,8 +95,7 @@ BAD = {
 
 @pytest.mark.parametrize("header, text, complaint", BAD.values(), ids=BAD)
 def test_bad_files_are_refused_with_their_line(tmp_path, header, text, complaint):
-    with pytest.raises(InputError, match=complaint):
-        patterns(tmp_path, text, header or "")
+    refused_with(complaint, patterns, tmp_path, text, header or "")
 
 
 # --- on the joints --------------------------------------------------------------------------------
@@ -235,8 +227,7 @@ def test_the_round_trip_gives_the_same_index_and_psi(random_history, tmp_path):
 
 
 def test_an_export_that_fails_leaves_the_old_file(random_history, tmp_path):
-    path = tmp_path / "kept.csv"
-    path.write_text("old")
+    path = written(tmp_path / "kept.csv", "old")
     with pytest.raises(InputError, match="sample 99"):
         write_cracks(path, (pattern for sample in (3, 99) for pattern in patterns_of(random_history, [sample])))
     assert path.read_text() == "old" and [p.name for p in tmp_path.glob(".*")] == []
@@ -244,13 +235,10 @@ def test_an_export_that_fails_leaves_the_old_file(random_history, tmp_path):
 
 # --- command --------------------------------------------------------------------------------------
 
-def test_the_command_exports_reads_and_draws(random_history, tmp_path, capsys):
-    wall, export = tmp_path / "small.py", tmp_path / "out" / "cracks.csv"
-    wall.write_text(WALL)
-    assert main(["cracks", str(random_history.path), "--at", "max,0.05", "--export", str(export), "--json"]) == 0
-    simulated = json.loads(capsys.readouterr().out)
-    assert main(["cracks", str(export), "--wall", str(wall), "--json", "--out", str(tmp_path / "png")]) == 0
-    digitised = json.loads(capsys.readouterr().out)
+def test_the_command_exports_reads_and_draws(random_history, tmp_path, output_of):
+    wall, export = wall_file(tmp_path / "small.py", WALL), tmp_path / "out" / "cracks.csv"
+    simulated = json.loads(output_of("cracks", random_history.path, "--at", "max,0.05", "--export", export, "--json"))
+    digitised = json.loads(output_of("cracks", export, "--wall", wall, "--json", "--out", tmp_path / "png"))
     for here, there in zip(simulated["levels"], digitised["levels"]):
         assert here["DI"] == pytest.approx(there["DI"], abs=1e-6)
         assert here["psi"] == pytest.approx(there["psi"], abs=1e-5)
@@ -258,17 +246,15 @@ def test_the_command_exports_reads_and_draws(random_history, tmp_path, capsys):
     assert simulated["levels"][1]["time_s"] == pytest.approx(0.05)
     assert {path.name for path in (tmp_path / "png").iterdir()} == {
         f"cracks_level_{level}.{ending}" for level in (1, 2) for ending in ("png", "pdf")}
-    assert main(["cracks", str(export), "--wall", str(wall)]) == 0
-    assert "DI_open" in capsys.readouterr().out
+    assert "DI_open" in output_of("cracks", export, "--wall", wall)
 
 
-def test_the_example_of_the_documentation(tmp_path, capsys):
+def test_the_example_of_the_documentation(tmp_path, output_of):
     """Crack A's four joints by hand; B's mode is open."""
     text = (REPOSITORY / "docs" / "reference" / "crack-format.md").read_text()
     (tmp_path / "example.csv").write_text(text.split("```text\n")[1].split("```")[0])
     wall = str(REPOSITORY / "walls" / "solid.py")
-    assert main(["cracks", str(tmp_path / "example.csv"), "--wall", wall, "--json"]) == 0
-    none, cracked = json.loads(capsys.readouterr().out)["levels"]
+    none, cracked = json.loads(output_of("cracks", tmp_path / "example.csv", "--wall", wall, "--json"))["levels"]
     assert none["DI"] == pytest.approx([0.025] * 2) and none["cracks"] == 0
     total = 198.375
     assert cracked["DI_open"] == pytest.approx([(0.1125 + 0.075) / total, (0.1125 + 0.075 + 0.85) / total], abs=1e-5)
@@ -276,11 +262,10 @@ def test_the_example_of_the_documentation(tmp_path, capsys):
     assert (cracked["cracks"], cracked["undecided_m"]) == (2, pytest.approx(0.85, abs=1e-3))
 
 
-def test_the_command_says_where_the_mode_is_open(tmp_path, capsys):
-    (tmp_path / "small.py").write_text(WALL)
+def test_the_command_says_where_the_mode_is_open(tmp_path, output_of):
+    wall = wall_file(tmp_path / "small.py", WALL)
     (tmp_path / "optical.csv").write_text(f"crack,point,x_m,z_m,width_mm\n1,1,0.1,{BED},0.3\n1,2,0.4,{BED},\n")
-    assert main(["cracks", str(tmp_path / "optical.csv"), "--wall", str(tmp_path / "small.py")]) == 0
-    out = capsys.readouterr().out
+    out = output_of("cracks", tmp_path / "optical.csv", "--wall", wall)
     assert "tension and shear cannot be distinguished" in out and ".." in out and "drift unknown" in out
 
 
@@ -291,24 +276,21 @@ def test_the_command_says_where_the_mode_is_open(tmp_path, capsys):
     (["no.csv", "--wall", "walls/solid.py", "--at", "max"], "--at does not belong to a crack file"),
     (["--dic", "no.csv"], "a DIC field needs --wall"),
 ])
-def test_bad_command_lines(words, complaint, monkeypatch, capsys):
+def test_bad_command_lines(words, complaint, monkeypatch, error_of):
     monkeypatch.chdir(REPOSITORY)
-    assert main(["cracks", *words]) == 2
-    assert complaint in capsys.readouterr().err
+    assert complaint in error_of("cracks", *words)
 
 
 @pytest.mark.parametrize("moment", ["later", "7", "-3"])
-def test_a_moment_that_the_history_lacks(random_history, moment, capsys):
-    assert main(["cracks", str(random_history.path), f"--at={moment}"]) == 2
-    assert "expected" in capsys.readouterr().err
+def test_a_moment_that_the_history_lacks(random_history, moment, error_of):
+    assert "expected" in error_of("cracks", random_history.path, f"--at={moment}")
 
 
 @pytest.mark.parametrize("option", ["--tolerance-mm=0", "--threshold-mm=-1", "--threshold-mm=nan",
                                     "--drift-limit-pct=0"])
-def test_bad_numbers(option, capsys):
+def test_bad_numbers(option, error_of):
     """They are refused before any file is read."""
-    assert main(["cracks", "no.csv", "--wall", "walls/solid.py", option]) == 2
-    assert "expected a number from " in capsys.readouterr().err
+    assert "expected a number from " in error_of("cracks", "no.csv", "--wall", "walls/solid.py", option)
 
 
 @pytest.mark.parametrize("below, unmapped", [(0.037, 0.0), (0.038, 0.3)])

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from conftest import refused_with
 from small_history import make_history, small_layout
 
-from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.measure.cracks import (
     JOINING_GAP,
@@ -114,10 +114,8 @@ def test_an_uncracked_or_unfinished_run(tmp_path):
     history = make_history(tmp_path / "intact.h5", status="unfinished")
     assert psi_summary(history) == {"max_psi": 0, "max_crack_width_mm": 0, "residual_psi": None,
                                     "residual_crack_width_mm": None}
-    with pytest.raises(InputError, match="sample 21: expected a whole number from 0 to 20"):
-        cracks_at(history, 21)
-    with pytest.raises(InputError, match="threshold = -1: expected a positive number"):
-        psi_history(history, -1)
+    refused_with("sample 21: expected a whole number from 0 to 20", cracks_at, history, 21)
+    refused_with("threshold = -1: expected a positive number", psi_history, history, -1)
 
 
 def test_cracks_over_time_are_counted_as_at_each_moment():

@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 from scipy.stats import lognorm
 from test_fragility import walls
 
-from damage.__main__ import main
 from damage.export.curves import NAMESPACE, coefficients, left_out, limit_state, write_arrays, write_curves, write_nrml
 from damage.measure.tables import write_table
 from damage.studies.fragility import Fragility, fit_all
@@ -128,13 +127,11 @@ def test_all_formats_of_a_study(tmp_path):
                     lognorm.cdf(arrays["intensities"], row["dispersion"], scale=row["median"]), atol=1e-8)
 
 
-def test_the_command_writes_them_where_it_is_asked_to(tmp_path, capsys):
+def test_the_command_writes_them_where_it_is_asked_to(tmp_path, output_of):
     write_table(walls(20, seed=5).assign(eigen_period_s=0.2, sa_eigen_period_g=np.nan),
                 tmp_path / "study/tables/summary.csv")
-    words = ["fragility", tmp_path / "study", "--out", tmp_path / "out", "--replicates", "0", "--export",
-             tmp_path / "curves"]
-    assert main(list(map(str, words))) == 0
-    printed = capsys.readouterr().out.split("\n")
+    printed = output_of("fragility", tmp_path / "study", "--out", tmp_path / "out", "--replicates", 0, "--export",
+                        tmp_path / "curves").split("\n")
     for path in (tmp_path / "curves").iterdir():
         assert str(path) in printed
 
@@ -142,36 +139,32 @@ def test_the_command_writes_them_where_it_is_asked_to(tmp_path, capsys):
 class TestMissingColumns:
     """One line, before anything is written; what an export does not need may be missing."""
 
-    WORDS = "fragility", "--replicates", "0", "--state", "max_DI > 0.05"
+    @staticmethod
+    def export(runs, folder):
+        """Words of the command for a study of these runs."""
+        write_table(runs, folder / "study/tables/summary.csv")
+        return ["fragility", folder / "study", "--replicates", 0, "--state", "max_DI > 0.05", "--out", folder / "out",
+                "--export", folder / "curves"]
 
-    def export(self, runs, tmp_path, *more):
-        write_table(runs, tmp_path / "study/tables/summary.csv")
-        name, *words = self.WORDS
-        return main([name, str(tmp_path / "study"), *words, "--out", str(tmp_path / "out"), "--export",
-                     str(tmp_path / "curves"), *more])
-
-    def test_the_period_is_needed_by_the_acceleration_there_alone(self, tmp_path, capsys):
+    def test_the_period_is_needed_by_the_acceleration_there_alone(self, tmp_path, output_of, error_of):
         runs = walls(20, seed=5).assign(sa_eigen_period_g=lambda table: table["pga_g"])
-        assert self.export(runs, tmp_path, "--intensity", "pga_g") == 0
+        output_of(*self.export(runs, tmp_path), "--intensity", "pga_g")
         assert (tmp_path / "curves/fragility_w_max_DI_pga_g_continuous.xml").is_file()
-        capsys.readouterr()
         for wrong in (runs, runs.assign(eigen_period_s=np.nan), runs.assign(eigen_period_s="short")):
-            assert self.export(wrong, tmp_path / "other") == 2
-            printed = capsys.readouterr().err
-            assert printed.startswith("error: --export by sa_eigen_period_g: ") and printed.count("\n") == 1
+            said = error_of(*self.export(wrong, tmp_path / "other"))
+            assert said.startswith("error: --export by sa_eigen_period_g: ")
         assert not (tmp_path / "other/out").exists()
 
     @pytest.mark.parametrize("name", ["wall", "record", "status", "collapsed_at_s", "strength_seed"])
-    def test_others_are_named(self, tmp_path, capsys, name):
-        assert self.export(walls(20, seed=5).drop(columns=name), tmp_path) == 2
-        assert f"has no column {name}; expected" in capsys.readouterr().err
+    def test_others_are_named(self, tmp_path, error_of, name):
+        words = self.export(walls(20, seed=5).drop(columns=name), tmp_path)
+        assert f"has no column {name}; expected" in error_of(*words)
 
     @pytest.mark.parametrize(("name", "value", "complaint"), [
         ("wall", np.nan, "have nan as wall; expected a name"), ("strength_seed", "abc", "expected a number in each"),
         ("collapsed_at_s", "abc", "expected a time or nothing"), ("pga_g", "abc", "no intensity in every run")])
-    def test_words_where_numbers_belong_are_named(self, tmp_path, capsys, name, value, complaint):
-        assert self.export(walls(20, seed=5).assign(**{name: value}), tmp_path) == 2
-        assert complaint in capsys.readouterr().err
+    def test_words_where_numbers_belong_are_named(self, tmp_path, error_of, name, value, complaint):
+        assert complaint in error_of(*self.export(walls(20, seed=5).assign(**{name: value}), tmp_path))
 
 
 # --- OpenQuake's own reading ------------------------------------------------------------------------

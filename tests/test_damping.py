@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
+from conftest import refused_with, run_here, wall_file
 from numpy.testing import assert_allclose
 
-import damage
-from damage.errors import InputError
 from damage.law.modes import natural_modes
-from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.run.options import parse_run
@@ -65,8 +63,7 @@ def test_damping_between_the_two_frequencies_is_lower():
     (["--rayleigh", "0.02", "5", "20", "--beta", "1e-6"], "choose one"),
 ])
 def test_bad_damping_is_refused(words, message):
-    with pytest.raises(InputError, match=message):
-        parse_run(words, "test", "reference")
+    refused_with(message, parse_run, words, "test", "reference")
 
 
 def relaxed(**damping):
@@ -95,11 +92,8 @@ def test_adaptive_damping_finds_the_static_solution_sooner_than_local():
 
 
 def test_push_force_and_base_shear_are_one_under_adaptive_damping(tmp_path):
-    wall = tmp_path / "stub.py"
-    wall.write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('stub', 0.9, 0.6)\n")
-    out = tmp_path / "push.h5"
-    assert run_reference([str(wall), "--pushover", "0.05", "--speed", "0.002", "--no-pictures", "--out", str(out)]) == 0
-    series = damage.read_history(out).series
+    wall = wall_file(tmp_path / "stub.py", "Wall('stub', 0.9, 0.6)")
+    series = run_here(tmp_path / "push.h5", wall, "--pushover", 0.05, "--speed", 0.002).series
     peak = series["base_shear_n"].max()
     assert_allclose(series["top_force_n"].max(), peak, rtol=0.05)
 
@@ -107,10 +101,7 @@ def test_push_force_and_base_shear_are_one_under_adaptive_damping(tmp_path):
 @pytest.mark.parametrize("words", [["--beta", "1e-5"], ["--rayleigh", "0.02", "5", "200"]])
 def test_a_damped_wall_settles(tmp_path, words):
     """Viscous and local damping together would be unstable at the step that each allows."""
-    out = tmp_path / "run.h5"
-    assert run_reference(["walls/symmetric.py", "--free-vibration", "--rest", "0.05", *words, "--out", str(out),
-                          "--no-pictures"]) == 0
-    history = damage.read_history(out)
+    history = run_here(tmp_path / "run.h5", "walls/symmetric.py", "--free-vibration", "--rest", 0.05, *words)
     energy = history.series["kinetic_energy_j"].to_numpy()
     assert not history.broken.any()
     assert energy[-1] < 1e-3 * energy[0]

@@ -9,14 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import one_line_error, total_energy
+from conftest import one_line_error, run_here, total_energy, wall_file
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 from small_history import make_history
 
 from damage.draw.run import save_all, stress_picture
-from damage.history.reader import read_history
 from damage.law.modes import (
     contact_normals,
     kinematic_matrix,
@@ -28,7 +27,6 @@ from damage.law.modes import (
 from damage.measure.energy import energy_error
 from damage.mechanics.tables import DAMPING, ENDED, FRICTION, HAS_FAILED, INPUT, RIGID
 from damage.motion.loading import Harmonic
-from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.run.opening import describe_brick
 from damage.run.options import parse_run
@@ -413,12 +411,9 @@ def test_a_brick_that_is_pushed_off_another_falls():
 
 
 def test_a_run_has_a_balanced_history(tmp_path, monkeypatch):
-    wall = "from damage import Wall\n\n\ndef wall():\n    return Wall('small', 0.9, 0.45)\n"
-    (tmp_path / "small.py").write_text(wall)
-    words = ["--harmonic", "0.05", "1.2", "--cycles", "2", "--rest", "0.05", "--no-pictures", "--bricks", "deformable",
-             "--contacts", "gauss", "--brick-mass", "16", "--out", str(tmp_path / "a.h5")]
-    assert run_reference([str(tmp_path / "small.py"), *words]) == 0
-    history = read_history(tmp_path / "a.h5")
+    wall = wall_file(tmp_path / "small.py", "Wall('small', 0.9, 0.45)")
+    history = run_here(tmp_path / "a.h5", wall, "--harmonic", 0.05, 1.2, "--cycles", 2, "--rest", 0.05, "--bricks",
+                       "deformable", "--contacts", "gauss", "--brick-mass", 16)
     assert (history.model.bricks, history.model.brick_mass, history.model.contacts) == ("deformable", 16.0, "gauss")
     assert (history.joints["normal_stiffness_pa_m"] == JOINT.normal_stiffness).all()
     assert energy_error(history.series) < 5e-3

@@ -4,10 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from conftest import refused_with, run_here, wall_file, written
 
-from damage.__main__ import main
-from damage.errors import InputError
-from damage.history.reader import read_history
 from damage.laboratory.dic import (
     Field,
     brick_motions,
@@ -21,7 +19,6 @@ from damage.laboratory.dic import (
 from damage.measure.crack_file import read_cracks
 from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.cracks import cracks_at
-from damage.reference.session import run_reference
 from damage.wall.file import load_wall
 from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out
@@ -29,14 +26,8 @@ from paper.dic_field import sampled_field
 
 NOISE = 1e-5
 """Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""
-WALL = '''
-import math
-from damage import Joint, Wall
-
-def wall():
-    return Wall("panel", 0.9, {height}, precompression=0.05e6, joint=Joint(
-        tensile_strength=0.02e6, cohesion=0.03e6, friction_angle=math.radians({friction})))
-'''
+WALL = ("Wall('panel', 0.9, {height}, precompression=0.05e6, joint=Joint("
+        "tensile_strength=0.02e6, cohesion=0.03e6, friction_angle=math.radians({friction})))")
 
 
 def write_field(path, fields):
@@ -50,10 +41,8 @@ def panel(tmp_path_factory):
     """A function that pushes a panel in the reference solver: its Layout, its History and its wall file."""
     def push(height, friction, *words):
         folder = tmp_path_factory.mktemp("panel")
-        wall, out = folder / "panel.py", folder / "panel.h5"
-        wall.write_text(WALL.format(height=height, friction=friction))
-        assert run_reference([str(wall), *words, "--out", str(out), "--no-pictures"]) == 0
-        return lay_out(load_wall(wall)), read_history(out), wall
+        wall = wall_file(folder / "panel.py", WALL.format(height=height, friction=friction))
+        return lay_out(load_wall(wall)), run_here(folder / "panel.h5", wall, *words), wall
     return push
 
 
@@ -82,8 +71,7 @@ def test_a_rigid_motion_is_found_exactly(turn):
 @pytest.mark.parametrize("upwards", [True, False])
 def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
     """The upper half moves 0.5 mm up, or along: the bed joint below it opens or slips over its whole length."""
-    wall = tmp_path / "panel.py"
-    wall.write_text(WALL.format(height=0.45, friction=32))
+    wall = wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32))
     layout = lay_out(load_wall(wall))
     motion = np.zeros((len(layout.bodies), 3))
     motion[layout.bodies.z > 0.225, int(upwards)] = 0.5e-3
@@ -171,21 +159,19 @@ def test_slip_of_a_sliding_panel_is_that_of_the_simulation(panel):
 
 # --- file and command -----------------------------------------------------------------------------
 
-def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, capsys):
+def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, output_of):
     layout, history, wall = rocking
     fields, samples = fields_of(layout, history, [0, len(history.snapshot_time_s) - 1])
     write_field(tmp_path / "field.csv", fields)
     words = ["cracks", "--dic", str(tmp_path / "field.csv"), "--wall", str(wall)]
-    assert main([*words, "--export", str(tmp_path / "cracks.csv"), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(output_of(*words, "--export", tmp_path / "cracks.csv", "--json"))
     assert found["levels"][0]["DI"] == [pytest.approx(0, abs=1e-3)] * 2
     assert found["levels"][1]["DI_open"][0] == pytest.approx(history.index()["DI_open"].iloc[samples[1]], abs=0.01)
     assert found["dic"]["noise_m"] == pytest.approx(NOISE, rel=0.1)
     assert [len(pattern.stretches) > 0 for pattern in read_cracks(tmp_path / "cracks.csv")] == [False, True]
-    assert main(["cracks", str(tmp_path / "cracks.csv"), "--wall", str(wall), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["max"]["DI"] == pytest.approx(found["max"]["DI"], abs=1e-6)
-    assert main(words) == 0
-    assert "noise of a point" in capsys.readouterr().out
+    again = json.loads(output_of("cracks", tmp_path / "cracks.csv", "--wall", wall, "--json"))
+    assert again["max"]["DI"] == pytest.approx(found["max"]["DI"], abs=1e-6)
+    assert "noise of a point" in output_of(*words)
 
 
 def test_lost_points_and_unseen_bricks(rocking, tmp_path):
@@ -214,7 +200,5 @@ def test_lost_points_and_unseen_bricks(rocking, tmp_path):
     ("drift_pct,x_m,z_m,ux_m,uz_m\n0,0,0,0,0\n1,0,0,0,0\n", "load level 1 has 2 values of drift_pct"),
 ])
 def test_bad_fields_are_refused(text, complaint, rocking, tmp_path):
-    path = tmp_path / "field.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=complaint):
-        measure(read_field(path), rocking[0])
+    path = written(tmp_path / "field.csv", text)
+    refused_with(complaint, measure, read_field(path), rocking[0])

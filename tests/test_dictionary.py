@@ -10,7 +10,6 @@ from conftest import REPOSITORY
 from small_history import make_history
 from test_fragility import recorded, walls
 
-from damage.__main__ import main
 from damage.export.curves import coefficients
 from damage.export.dictionary import DICTIONARY, dictionary_table, write_dictionary
 from damage.history.schema import OPTIONAL
@@ -125,6 +124,6 @@ def test_the_shipped_ones_are_current(tmp_path):
         assert path.read_text() == (REPOSITORY / "docs" / "reference" / path.name).read_text()
 
 
-def test_the_command_writes_both(tmp_path, capsys):
-    assert main(["dictionary", "--out", str(tmp_path)]) == 0
-    assert capsys.readouterr().out.split() == [str(tmp_path / name) for name in ("dictionary.csv", "dictionary.md")]
+def test_the_command_writes_both(tmp_path, output_of):
+    assert output_of("dictionary", "--out", tmp_path).split() == [
+        str(tmp_path / name) for name in ("dictionary.csv", "dictionary.md")]

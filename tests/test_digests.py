@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import REPOSITORY, contents
+from conftest import REPOSITORY, contents, run_command, written
 from test_architecture import read_modules
 
 from damage.provenance import (
@@ -61,8 +61,7 @@ def test_the_commit_is_that_of_the_package_and_says_whether_files_differ(tmp_pat
 
 
 def test_a_file_that_is_not_there_has_no_checksum(tmp_path):
-    (tmp_path / "wall.py").write_text("words")
-    assert file_origin(tmp_path / "wall.py") == {"file": "wall.py", "sha256": (
+    assert file_origin(written(tmp_path / "wall.py", "words")) == {"file": "wall.py", "sha256": (
         "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e")}
     assert file_origin(tmp_path / "none.py") == {"file": "none.py", "sha256": UNKNOWN}
 
@@ -91,8 +90,7 @@ def test_the_model_s_digest_is_of_all_modules_that_a_run_loads(tmp_path):
     words = ["benchmarks/small_wall.py", "--address", "studies/addresses/garsthuizen.toml", "--life", "1", "--settle",
              "hogging", "--distortion", "1/2000", "--cracked", str(tmp_path / "cracks.csv"), "--rest", "0",
              "--no-pictures", "--out", str(tmp_path / "a.h5")]
-    done = subprocess.run([sys.executable, "-c", program, *words], cwd=REPOSITORY, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    done = run_command(sys.executable, "-c", program, *words, status=0)
     loaded = {name.removeprefix("damage.").replace(".", "/") for name in done.stdout.splitlines()[-1].split()}
     counted = {path.relative_to(REPOSITORY / "damage").with_suffix("").as_posix()
                for path in model_modules(SOLVERS["reference"])}

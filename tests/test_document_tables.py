@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, refused_with
 
 from damage.errors import InputError
 from scripts.document_tables import main, with_tables
@@ -61,11 +61,9 @@ def test_columns_rows_formats_and_equal_headings(tmp_path):
     ("<!-- table b.csv -->\n<!-- end of table -->", "expected a table that a document shows")])
 def test_what_is_not_there_is_one_line(tmp_path, block, words):
     (tmp_path / "a.csv").write_text("name\na\n")
-    with pytest.raises(InputError, match=words):
-        with_tables(block, tmp_path)
+    refused_with(words, with_tables, block, tmp_path)
 
 
-def test_an_input_without_a_table_is_refused(monkeypatch, capsys):
+def test_an_input_without_a_table_is_refused(monkeypatch, error_of):
     monkeypatch.setattr("sys.stdin.read", lambda: "words", raising=False)
-    assert main(["benchmarks/none.csv"]) == 2
-    assert capsys.readouterr().err == "error: 0 tables in the input; expected table 1 among them\n"
+    assert error_of("benchmarks/none.csv", of=main) == "error: 0 tables in the input; expected table 1 among them\n"

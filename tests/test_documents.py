@@ -1,12 +1,11 @@
 """What documents name is there: links, files, commands."""
 
 import re
-import subprocess
 from fnmatch import fnmatch
 
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command
 
 from damage.__main__ import main
 from paper.__main__ import COMMANDS, PROGRAMS
@@ -27,8 +26,7 @@ NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py", "b
 
 
 def listed_files():
-    done = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=REPOSITORY, capture_output=True,
-                          text=True, check=True)
+    done = run_command("git", "ls-files", "-co", "--exclude-standard", check=True)
     return [path for path in done.stdout.splitlines() if (REPOSITORY / path).exists()]
 
 

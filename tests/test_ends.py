@@ -24,11 +24,11 @@ DRY = {"tensile_strength": 0.0, "cohesion": 0.0}
 FRICTION_COEFFICIENT = np.tan(Joint().friction_angle)
 
 
-def pair(joint=DRY, **options):
+def pair(joint=DRY, new_contacts=False, **options):
     """Two bricks on each other, at rest under their weight; the upper one is body 1 and interface 1."""
     wall = Wall("pair", LENGTH, 2 * HEIGHT, precompression=0.0, joint=Joint(**joint))
     layout = lay_out(wall, ModelOptions(**options))
-    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s)
+    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, new_contacts=new_contacts)
     come_to_rest(wall)
     return wall
 

@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command, script_file
 
 TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
 NO_PACKAGES = f'exec {sys.executable} -I -S "$@"'  # a Python as it comes, without any package
@@ -35,7 +35,7 @@ class Machine:
 
     def stub(self, name, script, folder=None):
         """Put an executable shell script on the path."""
-        return write_script((folder or self.bin) / name, script)
+        return script_file((folder or self.bin) / name, script)
 
     def python(self, *without, more=""):
         """The script of an interpreter that has MODULES but those `without`, behind what is in PYTHONPATH."""
@@ -45,19 +45,12 @@ class Machine:
             (broken / f"{module}.py").write_text("raise ImportError('not here')\n")
         return f'PYTHONPATH={broken}:{more}:${{PYTHONPATH:-}}:{self.modules} exec {sys.executable} -S "$@"'
 
-    def source(self, group="run", then='echo "$PYTHON"', **variables):
-        """Source the script; returns the completed process."""
+    def source(self, group="run", then='echo "$PYTHON"', status=None, **variables):
+        """Source the script, to this exit status if one is given; returns the completed process."""
         script = f"set -euo pipefail; source {self.repository}/scripts/environment.sh {group}; {then}"
         environment = {"PATH": str(self.bin), "HOME": str(self.bin), "MASONRY_NO_INSTALL": "1",
                        "SYSTEM_PYTHON": str(self.system_python), **variables}
-        return subprocess.run(["bash", "-c", script], env=environment, capture_output=True, text=True,
-                              timeout=120)
-
-
-def write_script(path, script):
-    path.write_text(f"#!{shutil.which('bash')}\n{script}\n")
-    path.chmod(0o755)
-    return path
+        return run_command("bash", "-c", script, env=environment, timeout=120, status=status)
 
 
 @pytest.fixture
@@ -139,32 +132,27 @@ class TestMissing:
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 
     def test_programs_of_other_names_are_reported_by_their_packages(self, machine):
-        done = machine.source("browser")
-        assert done.returncode == 3
+        done = machine.source("browser", status=3)
         assert done.stderr.splitlines()[0].startswith(
             "error: missing on this machine: chromium chromium-driver poppler-utils")
 
     def test_only_what_is_missing_is_named(self, machine):
         machine.stub("python3", machine.python("numba", "h5py"), machine.system_python.parent)
-        done = machine.source()
-        assert done.returncode == 3
+        done = machine.source(status=3)
         assert done.stderr.splitlines()[0].endswith(": python3-h5py python3-numba")
 
     def test_a_machine_without_any_python(self, machine):
         (machine.system_python).unlink()
-        done = machine.source()
-        assert done.returncode == 3
+        done = machine.source(status=3)
         assert "python3-numpy" in done.stderr and "yade" not in done.stderr
 
     def test_without_apt_get_nothing_is_tried(self, machine):
         (machine.bin / "yade").unlink()
-        done = machine.source(MASONRY_NO_INSTALL="")
-        assert done.returncode == 3
+        done = machine.source(MASONRY_NO_INSTALL="", status=3)
         assert done.stderr.splitlines()[0] == "error: missing on this machine: yade"
 
     def test_an_unknown_group_is_refused(self, machine):
-        done = machine.source("everything")
-        assert done.returncode == 2
+        done = machine.source("everything", status=2)
         assert done.stderr == ("error: environment.sh everything: expected run, cluster, test, coverage, browser, app, "
                                "site or gates; correct the call\n")
 
@@ -209,14 +197,12 @@ class TestInstalling:
 
     def test_it_gives_up_after_the_second_failure(self, debian):
         debian.stub("apt-get", f"echo x >>{debian.repository}/calls; echo 'E: broken' >&2; exit 100")
-        done = debian.source(MASONRY_NO_INSTALL="")
-        assert done.returncode == 3
+        done = debian.source(MASONRY_NO_INSTALL="", status=3)
         assert done.stderr.count("E: broken") == 2
         assert "error: missing on this machine: yade" in done.stderr
 
     def test_it_can_be_forbidden(self, debian):
-        done = debian.source()
-        assert done.returncode == 3
+        debian.source(status=3)
         assert not (debian.repository / "calls").exists()
 
 
@@ -267,20 +253,19 @@ class TestGates:
         (bare.repository / ".venv" / "bin").mkdir(parents=True)
         ruff = bare.stub("ruff", "echo ruff 0.0.1", bare.repository / ".venv" / "bin")
         assert bare.source("gates").returncode == 3
-        write_script(ruff, f"echo ruff {version.removeprefix('==')}")
+        script_file(ruff, f"echo ruff {version.removeprefix('==')}")
         done = bare.source("gates", then='echo "$RUFF"')
         assert (done.returncode, done.stdout.strip()) == (0, str(ruff)), done.stderr
 
     def test_a_missing_shellcheck_is_named(self, bare):
         (bare.bin / "shellcheck").unlink()
-        done = bare.source("gates")
-        assert done.returncode == 3
+        done = bare.source("gates", status=3)
         assert done.stderr.splitlines()[0] == "error: missing on this machine: shellcheck"
 
 
 def run_all(*words, **variables):
-    return subprocess.run([REPOSITORY / "run_all.sh", *map(str, words)], capture_output=True, text=True,
-                          env={**os.environ, "MASONRY_NO_INSTALL": "1", **variables}, timeout=120)
+    return run_command(REPOSITORY / "run_all.sh", *words, env={**os.environ, "MASONRY_NO_INSTALL": "1", **variables},
+                       timeout=120)
 
 
 class TestRunAll:
@@ -323,7 +308,7 @@ class TestRunAll:
         calls = tmp_path / "calls"
         for name in MODULES:
             (tmp_path / f"{name}.py").touch()
-        python = write_script(tmp_path / "python", f"""
+        python = script_file(tmp_path / "python", f"""
             [ "$1" = -c ] && PYTHONPATH={tmp_path} exec {sys.executable} -S "$@"
             echo "$@" >>{calls}
             case "$*" in *" check "*) exit 1 ;; *" reference "*) exit {status} ;; esac""")

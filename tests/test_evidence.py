@@ -6,18 +6,14 @@ from dataclasses import replace
 from math import atan
 
 import pytest
-from conftest import REPOSITORY
-from small_history import make_history
+from conftest import REPOSITORY, run_here, wall_file
 
 import damage
-from damage.__main__ import main
 from damage.history.info import info
-from damage.history.reader import read_history
 from damage.html.report import page
 from damage.measure.evidence import QUANTITIES, describe, evidence_for, facts, markdown, outside
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.reference.session import run_reference
 
 SHAKEN = {"loading": {"kind": "harmonic", "period_s": 0.2, "amplitude_g": 0.05}, "sequence": [1.0], "rest_s": 1.0}
 WALL = damage.Wall("w", 2.0, 2.0)
@@ -89,23 +85,19 @@ def test_the_document_has_the_ranges_of_the_code():
     assert all(one.range in line for one, line in zip(QUANTITIES, markdown().splitlines()[2:]) if one.value)
 
 
-def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypatch):
+def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypatch, output_of):
     for name in ("run_part.still", "run_part.preview", "report.plotly_code"):  # they take most of a page's time
         monkeypatch.setattr(f"damage.html.{name}", lambda *_: "plotly.js (basic - minified) v0")
-    (tmp_path / "w.py").write_text(
-        "from damage import Joint, Wall\n\n\ndef wall():\n"
-        "    return Wall('high', 0.45, 0.9, precompression=0.0, joint=Joint(friction_angle=0.687))\n")
+    high = "Wall('high', 0.45, 0.9, precompression=0.0, joint=Joint(friction_angle=0.687))"
+    wall = wall_file(tmp_path / "w.py", high)
     out = tmp_path / "a.h5"
-    assert run_reference([str(tmp_path / "w.py"), "--harmonic", "0.1", "0.05", "--cycles", "1", "--rest", "0.2",
-                          "--no-pictures", "--out", str(out)]) == 0
+    history = run_here(out, wall, "--harmonic", 0.1, 0.05, "--cycles", 1, "--rest", 0.2)
     line = ("evidence for this run: outside the range of validity (docs/model/validity.md) in 5 of 16 quantities: "
             "precompression of mortar joints 0 MPa (0.3 to 0.9 MPa), length 0.45 m (1 to 4.05 m), height 0.9 m "
             "(1 to 2.78 m), tan(phi) 0.82 (0.42 to 0.63), rest after the motion 0.2 s (1 to 2 s)")
     assert line in capsys.readouterr().out.splitlines()
-    assert main(["index", str(out), "--json"]) == 0
-    shown = json.loads(capsys.readouterr().out)
+    shown = json.loads(output_of("index", out, "--json"))
     assert shown["evidence"]["length"] == {"value": 0.45, "least": 1.0, "most": 4.05, "unit": "m", "inside": False}
-    history = read_history(out)
     words = line.partition("quantities: ")[2].replace("), ", "); ")
     assert summary_row(history)["outside_validity"] == shown["outside_validity"] == words
     assert info(history)["results"]["outside_validity"] == words
@@ -117,6 +109,6 @@ def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypa
     assert "<td>does not apply</td><td>up to 2</td><td></td>" in text
 
 
-def test_old_histories_without_what_newer_ones_have_are_judged(tmp_path):
-    found = summarise(make_history(tmp_path / "a.h5"))["evidence"]
+def test_old_histories_without_what_newer_ones_have_are_judged(still_history):
+    found = summarise(still_history)["evidence"]
     assert found["length"]["inside"] is not None

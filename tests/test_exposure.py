@@ -10,13 +10,12 @@ from types import MappingProxyType
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, written
 from scipy import stats
 
 from damage.__main__ import main
 from damage.csv_table import from_words
 from damage.draw.exposure import exposure_picture
-from damage.errors import InputError
 from damage.exposure import places
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import COLUMNS, LEVELS_MM_S, Exposure
@@ -182,6 +181,8 @@ class TestCatalogue:
         found = read_catalogue(path)
         assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
 
+    ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
+    FIRST = "a1|2018-01-08T14:00:52.5|53.363|6.751|3.0|A|3.4|induced or triggered event\n"
     HEAD = "date_utc,time_utc,magnitude,easting_rd_m,northing_rd_m\n"
     FDSN = "#EventID|Time|Latitude|Longitude|Magnitude\n"
 
@@ -199,14 +200,13 @@ class TestCatalogue:
         (FDSN + "a|2018-01-08T14:00:52|48.1|6.75|3.4\n", "line 2: epicentre outside"),
         (FDSN + "a||53.36|6.75|3.4\n", "line 2: time ''"), (FDSN, "no event"),
         ("#EventID|Time|Magnitude\na|2018-01-08|3\n", "line 1: no column latitude, longitude"),
+        (ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n",
+         "no event that the ground-motion models are for"),
+        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "XML or JSON; expected CSV, or the text"),
+        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "format=text"),
     ])
-    def test_a_bad_line_is_named(self, tmp_path, text, message):
-        path = tmp_path / "bad.csv"
-        path.write_text(text)
-        assert message in one_line_error(read_catalogue, path)
-
-    ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
-    FIRST = "a1|2018-01-08T14:00:52.5|53.363|6.751|3.0|A|3.4|induced or triggered event\n"
+    def test_a_bad_line_is_named_and_another_format(self, tmp_path, text, message):
+        assert message in one_line_error(read_catalogue, written(tmp_path / "bad.csv", text))
 
     @pytest.mark.parametrize(("line", "note"), [
         ("b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|A|3.4|earthquake", "lines 2 and 3 are 0.4 s and 0.3 km apart (M 3.4 "
@@ -217,8 +217,7 @@ class TestCatalogue:
         ("t1|2018-04-13T01:20:00|53.36|6.75|17|A|3.8|earthquake", "deeper than 10 km, as tectonic earthquakes are"),
         ("t2|1992-04-13T01:20:00|51.17|5.95|3|A|5.8|earthquake", "more than 10 km from the epicentres of the field")])
     def test_events_that_the_models_are_not_for_and_doubles_are_left_out_and_named(self, tmp_path, line, note):
-        path = tmp_path / "events.txt"
-        path.write_text(self.ALL + self.FIRST + line + "\n")
+        path = written(tmp_path / "events.txt", self.ALL + self.FIRST + line + "\n")
         found = read_catalogue(path)
         assert list(found.id) == ["a1"] and len(found.notes) >= 1 and any(note in one for one in found.notes)
 
@@ -234,14 +233,8 @@ class TestCatalogue:
         "b9|2018-01-08T14:01:04|53.36|6.75|3.0|B|3.4|", "b9|2018-01-08T14:00:52.9|53.30|6.75||A|3.4|not reported",
         "b9|2018-02-08T14:00:52.9|53.36|6.75|10|B|3.4|earthquake"])
     def test_other_events_stay(self, tmp_path, line):
-        path = tmp_path / "events.txt"
-        path.write_text(self.ALL + self.FIRST + line + "\n")
+        path = written(tmp_path / "events.txt", self.ALL + self.FIRST + line + "\n")
         assert list(read_catalogue(path).id) == ["a1", "b9"]
-
-    def test_a_catalogue_without_any_that_the_models_are_for_is_refused(self, tmp_path):
-        path = tmp_path / "events.txt"
-        path.write_text(self.ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n")
-        assert "no event that the ground-motion models are for" in one_line_error(read_catalogue, path)
 
     def test_depths_in_csv(self, tmp_path):
         path = tmp_path / "events.csv"
@@ -250,8 +243,7 @@ class TestCatalogue:
         assert len(read_catalogue(path)) == 1
 
     def test_a_copy_of_what_ships_is_the_same(self, catalogue, tmp_path):
-        path = tmp_path / "copy.csv"
-        path.write_bytes(SHIPPED.read_bytes())
+        path = written(tmp_path / "copy.csv", SHIPPED.read_bytes())
         assert list(read_catalogue(path).id) == list(catalogue.id) and read_catalogue(path).notes == ()
 
     LATER = ("#EventID|Time|Latitude|Longitude|Depth/km|Author|Catalog|Contributor|ContributorID|MagType|Magnitude|"
@@ -262,12 +254,10 @@ class TestCatalogue:
              "knmi2022c|2022-11-09T10:00:00.5|53.100000|6.000000|18.0|||KNMI|knmi2022c|MLn|1.10012||Elsewhere|\n")
     """In the form of KNMI's service: decimals of times and magnitudes, no author, catalogue and author of magnitude."""
 
-    def test_later_events_of_the_service_continue_the_catalogue(self, catalogue, tmp_path, capsys):
+    def test_later_events_of_the_service_continue_the_catalogue(self, catalogue, tmp_path, error_of, output_of):
         """What both have is not doubled, what the models are not for is left out and named."""
-        later, joined = tmp_path / "later.txt", tmp_path / "catalogue.csv"
-        later.write_text(self.LATER)
-        assert main(["catalogue", str(later), "--out", str(joined)]) == 0
-        said = capsys.readouterr().out
+        later, joined = written(tmp_path / "later.txt", self.LATER), tmp_path / "catalogue.csv"
+        said = output_of("catalogue", later, "--out", joined)
         assert "1 of 2 events" in said and "from 2022-10-08 to 2022-10-08, the largest M 3.1" in said
         assert "left out as deeper than 10 km" in said and "1475 events from 1991-12-05 to 2022-10-08" in said
         found = read_catalogue(joined)
@@ -276,14 +266,8 @@ class TestCatalogue:
             assert getattr(found, name)[:-1].tolist() == getattr(catalogue, name).tolist(), name
         assert Exposure(places.at(53.36786, 6.71359), found, model_named("bommer-2022")).as_dict()[
             "catalogue_ends"] == "2022-10-08"
-        assert main(["catalogue", str(later), "--catalogue", str(joined), "--out", str(tmp_path / "c.csv")]) == 2
-        assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in capsys.readouterr().err
-
-    def test_quakeml_is_one_line(self, tmp_path):
-        path = tmp_path / "events.xml"
-        path.write_text("<?xml version='1.0'?>\n<q:quakeml/>\n")
-        with pytest.raises(InputError, match="XML or JSON; expected CSV, or the text .* format=text"):
-            read_catalogue(path)
+        assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in error_of(
+            "catalogue", later, "--catalogue", joined, "--out", tmp_path / "c.csv")
 
     def test_years(self, catalogue):
         assert catalogue.between(2012, 2012).years == (2012, 2012)
@@ -363,9 +347,8 @@ class TestExposure:
 
 
 class TestCommand:
-    def test_json_and_files(self, capsys, tmp_path):
-        assert main(["exposure", "--at", *map(str, LOPPERSUM), "--json", "--out", str(tmp_path)]) == 0
-        found = json.loads(capsys.readouterr().out)
+    def test_json_and_files(self, output_of, tmp_path):
+        found = json.loads(output_of("exposure", "--at", *LOPPERSUM, "--json", "--out", tmp_path))
         assert found["largest_median_mm_s"] == pytest.approx(12.96, abs=5e-3)
         assert found["one_percent_mm_s"] == pytest.approx(48.97, abs=5e-3)
         assert len(found["events"]) == 1474 and set(found["events"][0]) == set(COLUMNS)
@@ -373,29 +356,24 @@ class TestCommand:
         assert list(table) == list(COLUMNS) and table["median_mm_s"].max() == pytest.approx(12.96, abs=5e-3)
         assert {path.name for path in tmp_path.iterdir()} == {"exposure.csv", "exposure.png", "exposure.pdf"}
 
-    def test_the_grid_gives_the_same_place(self, capsys):
-        x, y = map(str, places.to_rd(*DELFZIJL))
+    def test_the_grid_gives_the_same_place(self, output_of):
         more = ["--json", "--component", "GEO", "--from", "2000", "--to", "2018"]
-        main(["exposure", "--rd", x, y, *more])
-        by_grid = json.loads(capsys.readouterr().out)
-        main(["exposure", "--at", *map(str, DELFZIJL), *more])
-        assert by_grid["largest_median_mm_s"] == pytest.approx(
-            json.loads(capsys.readouterr().out)["largest_median_mm_s"], rel=1e-9)
+        by_grid, by_degrees = (json.loads(output_of("exposure", *words, *more)) for words in (
+            ["--rd", *places.to_rd(*DELFZIJL)], ["--at", *DELFZIJL]))
+        assert by_grid["largest_median_mm_s"] == pytest.approx(by_degrees["largest_median_mm_s"], rel=1e-9)
         assert (by_grid["from"], by_grid["to"]) == (2000, 2018)
 
-    def test_an_event_of_two_agencies_counts_once_and_is_named(self, capsys, tmp_path):
+    def test_an_event_of_two_agencies_counts_once_and_is_named(self, output_of, tmp_path):
         """Twice it gave a median of the largest motion of 36.44 mm/s."""
         path = tmp_path / "twice.txt"
         path.write_text(TestCatalogue.ALL + TestCatalogue.FIRST
                         + "b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|B|3.4|induced or triggered event\n"
                         + "a2|2019-05-22T03:49:00.1|53.327|6.65|3.0|A|3.4|induced or triggered event\n")
         words = ["exposure", "--at", "53.36", "6.75", "--catalogue", str(path)]
-        assert main([*words, "--json"]) == 0
-        found = json.loads(capsys.readouterr().out)
+        found = json.loads(output_of(*words, "--json"))
         assert found["largest_of_all_median_mm_s"] == pytest.approx(27.21, abs=5e-3)
         assert found["at_least_once"]["10"] == pytest.approx(0.960, abs=5e-4) and len(found["warnings"]) == 1
-        assert main(words) == 0
-        assert "warning: " in (said := capsys.readouterr().out) and "lines 2 and 3 are 0.4 s" in said
+        assert "warning: " in (said := output_of(*words)) and "lines 2 and 3 are 0.4 s" in said
 
     def test_formulas_of_a_catalogue_reach_no_spreadsheet(self, tmp_path):
         """Place and identifier are foreign text."""
@@ -412,9 +390,8 @@ class TestCommand:
                 "'+1+cmd", "'-2+3", "'@SUM(A1)", "'t Zandt", "-5", "'=HYPERLINK(\"x\")"]
         assert list(from_words(table)["place"][[0, 3]]) == ["+1+cmd", "'t Zandt"]
 
-    def test_text(self, capsys):
-        assert main(["exposure", "--at", *map(str, GARSTHUIZEN)]) == 0
-        said = capsys.readouterr().out
+    def test_text(self, output_of):
+        said = output_of("exposure", "--at", *GARSTHUIZEN)
         assert "largest median 19.61 mm/s; 74.09 mm/s" in said and "Westeremden" in said
 
     @pytest.mark.parametrize("words, message", [
@@ -425,11 +402,9 @@ class TestCommand:
         (["--at", "53.3", "6.7", "--component", "ROT"], "component = 'ROT'"),
         (["--at", "53.3", "6.7", "--vs30", "nan"], "--vs30"),
     ])
-    def test_bad_input_is_one_line(self, capsys, words, message):
-        assert main(["exposure", *words]) == 2
-        said = capsys.readouterr()
-        assert said.out == "" and said.err.startswith("error: ") and said.err.count("\n") == 1
-        assert message in said.err and "expected" in said.err
+    def test_bad_input_is_one_line(self, error_of, words, message):
+        said = error_of("exposure", *words)
+        assert message in said and "expected" in said
 
 
 def station_residuals(model, vs30_m_s=200.0):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, written
 from numpy.testing import assert_allclose
 
 from damage.motion.formats import read_record, shipped_record_path
@@ -20,9 +20,7 @@ AT2_TITLES = (
 
 
 def write(folder, text, name="motion.csv"):
-    path = folder / name
-    path.write_text(text)
-    return path
+    return written(folder / name, text)
 
 
 class TestCsv:
@@ -64,8 +62,7 @@ class TestCsv:
         assert_allclose(record.acceleration_m_s2, [0.125, -0.25], rtol=ROUND_OFF)
 
     def test_an_exponent_that_is_not_in_utf_8_is_one(self, tmp_path):
-        path = tmp_path / "motion.csv"
-        path.write_bytes("time [s];acc [cm/s²]\n0;1\n0,01;2\n".encode("latin-1"))
+        path = written(tmp_path / "motion.csv", "time [s];acc [cm/s²]\n0;1\n0,01;2\n".encode("latin-1"))
         assert_allclose(read_record(path).acceleration_m_s2, [0.01, 0.02], rtol=ROUND_OFF)
 
     def test_the_unit_is_no_part_of_a_records_name(self, tmp_path):
@@ -149,8 +146,7 @@ class TestCsv:
         assert message.startswith(str(path))
 
     def test_binary_is_not_a_csv(self, tmp_path):
-        path = tmp_path / "motion.csv"
-        path.write_bytes(bytes(range(255, 0, -1)))
+        path = written(tmp_path / "motion.csv", bytes(range(255, 0, -1)))
         assert "line" in one_line_error(read_record, path)
 
     def test_missing_file_and_directory(self, tmp_path):
@@ -194,6 +190,7 @@ class TestPeerAt2:
             (AT2_TITLES + "NPTS= 6, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 6"),
             (AT2_TITLES + "NPTS= 4, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 4"),
             (AT2_TITLES + "NPTS= 5, DT= 0 SEC\n" + VALUES, "time step [s] = 0.0"),
+            (AT2_TITLES + "NPTS= 5, DT= 5.0 MSEC\n" + VALUES, "a time step of 5 s; expected at most 0.05 s"),
             (AT2_TITLES + "NPTS= 5, DT= .005 SEC\n.1 .2\n.3 x .5\n", "line 6: '.3 x .5' is not"),
             (AT2_TITLES + "NPTS= 2, DT= .005 SEC\n.1 NaN\n", "line 5: '.1 NaN' is not finite"),
             (AT2_TITLES.replace("ACCELERATION", "VELOCITY") + "NPTS= 5, DT= .005 SEC\n" + VALUES, "line 3:"),
@@ -205,7 +202,7 @@ class TestPeerAt2:
 
 
 class TestMiniSeed:
-    @pytest.fixture
+    @pytest.fixture(autouse=True)
     def obspy(self):
         return pytest.importorskip("obspy", reason="obspy is an optional extra")
 
@@ -220,7 +217,6 @@ class TestMiniSeed:
         stream.write(str(folder / name), format="MSEED")
         return folder / name
 
-    @pytest.mark.usefixtures("obspy")
     def test_counts_become_the_shipped_csv(self):
         counts = read_record(shipped_record_path("NL.BGAR..HGE"))
         table = read_record(shipped_record_path("BGAR_HGE"))
@@ -229,10 +225,8 @@ class TestMiniSeed:
         # the CSV has seven digits: half a unit of the last one at its peak of 1.09 m/s2 is 5e-7
         assert_allclose(counts.acceleration_m_s2, table.acceleration_m_s2, rtol=0, atol=5.01e-7)
 
-    @pytest.mark.usefixtures("obspy")
     def test_content_is_known_without_a_suffix(self, tmp_path):
-        path = tmp_path / "motion.dat"
-        path.write_bytes(shipped_record_path("NL.BGAR..HGZ").read_bytes())
+        path = written(tmp_path / "motion.dat", shipped_record_path("NL.BGAR..HGZ").read_bytes())
         assert read_record(path, self.STATION_XML).name == "NL.BGAR..HGZ"
 
     def test_station_xml_is_looked_for_beside_the_file(self, trace, tmp_path):
@@ -263,12 +257,10 @@ class TestMiniSeed:
         path = self.saved(trace.slice(endtime=trace.stats.starttime + 1), tmp_path)
         assert "201 samples" in one_line_error(read_record, path, self.STATION_XML)
 
-    @pytest.mark.usefixtures("obspy")
     def test_broken_file(self, tmp_path):
         path = write(tmp_path, "no seed\n", "motion.mseed")
         assert "obspy says" in one_line_error(read_record, path)
 
-    @pytest.mark.usefixtures("obspy")
     @pytest.mark.parametrize(
         ("old", "new", "says"),
         [
@@ -289,7 +281,6 @@ class TestMiniSeed:
         path = write(tmp_path, text.replace(old, new), "other.xml")
         assert says in one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
 
-    @pytest.mark.usefixtures("obspy")
     def test_a_velocity_in_the_first_stage_is_refused(self, tmp_path):
         head, stage, rest = self.STATION_XML.read_text().partition('<Stage number="1">')
         path = write(tmp_path, head + stage + rest.replace("M/S**2", "M/S", 1), "other.xml")
@@ -321,11 +312,11 @@ class TestMiniSeed:
         again = read_record(self.saved(trace, tmp_path), self.STATION_XML)
         assert again.acceleration_m_s2.tobytes() == whole.acceleration_m_s2.tobytes()
 
-    def test_without_obspy_the_extra_is_named(self, monkeypatch):
-        monkeypatch.setitem(sys.modules, "obspy", None)
-        message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"))
-        assert "pip install obspy" in message
-        assert "masonry-damage[obspy]" in message
+
+def test_without_obspy_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "obspy", None)
+    message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"))
+    assert "pip install obspy" in message and "masonry-damage[obspy]" in message
 
 
 def test_shipped_files_are_named_in_their_readme():

@@ -5,12 +5,12 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import refused_with
 from numpy.testing import assert_allclose
 from scipy.special import ndtr
 from scipy.stats import binom
 from scipy.stats import t as student
 
-from damage.__main__ import main
 from damage.errors import InputError
 from damage.measure.tables import write_table
 from damage.studies.after_damage import load_shocks, table_after_damage
@@ -179,11 +179,10 @@ class TestUndetermined:
                              "strength_cov": 0.3, "collapsed_at_s": np.nan, "eigen_period_s": 0.2, "max_DI": 0.0,
                              "max_crack_width_mm": 0.0, "max_psi": np.where(exceeds, 1.5, 0.5)})
 
-    def test_tables_have_a_reason_and_exports_no_curve(self, runs, tmp_path, capsys):
+    def test_tables_have_a_reason_and_exports_no_curve(self, runs, tmp_path, output_of):
         write_table(runs, tmp_path / "tables" / "summary.csv")
-        assert main(["fragility", str(tmp_path), "--out", str(tmp_path / "f"), "--state", "max_psi > 1", "--at", "0.1",
-                     "--replicates", "20", "--export", str(tmp_path / "e")]) == 0
-        printed = capsys.readouterr().out
+        printed = output_of("fragility", tmp_path, "--out", tmp_path / "f", "--state", "max_psi > 1", "--at", "0.1",
+                            "--replicates", "20", "--export", tmp_path / "e")
         assert "max_psi > 1: no curve, " in printed and "of 40 runs exceed it, " in printed
         assert [path.name for path in (tmp_path / "e").iterdir()] == ["fragility_coefficients.csv"]
         for table in ("f/fragility_pga_g.csv", "f/efficiency.csv", "f/fragility_pga_g_at.csv",
@@ -418,8 +417,7 @@ class TestLeftOut:
 
     def test_a_study_of_the_same_records_is_refused(self):
         runs = recorded(4, 0.3, seed=1)
-        with pytest.raises(InputError, match="every record of the other study is in this one"):
-            beside_unseen(runs, runs)
+        refused_with("every record of the other study is in this one", beside_unseen, runs, runs)
 
     def test_three_records_leave_too_few(self):
         with pytest.raises(InputError, match="four records or more"):
@@ -438,55 +436,46 @@ class TestOwnStates:
         ("max_psi > two", "level 'two'; expected a finite number"), ("max_psi > nan", "expected a finite number"),
         ("a: b: max_psi > 2", "expected COLUMN > LEVEL")])
     def test_what_is_refused(self, text, complaint):
-        with pytest.raises(InputError, match=complaint):
-            parse_state(text)
+        refused_with(complaint, parse_state, text)
 
     def test_columns_that_cannot_be_levels_are_refused(self):
         runs = walls(3, seed=1)
         for measure, complaint in (("max_pzi", "no column max_pzi; .* perhaps max_psi"),
                                    ("status", "column status .* holds no numbers"),
                                    ("collapsed_at_s", "holds no numbers")):
-            with pytest.raises(InputError, match=complaint):
-                check_states(runs, [State(measure, 1.0)])
-        with pytest.raises(InputError, match="given twice"):
-            check_states(runs, [State("max_psi", 1.0, "a"), State("max_DI", 1.0, "a")])
+            refused_with(complaint, check_states, runs, [State(measure, 1.0)])
+        refused_with("given twice", check_states, runs, [State("max_psi", 1.0, "a"), State("max_DI", 1.0, "a")])
         runs.loc[4, "max_psi"] = np.nan
-        with pytest.raises(InputError, match="1 of 24 runs have no max_psi"):
-            check_states(runs, [State("max_psi", 1.0)])
+        refused_with("1 of 24 runs have no max_psi", check_states, runs, [State("max_psi", 1.0)])
 
     def test_columns_that_cannot_be_intensities_are_refused(self):
         runs = walls(3, seed=1).assign(zero=0.0, missing=[np.nan] + [1.0] * 23)
         for name, complaint in (("pga", "no column pga; .* perhaps pga_g"), ("zero", "24 of 24 runs have zero or less"),
                                 ("missing", "1 of 24 runs have no value"), ("record", "holds no numbers")):
-            with pytest.raises(InputError, match=complaint):
-                check_intensity(runs, name)
+            refused_with(complaint, check_intensity, runs, name)
 
-    def test_the_command_takes_them_from_its_words_or_from_the_study_file(self, tmp_path, capsys):
+    def test_the_command_takes_them_from_its_words_or_from_the_study_file(self, tmp_path, output_of, error_of):
         runs = walls(12, seed=1).assign(peak_force_n=lambda table: 1e4 * table["pga_g"])
         write_table(runs, tmp_path / "tables" / "summary.csv")
-        words = ["fragility", str(tmp_path), "--out", str(tmp_path / "f"), "--replicates", "5"]
-        assert main([*words, "--state", "wide: max_crack_width_mm > 8", "--state", "max_DI > 0.05",
-                     "--intensity", "peak_force_n", "--at", "1000", "2000"]) == 0
+        words = ["fragility", tmp_path, "--out", tmp_path / "f", "--replicates", 5]
+        output_of(*words, "--state", "wide: max_crack_width_mm > 8", "--state", "max_DI > 0.05", "--intensity",
+                  "peak_force_n", "--at", 1000, 2000)
         table = pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")
         assert list(table["state"]) == ["wide", "max_DI > 0.05"]
         assert table["median_N"].between(500, 4000).all()
         assert len(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n_at.csv")) == 4
         (tmp_path / "study.toml").write_text('states = ["a: max_DI > 0.06"]\nintensity = "peak_force_n"\n')
-        assert main(words) == 0
+        output_of(*words)
         assert list(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")["state"]) == ["a"]
         for bad, complaint in ((["--state", "max_DI > x"], "level 'x'"), (["--intensity", "pga"], "perhaps pga_g")):
-            capsys.readouterr()
-            assert main([*words, *bad]) == 2
-            printed = capsys.readouterr().err
-            assert printed.startswith("error: ") and printed.count("\n") == 1 and complaint in printed
+            assert complaint in error_of(*words, *bad)
 
     def test_a_study_file_with_others_is_refused(self, tmp_path):
         for text, complaint in (('states = "max_DI > 1"', "a list of texts"), ("states = [1]", "a list of texts"),
                                 ("intensity = 2", "name of a column"), ('states = ["max_DI"]', "COLUMN > LEVEL"),
                                 ("states = [", "is no TOML")):
             (tmp_path / "study.toml").write_text(text)
-            with pytest.raises(InputError, match=complaint):
-                study_choices(tmp_path)
+            refused_with(complaint, study_choices, tmp_path)
 
 
 def test_the_spectral_acceleration_at_the_walls_period_leads():
@@ -494,8 +483,7 @@ def test_the_spectral_acceleration_at_the_walls_period_leads():
     runs = walls(2, seed=1).assign(sa_eigen_period_g=0.1, pgv_m_s=0.1)
     assert leading(runs) == "sa_eigen_period_g"
     assert leading(runs.drop(columns="sa_eigen_period_g")) == "pgv_m_s"
-    with pytest.raises(InputError, match="no intensity in every run"):
-        leading(runs[["wall"]])
+    refused_with("no intensity in every run", leading, runs[["wall"]])
 
 
 class TestEfficiency:
@@ -514,27 +502,23 @@ class TestEfficiency:
         assert row["median_m_s"] == pytest.approx(0.06, rel=0.1) and not any(name.endswith("_g") for name in row)
 
 
-def test_the_command_writes_table_and_picture(tmp_path, capsys):
+def test_the_command_writes_table_and_picture(tmp_path, output_of, error_of):
     write_table(walls(12, seed=1), tmp_path / "tables" / "summary.csv")
-    assert main(["fragility", str(tmp_path), "--out", str(tmp_path / "f"), "--replicates", "20"]) == 0
+    assert "dispersion" in output_of("fragility", tmp_path, "--out", tmp_path / "f", "--replicates", 20)
     table = pd.read_csv(tmp_path / "f" / "fragility_pga_g.csv")
     assert len(table) == sum(map(len, LEVELS.values())) and set(table["runs"]) == {96}
     assert table.set_index("measure").loc["max_psi", "median_g"].isna().all()
     assert {path.suffix for path in (tmp_path / "f").glob("fragility_w_pga_g.*")} == {".png", ".pdf"}
-    assert "dispersion" in capsys.readouterr().out
     assert set(pd.read_csv(tmp_path / "f" / "efficiency.csv")["intensity"]) == {"pga_g"}
-    assert main(["fragility", str(tmp_path), "--out", str(tmp_path), "--intensity", "sa_0.2_s_g"]) == 2
+    error_of("fragility", tmp_path, "--out", tmp_path, "--intensity", "sa_0.2_s_g")
 
 
 def test_studies_without_scattered_strengths_are_refused(tmp_path):
-    with pytest.raises(InputError, match="holds no tables/summary.csv"):
-        load_runs(tmp_path)
+    refused_with("holds no tables/summary.csv", load_runs, tmp_path)
     write_table(walls(2, seed=1).assign(strength_cov=0.0), tmp_path / "tables" / "summary.csv")
-    with pytest.raises(InputError, match="no finished run with scattered strengths"):
-        load_runs(tmp_path)
+    refused_with("no finished run with scattered strengths", load_runs, tmp_path)
     write_table(pd.DataFrame({"run": ["a"]}), tmp_path / "tables" / "summary.csv")
-    with pytest.raises(InputError, match="no column max_DI"):
-        load_runs(tmp_path)
+    refused_with("no column max_DI", load_runs, tmp_path)
 
 
 class TestAfterDamage:
@@ -561,8 +545,7 @@ class TestAfterDamage:
     def test_a_run_without_its_shocks_is_named(self, study):
         path = study / "tables" / "shocks.csv"
         write_table(pd.read_csv(path).query("run != 'run-3-0.5-1.0'"), path)
-        with pytest.raises(InputError, match="lacks the shocks of run-3-0.5-1.0"):
-            load_shocks(load_runs(study), study)
+        refused_with("lacks the shocks of run-3-0.5-1.0", load_shocks, load_runs(study), study)
 
     def test_each_shock_has_its_own_intensity_and_damage_before(self, study):
         shocks = load_shocks(load_runs(study), study)
@@ -577,11 +560,10 @@ class TestAfterDamage:
         shocks = load_shocks(load_runs(study), study)
         few = shocks[(shocks["before"] == "undamaged") | (shocks["strength_seed"] < 2)]
         assert set(table_after_damage(few, "pga_g", 5)["before"]) == {"undamaged"}
-        with pytest.raises(InputError, match="expected 20 or more"):
-            table_after_damage(shocks.head(19), "pga_g", 5)
+        refused_with("expected 20 or more", table_after_damage, shocks.head(19), "pga_g", 5)
 
-    def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, capsys):
-        assert main(["fragility", str(study), "--out", str(tmp_path / "f"), "--after-damage", "--replicates", "5"]) == 0
+    def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, output_of):
+        output_of("fragility", study, "--out", tmp_path / "f", "--after-damage", "--replicates", 5)
         table = pd.read_csv(tmp_path / "f" / "fragility_after_damage_pga_g.csv")
         median = table[(table["measure"] == "max_psi") & (table["level"] == 1.0)].set_index("before")["median_g"]
         # Psi is 1.5 f / c, or twice that: it reaches 1 at f = c / 1.5, c about 1, between the factors that were run.
@@ -595,7 +577,6 @@ class TestAfterDamage:
         assert shocks.loc[shocks["shock"] == 1, "collapsed_at_s"].isna().all()
         assert (shocks.loc[shocks["shock"] == 2, "collapsed_at_s"] == 1.5).all()
 
-    def test_a_study_without_sequences_is_refused(self, tmp_path, capsys):
+    def test_a_study_without_sequences_is_refused(self, tmp_path, error_of):
         write_table(walls(2, seed=1).assign(shocks=1), tmp_path / "tables" / "summary.csv")
-        assert main(["fragility", str(tmp_path), "--out", str(tmp_path), "--after-damage"]) == 2
-        assert "expected a study of sequences" in capsys.readouterr().err
+        assert "expected a study of sequences" in error_of("fragility", tmp_path, "--out", tmp_path, "--after-damage")

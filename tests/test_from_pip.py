@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import subprocess
 import sys
 import threading
 import tomllib
@@ -13,7 +12,7 @@ from shutil import copytree, ignore_patterns
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, run_command, script_file
 from test_guides import GUIDES, blocks
 
 import damage
@@ -53,8 +52,7 @@ def installed(tmp_path_factory):
         copytree(REPOSITORY / folder, base.joinpath("site", *package.split(".")), ignore=ignore_patterns("__pycache__"))
     (base / "bin").mkdir()
     for name, words in (("python3", ""), ("damage", " -m damage")):
-        (base / "bin" / name).write_text(f'#!/bin/sh\nexec "{sys.executable}"{words} "$@"\n')
-        (base / "bin" / name).chmod(0o755)
+        script_file(base / "bin" / name, f'exec "{sys.executable}"{words} "$@"')
     return base
 
 
@@ -64,9 +62,7 @@ def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
     printed = ""
     for language, text in blocks("from-pip"):
         if language == "sh":
-            done = subprocess.run(["bash", "-euc", text], cwd=tmp_path, capture_output=True, text=True, timeout=300,
-                                  env=environment)
-            assert done.returncode == 0, f"{text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+            done = run_command("bash", "-euc", text, cwd=tmp_path, timeout=300, env=environment, status=0)
             printed += done.stdout
         else:
             (tmp_path / text.split("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
@@ -76,9 +72,8 @@ def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
 
 
 def test_a_study_by_yade_without_a_clone_is_one_line(installed, tmp_path):
-    done = subprocess.run([sys.executable, "-m", "damage", "study", "quick", "--solver", "yade"], cwd=tmp_path,
-                          capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": str(installed / "site")})
+    done = run_command(sys.executable, "-m", "damage", "study", "quick", "--solver", "yade", cwd=tmp_path,
+                       env={**os.environ, "PYTHONPATH": str(installed / "site")})
     assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr
     assert "--solver yade: YADE's programs are in a clone" in done.stderr
 
@@ -124,29 +119,26 @@ class TestNames:
         (["idnex", "a.h5"], "index"), (["modes", "symetric"], "symmetric"), (["reference", "simmetric"], "symmetric"),
         (["modes", "elsewhere/symmetric.py"], "symmetric"), (["study", "qick"], "quick"),
         (["record", "BGRA_HGE"], "BGAR_HGE")])
-    def test_a_wrong_name_is_met_with_the_nearest(self, capsys, words, meant):
-        assert main(words) == 2
-        printed = capsys.readouterr().err
+    def test_a_wrong_name_is_met_with_the_nearest(self, error_of, words, meant):
+        printed = error_of(*words)
         assert f"; did you mean {meant}?" in printed and printed.count("\n") == 1
 
-    def test_what_is_far_from_every_name_has_no_nearest(self, capsys):
-        assert main(["xyzzy"]) == 2
-        assert "did you mean" not in capsys.readouterr().err
+    def test_what_is_far_from_every_name_has_no_nearest(self, error_of):
+        assert "did you mean" not in error_of("xyzzy")
 
     def test_shipped_paths_are_those_of_a_clone_and_no_others(self):
         assert shipped_path("walls/variants/symmetric_fast.py").is_file()
         for path in ("pyproject.toml", "walls/../LICENSE", "walls/absent.py", "damage/files.py", "/etc/hosts", ""):
             assert shipped_path(path) is None
 
-    def test_record_draws_a_motion(self, tmp_path, capsys):
+    def test_record_draws_a_motion(self, tmp_path, capsys, error_of):
         picture = tmp_path / "a.png"
         words = ["record", "BGAR_HGE", "--window", "18", "20", "--band", "0.5", "25", "--json", "--plot"]
         assert main([*words, str(picture)]) == 0
         printed = capsys.readouterr()
         assert json.loads(printed.out)["band_hz"] == [0.5, 25.0] and "picture: " in printed.err
         assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 20_000
-        assert main([*words, str(tmp_path / "a.pdf")]) == 2
-        assert "expected a name that ends in .png" in capsys.readouterr().err
+        assert "expected a name that ends in .png" in error_of(*words, tmp_path / "a.pdf")
 
 
 class TestRun:

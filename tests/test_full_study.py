@@ -8,18 +8,16 @@ import shutil
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
 from types import SimpleNamespace
 
 import h5py
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, running
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, ROOT, TINY, disk, run_command, running, wall_file, written
 
 from damage.batch.folder import forecast
 from damage.studies.definition import load_study
 from damage.studies.tables import histories_in
 
-TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 STUDY = '''name = "s"
 pictures = "none"
 
@@ -37,15 +35,13 @@ members = 2
 WITH_LEAST = ("import sys; from damage.__main__ import main; from damage.batch import folder\n"
               "folder.LEAST_FREE = 100_000\nsys.exit(main(['study', *sys.argv[1:]]))")
 """A batch that goes on where a real one would end: another program may fill a disk between two looks."""
-ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system of a few megabytes")
 
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
-    (folder / "tiny.py").write_text(TINY)
-    (folder / "s.toml").write_text(STUDY)
-    return folder / "s.toml"
+    wall_file(folder / "tiny.py", TINY)
+    return written(folder / "s.toml", STUDY)
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +58,7 @@ def environment():
 
 def run(*words):
     """Run a command; returns the completed process with text."""
-    return subprocess.run(list(map(str, words)), cwd=REPOSITORY, env=environment(), capture_output=True, text=True,
-                          timeout=300)
+    return run_command(*words, env=environment(), timeout=300)
 
 
 def command(study, out, least=None):
@@ -77,19 +72,6 @@ def content(folder):
     with h5py.File(folder / "tables" / "study.h5") as file:
         return tables | {f"{group}/{name}": column[()].tobytes() if column.dtype != object else list(column[()])
                          for group in file for name, column in file[group].items()}
-
-
-@contextmanager
-def disk(folder, kilobytes):
-    """A file system of this size in a folder."""
-    folder.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", folder],
-                      capture_output=True).returncode:
-        pytest.skip("no file system can be mounted here")
-    try:
-        yield folder
-    finally:
-        subprocess.run(["umount", "--lazy", folder], check=True)
 
 
 def remount(folder, options):
@@ -129,7 +111,7 @@ def run_until_full(words, folder, when, leave_kilobytes):
         "runs and a table fit": (6000, "tables/*_index.csv", 0),
         "all but the last table fits": (6000, "tables/points.csv", 0)}.items())])
 def test_a_study_on_a_full_disk_ends_in_a_line_and_goes_on_with_room(kilobytes, when, leave, study, whole, tmp_path):
-    with disk(tmp_path / "disk", kilobytes) as folder:
+    with disk(tmp_path / "disk", f"size={kilobytes}k") as folder:
         words = command(study, folder / "out", least=100_000)
         done = run_until_full(words, folder, when, leave)
         assert done.returncode in (1, 2), done.stdout
@@ -147,7 +129,7 @@ def test_a_study_on_a_full_disk_ends_in_a_line_and_goes_on_with_room(kilobytes, 
 
 @ROOT
 def test_a_study_does_not_start_with_too_little_room(study, tmp_path):
-    with disk(tmp_path / "disk", 15_000) as folder:
+    with disk(tmp_path / "disk", "size=15m") as folder:
         done = run(*command(study, folder / "out"))
         assert done.returncode == 2 and done.stderr.count("\n") == 1
         assert "MB free: expected 20 MB or more; make room" in done.stderr
@@ -158,7 +140,7 @@ def test_a_study_does_not_start_with_too_little_room(study, tmp_path):
 def test_a_study_ends_politely_when_the_room_runs_short(study, tmp_path):
     long = tmp_path / "long.toml"  # so long that the next look at the disk finds it at work
     long.write_text(STUDY.replace("rest = 0.5", "rest = 300").replace("tiny.py", f"{study.parent}/tiny.py"))
-    with disk(tmp_path / "disk", 40_000) as folder:
+    with disk(tmp_path / "disk", "size=40m") as folder:
         words = command(long, folder / "out")
         done = run_until_full(words, folder, "runs/*.part.h5", 15_000)
         assert done.returncode == 1, done.stderr
@@ -169,7 +151,7 @@ def test_a_study_ends_politely_when_the_room_runs_short(study, tmp_path):
 
 @ROOT
 def test_a_folder_that_can_only_be_read_is_reported_in_one_line(study, tmp_path):
-    with disk(tmp_path / "disk", 40_000) as folder:
+    with disk(tmp_path / "disk", "size=40m") as folder:
         remount(folder, "ro")
         done = run(*command(study, folder / "out"))
         assert done.returncode == 2 and done.stderr.count("\n") == 1 and "Read-only file system" in done.stderr

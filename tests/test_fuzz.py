@@ -4,9 +4,10 @@
 """
 
 import random
+from functools import partial
 
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, written
 
 from damage.csv_table import CsvTable
 from damage.files import DATA, LONGEST_LINE
@@ -24,11 +25,6 @@ from tests.fuzz.readers import READERS
 FILES = 45
 STATION = DATA / "zeerijp_20180108" / "NL.BGAR.xml"
 TRACE = shipped_record_path("NL.BGAR..HGE")
-
-
-def written(path, content):
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return path
 
 
 # --- many files -----------------------------------------------------------------------------------
@@ -92,9 +88,21 @@ def test_a_record_of_too_many_lines_is_refused_before_they_are_parsed(text, tmp_
     assert "40 samples; expected up to 30" in one_line_error(read_record, written(tmp_path / "a.csv", text))
 
 
-def test_an_at2_file_of_more_samples_than_can_be_is_refused_by_its_count(tmp_path):
-    head = "PEER\na\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1000001, DT= .005 SEC\n.1 words\n"
-    assert "1000001 samples; expected up to" in one_line_error(read_record, written(tmp_path / "a.at2", head))
+@pytest.mark.parametrize(("read_it", "name", "text", "said"), [
+    # Refused by its count, before the words are met.
+    (read_record, "a.at2", "PEER\na\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1000001, DT= .005 SEC\n.1 words\n",
+     "1000001 samples; expected up to"),
+    # The first columns were taken for an index; what follows names mixed types is warned of no more.
+    (columns.read_table, "t.csv", "point,wall\na,b,c\n", "more cells than the header"),
+    # A cell over two lines does not shift the line that is reported.
+    (dic.read_field, "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n', "line 5: uz_m = 'up'"),
+    (partial(CsvTable, required=["record"]), "e.csv", "record;scale\nBGAR_HGE;1,5\n",
+     "line 1: semicolons between the columns; expected commas"),
+    (partial(CsvTable, required=("a", "b")), "t.csv", 'a,b\n"0\n",1\n1,2,3\n', "line 4: 3 cells, the header has 2"),
+    # pandas takes such a cell for a number, Python does not.
+    (dic.read_field, "f.csv", "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n", "holds a zero byte")])
+def test_what_was_misread_or_reported_wrongly_is_refused(read_it, name, text, said, tmp_path):
+    assert said in one_line_error(read_it, written(tmp_path / name, text))
 
 
 @pytest.mark.parametrize(("name", "read_it"), [
@@ -112,28 +120,6 @@ def test_a_table_of_short_rows_that_would_fill_up_to_too_many_cells_is_refused(t
     assert columns.read_table(path).shape == (8, 100)
     written(path, path.read_text() + "1\n" * 2)
     assert "over 1000 cells" in one_line_error(columns.read_table, path)
-
-
-def test_a_table_with_a_row_longer_than_its_header_is_refused(tmp_path):
-    """The first columns were taken for an index; what follows names mixed types is warned of no more."""
-    path = written(tmp_path / "t.csv", "point,wall\na,b,c\n")
-    assert "more cells than the header" in one_line_error(columns.read_table, path)
-
-
-def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_reported(tmp_path):
-    path = written(tmp_path / "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n')
-    assert "line 5: uz_m = 'up'" in one_line_error(dic.read_field, path)
-
-
-def test_a_table_with_a_zero_byte_is_no_text(tmp_path):
-    """pandas takes such a cell for a number, Python does not."""
-    path = written(tmp_path / "f.csv", "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n")
-    assert "holds a zero byte" in one_line_error(dic.read_field, path)
-
-
-def test_a_row_of_another_length_is_reported_with_its_line(tmp_path):
-    path = written(tmp_path / "t.csv", 'a,b\n"0\n",1\n1,2,3\n')
-    assert "line 4: 3 cells, the header has 2" in one_line_error(CsvTable, path, ("a", "b"))
 
 
 def test_paths_in_a_study_longer_than_any_file_has(tmp_path):
@@ -179,14 +165,11 @@ class TestObspy:
     def obspy(self):
         pytest.importorskip("obspy", reason="obspy is an optional extra")
 
-    def test_a_start_in_no_year(self, tmp_path):
+    @pytest.mark.parametrize("place", [slice(20, 22), slice(52, None, 512)], ids=["year 0", "samples are letters"])
+    def test_zeros_in_a_head(self, place, tmp_path):
+        """Of the first record's start; of the encoding in blockette 1000 of all."""
         data = bytearray(TRACE.read_bytes())
-        data[20:22] = b"\0\0"
-        one_line_error(read_record, written(tmp_path / "a.mseed", bytes(data)), STATION)
-
-    def test_samples_that_are_letters(self, tmp_path):
-        data = bytearray(TRACE.read_bytes())
-        data[52::512] = b"\0" * len(data[52::512])  # the encoding, in blockette 1000
+        data[place] = bytes(len(data[place]))
         one_line_error(read_record, written(tmp_path / "a.mseed", bytes(data)), STATION)
 
     def test_parts_are_counted_before_they_are_joined(self, tmp_path, monkeypatch):

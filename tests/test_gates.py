@@ -2,12 +2,11 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command, written
 
 from scripts import documents, seeded_faults
 
@@ -16,8 +15,7 @@ GATES = REPOSITORY / "scripts" / "gates.sh"
 
 def pass_gate(gate, *words, folder=REPOSITORY):
     """Run one gate; skips where it lacks something, for a test installs nothing."""
-    done = subprocess.run(["bash", GATES, gate, *words], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "MASONRY_NO_INSTALL": "1"})
+    done = run_command("bash", GATES, gate, *words, cwd=folder, env={**os.environ, "MASONRY_NO_INSTALL": "1"})
     if done.returncode == 3:
         pytest.skip(f"{done.stderr.splitlines()[-1]}; bash scripts/gates.sh gets it")
     return done
@@ -59,8 +57,7 @@ def test_shell(tmp_path):
 
 def test_imports(tmp_path):
     """In a copy of all sources a module of the lowest folder imports one of the highest."""
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.py", "pyproject.toml"], cwd=REPOSITORY,
-                            capture_output=True, text=True, check=True)
+    listed = run_command("git", "ls-files", "-co", "--exclude-standard", "*.py", "pyproject.toml", check=True)
     for path in map(Path, listed.stdout.split()):
         if (REPOSITORY / path).exists():
             (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
@@ -72,8 +69,7 @@ def test_imports(tmp_path):
 
 
 def test_doctests(tmp_path):
-    module = tmp_path / "module.py"
-    module.write_text('"""One and one.\n\n>>> 1 + 1\n3\n"""\n')
+    module = written(tmp_path / "module.py", '"""One and one.\n\n>>> 1 + 1\n3\n"""\n')
     assert_shut(pass_gate("doctests", module, folder=tmp_path), "Expected:\n    3")
 
 
@@ -134,7 +130,7 @@ def test_the_gate_of_terms(with_glossary):
 
 def search(folder):
     """Status and output of what the gate of terms runs."""
-    done = subprocess.run([sys.executable, REPOSITORY / "scripts" / "terms.py", folder], capture_output=True, text=True)
+    done = run_command(sys.executable, REPOSITORY / "scripts" / "terms.py", folder)
     return done.returncode, done.stdout
 
 

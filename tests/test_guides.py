@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import typed
+from conftest import script_file, typed
 from numpy.testing import assert_allclose
 
 import damage
@@ -42,10 +42,8 @@ def clone(tmp_path_factory):
     for name in NEEDED:
         copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy2
         copy(ROOT / name, folder / name)
-    programs = folder.parent / "bin"
-    programs.mkdir()
-    (programs / "python3").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
-    (programs / "python3").chmod(0o755)
+    (folder.parent / "bin").mkdir()
+    script_file(folder.parent / "bin" / "python3", f'exec "{sys.executable}" "$@"')
     return folder
 
 

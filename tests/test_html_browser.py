@@ -5,10 +5,10 @@
 
 import json
 import re
-from shutil import which
 
 import numpy as np
 import pytest
+from conftest import IN_BROWSER
 from test_html import damaged, make_study
 
 from damage.html.report import write_report
@@ -16,15 +16,9 @@ from damage.html.report import write_report
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 from selenium.webdriver.common.keys import Keys
 
-from benchmarks.report_in_browser import BROWSER, DRIVER, browser, open_report, print_pdf
+from benchmarks.report_in_browser import open_report, print_pdf
 
-pytestmark = [pytest.mark.long, pytest.mark.skipif(
-    not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh")]
-# Of selenium's own, on Python 3.11 and later.
-ignore_old_ways = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
-pytestmark.append(ignore_old_ways)
-
-
+pytestmark = IN_BROWSER
 UNCRACKED = ("rgb(176, 176, 176)", "rgb(119, 119, 119)")
 """Outlines of bricks, and joints that are broken below the threshold."""
 
@@ -40,12 +34,6 @@ def reports(tmp_path_factory):
     study = make_study(folder / "study", one, two)
     return {"one": write_report([one.path], folder / "one.html"),
             "two": write_report([one.path, two.path], folder / "two.html"), "study": write_report([study])}
-
-
-@pytest.fixture(scope="module")
-def driver():
-    with browser() as driver:
-        yield driver
 
 
 @pytest.fixture

@@ -1,12 +1,12 @@
 """A history in memory is the one that its file would be, and becomes that file where it has to."""
 
-import subprocess
 import sys
 from dataclasses import fields, replace
 
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import run_command
 from small_history import make_history
 
 from damage.history import in_memory
@@ -152,5 +152,5 @@ print(before - resident())
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the file of the process's memory is Linux's")
 def test_freed_arrays_below_one_in_use_are_returned():
-    done = subprocess.run([sys.executable, "-c", FREED], capture_output=True, text=True, check=True)
+    done = run_command(sys.executable, "-c", FREED, check=True)
     assert int(done.stdout) > 3e8

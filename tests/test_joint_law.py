@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import test_softening
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
@@ -26,14 +27,8 @@ LAW = LawParameters(KN, KS, FT, C, Material(MU))
 
 
 def follow(path, state=None, law=LAW):
-    """Drive a contact along [(opening, shear displacement), ...]; returns states and events."""
-    state, shear, states, events = state or ContactState(), 0.0, [], []
-    for opening, target in path:
-        state, event = advance(opening, target - shear, state, law)
-        shear = target
-        states.append(state)
-        events.append(event)
-    return states, events
+    """States and events of a contact along [(opening, shear displacement), ...]."""
+    return test_softening.follow(path, law, state)[:2]
 
 
 @pytest.mark.parametrize("compression", [0.0, 0.1e6, 0.3e6, 1.0e6])

@@ -8,9 +8,8 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, SHORT, one_line_error
+from conftest import REPOSITORY, SHORT, one_line_error, wall_file, written
 from numpy.testing import assert_allclose, assert_array_equal
-from small_history import make_history
 
 import damage
 from damage import Brick, Joint, Lintel, Opening, Wall
@@ -247,7 +246,7 @@ def test_a_joint_by_its_number_or_place(shaken):
         assert said in one_line_error(joint_of, kept, name)
 
 
-def test_what_is_shown_of_them(shaken, tmp_path, capsys):
+def test_what_is_shown_of_them(shaken, tmp_path, output_of):
     kept, without = shaken
     names = {path.name for path in write_run_tables(kept, tmp_path / "run")}
     assert {"run_stresses.csv", "run_sections.csv", "run_points.csv", "run_static_stage.csv"} <= names
@@ -261,14 +260,12 @@ def test_what_is_shown_of_them(shaken, tmp_path, capsys):
     page = write_report([kept.path], tmp_path / "page.html").read_text()
     assert page.count("<figcaption>Forces in the contact points ") == 2 and "at the largest DI" in page
     words = ["--at", "rest,0.03", "--joint", "0.1,0", "--out", str(tmp_path / "st")]
-    assert main(["stresses", str(kept.path), *words]) == 0
-    shown = capsys.readouterr().out
+    shown = output_of("stresses", kept.path, *words)
     assert "pier 1 at 0.000 m: N -" in shown and "joint 2 (0.1,0): normal -" in shown
     joints = pd.read_csv(tmp_path / "st" / "joint_2.csv")
     assert_allclose(joints["normal_stress_pa"], kept.joint_stress_pa[:, 2, 0], rtol=1e-7)
     assert (tmp_path / "st" / "contact_forces_0.03.png").exists()
-    assert main(["stresses", str(kept.path), "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["moments"]) == 3
+    assert len(json.loads(output_of("stresses", kept.path, "--json"))["moments"]) == 3
 
 
 @pytest.mark.parametrize("words, said", [
@@ -276,15 +273,12 @@ def test_what_is_shown_of_them(shaken, tmp_path, capsys):
     (["--at", "99"], "--at 99: expected rest, max, end, or a time within"),
     (["--joint", "7,7"], "--joint 7,7: expected a row of the joints"),
 ])
-def test_a_wrong_word_is_one_line(shaken, words, said, capsys):
-    assert main(["stresses", str(shaken[0].path), *words]) == 2
-    assert said in capsys.readouterr().err
+def test_a_wrong_word_is_one_line(shaken, words, said, error_of):
+    assert said in error_of("stresses", shaken[0].path, *words)
 
 
-def test_a_run_without_stresses_is_one_line(tmp_path, capsys):
-    make_history(tmp_path / "a.h5")
-    assert main(["stresses", str(tmp_path / "a.h5")]) == 2
-    assert "has no stresses of joints: expected a run with --stresses" in capsys.readouterr().err
+def test_a_run_without_stresses_is_one_line(still_history, error_of):
+    assert "has no stresses of joints: expected a run with --stresses" in error_of("stresses", still_history.path)
 
 
 @pytest.mark.parametrize("place", [(0.1,), [(0.1, 0.1, 0.1)], "left"])
@@ -296,9 +290,9 @@ def test_a_point_in_python_that_is_none_is_one_line(place):
     (("0.6", "0.25"), "--point 0.6 0.25: no brick is there; expected x and z in the undeformed wall [m]; the nearest"),
     (("9", "0"), "--point 9 0: no brick is there"), (("nan", "0"), "expected a number"),
 ])
-def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, tmp_path, capsys):
-    assert main(["reference", str(SMALL), "--point", *place, "--out", str(tmp_path / "a.h5")]) == 2
-    assert said in capsys.readouterr().err and list(tmp_path.iterdir()) == []
+def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, tmp_path, error_of):
+    assert said in error_of("reference", SMALL, "--point", *place, "--out", tmp_path / "a.h5")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_run_says_before_it_how_large_they_are(tmp_path, capsys):
@@ -350,10 +344,8 @@ run_and_leave(lambda: print(json.dumps(stresses())))
 
 @pytest.mark.yade
 def test_stresses_in_yade_are_its_contact_forces(tmp_path, yade_command):
-    path = tmp_path / "scene.py"
-    path.write_text(SCRIPT)
-    done = yade_command(path)
-    assert done.returncode == 0, done.stdout + done.stderr
+    path = written(tmp_path / "scene.py", SCRIPT)
+    done = yade_command(path, status=0)
     found = json.loads(done.stdout.splitlines()[-1])
     forces = np.array(found["last"]) * np.array(found["areas"])[:, None]
     assert found["broken"] > 0
@@ -362,21 +354,11 @@ def test_stresses_in_yade_are_its_contact_forces(tmp_path, yade_command):
 
 @pytest.mark.yade
 @pytest.mark.parametrize("more", [(), ("--fibres", "4")], ids=["brittle", "softening"])
-def test_both_solvers_have_the_same_stresses_at_rest(more, tmp_path, yade_command, damage_command):
-    (tmp_path / "wall.toml").write_text(
-        'name = "panel"\nlength = 0.675\nheight = 0.3\nprecompression = 0.3e6\n' + (
-            "joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n" if more else ""))
-    words = ("--harmonic", "0.05", "0.05", "--cycles", "1", "--rest", "0", "--no-pictures", "--stresses", "--point",
-             "0.3", "0.1", *more)
-    script = tmp_path / "wall.py"
-    script.write_text(f"import sys\nsys.path.insert(0, {str(REPOSITORY)!r})\nfrom damage.wall.file import load_wall\n"
-                      f"def wall():\n    return load_wall({str(tmp_path / 'wall.toml')!r})\n"
-                      "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
-    for command, name in ((lambda *words: yade_command(*SHORT, script, *words), "yade"),
-                          (lambda *words: damage_command("reference", tmp_path / "wall.toml", *words), "reference")):
-        done = command(*words, "--out", tmp_path / f"{name}.h5")
-        assert done.returncode == 0, done.stdout + done.stderr
-    one, two = (damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "reference"))
+def test_both_solvers_have_the_same_stresses_at_rest(more, tmp_path, in_both):
+    joint = ", joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)" if more else ""
+    wall = wall_file(tmp_path / "wall.py", f"Wall('panel', 0.675, 0.3, precompression=0.3e6{joint})")
+    one, two = in_both(tmp_path, wall, "--harmonic", 0.05, 0.05, "--cycles", 1, "--rest", 0, "--stresses", "--point",
+                       0.3, 0.1, *more, yade=SHORT).values()
     largest = np.abs(two.joint_stress_pa[0]).max()
     assert_allclose(one.joint_stress_pa[0], two.joint_stress_pa[0], atol=1e-3 * largest)
     n = min(len(one.series), len(two.series))

@@ -7,10 +7,10 @@ import re
 
 import numpy as np
 import pytest
+from conftest import refused_with
 from numpy.testing import assert_allclose
 
 from damage.draw.words import motion_words
-from damage.errors import InputError
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.loading import (
     EASE_S,
@@ -76,20 +76,13 @@ class TestHarmonic:
         assert Harmonic(0.2, 0.05).name == "harmonic_0.2s_0.05g"
         assert Harmonic(1, 0.1, cycles=5).name == "harmonic_1s_0.1g_5cycles"
 
-    @pytest.mark.parametrize("period_s", [0, -0.2, math.nan, math.inf])
-    def test_period_must_be_positive(self, period_s):
-        with pytest.raises(InputError, match="harmonic period"):
-            Harmonic(period_s, 0.05)
-
-    @pytest.mark.parametrize("amplitude_g", [-0.1, math.nan, math.inf])
-    def test_amplitude_must_not_be_negative(self, amplitude_g):
-        with pytest.raises(InputError, match="harmonic amplitude"):
-            Harmonic(0.2, amplitude_g)
-
-    @pytest.mark.parametrize("cycles", [0, -1, 1.5, math.nan, math.inf])
-    def test_cycles_are_whole(self, cycles):
-        with pytest.raises(InputError, match="cycles = .*: expected a whole number"):
-            Harmonic(0.2, 0.05, cycles)
+    @pytest.mark.parametrize("refusal", [
+        *(("harmonic period", period_s, 0.05) for period_s in (0, -0.2, math.nan, math.inf)),
+        *(("harmonic amplitude", 0.2, amplitude_g) for amplitude_g in (-0.1, math.nan, math.inf)),
+        *(("cycles = .*: expected a whole number", 0.2, 0.05, cycles) for cycles in (0, -1, 1.5, math.nan, math.inf))])
+    def test_period_is_positive_amplitude_not_negative_and_cycles_are_whole(self, refusal):
+        words, *numbers = refusal
+        refused_with(words, Harmonic, *numbers)
 
 
 class TestRecorded:
@@ -178,14 +171,12 @@ class TestRecorded:
         ],
     )
     def test_vertical_must_be_simultaneous(self, vertical):
-        with pytest.raises(InputError, match="aligned_with"):
-            Recorded(noise(), vertical=vertical)
+        refused_with("aligned_with", Recorded, noise(), vertical=vertical)
 
     def test_components_of_one_station_are_used_after_alignment(self):
         pytest.importorskip("obspy", reason="obspy is an optional extra")
         east, up = (read_record(shipped_record_path(f"NL.BGAR..HG{c}")) for c in "EZ")
-        with pytest.raises(InputError, match="aligned_with"):
-            Recorded(east, vertical=up)
+        refused_with("aligned_with", Recorded, east, vertical=up)
         load = Recorded(east, vertical=aligned_with(up, east))
         # 36.235 s to 37.090 s is 171 samples
         found = load.motion[1].acceleration_m_s2
@@ -204,8 +195,7 @@ class TestRecorded:
         ],
     )
     def test_bad_parameters_are_reported_at_construction(self, bgar, bad):
-        with pytest.raises(InputError, match="expected"):
-            Recorded(bgar, **bad)
+        refused_with("expected", Recorded, bgar, **bad)
 
     def test_names(self, bgar):
         assert Recorded(bgar, window_s=(17, 23)).name == "BGAR_HGE_x1_17-23s"
@@ -249,8 +239,7 @@ class TestFreeVibration:
 
     @pytest.mark.parametrize("velocity", [0.0, -1e-3, math.nan, math.inf])
     def test_velocity_must_be_positive(self, velocity):
-        with pytest.raises(InputError, match="top velocity"):
-            FreeVibration(velocity)
+        refused_with("top velocity", FreeVibration, velocity)
 
 
 class TestTopDisplacement:

@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import refused_with
 from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
-from damage.errors import InputError
 from damage.index import damage_index
 from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table, upward_crossings
 from damage.measure.energy import DISSIPATED, STORED, Balance, energy_error, energy_measures, imbalance
@@ -161,8 +161,8 @@ class TestMotion:
         row = summary_row(history)
         assert {name: row[name] for name in WRITTEN} == motion_measures(history)
 
-    def test_of_an_older_file_a_harmonic_motion_is_known_and_a_record_is_not(self, tmp_path):
-        harmonic = motion_measures(make_history(tmp_path / "a.h5"))  # 0.2 s, 0.05 g
+    def test_of_an_older_file_a_harmonic_motion_is_known_and_a_record_is_not(self, tmp_path, still_history):
+        harmonic = motion_measures(still_history)  # 0.2 s, 0.05 g
         assert harmonic["pgv_m_s"] == pytest.approx(2 * 0.05 * 9.81 * 0.2 / (2 * np.pi), rel=1e-3)
         assert harmonic["sa_eigen_period_g"] is None  # the file does not tell the period
         for loading in ("record", "free_vibration", "cyclic"):
@@ -181,41 +181,27 @@ def index_of(drift=0.0, opening=(0, 0, 0, 0), slip=(0, 0, 0, 0), at_limit=(0, 0,
     return frame.iloc[0]
 
 
-def test_lengths_over_the_threshold_add_up():
-    row = index_of(opening=(2e-4, 0, 0.9e-4, 1.1e-4), slip=(0, -2e-4, 0, 0))
-    assert row.DI_open == pytest.approx(0.5) and row.DI_slip == pytest.approx(0.2)
+FIRST, SECOND, LIMITED = (2e-4, 0, 0, 0), (0, 2e-4, 0, 0), (0, 0, 1, 1)
 
 
-def test_index_combines_the_three_by_equation_one():
-    row = index_of(drift=-0.005, opening=(2e-4, 0, 0, 0), slip=(0, 2e-4, 0, 0))
-    assert row.DI_drift == pytest.approx(0.25)
-    assert row.DI == pytest.approx(1 - 0.75 * 0.9 * 0.8)
-
-
-def test_lengths_that_are_left_out_count_in_the_total():
-    row = index_of(opening=(2e-4, 0, 0, 0), slip=(0, 2e-4, 0, 0), total_length=20.0)
-    assert (row.DI_open, row.DI_slip) == pytest.approx((0.05, 0.1))
+@pytest.mark.parametrize(("given", "expected"), [
+    ({"opening": (2e-4, 0, 0.9e-4, 1.1e-4), "slip": (0, -2e-4, 0, 0)}, {"DI_open": 0.5, "DI_slip": 0.2}),
+    ({"drift": -0.005, "opening": FIRST, "slip": SECOND}, {"DI_drift": 0.25, "DI": 1 - 0.75 * 0.9 * 0.8}),
+    ({"opening": FIRST, "slip": SECOND, "total_length": 20.0}, {"DI_open": 0.05, "DI_slip": 0.1}),
+    ({"drift": 0.05}, {"DI_drift": 1.0, "drift_over_limit": 2.5}),
+    ({"slip": FIRST, "at_limit": LIMITED}, {"DI_slip": 0.1}),
+    ({"slip": FIRST, "at_limit": LIMITED, "slip_criterion": "shear-limit"}, {"DI_slip": 0.7}),
+    ({"drift": 0.005, "opening": FIRST, "threshold": 3e-4, "drift_limit": 0.01}, {"DI_open": 0.0, "DI_drift": 0.5})],
+    ids=["lengths over the threshold add up", "equation (1)", "joints that are left out count in the total",
+         "drift is clipped and kept", "slip", "slip by the shear limit", "threshold and drift limit can be set"])
+def test_the_index_of_an_instant(given, expected):
+    row = index_of(**given)
+    assert {name: row[name] for name in expected} == pytest.approx(expected)
 
 
 def test_no_damage_is_exactly_zero_and_all_damage_exactly_one():
-    assert index_of().DI == 0.0
-    assert index_of(opening=(1, 1, 1, 1)).DI == 1.0
-
-
-def test_drift_is_clipped_and_kept():
-    row = index_of(drift=0.05)
-    assert row.DI_drift == 1.0 and row.drift_over_limit == pytest.approx(2.5)
-
-
-def test_the_two_slip_criteria():
-    joints = {"slip": (2e-4, 0, 0, 0), "at_limit": (0, 0, 1, 1)}
-    assert index_of(**joints).DI_slip == pytest.approx(0.1)
-    assert index_of(**joints, slip_criterion="shear-limit").DI_slip == pytest.approx(0.7)
-
-
-def test_threshold_and_drift_limit_can_be_set():
-    row = index_of(drift=0.005, opening=(2e-4, 0, 0, 0), threshold=3e-4, drift_limit=0.01)
-    assert row.DI_open == 0.0 and row.DI_drift == pytest.approx(0.5)
+    assert index_of().DI == 0.0 and index_of(opening=(1, 1, 1, 1)).DI == 1.0
+    assert index_of(drift=0.05).DI_drift == 1.0 and index_of(opening=FIRST, threshold=3e-4).DI_open == 0.0
 
 
 def test_index_is_now_and_not_ever():
@@ -227,5 +213,4 @@ def test_index_is_now_and_not_ever():
 @pytest.mark.parametrize("options", [{"threshold": 0.0}, {"drift_limit": -1.0}, {"threshold": float("nan")},
                                      {"slip_criterion": "sliding"}])
 def test_bad_options_are_refused(options):
-    with pytest.raises(InputError, match="expected"):
-        index_of(**options)
+    refused_with("expected", index_of, **options)

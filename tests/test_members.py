@@ -9,10 +9,9 @@ from contextlib import contextmanager
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import contents, without_progress
+from conftest import TINY, contents, run_here, wall_file, without_progress
 from small_history import make_history
 
-from damage.__main__ import main
 from damage.history.reader import read_history
 from damage.html.run_part import run_part
 from damage.measure.summary import summarise
@@ -24,18 +23,16 @@ from damage.run.report import describe
 from damage.run.session import Backend, Progress, run_session
 from damage.units import rounded
 
-TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--no-pictures")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 
 @pytest.fixture
 def tiny(tmp_path):
-    (tmp_path / "tiny.py").write_text(TINY)
-    return str(tmp_path / "tiny.py")
+    return str(wall_file(tmp_path / "tiny.py", TINY))
 
 
-def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_path, capsys):
+def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_path, capsys, output_of):
     out = tmp_path / "run.h5"
     assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--members", "3", "--out", str(out)]) == 0
     printed = capsys.readouterr().out
@@ -43,9 +40,7 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run_members.csv", "tiny.py"]
     assert table["run"].to_list() == ["run_s1", "run_s2", "run_s3"] and (table["scatter"] == 0.05).all()
     for seed in (1, 3):
-        alone = tmp_path / f"{seed}.h5"
-        assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--seed", str(seed), "--out", str(alone)]) == 0
-        row = summary_row(read_history(alone))
+        row = summary_row(run_here(tmp_path / f"{seed}.h5", tiny, *SHAKEN, "--scatter", 0.05, "--seed", seed))
         assert all(table[name][seed - 1] == pytest.approx(row[name], rel=1e-8) for name in SHOWN)
     assert contents(out) == contents(tmp_path / "1.h5")
     assert f"members: {tmp_path / 'run_members.csv'}" in printed and "3 members: median (min to max)" in printed
@@ -54,9 +49,7 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     words = " to ".join(rounded(100 * one, 3) for one in (drift.min(), drift.max()))
     assert f"drift ratio   {rounded(100 * drift.median(), 3)} ({words}) %" in printed
 
-    capsys.readouterr()
-    assert main(["index", str(out), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["members"]
+    found = json.loads(output_of("index", out, "--json"))["members"]
     assert found["count"] == 3 and found["max_drift_ratio"]["median"] == drift.median()
     key = {name: rest for name, *rest in run_part(read_history(out), "A")["key"]}
     assert f"3 members: {rounded(100 * drift.median(), 3)} ({words}) %" in key["Largest drift"][-1]
@@ -104,10 +97,8 @@ def test_settings_of_members():
 
 
 @pytest.mark.parametrize("count", ["0", "101", "2.5"])
-def test_a_wrong_number_of_members_is_refused_in_one_line(count, tiny, capsys):
-    assert run_reference([tiny, "--members", count]) == 2
-    printed = capsys.readouterr().err
-    assert printed.startswith("error: ") and "--members" in printed and printed.count("\n") == 1
+def test_a_wrong_number_of_members_is_refused_in_one_line(count, tiny, error_of):
+    assert "--members" in error_of("reference", tiny, "--members", count)
 
 
 def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_path, capsys):

@@ -4,11 +4,10 @@ from dataclasses import fields
 
 import pandas as pd
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, refused_with
 from small_history import make_history
 
 import damage
-from damage.errors import InputError
 from damage.history.writer import HistoryWriter
 from damage.measure.columns import read_table
 from damage.measure.summary import summarise
@@ -61,14 +60,13 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     assert choice({**USUAL_MODEL, "lintel": kept}) == ("default" if kept == "elastic" else f"lintel: {kept}")
 
 
-def test_an_old_history_has_the_defaults_of_younger_options(tmp_path):
-    assert make_history(tmp_path / "old.h5").model == ModelOptions()  # its parameters hold no option
+def test_an_old_history_has_the_defaults_of_younger_options(still_history):
+    assert still_history.model == ModelOptions()  # its parameters hold no option
 
 
 def test_joints_are_by_face_alone():
     assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
-    with pytest.raises(InputError, match="--joints: invalid choice: 'centres'"):
-        parse_run(["--joints", "centres"], "test", "yade")
+    refused_with("--joints: invalid choice: 'centres'", parse_run, ["--joints", "centres"], "test", "yade")
 
 
 @pytest.mark.parametrize(("versions", "model", "normals"), [

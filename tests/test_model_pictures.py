@@ -2,11 +2,10 @@
 
 import json
 import shutil
-import subprocess
 
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, run_command
 from PIL import Image, ImageSequence
 from small_history import make_history, small_layout
 
@@ -64,10 +63,9 @@ def test_every_mode_is_drawn_with_its_period():
     assert titles == [f"mode {k + 1}: {period:.4f} s" for k, period in enumerate(modes.period_s)]
 
 
-def test_commands_write_the_pictures(tmp_path, capsys):
+def test_commands_write_the_pictures(tmp_path, output_of):
     out = tmp_path / "pictures"
-    assert main(["modes", "walls/solid.py", "--json", "--out", str(out)]) == 0
-    assert len(json.loads(capsys.readouterr().out)["period_s"]) == 6
+    assert len(json.loads(output_of("modes", "walls/solid.py", "--json", "--out", out))["period_s"]) == 6
     for name in "ab":
         make_history(tmp_path / f"{name}.h5", drift=np.linspace(0, 1e-3, 21))
     assert main(["compare", str(tmp_path / "a.h5"), str(tmp_path / "b.h5"), "--out", str(out)]) == 0
@@ -124,8 +122,7 @@ def test_a_window_and_the_maximum_choose_the_frames(moved):
 def test_an_mp4_has_a_frame_a_snapshot(moved, tmp_path):
     path = write_film(moved, tmp_path / "film.mp4")
     asked = "stream=nb_read_frames,codec_name"
-    done = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", asked, "-of", "csv=p=0", path],
-                          capture_output=True, text=True)
+    done = run_command("ffprobe", "-v", "error", "-count_frames", "-show_entries", asked, "-of", "csv=p=0", path)
     assert done.stdout.strip().split(",") == ["h264", str(N_SNAPSHOTS)], done.stderr
 
 

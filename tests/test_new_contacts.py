@@ -3,14 +3,16 @@
 import io
 import re
 from contextlib import redirect_stdout
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import test_ends
 from conftest import total_energy
 from numpy.testing import assert_allclose
 from PIL import Image
-from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove
+from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, ended, run_to_the_end, shove
 from test_widths import ACTIONS, act, make
 
 from damage.draw.animation import write_film
@@ -34,17 +36,9 @@ from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Opening, Wall
 from paper.falls import depth, overlaps
 
+pair = partial(test_ends.pair, new_contacts=True)
 DIAMETER = 2 * 0.01 * 0.225
 """Twice the radius of the corners: 1 % of a whole brick's length."""
-
-
-def pair(joint=DRY, **options):
-    """Two bricks on each other, as in test_ends, that find new contacts."""
-    wall = Wall("pair", LENGTH, 2 * HEIGHT, precompression=0.0, joint=Joint(**joint))
-    layout = lay_out(wall, ModelOptions(**options))
-    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, new_contacts=True)
-    come_to_rest(wall)
-    return wall
 
 
 @pytest.mark.parametrize("action", ["shaken", "damped by stiffness", "pushed to and fro"])

@@ -2,30 +2,19 @@
 
 import os
 import shutil
-import subprocess
 import sys
 
 import pytest
-from conftest import REPOSITORY, one_line_error
-from small_history import make_history, small_layout
+from conftest import REPOSITORY, one_line_error, run_command, written
+from small_history import small_layout
 
-import damage.__main__ as commands
 from damage.laboratory.dic import read_field
 from damage.measure import crack_mapping
 from damage.measure.crack_file import read_cracks
 from damage.motion.formats import read_record, shipped_record_path, without_entities
-from damage.reference.session import run_reference
 from damage.studies.definition import load_study
 
 HUGE = 10**12  # bytes of a file that has none: a hole
-
-
-def complaint(capsys, status):
-    """The one line that a command that has failed left on stderr, fit for any terminal."""
-    out, err = capsys.readouterr()
-    assert status == 2 and out == ""
-    assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable(), err
-    return err
 
 
 def huge(path):
@@ -55,12 +44,10 @@ WALLS = {
 
 
 @pytest.mark.parametrize("text", WALLS)
-def test_a_wall_file_that_fails_is_reported_with_its_line(text, tmp_path, capsys):
-    path = tmp_path / "wall.py"
-    path.write_text(text)
-    for run in (lambda: commands.main(["modes", str(path)]),
-                lambda: run_reference([str(path), "--out", str(tmp_path / "out.h5")])):
-        assert WALLS[text] in complaint(capsys, run())
+def test_a_wall_file_that_fails_is_reported_with_its_line(text, tmp_path, error_of):
+    path = written(tmp_path / "wall.py", text)
+    for words in (("modes", path), ("reference", path, "--out", tmp_path / "out.h5")):
+        assert WALLS[text] in error_of(*words)
     assert not (tmp_path / "out.h5").exists()
 
 
@@ -75,15 +62,14 @@ NAMES = {"x" * 300: "a name of 300 bytes", "é" * 200: "a name of 400 bytes", "x
                                    ["tables", "summary", "H", "--out", "?"], ["study-tables", "?", "x"],
                                    ["reference", "?"], ["reference", "W", "--record", "?"],
                                    ["reference", "W", "--out", "?"], ["cracks", "--dic", "?", "--wall", "W"]])
-def test_names_that_no_file_can_have_or_that_would_garble_a_terminal(name, words, tmp_path, capsys):
-    make_history(tmp_path / "small.h5")
-    known = {"?": name, "H": str(tmp_path / "small.h5"), "W": str(REPOSITORY / "walls" / "solid.py")}
-    assert NAMES[name] in complaint(capsys, commands.main([known.get(word, word) for word in words]))
+def test_names_that_no_file_can_have_or_that_would_garble_a_terminal(name, words, still_history, error_of):
+    known = {"?": name, "H": still_history.path, "W": REPOSITORY / "walls" / "solid.py"}
+    assert NAMES[name] in error_of(*(known.get(word, word) for word in words))
 
 
-def test_words_that_are_no_options_are_shown_harmlessly(capsys):
+def test_words_that_are_no_options_are_shown_harmlessly(error_of):
     for words in (["reference", "-\x1b[31m"], ["no\x1bsuch"], ["index", "x.h5", "--a\x9b2J"]):
-        complaint(capsys, commands.main(words))
+        error_of(*words)
 
 
 def test_a_long_name_of_a_run_is_cut(tmp_path, monkeypatch):
@@ -114,16 +100,14 @@ TEXTS = {
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_records_that_are_cut_off_or_garbled(name, tmp_path, capsys):
+def test_records_that_are_cut_off_or_garbled(name, tmp_path, error_of):
     text, expected = TEXTS[name]
-    (tmp_path / name).write_text(text)
-    assert expected in complaint(capsys, commands.main(["record", str(tmp_path / name)]))
+    assert expected in error_of("record", written(tmp_path / name, text))
 
 
 def test_a_record_of_many_samples_or_bytes(tmp_path):
     assert "1e+06 MB" in one_line_error(read_record, huge(tmp_path / "huge.csv"))
-    many = tmp_path / "many.at2"
-    many.write_text(f"{AT2}NPTS= 1000002, DT= .005 SEC\n" + ("0 " * 50 + "\n") * 20000 + "0 0\n")
+    many = written(tmp_path / "many.at2", f"{AT2}NPTS= 1000002, DT= .005 SEC\n" + ("0 " * 50 + "\n") * 20000 + "0 0\n")
     assert "1000002 samples; expected up to 1000000" in one_line_error(read_record, many)
 
 
@@ -138,8 +122,7 @@ class TestMiniSeed:
     def test_cut_off(self, tmp_path, capfd):
         data = self.SHIPPED.read_bytes()
         for length in (1, 48, 100, 511, 513, 600, 4097, len(data) - 1):
-            (tmp_path / "cut.mseed").write_bytes(data[:length])
-            one_line_error(read_record, tmp_path / "cut.mseed", self.XML)
+            one_line_error(read_record, written(tmp_path / "cut.mseed", data[:length]), self.XML)
         assert capfd.readouterr() == ("", "")
 
     @pytest.mark.parametrize("text", ["", "<", "<?xml version='1.0'?>", "half", "nan", "1e400"])
@@ -147,8 +130,7 @@ class TestMiniSeed:
         whole = self.XML.read_text()
         text = {"half": whole[:len(whole) // 2], "nan": whole.replace("213867.4766", "nan"),
                 "1e400": whole.replace("213867.4766", "1e400")}.get(text, text)
-        (tmp_path / "odd.xml").write_text(text)
-        one_line_error(read_record, self.SHIPPED, tmp_path / "odd.xml")
+        one_line_error(read_record, self.SHIPPED, written(tmp_path / "odd.xml", text))
         assert capfd.readouterr() == ("", "")
 
     def test_station_xml_is_read_up_to_its_first_fault(self):
@@ -182,20 +164,18 @@ CRACKS = {
 
 @pytest.mark.parametrize("text", CRACKS, ids=lambda text: CRACKS[text])
 def test_cracks_beyond_any_wall(text, tmp_path):
-    (tmp_path / "cracks.csv").write_text(text)
-    assert CRACKS[text] in one_line_error(read_cracks, tmp_path / "cracks.csv")
+    assert CRACKS[text] in one_line_error(read_cracks, written(tmp_path / "cracks.csv", text))
 
 
 def test_files_of_a_field_are_looked_at_before_they_are_read(tmp_path):
     assert "1e+06 MB" in one_line_error(read_field, huge(tmp_path / "huge.csv"))
-    (tmp_path / "far.csv").write_text("x_m,z_m,ux_m,uz_m\n0,0,0,1e300\n")
-    assert "line 2: uz_m is beyond 1000" in one_line_error(read_field, tmp_path / "far.csv")
+    far = written(tmp_path / "far.csv", "x_m,z_m,ux_m,uz_m\n0,0,0,1e300\n")
+    assert "line 2: uz_m is beyond 1000" in one_line_error(read_field, far)
 
 
 def test_a_crack_whose_name_grows_when_it_is_escaped_is_reported_in_one_line_of_bounded_length(tmp_path):
     """4000 control characters behind its name: each is four characters where they are shown."""
-    (tmp_path / "bells.csv").write_text(f"{HEAD}a{4000 * chr(7)},4,0,0,1\n")
-    message = one_line_error(read_cracks, tmp_path / "bells.csv")
+    message = one_line_error(read_cracks, written(tmp_path / "bells.csv", f"{HEAD}a{4000 * chr(7)},4,0,0,1\n"))
     assert "\\x07" in message and message.endswith("expected 1 where a polyline begins") and len(message) < 1600
 
 
@@ -228,8 +208,8 @@ STUDIES = {
 
 @pytest.mark.parametrize("text", STUDIES, ids=lambda text: STUDIES[text])
 def test_studies_of_more_than_can_be(text, tmp_path):
-    (tmp_path / "study.toml").write_text(text)
-    assert STUDIES[text] in one_line_error(load_study, tmp_path / "study.toml", "reference", REPOSITORY)
+    path = written(tmp_path / "study.toml", text)
+    assert STUDIES[text] in one_line_error(load_study, path, "reference", REPOSITORY)
 
 
 def test_a_byte_order_mark_is_no_part_of_a_study_and_another_encoding_is_refused(tmp_path):
@@ -250,8 +230,8 @@ def run_as_somebody(words, **environment):
         if shutil.which("setpriv") is None:
             pytest.skip("root may read everything, and no setpriv is here")
         become = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"]
-    return subprocess.run([*become, sys.executable, "-m", "damage", *map(str, words)], capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": str(REPOSITORY), **environment}, cwd="/")
+    return run_command(*become, sys.executable, "-m", "damage", *words,
+                       env={**os.environ, "PYTHONPATH": str(REPOSITORY), **environment}, cwd="/")
 
 
 @pytest.mark.parametrize("words", [["index", "?.h5"], ["modes", "?.py"], ["study-tables", "?.toml", "?"]])
@@ -278,17 +258,15 @@ def stand_in(folder, library, text):
 
 
 def damage(folder, path, *words):
-    return subprocess.run([sys.executable, "-m", "damage", *map(str, words)], capture_output=True, text=True,
-                          cwd=folder, env={**os.environ, "PYTHONPATH": path})
+    return run_command(sys.executable, "-m", "damage", *words, cwd=folder, env={**os.environ, "PYTHONPATH": path})
 
 
 @pytest.mark.parametrize("library, words", [("numpy", ["index", "x.h5"]), ("h5py", ["index", "x.h5"]),
                                             ("numba", ["reference", "w.py"]), ("scipy", ["record", "x.csv"]),
-                                            ("matplotlib", ["plot", "small.h5", "--out", "o"])])
-def test_a_missing_library_is_named(library, words, tmp_path):
-    make_history(tmp_path / "small.h5")
+                                            ("matplotlib", ["plot", "H", "--out", "o"]), ("jinja2", ["report", "H"])])
+def test_a_missing_library_is_named(library, words, still_history, tmp_path):
     path = stand_in(tmp_path, library, f"raise ModuleNotFoundError('none here', name={library!r})")
-    done = damage(tmp_path, path, *words)
+    done = damage(tmp_path, path, *(still_history.path if word == "H" else word for word in words))
     assert done.returncode == 3 and len(done.stderr.splitlines()) == 1, done.stderr
     assert f"cannot import {library}: expected Debian's package python3-{library}, or pip install" in done.stderr
 
@@ -296,27 +274,24 @@ def test_a_missing_library_is_named(library, words, tmp_path):
 def test_a_program_that_imports_names_is_reported_the_same(tmp_path):
     path = stand_in(tmp_path, "h5py", "raise ModuleNotFoundError('none here', name='h5py')")
     code = "from damage import Wall\nfrom damage import read_history"
-    done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True,
-                          env={**os.environ, "PYTHONPATH": path})
+    done = run_command(sys.executable, "-c", code, env={**os.environ, "PYTHONPATH": path})
     assert done.stderr.splitlines()[-1].startswith("ImportError: ") and "python3-h5py" in done.stderr
 
 
 @pytest.mark.parametrize("library, words", [("numpy", ["index", "x.h5"]), ("pandas", ["index", "x.h5"]),
                                             ("h5py", ["index", "x.h5"]), ("numba", ["reference", "w.py"]),
-                                            ("matplotlib", ["plot", "small.h5", "--out", "o"])])
-def test_an_interrupt_while_a_library_is_imported_is_quiet(library, words, tmp_path):
-    make_history(tmp_path / "small.h5")
+                                            ("matplotlib", ["plot", "H", "--out", "o"])])
+def test_an_interrupt_while_a_library_is_imported_is_quiet(library, words, still_history, tmp_path):
     path = stand_in(tmp_path, library, "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nprint('went on')\n")
-    done = damage(tmp_path, path, *words)
+    done = damage(tmp_path, path, *(still_history.path if word == "H" else word for word in words))
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
-def test_pictures_where_the_home_folder_takes_no_cache_are_drawn_without_a_word_of_matplotlib(tmp_path):
-    make_history(tmp_path / "small.h5")
+def test_pictures_where_the_home_folder_takes_no_cache_are_drawn_without_a_word_of_matplotlib(still_history, tmp_path):
     (tmp_path / "file").touch()
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), str(tmp_path / "file"))
-    done = subprocess.run([sys.executable, "-m", "damage", "plot", "small.h5", "--out", "o"], capture_output=True,
-                          text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(REPOSITORY), **odd})
+    done = run_command(sys.executable, "-m", "damage", "plot", still_history.path, "--out", "o", cwd=tmp_path,
+                       env={**os.environ, "PYTHONPATH": str(REPOSITORY), **odd})
     assert done.returncode == 0 and (tmp_path / "o" / "wall_max.png").is_file()
     assert "atplotlib" not in done.stderr, done.stderr
 
@@ -330,8 +305,7 @@ def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
     code = ("import numba, os, damage.mechanics.step as k; print(k.__file__, numba.config.CACHE_DIR,"
             " os.path.isdir(numba.config.CACHE_DIR))")
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), str(file))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,
-                          env={**os.environ, "PYTHONPATH": str(tmp_path), **odd})
+    done = run_command(sys.executable, "-c", code, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path), **odd})
     assert done.returncode == 0, done.stderr
     source, folder, there = done.stdout.split()
     assert source.startswith(str(tmp_path)) and there == "True"

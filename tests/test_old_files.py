@@ -12,7 +12,7 @@ import sys
 
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command, written
 
 import damage
 from damage.history.info import UNSEALED, check
@@ -76,12 +76,9 @@ def test_a_study_goes_on_with_what_is_there_and_says_so(old):
     note, wall = old / "out/runs/.inputs/drawn_reference", (REPOSITORY / "benchmarks/small_wall.py").read_text()
     assert note.read_text() == note_of_then(wall.replace('        lintel="courses",\n', ""))
     note.write_text(note_of_then(wall))
-    study = old / "study.toml"
-    study.write_text(study.read_text().replace("samples = 1", "samples = 2"))
-    done = subprocess.run([sys.executable, "-m", "damage", "study", study, "--out", old / "out", "--solver",
-                           "reference", "-j2"], capture_output=True, text=True, cwd=old,
-                          env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
-    assert done.returncode == 0, done.stderr
+    study = written(old / "study.toml", (old / "study.toml").read_text().replace("samples = 1", "samples = 2"))
+    done = run_command(sys.executable, "-m", "damage", "study", study, "--out", old / "out", "--solver", "reference",
+                       "-j2", cwd=old, env=os.environ | {"PYTHONPATH": str(REPOSITORY)}, status=0)
     assert "warning: 2 runs were made by another version of the model (one before 0.2) and are kept" in done.stderr
     after = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in (old / "out/runs").glob("*.h5")}
     assert len(after) == 3 and all(after[name] == state for name, state in before.items())

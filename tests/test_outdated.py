@@ -5,15 +5,13 @@ import hashlib
 import json
 import os
 import shutil
-import subprocess
 
 import pandas as pd
 import pytest
-from conftest import BATCH, REPOSITORY
+from conftest import BATCH, REPOSITORY, refused_with, run_command, written
 from small_history import make_history
 
 from damage.batch.outdated import CODE, Results
-from damage.errors import InputError
 from damage.exposure import lives
 from damage.history.head import read_head
 from damage.motion.formats import shipped_records
@@ -167,8 +165,7 @@ class TestInputs:
         draws = lives.read_address(tmp_path / "h.toml")
         first = set(draws.life(1)["record"])
         other = next(name for name in draws.components["record"] if name not in first)
-        other_file = tmp_path / shipped_records()[other].name
-        other_file.write_text(f"{shipped_records()[other].read_text()}\n")
+        other_file = written(tmp_path / shipped_records()[other].name, f"{shipped_records()[other].read_text()}\n")
         monkeypatch.setattr(lives, "shipped_records", lambda: shipped_records() | {other: other_file})
         (words,) = there.judge().changed.values()
         assert [word.partition(" ")[0] for word in words] == ["drawn_from"]
@@ -184,8 +181,7 @@ class TestRecords:
     def test_a_record_is_read_as_it_was_written_and_one_that_a_kill_tore_is_none(self, tmp_path):
         one = record("a", tmp_path)
         assert one["row"]["point"] == "p" and not one["intact"]
-        path = tmp_path / NAME
-        path.write_text(text := line_of(one | {"run": "b"}) + line_of(one))
+        path = written(tmp_path / NAME, text := line_of(one | {"run": "b"}) + line_of(one))
         assert read_records(tmp_path).runs == {name: {"inputs": None} | one | {"run": name} for name in ("b", "a")}
         path.write_text(text[:-20])
         torn = read_records(tmp_path)
@@ -264,8 +260,7 @@ class TestVersions:
         (there.out / "runs" / f"{run.first}.h5").unlink()
         message = f"the index or measures of 1 runs are .*: {run.first}; expected one definition .* give --remake"
         for refused in (there.settle, lambda: summary_of(there.load(), there.out)):
-            with pytest.raises(InputError, match=message):
-                refused()
+            refused_with(message, refused)
         assert there.settle(remake=True) == [] and read_records(there.out).runs == {}
 
     def test_another_model_is_named_and_its_runs_are_kept_or_made_again(self, tmp_path):
@@ -361,10 +356,8 @@ def test_a_study_whose_model_changed_between_its_runs(tmp_path):
 
     def batch(*words):
         """What a batch says to standard error."""
-        done = subprocess.run([*BATCH, "study.toml", "-j2", "--out", "out", *words], cwd=repository, text=True,
-                              capture_output=True, timeout=300,
-                              env=os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"})
-        assert done.returncode == 0, done.stderr
+        done = run_command(*BATCH, "study.toml", "-j2", "--out", "out", *words, cwd=repository, timeout=300,
+                           env=os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"}, status=0)
         return done.stderr, {path.stem: path.read_bytes() for path in runs.glob("*.h5")}
 
     study.write_text(STUDY.replace(", 0.3] }", "] }").replace("samples = 2", "samples = 1"))  # as far as it came

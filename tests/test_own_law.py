@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command, written
 from numpy.testing import assert_allclose
 from test_guides import clone  # noqa: F401
 
@@ -54,14 +54,13 @@ def walked(clone, yade_command):  # noqa: F811
     names = re.findall(r"`(law\.diff|kept\.py)`", section)
     (clone / names[0]).write_text(steps[0][1])
     (clone / "kept.py").write_text(steps[1][1])
-    program = clone.parent / "bin" / "python3"
-    program.write_text(SHORT_STAGES.format(python=sys.executable))
+    program = written(clone.parent / "bin" / "python3", SHORT_STAGES.format(python=sys.executable))
     applied = re.search(r"`(git apply law\.diff)`", section)[1]
     done = subprocess.run(["bash", "-euc", f"{applied}\n{steps[2][1]}"], cwd=clone, capture_output=True, text=True,
                           env={**os.environ, "PATH": f"{program.parent}:{os.environ['PATH']}", "PYTHONPATH": "",
                                "NUMBA_DISABLE_JIT": "1"})
     assert done.returncode == 0, done.stdout + done.stderr
-    read = subprocess.run([sys.executable, "-c", READ], cwd=clone, capture_output=True, text=True, check=True)
+    read = run_command(sys.executable, "-c", READ, cwd=clone, check=True)
     return done.stdout, *json.loads(read.stdout)
 
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, written
 
 from damage.index import COMPONENTS
 from damage.measure.damage_index import CRITERIA
@@ -142,11 +142,10 @@ class TestReadings:
         assert main(["readings", str(tmp_path), "--markdown", str(tmp_path / "readings.md")]) == 0
         assert "Most claims" in capsys.readouterr().out and "| by default |" in (tmp_path / "readings.md").read_text()
 
-    def test_results_without_a_reading_are_refused(self, papers_world, tmp_path, capsys):
+    def test_results_without_a_reading_are_refused(self, papers_world, tmp_path, error_of):
         (tmp_path / "tables").mkdir()
         papers_world.assign(solver="yade").to_csv(tmp_path / "tables" / "summary.csv", index=False)
-        assert main(["readings", str(tmp_path)]) == 2
-        assert "run_all.sh readings" in capsys.readouterr().err
+        assert "run_all.sh readings" in error_of("readings", tmp_path, of=main)
 
 
 def test_every_claim_has_its_judge_and_every_statement_its_claims():
@@ -343,19 +342,17 @@ def test_slip_criteria_and_lintels_are_judged_apart(papers_world, judged):
                                            "elastic lintel, slip by shear limit", "no lintel"]
 
 
-def test_offsets_and_what_accumulated_are_judged_side_by_side(papers_world, judged, tmp_path, capsys):
+def test_offsets_and_what_accumulated_are_judged_side_by_side(papers_world, judged, tmp_path, output_of):
     """A table of this version has both; one without offsets is judged by accumulated, and the verdict says so."""
     judged(papers_world)
-    assert main(["verdict", str(tmp_path)]) == 0
-    assert "older than the joint offsets; their slip by displacement" in capsys.readouterr().out
+    assert "older than the joint offsets; their slip by displacement" in output_of("verdict", tmp_path, of=main)
     both = papers_world.assign(slip="displacement", **{
         f"{kind}_accumulated_{name}": papers_world[f"{kind}_{name}"]
         for kind in ("max", "residual") for name in COMPONENTS})
     both.loc[where(both, period=0.33, amplitude=0.025), "max_accumulated_DI"] = 0.03
     findings = judged(both)
     assert [findings["P4", "elastic", slip].verdict for slip in CRITERIA] == [HOLDS, DIFFERS, HOLDS]
-    assert main(["verdict", str(tmp_path)]) == 0
-    printed = capsys.readouterr().out
+    printed = output_of("verdict", tmp_path, of=main)
     assert "offsets" not in printed and "by any of these" in printed
 
 
@@ -368,13 +365,12 @@ def test_a_statement_sums_up_its_claims(papers_world, judged):
         "P1": HOLDS, "P2": "in part", "P17": HOLDS}
 
 
-def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, capsys):
+def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, output_of):
     judged(papers_world)
     readme, document = tmp_path / "README.md", tmp_path / "verdict.md"
     readme.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
     words = ["verdict", str(tmp_path), "--markdown", str(document), "--readme", str(readme)]
-    assert main(words) == 0
-    assert "P17d" in capsys.readouterr().out
+    assert "P17d" in output_of(*words, of=main)
     renewed = readme.read_text()
     assert renewed.startswith("before\n") and renewed.endswith("after\n") and "\nold\n" not in renewed
     tallies = renewed.partition(BEGIN)[2].partition(END)[0].strip().splitlines()
@@ -383,26 +379,23 @@ def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, capsys
     written = document.read_text()
     assert set(tallies) <= set(written.splitlines())
     assert written.count("\n| P") == written.count("\n## P") == 17
-    assert main([*words, "--json"]) == 0
-    verdict = json.loads(capsys.readouterr().out)
+    verdict = json.loads(output_of(*words, "--json", of=main))
     assert [one["statement"] for one in verdict["statements"]] == list(STATEMENTS)
     assert len(verdict["claims"]) == len(CLAIMS)
     assert readme.read_text() == renewed
 
 
-def test_no_table_is_bad_input(tmp_path, capsys):
-    assert main(["verdict", str(tmp_path)]) == 2
-    assert "no tables/summary.csv" in capsys.readouterr().err
+def test_no_table_is_bad_input(tmp_path, error_of):
+    assert "no tables/summary.csv" in error_of("verdict", tmp_path, of=main)
 
 
 @pytest.mark.parametrize(("text", "complaint"), [
     ("", "cannot be read"), ("a,b\n1,2\n", "no column run"),
     ("run,wall,solver,status,motion\nx,symmetric,yade,failed,harmonic\n", "no complete run")])
-def test_odd_tables_are_bad_input(tmp_path, capsys, text, complaint):
+def test_odd_tables_are_bad_input(tmp_path, error_of, text, complaint):
     (tmp_path / "tables").mkdir()
     (tmp_path / "tables" / "summary.csv").write_text(text)
-    assert main(["verdict", str(tmp_path)]) == 2
-    assert complaint in capsys.readouterr().err
+    assert complaint in error_of("verdict", tmp_path, of=main)
 
 
 def test_a_table_without_later_measures_is_judged_as_far_as_it_goes(papers_world, judged):
@@ -414,8 +407,7 @@ def test_a_table_without_later_measures_is_judged_as_far_as_it_goes(papers_world
 
 def test_a_readme_without_markers_is_left_alone(papers_world, judged, tmp_path, capsys):
     judged(papers_world)
-    readme = tmp_path / "README.md"
-    readme.write_text("mine")
+    readme = written(tmp_path / "README.md", "mine")
     assert main(["verdict", str(tmp_path), "--readme", str(readme)]) == 2
     assert readme.read_text() == "mine" and "lacks the line" in capsys.readouterr().err
 

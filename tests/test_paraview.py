@@ -6,11 +6,11 @@ import sys
 import h5py
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, run_command
+from conftest import one_line_error, run_command, wall_file
 from environments import environment, run_in
 from numpy.testing import assert_allclose, assert_array_equal
 from small_history import make_history, small_layout
-from test_yade_run import SMALL_WALL
+from test_yade_run import PIER
 
 from damage.export.vtkhdf import HEXAHEDRON, LINE, WallCells, write_vtkhdf
 from damage.history.moments import STATES
@@ -95,9 +95,8 @@ def test_a_history_without_samples_is_refused(tmp_path):
     assert "holds no sample yet" in one_line_error(write_vtkhdf, empty, tmp_path / "out")
 
 
-def test_the_command_asks_for_a_format(damage_command, history):
-    done = damage_command("export", history.path)
-    assert done.returncode == 2 and "expected --vtkhdf FILE.vtkhdf of a history" in done.stderr
+def test_the_command_asks_for_a_format(error_of, history):
+    assert "expected --vtkhdf FILE.vtkhdf of a history" in error_of("export", history.path)
 
 
 # --- VTK's own readers ------------------------------------------------------------------------------
@@ -112,16 +111,14 @@ def vtk_python():
 def shaken(request, tmp_path_factory):
     """A small wall shaken hard, by either solver, and its export."""
     folder = tmp_path_factory.mktemp(request.param)
-    (folder / "small.py").write_text(SMALL_WALL.format(repository=str(REPOSITORY)))
+    wall_file(folder / "small.py", PIER)
     if request.param == "yade":
         request.getfixturevalue("yade_command")
     first = {"reference": (sys.executable, "-m", "damage", "reference"), "yade": COMMAND}[request.param]
-    done = run_command(*first, folder / "small.py", "--harmonic", 0.03, 1.5, "--rest", 0.1, "--no-pictures", "--out",
-                       folder / "small.h5")
-    assert done.returncode == 0, done.stdout + done.stderr
-    done = run_command(sys.executable, "-m", "damage", "export", folder / "small.h5", "--vtkhdf",
-                       folder / "small.vtkhdf")
-    assert done.returncode == 0, done.stderr
+    run_command(*first, folder / "small.py", "--harmonic", 0.03, 1.5, "--rest", 0.1, "--no-pictures", "--out",
+                folder / "small.h5", status=0)
+    run_command(sys.executable, "-m", "damage", "export", folder / "small.h5", "--vtkhdf", folder / "small.vtkhdf",
+                status=0)
     return read_history(folder / "small.h5"), folder
 
 

@@ -9,7 +9,7 @@ from itertools import combinations
 import matplotlib
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, refused_with
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from PIL import Image
@@ -30,7 +30,6 @@ from damage.draw.run import (
 )
 from damage.draw.wall import line_width, round_125, wall_shape
 from damage.draw.words import motion_words, run_title
-from damage.errors import InputError
 from damage.history.moments import STATES
 from damage.motion.loading import RecordedMotion
 from damage.units import MILLIMETRE
@@ -69,9 +68,9 @@ def history(tmp_path):
     return make
 
 
-@pytest.fixture
-def cracked(history):
-    return history(**CASES["cracked"])
+@pytest.fixture(scope="module")
+def cracked(tmp_path_factory):
+    return make_history(tmp_path_factory.mktemp("cracked") / "small.h5", LAYOUT, **CASES["cracked"])
 
 
 def collection(figure, label):
@@ -256,8 +255,7 @@ class TestShape:
     @pytest.mark.parametrize("options", [{"sample": "middle"}, {"sample": 21}, {"magnify": -1.0},
                                          {"magnify": np.nan}, {"slip": "often"}, {"threshold": 0.0}])
     def test_bad_options_are_refused(self, cracked, options):
-        with pytest.raises(InputError, match="expected"):
-            wall_picture(cracked, **options)
+        refused_with("expected", wall_picture, cracked, **options)
 
 
 class TestInAxesOfAnother:
@@ -425,8 +423,7 @@ class TestOtherPictures:
     def test_a_history_without_samples_is_refused(self, history):
         run = history(stages=())
         for draw in PICTURES.values():
-            with pytest.raises(InputError, match="no sample"):
-                draw(run)
+            refused_with("no sample", draw, run)
 
 
 def assert_apart(boxes):
@@ -490,8 +487,7 @@ class TestFiles:
         assert_apart([*boxes, figure._suptitle.get_window_extent()])
 
     def test_a_run_without_a_heap_says_so(self, cracked):
-        with pytest.raises(InputError, match="expected a run with --new-contacts --after-fall"):
-            heap_picture(cracked)
+        refused_with("expected a run with --new-contacts --after-fall", heap_picture, cracked)
 
     def test_a_picture_says_what_made_it(self, cracked, tmp_path, monkeypatch):
         monkeypatch.setattr(pictures, "PICTURES", {"index": index_picture})
@@ -510,8 +506,7 @@ class TestFiles:
             raise OSError("disk full")
 
         monkeypatch.setattr("matplotlib.image.imsave", fail)
-        with pytest.raises(InputError, match="disk full"):
-            save_all(cracked, tmp_path / "out")
+        refused_with("disk full", save_all, cracked, tmp_path / "out")
         assert [path.name for path in (tmp_path / "out").iterdir()] == ["wall_max.png"]
         assert (tmp_path / "out" / "wall_max.png").read_text() == "old"
 
@@ -522,8 +517,7 @@ class TestFiles:
 
     def test_a_file_where_the_folder_should_be_is_refused(self, cracked, tmp_path):
         (tmp_path / "taken").write_text("")
-        with pytest.raises(InputError, match="taken, or a folder above it, is no folder; expected one"):
-            save_all(cracked, tmp_path / "taken")
+        refused_with("taken, or a folder above it, is no folder; expected one", save_all, cracked, tmp_path / "taken")
 
     def test_the_host_keeps_its_style_and_gets_no_pyplot(self, cracked, tmp_path):
         with matplotlib.rc_context({"font.size": 31, "lines.linewidth": 17}):

@@ -4,7 +4,7 @@ import os
 from dataclasses import replace
 
 import pytest
-from conftest import REPOSITORY, run_command
+from conftest import REPOSITORY, run_command, wall_file, written
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -23,14 +23,12 @@ solvers = ["reference"]
 members = 5
 vary = { amplitude = [0.01, 0.02] }
 '''
-WALL = 'from damage import Wall\n\ndef wall():\n    return Wall("small", 0.9, 0.45)\n'
 
 
 @pytest.fixture
 def study(tmp_path):
-    (tmp_path / "small.py").write_text(WALL)
-    (tmp_path / "s.toml").write_text(STUDY)
-    return load_study(tmp_path / "s.toml", "both", REPOSITORY)
+    wall_file(tmp_path / "small.py", "Wall('small', 0.9, 0.45)")
+    return load_study(written(tmp_path / "s.toml", STUDY), "both", REPOSITORY)
 
 
 @pytest.fixture
@@ -90,8 +88,7 @@ def test_the_time_is_a_range_with_what_the_batch_itself_takes(study, tmp_path, c
 def test_the_dry_run_tells_all_and_makes_nothing(study, tmp_path):
     before = sorted(path.name for path in tmp_path.iterdir())
     done = run_command("./run_all.sh", study.path, "--dry-run", "--solver", "reference", "-j", 2, "--out",
-                       tmp_path / "out")
-    assert done.returncode == 0, done.stderr
+                       tmp_path / "out", status=0)
     assert "points: 2, 0 there; runs to make: up to 20" in done.stdout
     assert "with 2 at a time, where nothing else runs" in done.stdout and "this machine" in done.stdout
     assert all(f"small_harmonic-0.1-{amplitude}" in done.stdout for amplitude in (0.01, 0.02))
@@ -138,6 +135,5 @@ def test_measuring_gives_a_speed():
 
 
 def test_a_wrong_study_is_refused(tmp_path):
-    (tmp_path / "s.toml").write_text("name = 1\n")
-    done = run_command("./run_all.sh", tmp_path / "s.toml", "--dry-run")
-    assert done.returncode == 2 and "error: " in done.stderr
+    done = run_command("./run_all.sh", written(tmp_path / "s.toml", "name = 1\n"), "--dry-run", status=2)
+    assert "error: " in done.stderr

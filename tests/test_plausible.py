@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, wall_file, written
 
 import damage
 from damage.__main__ import main
@@ -173,23 +173,18 @@ def test_usual_motions_and_a_pause_are_plausible():
         settings(*words).check_plausible(WALL)
 
 
-def test_modes_refuses_a_wall_unless_it_is_accepted(tmp_path, capsys):
-    path = tmp_path / "wall.py"
-    path.write_text("from damage import Joint, Wall\n\n\ndef wall():\n"
-                    "    return Wall('w', 0.45, 0.15, joint=Joint(tensile_strength=0.1, cohesion=0.15))\n")
-    assert main(["modes", str(path)]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == "" and printed.err.startswith("error: ") and "0.15 MPa is 0.15e6" in printed.err
-    assert main(["modes", str(path), "--accept-implausible"]) == 0
-    assert "mode 1" in capsys.readouterr().out
+def test_modes_refuses_a_wall_unless_it_is_accepted(tmp_path, error_of, output_of):
+    wall = "Wall('w', 0.45, 0.15, joint=Joint(tensile_strength=0.1, cohesion=0.15))"
+    path = wall_file(tmp_path / "wall.py", wall)
+    assert "0.15 MPa is 0.15e6" in error_of("modes", path)
+    assert "mode 1" in output_of("modes", path, "--accept-implausible")
 
 
 def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
     rows = shipped_record_path().read_text().splitlines()
     in_gal = [f"{time},{100 * float(value)}" for time, value in (
         row.split(",") for row in rows if not row.startswith(("#", "time")))]
-    path = tmp_path / "gal.csv"
-    path.write_text("\n".join(["time_s,acc_m_s2", *in_gal]))
+    path = written(tmp_path / "gal.csv", "\n".join(["time_s,acc_m_s2", *in_gal]))
     assert main(["record", str(path)]) == 0
     assert "cm/s2 (gal) where m/s2 is expected" in capsys.readouterr().err
     assert main(["record", "BGAR_HGE", "--scale", "250"]) == 0

@@ -15,7 +15,6 @@ from numpy.testing import assert_allclose
 from test_reference import settle
 
 import damage
-from damage.__main__ import main
 from damage.errors import RunWarning
 from damage.export.opensees import write_opensees
 from damage.export.threedec import NO_STIFFNESS, write_3dec
@@ -251,8 +250,8 @@ def test_3dec_gives_no_stiffness_to_blocks_that_only_touch(elastic, tmp_path):
     ("--3dec", ("--lintel", "concrete"), "of glued parts"),
     ("--opensees", ("--soil", "1e8", "--soil-velocity", "150"), "radiation damping"),
     ("--parquet", ("--cells", "4"), "for a wall only")])
-def test_what_another_program_cannot_have_is_refused(option, words, said, tmp_path, capsys):
-    assert said in refused(capsys, "symmetric", *words, option, tmp_path / "out")
+def test_what_another_program_cannot_have_is_refused(option, words, said, tmp_path, error_of):
+    assert said in error_of("export", "symmetric", *words, option, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -265,21 +264,12 @@ def test_walls_that_soften_crush_or_are_held_are_refused(has, said, tmp_path):
         assert said in one_line_error(write, layout, tmp_path / "out")
 
 
-def test_the_command_writes_both(tmp_path, capsys):
+def test_the_command_writes_both(tmp_path, output_of, error_of):
     files = [str(tmp_path / name) for name in ("squat.py", "squat.dat")]
-    assert main(["export", "squat", "--opensees", files[0], "--3dec", files[1]]) == 0
-    assert capsys.readouterr().out.split() == files
+    assert output_of("export", "squat", "--opensees", files[0], "--3dec", files[1]).split() == files
     (tmp_path / "run.h5").touch()
     for source in (tmp_path / "run.h5", tmp_path):
-        assert "expected a wall file" in refused(capsys, source, "--opensees", tmp_path / "a.py")
-
-
-def refused(capsys, *words):
-    """The one line that export ends with."""
-    assert main(["export", *map(str, words)]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "expected" in said
-    return said
+        assert "expected a wall file" in error_of("export", source, "--opensees", tmp_path / "a.py")
 
 
 @pytest.mark.long

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import contents, one_line_error
+from conftest import contents, one_line_error, wall_file, written
 from numpy.testing import assert_array_equal
 
 import damage
@@ -29,9 +29,7 @@ DIFFERENT = ("record,component,scale,start_s,end_s,rest_s\nBGAR,HGE,2,18.4,19.4,
 
 
 def file_of(folder, text, name="sequence.csv"):
-    path = folder / name
-    path.write_text(text)
-    return path
+    return written(folder / name, text)
 
 
 def settings(path, *words):
@@ -138,8 +136,7 @@ class TestSchedule:
 def runs(tmp_path_factory):
     """{name: path of a history} of a narrow wall: a list of factors, the same events from a file, different records."""
     folder = tmp_path_factory.mktemp("sequence")
-    source = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
-    wall = file_of(folder, source, "narrow.py")
+    wall = wall_file(folder / "narrow.py", "Wall('narrow', 0.9, 1.5)")
     equal = file_of(folder, "record,scale,start_s,end_s\n" + 2 * f"{RECORD},4,18.4,19.2\n", "equal.csv")
     different = file_of(folder, DIFFERENT)
     asked = {"list": ["--record", RECORD, "--window", "18.4", "19.2", "--sequence", "4,4"],

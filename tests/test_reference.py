@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import total_energy
+from conftest import run_here, total_energy, wall_file
 from numpy.testing import assert_allclose
 
-import damage
 from damage.law.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
@@ -165,10 +164,7 @@ def runs(tmp_path_factory):
     words = {"free": ["--free-vibration", "--rest", "1.0"],
              "shaken": ["--harmonic", "0.2", "0.05", "--rest", "0.5"],
              "beta": ["--harmonic", "0.2", "0.05", "--rest", "0.5", "--beta", "1e-6"]}
-    for name, options in words.items():
-        out = str(folder / f"{name}.h5")
-        assert run_reference(["walls/symmetric.py", *options, "--out", out, "--no-pictures"]) == 0
-    return {name: damage.read_history(folder / f"{name}.h5") for name in words}
+    return {name: run_here(folder / f"{name}.h5", "walls/symmetric.py", *options) for name, options in words.items()}
 
 
 class TestSymmetricWall:
@@ -202,7 +198,7 @@ class TestSymmetricWall:
 
 
 def test_without_out_a_second_run_takes_a_name_of_its_own(tmp_path, monkeypatch):
-    (tmp_path / "tiny.py").write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('tiny', 0.45, 0.15)\n")
+    wall_file(tmp_path / "tiny.py", "Wall('tiny', 0.45, 0.15)")
     monkeypatch.chdir(tmp_path)
     for _ in range(2):
         assert run_reference(["tiny.py", "--harmonic", "0.03", "0.1", "--cycles", "1", "--rest", "0",

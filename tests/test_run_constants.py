@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from conftest import refused_with
 from numpy.testing import assert_allclose
 from small_history import small_layout
 
@@ -81,8 +82,7 @@ def test_a_wall_rests_when_no_brick_that_fell_moves():
 
 
 def test_following_bricks_without_contacts_is_refused():
-    with pytest.raises(InputError, match="--after-fall without --new-contacts: .*give both"):
-        parse_run(["--after-fall"], "test", "reference")
+    refused_with("--after-fall without --new-contacts: .*give both", parse_run, ["--after-fall"], "test", "reference")
     with pytest.raises(InputError, match="--after-fall with --past-collapse 2: expected one"):
         parse_run(["--after-fall", "--new-contacts", "--past-collapse", "2"], "test", "yade")
     with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):

@@ -6,6 +6,7 @@ import warnings
 from types import SimpleNamespace
 
 import pytest
+from conftest import wall_file
 
 import damage
 from damage.history.reader import read_history
@@ -30,9 +31,8 @@ def test_python_warns_of_an_energy_balance_error_where_it_was_called(tmp_path):
 
 
 def test_the_command_line_warns_alike(tmp_path, capsys):
-    (tmp_path / "w.py").write_text(f"from damage import Wall\n\n\ndef wall():\n"
-                                   f"    return Wall.from_dict({DRY.as_dict()!r})\n")
-    words = [str(tmp_path / "w.py"), "--free-vibration", "--rest", "0.1", "--no-pictures"]
+    wall = wall_file(tmp_path / "w.py", f"Wall.from_dict({DRY.as_dict()!r})")
+    words = [str(wall), "--free-vibration", "--rest", "0.1", "--no-pictures"]
     assert run_reference([*words, "--out", str(tmp_path / "a.h5")]) == 0
     assert capsys.readouterr().err.splitlines() == [
         f"warning: {text}" for text in read_history(tmp_path / "a.h5").warnings]

@@ -5,14 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import refused_with, run_here, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
 
-import damage
-from damage.errors import InputError
 from damage.measure.cycles import shocks_table
 from damage.measure.energy import energy_error
 from damage.measure.tables import write_run_tables
-from damage.reference.session import run_reference
 from damage.run.options import parse_run
 from damage.run.schedule import stages
 from damage.run.settings import SETTLE_S
@@ -43,20 +41,16 @@ def test_stages_follow_one_another_and_end_with_samples():
     (["--free-vibration", "--sequence", "1,1"], "belongs to"),
 ])
 def test_bad_sequences_are_refused(words, message):
-    with pytest.raises(InputError, match=message):
-        parse_run(words, "test", "reference")
+    refused_with(message, parse_run, words, "test", "reference")
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """{name: History}: a narrow wall shaken once, and twice."""
     folder = tmp_path_factory.mktemp("sequence")
-    wall = folder / "narrow.py"
-    wall.write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n")
-    for name, words in (("once", []), ("twice", ["--sequence", "1,1"])):
-        assert run_reference([str(wall), "--harmonic", "0.15", "0.35", "--rest", "0.2", *words, "--no-pictures",
-                              "--out", str(folder / f"{name}.h5")]) == 0
-    return {name: damage.read_history(folder / f"{name}.h5") for name in ("once", "twice")}
+    wall = wall_file(folder / "narrow.py", "Wall('narrow', 0.9, 1.5)")
+    return {name: run_here(folder / f"{name}.h5", wall, "--harmonic", 0.15, 0.35, "--rest", 0.2, *words)
+            for name, words in (("once", []), ("twice", ["--sequence", "1,1"]))}
 
 
 def test_the_first_shock_is_the_run_by_itself(runs):

@@ -5,14 +5,13 @@ import os
 import shutil
 import socket
 import socketserver
-import subprocess
 import sys
 import threading
 from contextlib import contextmanager, suppress
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command, written
 
 from yade_scripts import COMMAND, servers
 
@@ -157,15 +156,14 @@ def system(tmp_path):
     (tmp_path / "py" / "yade" / "remote.py").write_text("def runServers():\n    return 'listening'\n")
     for name in ("bash", "readlink", "dirname"):
         (tmp_path / name).symlink_to(shutil.which(name))
-    program = tmp_path / "yade"
-    program.write_text(FAKE_YADE.format(python=sys.executable))
+    program = written(tmp_path / "yade", FAKE_YADE.format(python=sys.executable))
     program.chmod(0o755)
     (tmp_path / "w.py").touch()
 
     def run(program, *words, before=()):
         path = os.pathsep.join(map(str, [*before, tmp_path]))
-        return subprocess.run([program, *words], capture_output=True, text=True, input="typed", timeout=AT_MOST_S,
-                              env={"PATH": path, "PYTHONPATH": str(tmp_path / "py")}, cwd=tmp_path)
+        return run_command(program, *words, input="typed", timeout=AT_MOST_S,
+                           env={"PATH": path, "PYTHONPATH": str(tmp_path / "py")}, cwd=tmp_path)
 
     return run
 

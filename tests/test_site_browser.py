@@ -6,24 +6,18 @@
 import json
 import os
 import re
-import subprocess
 import sys
 import threading
 import time
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
-from shutil import which
 
 import pytest
-from conftest import REPOSITORY
-
-from benchmarks.report_in_browser import BROWSER, DRIVER, browser
+from conftest import IN_BROWSER, REPOSITORY, run_command
 
 for module in ("selenium", "sphinx", "myst_parser", "furo"):
     pytest.importorskip(module, reason=f"{module} is not installed: bash scripts/browser.sh")
-pytestmark = [pytest.mark.long, pytest.mark.skipif(
-    not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]  # of selenium's own
+pytestmark = IN_BROWSER
 
 NARROW_PX, SEARCH_S = 390, 20
 
@@ -32,9 +26,8 @@ NARROW_PX, SEARCH_S = 390, 20
 def site(tmp_path_factory):
     """The folder of the site."""
     folder = tmp_path_factory.mktemp("site") / "html"
-    done = subprocess.run(["bash", REPOSITORY / "scripts" / "site.sh", "--out", folder], capture_output=True, text=True,
-                          env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
-    assert done.returncode == 0, done.stderr
+    run_command("bash", REPOSITORY / "scripts" / "site.sh", "--out", folder,
+                env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"}, status=0)
     return folder
 
 
@@ -55,12 +48,6 @@ def address(request, site):
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_address[1]}"
         server.shutdown()
-
-
-@pytest.fixture(scope="module")
-def driver():
-    with browser() as driver:
-        yield driver
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import sys
 from importlib.util import find_spec
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, TINY, run_command, script_file, wall_file
 
 from damage.batch import cluster
 
@@ -35,11 +35,8 @@ options = { rest = 0, dt = 0.1 }
     ("slurm_load_jobs error: Unable to contact slurm controller", "running"),
 ])
 def test_states_of_jobs(tmp_path, printed, status):
-    scontrol = tmp_path / "scontrol"
-    scontrol.write_text(f'#!/bin/sh\necho "{printed}"\n')
-    scontrol.chmod(0o755)
-    done = subprocess.run([STATUS, "7"], capture_output=True, text=True,
-                          env={"PATH": f"{tmp_path}{os.pathsep}/usr/bin{os.pathsep}/bin"})
+    script_file(tmp_path / "scontrol", f'echo "{printed}"')
+    done = run_command(STATUS, "7", env={"PATH": f"{tmp_path}{os.pathsep}/usr/bin{os.pathsep}/bin"})
     assert done.stdout.strip() == status
 
 
@@ -89,15 +86,13 @@ def on_slurm(test):
 
 @on_slurm
 def test_a_study_on_slurm(tmp_path):
-    (tmp_path / "tiny.py").write_text(
-        "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n")
+    wall_file(tmp_path / "tiny.py", TINY)
     (tmp_path / "study.toml").write_text(STUDY)
     batch = [REPOSITORY / "run_all.sh", tmp_path / "study.toml", "--solver", "reference", "-j2", "--out"]
     tables = {}
     for name, words in (("slurm", [REPOSITORY / "scripts" / "local_slurm.sh"]), ("here", [])):
         command = [*words, *batch, tmp_path / name, *(["--slurm"] if words else [])]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=500,
-                              env={**os.environ, "PYTHON": sys.executable, "CPUS": "2"})
+        done = run_command(*command, timeout=500, env={**os.environ, "PYTHON": sys.executable, "CPUS": "2"})
         if done.returncode == 3:
             pytest.skip(f"SLURM does not start here: {done.stderr[-200:]}")
         assert done.returncode == 1, done.stderr  # of the run with too large a step, which stops no other
@@ -128,23 +123,19 @@ exec "$@"
 
 @on_slurm
 def test_two_hundred_runs_in_slices_killed_and_gone_on_with(tmp_path):
-    (tmp_path / "tiny.py").write_text(
-        "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n")
+    wall_file(tmp_path / "tiny.py", TINY)
     (tmp_path / "study.toml").write_text(DRAWN)
     batch = [REPOSITORY / "run_all.sh", tmp_path / "study.toml", "--solver", "reference", "-j2", "--out"]
     environment = {**os.environ, "PYTHON": sys.executable, "CPUS": "2", "OUT": str(tmp_path / "slurm")}
-    done = subprocess.run([REPOSITORY / "scripts" / "local_slurm.sh", "bash", "-c", KILLED, "-", *batch,
-                           tmp_path / "slurm", "--slurm", "--shard", "50"], capture_output=True, text=True,
-                          timeout=900, env=environment)
+    done = run_command(REPOSITORY / "scripts" / "local_slurm.sh", "bash", "-c", KILLED, "-", *batch, tmp_path / "slurm",
+                       "--slurm", "--shard", "50", timeout=900, env=environment)
     if done.returncode == 3:
         pytest.skip(f"SLURM does not start here: {done.stderr[-200:]}")
     assert done.returncode == 0, done.stdout + done.stderr
     kept = (tmp_path / "slurm" / "before").read_text().splitlines()
     assert 20 <= len(kept) < 200
     subprocess.run(["sha256sum", "--check", "--quiet", tmp_path / "slurm" / "before"], check=True)
-    whole = subprocess.run([*batch, tmp_path / "here", "--keep", "summary"], capture_output=True, text=True,
-                           timeout=900, env=environment)
-    assert whole.returncode == 0, whole.stderr
+    run_command(*batch, tmp_path / "here", "--keep", "summary", timeout=900, env=environment, status=0)
     tables = [{path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
               for name in ("slurm", "here")]
     assert len(tables[0]) == 4 * 4 + 3 and tables[0] == tables[1]

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, refused_with, wall_file
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -184,8 +184,7 @@ class TestFibres:
         with pytest.raises(InputError, match="give higher ones"):
             lay_out(Wall("w", 0.675, 0.45, joint=Joint(mode_i_fracture_energy=0.1, mode_ii_fracture_energy=50.0)),
                     ModelOptions(fibres=8))
-        with pytest.raises(InputError, match="are brittle"):
-            split_into_fibres(Joint(), lay_out(Wall("w", 0.675, 0.45)).contacts, 8)
+        refused_with("are brittle", split_into_fibres, Joint(), lay_out(Wall("w", 0.675, 0.45)).contacts, 8)
 
     def test_along_the_same_paths_they_dissipate_alike(self):
         """docs/validation/verification.md: along mixed paths the two forms differ by up to 8 %, else by 0.1 %."""
@@ -195,17 +194,13 @@ class TestFibres:
             assert dissipated > 0
 
 
-def wall_file(tmp_path, energies="mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0"):
-    path = tmp_path / "pier.py"
-    path.write_text("from damage import Joint, Wall\n\n\ndef wall():\n"
-                    f"    return Wall('pier', 1.35, 1.2, joint=Joint({energies}))\n")
-    return path
+PIER = "Wall('pier', 1.35, 1.2, joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))"
 
 
 def run(tmp_path, *words, wall=None, backend=BACKEND, name="run.h5"):
     wall = wall or Wall("pier", 1.35, 1.2, joint=SOFT)
     out = tmp_path / name
-    status = run_session(backend, wall_file(tmp_path), lambda: wall,
+    status = run_session(backend, wall_file(tmp_path / "pier.py", PIER), lambda: wall,
                          [*map(str, words), "--out", str(out), "--no-pictures"], prog="test")
     return status, out
 
@@ -262,8 +257,7 @@ class TestParameters:
         ({"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0, "tensile_strength": 1e6}, "both above zero"),
     ])
     def test_bad_fracture_energies_are_refused(self, values, message):
-        with pytest.raises(InputError, match=message):
-            Joint(**values)
+        refused_with(message, Joint, **values)
 
     def test_none_and_zero_are_brittle(self):
         assert not Joint().softens and not Joint(mode_i_fracture_energy=0.0, mode_ii_fracture_energy=0).softens

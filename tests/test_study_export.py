@@ -1,11 +1,10 @@
 """Tables of a study as Parquet and netCDF: both libraries read back what stands in the CSV (long)."""
 
 import json
-import subprocess
 
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import one_line_error, run_command
 from environments import environment, run_in
 from small_history import make_history
 
@@ -51,9 +50,8 @@ def test_a_missing_library_is_one_line(folder, tmp_path, capsys, monkeypatch, op
 def test_both_libraries_read_what_stands_in_the_csv(folder, tmp_path):
     with environment("pyarrow", "xarray", "h5netcdf", needs=("numpy", "pandas", "scipy", "h5py", "matplotlib",
                                                              "numba", "packaging")) as python:
-        done = subprocess.run([python, "-m", "damage", "export", folder, "--parquet", tmp_path, "--netcdf",
-                               tmp_path / "s.nc"], cwd=REPOSITORY, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        run_command(python, "-m", "damage", "export", folder, "--parquet", tmp_path, "--netcdf", tmp_path / "s.nc",
+                    status=0)
         found = json.loads(run_in(python, "read_tables.py", tmp_path, tmp_path / "s.nc"))
     for kind in found.values():
         for name, table in study_tables(folder).items():

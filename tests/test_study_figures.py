@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import small_history
-from conftest import REPOSITORY
+from conftest import REPOSITORY, refused_with
 from matplotlib.colors import to_rgba
 from numpy.testing import assert_allclose
 from scipy.optimize import minimize
@@ -18,7 +18,6 @@ from damage.commands.table import COMMANDS as of_package
 from damage.draw.panels import grid, letter
 from damage.draw.style import BLACK, BLUE, VERMILLION
 from damage.draw.words import record_label
-from damage.errors import InputError
 from damage.files import shipped_files
 from damage.measure.tables import index_table, write_table
 from damage.motion.formats import read_record, shipped_record_path
@@ -397,15 +396,12 @@ class TestResults:
             results.index(point)
 
     def test_tables_of_something_else_are_refused(self, tmp_path):
-        with pytest.raises(InputError, match="expected a folder with the results of studies"):
-            load_results(tmp_path)
+        refused_with("expected a folder with the results of studies", load_results, tmp_path)
         (tmp_path / "tables").mkdir()
         (tmp_path / "tables" / "points.csv").write_text("point,solver\na,yade\n")
-        with pytest.raises(InputError, match="no column wall"):
-            load_results(tmp_path)
+        refused_with("no column wall", load_results, tmp_path)
         (tmp_path / "tables" / "points.csv").write_text("")
-        with pytest.raises(InputError, match="cannot be read as a table"):
-            load_results(tmp_path)
+        refused_with("cannot be read as a table", load_results, tmp_path)
 
 
 class TestChoices:
@@ -508,13 +504,12 @@ def test_the_table_of_figures_names_commands_and_studies_that_are_there():
 
 
 class TestCommand:
-    def test_figures_are_written_and_those_that_cannot_be_are_named(self, folder, tmp_path, capsys, monkeypatch):
+    def test_figures_are_written_and_those_that_cannot_be_are_named(self, folder, tmp_path, output_of, monkeypatch):
         kept = ("fig06", "fig10", "fig11_residual_small_shear-limit")
         every = study_figures._figures
         monkeypatch.setattr(study_figures, "_figures", lambda results: (
             pair for pair in every(results) if pair[0].startswith(kept)))
-        assert main(["figures", str(folder / "harmonic"), "--out", str(tmp_path / "out")]) == 0
-        out = capsys.readouterr().out
+        out = output_of("figures", folder / "harmonic", "--out", tmp_path / "out", of=main)
         assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig06_motions.pdf", "fig06_motions.png"]
         assert "not made: fig10_records: no point has a record" in out
 
@@ -535,8 +530,7 @@ class TestCommand:
         x, *_ = medians(panel(made["fig08_amplitude_small"][0], "maximum, 0.2"), BLACK)
         assert_allclose(x, AMPLITUDES_G[:2], atol=0.001)
 
-    def test_no_figure_at_all_is_an_error(self, tmp_path, capsys):
+    def test_no_figure_at_all_is_an_error(self, tmp_path, error_of):
         write_study(tmp_path / "pushed", [point_row("p", "reference", 1.0)])
-        assert main(["figures", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
-        assert "allows no figure" in capsys.readouterr().err
+        assert "allows no figure" in error_of("figures", tmp_path, "--out", tmp_path / "out", of=main)
         assert main(["figures", str(tmp_path / "out"), "--out", str(tmp_path / "out")]) == 2

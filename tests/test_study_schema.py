@@ -4,9 +4,8 @@ import json
 import tomllib
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, refused_with, written
 
-from damage.errors import InputError
 from damage.studies.definition import load_study
 from damage.studies.schema import study_schema
 
@@ -43,8 +42,7 @@ def test_every_shipped_study_passes_and_names_it(validator, path):
     " }\n"])
 def test_what_the_software_takes_passes(validator, tmp_path, text):
     validator.validate(tomllib.loads(text))
-    (tmp_path / "s.toml").write_text(text)
-    assert load_study(tmp_path / "s.toml", "both", REPOSITORY).of_both
+    assert load_study(written(tmp_path / "s.toml", text), "both", REPOSITORY).of_both
 
 
 @pytest.mark.parametrize("text", [
@@ -58,6 +56,4 @@ def test_what_the_software_takes_passes(validator, tmp_path, text):
     NAME + "[[grid]]\n" + WALL + "vary = { r = [] }\n"])
 def test_what_the_software_refuses_fails(validator, tmp_path, text):
     assert not validator.is_valid(tomllib.loads(text))
-    (tmp_path / "s.toml").write_text(text)
-    with pytest.raises(InputError):
-        load_study(tmp_path / "s.toml", "both", REPOSITORY)
+    refused_with("", load_study, written(tmp_path / "s.toml", text), "both", REPOSITORY)

@@ -5,6 +5,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from conftest import refused_with, written
 from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
@@ -23,8 +24,7 @@ WINDOW = lay_out(Wall("window", 2.25, 1.5, [Opening(0.7875, 0.675, 0.6, 0.45)], 
 
 
 def survey(tmp_path, *rows, wall=LAYOUT, header=HEADER):
-    path = tmp_path / "survey.csv"
-    path.write_text(header + "\n".join(rows) + "\n")
+    path = written(tmp_path / "survey.csv", header + "\n".join(rows) + "\n")
     return read_survey(path, wall)
 
 
@@ -158,8 +158,7 @@ BAD = {
 
 @pytest.mark.parametrize("rows, said", BAD.values(), ids=BAD)
 def test_bad_surveys_are_one_line(tmp_path, rows, said):
-    with pytest.raises(InputError, match=said):
-        survey(tmp_path, *rows)
+    refused_with(said, survey, tmp_path, *rows)
 
 
 # --- beside a simulated pattern ------------------------------------------------------------------------
@@ -202,20 +201,17 @@ def test_an_offset_that_was_seen_or_not_tells_patterns_of_one_width_apart(tmp_pa
     assert distance(opened, 0.6 * width, 0.8 * width, LAYOUT) == pytest.approx(np.sqrt(0.5))
 
 
-def test_compare_takes_a_survey_beside_a_run(tmp_path, capsys):
+def test_compare_takes_a_survey_beside_a_run(tmp_path, output_of):
     """A bed joint opened by 0.3 mm at the end of the run, surveyed with 0.25 mm over the left two thirds."""
     layout = small_layout()
     joints = np.flatnonzero((layout.contacts.z == 0.15) & ~layout.contacts.upright)
     run = make_history(tmp_path / "run.h5", layout, opening={int(joint): 3e-4 for joint in joints})
-    path = tmp_path / "survey.csv"
-    path.write_text("crack,point,x_m,z_m,width_mm\n1,1,0,0.15,0.25\n1,2,0.675,0.15,\n")
-    assert main(["compare", str(run.path), str(path), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)[0]
+    path = written(tmp_path / "survey.csv", "crack,point,x_m,z_m,width_mm\n1,1,0,0.15,0.25\n1,2,0.675,0.15,\n")
+    found = json.loads(output_of("compare", run.path, path, "--json"))[0]
     assert found["widths"]["max_width_mm"] == pytest.approx([0.25, 0.3])
     assert found["widths"]["joints_m"] == pytest.approx([0.675, 0.9]) and found["widths"]["cracks"] == [1, 1]
     assert found["positions"]["of_survey"] == 1.0 and found["positions"]["of_run"] == pytest.approx(1.0, abs=0.13)
     assert 0.7 < found["pattern"]["fss"] < 1.0 and 0 < found["distance"] < 0.4
-    assert main(["compare", str(path), str(run.path)]) == 0
-    assert "survey survey.csv: 1 cracks, 0.68 m, 100 % of it on joints" in capsys.readouterr().out
+    assert "survey survey.csv: 1 cracks, 0.68 m, 100 % of it on joints" in output_of("compare", path, run.path)
     assert main(["compare", str(path), str(path)]) == 2
     assert beside(read_survey(path, layout), *np.zeros((2, layout.n_joints)), layout)["positions"]["of_run"] is None

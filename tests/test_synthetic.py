@@ -1,12 +1,11 @@
 """The synthetic Huizinge record against its targets, and the files that scripts/make_records.py makes."""
 
-import subprocess
 import sys
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command, written
 from numpy.testing import assert_allclose
 
 from damage.files import DATA
@@ -27,8 +26,7 @@ def record():
 
 
 def make(what, folder):
-    done = subprocess.run([sys.executable, SCRIPT, what, "--out", folder], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    done = run_command(sys.executable, SCRIPT, what, "--out", folder, status=0)
     return [folder / line.split("/")[-1] for line in done.stdout.splitlines()]
 
 
@@ -160,7 +158,5 @@ def test_a_record_written_is_read_back(tmp_path):
 
 
 def test_bad_calls_are_said_in_one_line(tmp_path):
-    (tmp_path / "file").write_text("")
-    done = subprocess.run([sys.executable, SCRIPT, "synthetic", "--out", tmp_path / "file" / "below"],
-                          capture_output=True, text=True)
+    done = run_command(sys.executable, SCRIPT, "synthetic", "--out", written(tmp_path / "file", "") / "below")
     assert done.returncode == 2 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1

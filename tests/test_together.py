@@ -11,7 +11,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, contents, without_progress
+from conftest import REPOSITORY, TINY, contents, wall_file, without_progress
 
 from damage.history.reader import read_history
 from damage.reference import ensembles, lanes, session, settled
@@ -19,7 +19,6 @@ from damage.reference.session import run_reference, run_references
 from damage.reference.settled import SettledWalls
 from damage.run.run import LOOK_STEPS
 
-TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
 OTHERS = {3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
           4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
@@ -37,8 +36,7 @@ print(sorted(run_references({name: [*words, "--strength-seed", str(k), "--out", 
 
 @pytest.fixture
 def tiny(tmp_path):
-    (tmp_path / "tiny.py").write_text(TINY)
-    return tmp_path / "tiny.py"
+    return wall_file(tmp_path / "tiny.py", TINY)
 
 
 def lines(wall, folder, count=8):
@@ -52,8 +50,7 @@ def lines(wall, folder, count=8):
 def alone(tmp_path_factory):
     """Contents of the histories of runs by themselves."""
     folder = tmp_path_factory.mktemp("alone")
-    (folder / "tiny.py").write_text(TINY)
-    for words in lines(folder / "tiny.py", folder / "runs").values():
+    for words in lines(wall_file(folder / "tiny.py", TINY), folder / "runs").values():
         assert run_reference(words) == 0
     return {path.stem: contents(path) for path in (folder / "runs").glob("*.h5")}
 
@@ -113,7 +110,7 @@ def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, moved):
     """As of the next point of a study: the same joints, another motion.  The first run lays out a wall of its own, the
     others share parts of its layout."""
-    tiny.write_text(TINY.replace("0.6", "0.675"))
+    wall_file(tiny, TINY.replace("0.6", "0.675"))
     walls = SettledWalls()
 
     def run(folder, numbers, *words):

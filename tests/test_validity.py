@@ -30,9 +30,8 @@ def on_its_left(row):
 BED, HEAD, BASE = joint_of(0, 2, on_its_left), joint_of(1, 2), joint_of(0, 0)
 
 
-def test_faces_end_where_bricks_do(tmp_path):
-    history = make_history(tmp_path / "a.h5")
-    least, most = slide_limits(history.joints, history.bodies)
+def test_faces_end_where_bricks_do(still_history):
+    least, most = slide_limits(still_history.joints, still_history.bodies)
     assert (least[BED], most[BED]) == pytest.approx((-0.1125, 0.3375))
     assert (least[HEAD], most[HEAD]) == pytest.approx((-0.075, 0.075))
     assert (least[BASE], most[BASE]) == (-np.inf, np.inf)

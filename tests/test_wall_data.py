@@ -2,13 +2,11 @@
 
 import json
 import math
-import subprocess
-import sys
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY, one_line_error, run_command, script_file, written
 from numpy.testing import assert_allclose
 
 from damage import Brick, Floor, Joint, Opening, Wall, load_wall, masonry
@@ -48,9 +46,7 @@ HOUSE = Wall("house", 4.4, 4.2, [Opening(1.1, 0.88, 2.1)], 0.0, outline=[(0, 2.7
 
 @pytest.fixture
 def house(tmp_path):
-    path = tmp_path / "house.toml"
-    path.write_text(TEXT, encoding="utf-8")
-    return path
+    return written(tmp_path / "house.toml", TEXT, encoding="utf-8")
 
 
 class TestData:
@@ -97,8 +93,7 @@ class TestData:
         assert not {"outline", "floors"} & set(Wall("w", 2.0, 1.0).as_dict())
 
     def test_it_is_not_executed(self, tmp_path):
-        path = tmp_path / "code.toml"
-        path.write_text("import os\nos.remove('x')\n", encoding="utf-8")
+        path = written(tmp_path / "code.toml", "import os\nos.remove('x')\n", encoding="utf-8")
         assert "no TOML" in one_line_error(load_wall, path)
 
     def test_a_byte_order_mark_and_dots_in_words_are_read(self, house):
@@ -125,19 +120,17 @@ class TestData:
 
     def test_the_launcher_gives_yade_the_program_for_data(self, tmp_path):
         """A stand-in for YADE prints its arguments: the program comes before the first wall, once."""
-        fake = tmp_path / "bin/yade"
-        fake.parent.mkdir()
-        fake.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
-        fake.chmod(0o755)
+        (tmp_path / "bin").mkdir()
+        fake = script_file(tmp_path / "bin/yade", 'printf "%s\\n" "$@"')
         given = ["-n", "a/house.toml", "--out", "x.h5"]
         (tmp_path / "a").mkdir()
         (tmp_path / "a/house.toml").touch()
-        said = subprocess.run([REPOSITORY / "yade", *given], env={"PATH": f"{fake.parent}:/usr/bin:/bin"}, cwd=tmp_path,
-                              capture_output=True, text=True, check=True).stdout.splitlines()
+        said = run_command(REPOSITORY / "yade", *given, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}, cwd=tmp_path,
+                           check=True).stdout.splitlines()
         assert said[2:] == ["-n", str(REPOSITORY / "yade_scripts/wall_data.py"), *given[1:]]
         (tmp_path / "a/wall.py").touch()
-        script = subprocess.run([REPOSITORY / "yade", "a/wall.py", "b.toml"], cwd=tmp_path, capture_output=True,
-                                text=True, check=True, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
+        script = run_command(REPOSITORY / "yade", "a/wall.py", "b.toml", cwd=tmp_path, check=True,
+                             env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
         assert script[2:] == ["a/wall.py", "b.toml"]
 
 
@@ -161,12 +154,10 @@ class TestMaterials:
         assert_allclose((made.length, made.height, made.thickness), (0.222, 0.062, 0.212))
         assert_allclose(1 / (0.22 * 0.06), 75, rtol=0.02)  # bricks to the square metre of the format's source
 
-    def test_the_command_lists_them(self, capsys):
-        assert main(["materials"]) == 0
-        said = capsys.readouterr().out
+    def test_the_command_lists_them(self, output_of):
+        said = output_of("materials")
         assert all(name in said for name in (*MATERIALS, *FORMATS)) and "Graziotti" in said
-        assert main(["materials", "--json"]) == 0
-        assert json.loads(capsys.readouterr().out) == json.loads(json_text(as_dict()))
+        assert json.loads(output_of("materials", "--json")) == json.loads(json_text(as_dict()))
 
     @pytest.mark.parametrize(("arguments", "named", "message"), [
         (("mud", "waalformaat"), {}, "did you mean"), (("clay", "waalformat"), {}, "did you mean waalformaat"),
@@ -203,22 +194,18 @@ class TestPreview:
         assert label.y0 > legend.y1
 
     @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
-    def test_the_command_writes_it(self, house, tmp_path, capsys, ending):
+    def test_the_command_writes_it(self, house, tmp_path, output_of, ending):
         path = tmp_path / f"house.{ending}"
-        assert main(["draw", str(house), "--out", str(path)]) == 0
-        assert capsys.readouterr().out.strip() == str(path)
+        assert output_of("draw", house, "--out", path).strip() == str(path)
         first = path.read_bytes()
         assert main(["draw", str(house), "--out", str(path)]) == 0
         assert path.read_bytes() == first
         if ending == "svg":
             assert ElementTree.fromstring(first).tag.endswith("svg")
 
-    def test_another_ending_is_refused(self, house, capsys):
-        assert main(["draw", str(house), "--out", "house.gif"]) == 2
-        assert "expected a name that ends in .png, .pdf, .svg" in capsys.readouterr().err
+    def test_another_ending_is_refused(self, house, error_of):
+        assert "expected a name that ends in .png, .pdf, .svg" in error_of("draw", house, "--out", "house.gif")
 
 
-def test_the_command_runs_as_a_program(house):
-    said = subprocess.run([sys.executable, "-m", "damage", "modes", house], cwd=REPOSITORY, capture_output=True,
-                          text=True, check=True).stdout
-    assert "concrete floor at 2.7 m, x = 0 to 4.4 m: 0.9 t" in said
+def test_the_command_names_its_floors(house, output_of):
+    assert "concrete floor at 2.7 m, x = 0 to 4.4 m: 0.9 t" in output_of("modes", house)

@@ -4,8 +4,6 @@ import re
 
 import pytest
 
-from damage.__main__ import main
-
 GOOD = {"name": '"house"', "length": "4.4", "height": "4.2", "precompression": "0",
         "masonry": '{ material = "clay-standard", format = "waalformaat" }',
         "outline": "[[0, 2.7], [2.2, 4.2], [4.4, 2.7]]"}
@@ -72,16 +70,14 @@ def written(folder, changes):
     return path
 
 
-def test_without_a_mistake(tmp_path, capsys):
-    assert main(["modes", str(written(tmp_path, {}))]) == 0
-    assert "mode 1" in capsys.readouterr().out
+def test_without_a_mistake(tmp_path, output_of):
+    assert "mode 1" in output_of("modes", written(tmp_path, {}))
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_one_line_says_what_is_wrong(tmp_path, capsys, mistake):
+def test_one_line_says_what_is_wrong(tmp_path, error_of, mistake):
     changes, message = MISTAKES[mistake]
     path = written(tmp_path, changes)
-    assert main(["modes", str(path)]) == 2
-    line, = capsys.readouterr().err.splitlines()
+    line, = error_of("modes", path).splitlines()
     assert line.startswith("error: ") and "expected" in line
     assert re.search(message, line), line

@@ -6,14 +6,13 @@ import gc
 import os
 import re
 import shutil
-import subprocess
 import sys
 import weakref
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, run_command
 from numba import njit
 from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
@@ -368,9 +367,8 @@ def test_a_vector_of_other_registers_does_the_same():
 def in_python(code, **environment):
     """Run code beside the tests, in a Python of its own."""
     path = os.pathsep.join([str(REPOSITORY), os.environ.get("PYTHONPATH", "")])
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=REPOSITORY / "tests",
-                          env={**os.environ, **environment, "PYTHONPATH": path})
-    assert done.returncode == 0, done.stderr
+    run_command(sys.executable, "-c", code, cwd=REPOSITORY / "tests",
+                env={**os.environ, **environment, "PYTHONPATH": path}, status=0)
 
 
 # --- plain Python -----------------------------------------------------------------------------------
@@ -516,8 +514,8 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
                    "import numba, numpy as np;"
                    "step.any_above_zero.compile(tuple(map(numba.typeof, (np.zeros((1, 5)), 3))));"
                    "print(compiled.kept_in(), compiled.DIGEST, sep='\\n')")
-        *said, folder, digest = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, env=env,
-                                               capture_output=True, text=True).stdout.splitlines()
+        *said, folder, digest = run_command(sys.executable, "-c", program, cwd=tmp_path, check=True,
+                                            env=env).stdout.splitlines()
         assert said in ([], [COMPILING])
         folder = Path(folder)
         assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "mechanics")

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY, run_command, without_progress
+from conftest import REPOSITORY, ROOT, disk, run_command, wall_file, without_progress
 from small_history import make_history
 
 import damage
@@ -36,7 +36,7 @@ except OSError:
     del taken[-20:]
 sys.exit(main(sys.argv[1:]))
 """
-LARGE = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='large', length=36.0, height=9.0)\n"
+LARGE = "Wall('large', 36.0, 9.0)"
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_a_file_that_cannot_be_written_whole_is_not_there(words, history, tmp_pa
 
 
 def test_tables_of_a_study_that_cannot_be_written_are_not_there(tmp_path):
-    (tmp_path / "tiny.py").write_text(LARGE)
+    wall_file(tmp_path / "tiny.py", LARGE)
     (tmp_path / "s.toml").write_text('name = "s"\n[[runs]]\nid = "one"\nwall = "tiny.py"\noptions = { rest = 0 }\n')
     (tmp_path / "runs").mkdir()
     make_history(tmp_path / "runs" / "one_reference.h5")
@@ -110,17 +110,11 @@ def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(tmp_path):
     assert damage.read_history(tmp_path / "run.h5").complete
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system that can only be read")
+@ROOT
 def test_a_folder_that_can_only_be_read(history, tmp_path):
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", folder], capture_output=True).returncode:
-        pytest.skip("no file system can be mounted here")
-    try:
+    with disk(tmp_path / "disk", "ro") as folder:
         one_error(run_command(*DAMAGE, "reference", SMALL, "--out", folder / "a.h5"), "Read-only file system")
         one_error(run_command(*DAMAGE, "tables", "run", history, "--out", folder / "a"), "Read-only file system")
-    finally:
-        subprocess.run(["umount", folder], check=True)
 
 
 class TestMemory:
@@ -138,7 +132,7 @@ class TestMemory:
                                         **limited(resource.RLIMIT_AS, 1_500_000_000))
 
     def test_what_runs_out_on_the_way_is_reported(self, modes, tmp_path):
-        (tmp_path / "large.py").write_text(LARGE)
+        wall_file(tmp_path / "large.py", LARGE)
         done = modes(tmp_path / "large.py")
         assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
         assert done.stderr.splitlines()[-1].startswith("error: out of memory")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, wall_file
 from numpy.testing import assert_allclose
 from test_ends import HEIGHT, LENGTH, pair, shove
 
@@ -13,35 +13,19 @@ from damage.units import GRAVITY
 
 pytestmark = pytest.mark.yade
 
-PIER = '''
-import sys
-sys.path.insert(0, {repository!r})
-from damage import Joint, Wall
-
-def wall():
-    return Wall("pier", 0.1125, 0.225, precompression=0.0, joint=Joint(tensile_strength=0.0, cohesion=0.0))
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-    main(wall)
-'''
+PIER = "Wall('pier', 0.1125, 0.225, precompression=0.0, joint=Joint(tensile_strength=0.0, cohesion=0.0))"
 SPEED, EASE_S = 1.0, 0.1
 """Of the push [m/s]; how long it takes to start [s], over which half the distance is lost."""
 
 
 @pytest.fixture(scope="module")
-def pushed(tmp_path_factory, yade_command, damage_command):
+def pushed(tmp_path_factory, in_both):
     """{solver: (History, what it said)} of three bricks on each other, of which the uppermost is pushed off."""
-    folder, found = tmp_path_factory.mktemp("pier"), {}
-    (folder / "pier.py").write_text(PIER.format(repository=str(REPOSITORY)))
-    words = [folder / "pier.py", "--pushover", 100, "--accept-implausible", "--speed", SPEED, "--boundary", "fixed",
-             "--damping", 0, "--no-pictures"]
-    for solver, run in (("yade", lambda *words: yade_command("-j1", *words)),
-                        ("reference", lambda *words: damage_command("reference", *words, "--relaxation", "local"))):
-        done = run(*words, "--out", folder / f"{solver}.h5")
-        assert done.returncode == 0, done.stdout + done.stderr
-        found[solver] = damage.read_history(folder / f"{solver}.h5"), done.stdout + done.stderr
-    return found
+    folder = tmp_path_factory.mktemp("pier")
+    histories = in_both(
+        folder, wall_file(folder / "pier.py", PIER), "--pushover", 100, "--accept-implausible", "--speed", SPEED,
+        "--boundary", "fixed", "--damping", 0, yade=("-j1",), reference=("--relaxation", "local"))
+    return {solver: (history, (folder / f"{solver}.txt").read_text()) for solver, history in histories.items()}
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])
@@ -71,8 +55,7 @@ def test_both_codes_let_it_fall_at_the_same_time(pushed):
 def test_a_shoved_brick_falls_alike(yade_command, tmp_path, speed):
     """Off a brick that stands still, free to turn: time until it is half its height lower, state and data of the joint,
     and energy from the end on, when it flies."""
-    done = yade_command(REPOSITORY / "tests/yade_checks/shoved_brick.py", speed, tmp_path / "found.npz")
-    assert done.returncode == 0, done.stdout + done.stderr
+    yade_command(REPOSITORY / "tests/yade_checks/shoved_brick.py", speed, tmp_path / "found.npz", status=0)
     with np.load(tmp_path / "found.npz") as results:
         found = dict(results)
     wall = pair()
@@ -92,13 +75,12 @@ def test_a_shoved_brick_falls_alike(yade_command, tmp_path, speed):
 
 def test_a_run_that_continues_after_a_joint_ended_keeps_its_stresses(tmp_path, yade_command):
     """None in the joint that ended before the checkpoint; the weight of two bricks is on the ground."""
-    (tmp_path / "pier.py").write_text(PIER.format(repository=str(REPOSITORY)))
-    words = ["-j1", tmp_path / "pier.py", "--accept-implausible", "--no-pictures", "--stresses", "--dt", 3e-5]
+    wall = wall_file(tmp_path / "pier.py", PIER)
+    words = ["-j1", wall, "--accept-implausible", "--no-pictures", "--stresses", "--dt", 3e-5]
     for more in (("--pushover", 70, "--speed", SPEED, "--checkpoint", 10, "--out", tmp_path / "first.h5"),
                  ("--harmonic", 0.02, 0.01, "--cycles", 1, "--rest", 0, "--continue", tmp_path / "first.h5",
                   "--out", tmp_path / "second.h5")):
-        done = yade_command(*words, *more)
-        assert done.returncode == 0, done.stdout + done.stderr
+        yade_command(*words, *more, status=0)
     history = damage.read_history(tmp_path / "second.h5")
     assert history.ended[0].any() and not history.joint_stress_pa[:, history.ended[0]].any()
     area = LENGTH / 2 * history.masonry_wall.brick.thickness  # of a contact point, two a joint

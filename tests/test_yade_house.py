@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from conftest import written
 from numpy.testing import assert_allclose
-
-import damage
 
 pytestmark = pytest.mark.yade
 
@@ -32,18 +31,11 @@ mass = 20
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory, yade_command, damage_command):
+def runs(tmp_path_factory, in_both):
     """The same motion, too weak for a crack, in both solvers."""
     folder = tmp_path_factory.mktemp("house")
-    wall, histories = folder / "gable.toml", {}
-    wall.write_text(GABLE, encoding="utf-8")
-    solvers = {"yade": yade_command, "reference": lambda *words: damage_command("reference", *words)}
-    for solver, run in solvers.items():
-        out = folder / f"{solver}.h5"
-        done = run(wall, "--harmonic", 0.05, 0.2, "--cycles", 1, "--rest", 0.02, "--no-pictures", "--out", out)
-        assert done.returncode == 0, done.stdout + done.stderr
-        histories[solver] = damage.read_history(out)
-    return histories
+    wall = written(folder / "gable.toml", GABLE)
+    return in_both(folder, wall, "--harmonic", 0.05, 0.2, "--cycles", 1, "--rest", 0.02)
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, SHORT
+from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose
 
 import damage
@@ -12,42 +12,21 @@ from damage.measure.summary import summarise
 pytestmark = pytest.mark.yade
 
 # A square panel: as a cantilever it rocks on its base, held at the top its joints slide.
-PANEL = '''
-import sys
-sys.path.insert(0, {repository!r})
-from damage import Wall
-
-def wall():
-    return Wall(name="panel", length=0.9, height=0.9, precompression=0.3e6)
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-    main(wall)
-'''
-
-
-SOFT = PANEL.replace("import Wall", "import Joint, Wall").replace("length=0.9, height=0.9, precompression=0.3e6", (
-    "length=0.45, height=0.45, precompression=0.1e6, "
-    "joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)"))
+PANEL = "Wall('panel', 0.9, 0.9, precompression=0.3e6)"
+SOFT = ("Wall('panel', 0.45, 0.45, precompression=0.1e6, "
+        "joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))")
+LOCAL = ("--relaxation", "local")
 
 
 @pytest.fixture(scope="module", params=["cantilever", "fixed"])
-def runs(request, tmp_path_factory, yade_command, damage_command):
+def runs(request, tmp_path_factory, in_both):
     """The same push, 0.12 % of drift with local damping, in both solvers; slower where it rocks, so that inertia stays
     below 2 % of the force."""
     folder = tmp_path_factory.mktemp(request.param)
-    wall = folder / "panel.py"
-    wall.write_text(PANEL.format(repository=str(REPOSITORY)))
-    histories, speed = {}, {"cantilever": 2e-3, "fixed": 4e-3}[request.param]
-    solvers = {"yade": lambda *words: yade_command(*SHORT, *words),
-               "reference": lambda *words: damage_command("reference", *words, "--relaxation", "local")}
-    for solver, run in solvers.items():
-        out = folder / f"{solver}.h5"
-        done = run(wall, "--pushover", 0.12, "--boundary", request.param, "--speed", speed, "--out", out,
-                   "--no-pictures")
-        assert done.returncode == 0, done.stdout + done.stderr
-        histories[solver] = damage.read_history(out)
-    return request.param, histories
+    wall = wall_file(folder / "panel.py", PANEL)
+    return request.param, in_both(
+        folder, wall, "--pushover", 0.12, "--boundary", request.param, "--speed",
+        {"cantilever": 2e-3, "fixed": 4e-3}[request.param], yade=SHORT, reference=LOCAL)
 
 
 def test_initial_stiffness_and_peak_force_agree(runs):
@@ -105,16 +84,12 @@ def test_damping_that_closes_yades_balance_is_lost_energy(runs):
     assert summarise(histories["reference"])["energy_error_fraction"] < 1e-3
 
 
-def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
+def test_joints_that_soften_do_so_alike(tmp_path, in_both):
     """As 16 fibres in both; by itself YADE takes as many, and 0.35 of the critical step."""
-    wall = tmp_path / "panel.py"
-    wall.write_text(SOFT.format(repository=str(REPOSITORY)))
-    words = [wall, "--pushover", 0.05, "--speed", 5e-3, "--no-pictures"]
-    done = yade_command(*SHORT, *words, "--out", tmp_path / "yade.h5")
-    assert done.returncode == 0 and "warning" not in done.stderr, done.stdout + done.stderr
-    other = damage_command("reference", *words, "--relaxation", "local", "--fibres", 16, "--out", tmp_path / "ref.h5")
-    assert other.returncode == 0, other.stderr
-    yade, reference = (damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "ref"))
+    wall = wall_file(tmp_path / "panel.py", SOFT)
+    yade, reference = in_both(tmp_path, wall, "--pushover", 0.05, "--speed", 5e-3, yade=SHORT,
+                              reference=(*LOCAL, "--fibres", 16)).values()
+    assert "warning" not in (tmp_path / "yade.txt").read_text()
     assert yade.model.fibres == 16 and yade.parameters["beta_s"] == 0.0
     assert yade.time_step_s == reference.time_step_s
     # The panel vibrates: 1e-12 m of perturbation moves single samples of the force by 1 %, means of five by 0.3 %.
@@ -130,36 +105,24 @@ def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
 
 
 @pytest.mark.long
-def test_a_cycle_dissipates_alike(tmp_path, yade_command, damage_command):
+def test_a_cycle_dissipates_alike(tmp_path, in_both):
     """The area of each loop, and friction with fracture in it, within 5 %; paper/laboratory.py yade_cycles."""
-    wall, found = tmp_path / "panel.py", {}
-    wall.write_text(SOFT.format(repository=str(REPOSITORY)))
-    words = [wall, "--cyclic", "0.1,0.2", "--cycles", 1, "--boundary", "fixed", "--speed", 5e-3, "--fibres", 16,
-             "--no-pictures"]
-    in_reference = lambda *words: damage_command("reference", *words, "--relaxation", "local")  # noqa: E731
-    for solver, run in {"yade": yade_command, "reference": in_reference}.items():
-        out = tmp_path / f"{solver}.h5"
-        done = run(*words, "--out", out)
-        assert done.returncode == 0, done.stdout + done.stderr
-        history = damage.read_history(out)
+    wall, found = wall_file(tmp_path / "panel.py", SOFT), {}
+    histories = in_both(tmp_path, wall, "--cyclic", "0.1,0.2", "--cycles", 1, "--boundary", "fixed", "--speed", 5e-3,
+                        "--fibres", 16, reference=LOCAL)
+    for solver, history in histories.items():
         joints = history.series[["friction_energy_j", "fracture_energy_j"]].sum(axis=1).to_numpy()
         found[solver] = [cycles_table(history)["dissipated_j"], np.diff(joints[cycle_edges(history)])]
     assert np.min(found["reference"]) > 1.0
     assert_allclose(found["yade"], found["reference"], rtol=0.05)
 
 
-BLOCK = PANEL.replace("import Wall", "import Brick, Wall").replace("length=0.9, height=0.9, precompression=0.3e6", (
-    "length=0.6, height=1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2)"))
-
-
 def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command):
     """A block on soil: springs of sway and rocking, the top's, and the weight's moment (tests/test_soil.py)."""
-    path, spring = tmp_path / "block.py", 2e6
-    path.write_text(BLOCK.format(repository=str(REPOSITORY)))
-    done = yade_command(*SHORT, path, "--pushover", 0.005, "--speed", 1e-4, "--top-rotation", spring, "--contacts",
-                        "gauss", "--soil", 1e8, "--footing", 0.4, "--dt", 5e-5, "--no-pictures", "--out",
-                        tmp_path / "a.h5")
-    assert done.returncode == 0, done.stdout + done.stderr
+    path = wall_file(tmp_path / "block.py", "Wall('block', 0.6, 1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2))")
+    spring = 2e6
+    yade_command(*SHORT, path, "--pushover", 0.005, "--speed", 1e-4, "--top-rotation", spring, "--contacts", "gauss",
+                 "--soil", 1e8, "--footing", 0.4, "--dt", 5e-5, "--no-pictures", "--out", tmp_path / "a.h5", status=0)
     history = damage.read_history(tmp_path / "a.h5")
     up, along = (history.joints[f"{name}_stiffness_pa_m"][0] * 0.2 for name in ("normal", "shear"))
     rock = up * 0.6**3 / 12 + spring - 9.81 * history.bodies["mass_kg"].sum() * 0.6
@@ -169,23 +132,16 @@ def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command
     assert_allclose(last["input_energy_j"], last["elastic_energy_j"] + last["gravity_energy_j"], rtol=0.02)
 
 
-TOE = PANEL.replace("import Wall", "import Joint, Wall").replace("length=0.9, height=0.9, precompression=0.3e6", (
-    "length=0.45, height=0.9, precompression=0.3e6, joint=Joint(compressive_strength=1e6, "
-    "mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)"))
+TOE = ("Wall('toe', 0.45, 0.9, precompression=0.3e6, joint=Joint(compressive_strength=1e6, "
+       "mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))")
 
 
 @pytest.mark.long
-def test_a_toe_crushes_alike(tmp_path, yade_command, damage_command):
+def test_a_toe_crushes_alike(tmp_path, in_both):
     """Peak, plateau, crushed length and what is lost; the plateau by hand, of a stress block under the cap's centre."""
-    path = tmp_path / "toe.py"
-    path.write_text(TOE.format(repository=str(REPOSITORY)))
+    path = wall_file(tmp_path / "toe.py", TOE)
     found, thickness, length, height = [], 0.1025, 0.45, 0.9
-    in_reference = lambda *words: damage_command("reference", *words, "--relaxation", "local")  # noqa: E731
-    for run in (yade_command, in_reference):
-        out = tmp_path / f"{len(found)}.h5"
-        done = run(path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, "--no-pictures", "--out", out)
-        assert done.returncode == 0, done.stdout + done.stderr
-        history = damage.read_history(out)
+    for history in in_both(tmp_path, path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, reference=LOCAL).values():
         summary, force = summarise(history), history.series["base_shear_n"].to_numpy()
         late = history.series["drift_ratio"] > 1e-3
         found.append([summary["peak_force_n"], summary["fracture_energy_j"], summary["crushed_length_m"],

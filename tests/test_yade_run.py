@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, SHORT
+from conftest import REPOSITORY, SHORT, wall_file
 from numpy.testing import assert_allclose
 
 import damage
@@ -25,27 +25,13 @@ from yade_scripts import COMMAND
 pytestmark = pytest.mark.yade
 
 # A pier with a door beside it, small enough for a run of seconds; its opening asks for cut bricks.
-SMALL_WALL = '''
-import sys
-sys.path.insert(0, {repository!r})
-from damage import Opening, Wall
-
-def wall():
-    return Wall(name="small", {numbers})
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-    main(wall)
-'''
-PIER = ("length=1.53, height=0.975, precompression=0.3e6, openings=[Opening(left=0.63, width=0.4, height=0.6)], "
-        "lintel='courses'")
+PIER = ("Wall('small', length=1.53, height=0.975, precompression=0.3e6, "
+        "openings=[Opening(left=0.63, width=0.4, height=0.6)], lintel='courses')")
 
 
 @pytest.fixture(scope="module")
 def small_wall(tmp_path_factory):
-    path = tmp_path_factory.mktemp("walls") / "small.py"
-    path.write_text(SMALL_WALL.format(repository=str(REPOSITORY), numbers=PIER))
-    return path
+    return wall_file(tmp_path_factory.mktemp("walls") / "small.py", PIER)
 
 
 @pytest.mark.parametrize("words", [(), ("--contacts", "corners"), ("--contacts", "gauss")], ids="".join)
@@ -167,8 +153,7 @@ def ended(request, tmp_path_factory, yade_command):
     listened before and then, its exit status, what it printed, and its history."""
     command, number = request.param
     folder = tmp_path_factory.mktemp("ended")
-    wall, out, log = folder / "tiny.py", folder / "tiny.h5", folder / "log"
-    wall.write_text(SMALL_WALL.format(repository=str(REPOSITORY), numbers="length=0.45, height=0.15"))
+    wall, out, log = wall_file(folder / "tiny.py", "Wall('small', 0.45, 0.15)"), folder / "tiny.h5", folder / "log"
     with log.open("w") as file, subprocess.Popen([
             *command, *SHORT, wall, "--harmonic", "0.1", "0.1", "--rest", "60", "--out", out, "--no-pictures"],
             stdout=file, stderr=subprocess.STDOUT) as child:
@@ -203,17 +188,15 @@ def test_interrupt_leaves_a_readable_history(ended):
 def test_perturbed_bricks_change_the_result_only_within_reason(shaken, small_wall, tmp_path, yade_command):
     """Compared with the same run unperturbed for half a cycle: after later failures the two diverge."""
     out = tmp_path / "small.h5"
-    done = yade_command(*SHORT, small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out,
-                        "--perturb", 1e-9, "--no-pictures")
-    assert done.returncode == 0, done.stderr
+    yade_command(*SHORT, small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out, "--perturb",
+                 1e-9, "--no-pictures", status=0)
     drifts = [run.series.drift_ratio.to_numpy()[:8] for run in (shaken[0], damage.read_history(out))]
     assert np.any(drifts[0] != drifts[1])
     assert_allclose(drifts[0], drifts[1], atol=1e-4 * np.abs(drifts[0]).max())
 
 
 def test_help_names_every_option(small_wall, yade_command):
-    done = yade_command(small_wall, "--help")
-    assert done.returncode == 0
+    done = yade_command(small_wall, "--help", status=0)
     assert {"--harmonic", "--record", "--free-vibration", "--out", "--lintel", "--dt", "--perturb"} <= set(
         re.findall(r"--[a-z-]+", done.stdout))
 
@@ -222,8 +205,7 @@ def test_help_names_every_option(small_wall, yade_command):
 def fallen(yade_command, tmp_path_factory):
     """Results of tests/yade_checks/loose_bricks.py."""
     out = tmp_path_factory.mktemp("loose") / "results.npz"
-    done = yade_command(REPOSITORY / "tests/yade_checks/loose_bricks.py", out)
-    assert done.returncode == 0, done.stdout + done.stderr
+    yade_command(REPOSITORY / "tests/yade_checks/loose_bricks.py", out, status=0)
     with np.load(out) as results:
         return dict(results)
 
@@ -249,23 +231,11 @@ def test_a_heap_of_loose_bricks_lies_on_the_ground(fallen):
 
 
 # Two short piers and four courses over an opening of nine bricks, as of the symmetric wall: shaken, they fall.
-SPANDREL = '''
-import sys
-sys.path.insert(0, {repository!r})
-from damage import Opening, Wall
-
-def wall():
-    return Wall("spandrel", 2.925, 0.525, [Opening(0.45, 2.025, 0.225)], precompression=0.3e6)
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-    main(wall)
-'''
+SPANDREL = "Wall('spandrel', 2.925, 0.525, [Opening(0.45, 2.025, 0.225)], precompression=0.3e6)"
 
 
 def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
-    out, wall = tmp_path / "none.h5", tmp_path / "spandrel.py"
-    wall.write_text(SPANDREL.format(repository=str(REPOSITORY)))
+    out, wall = tmp_path / "none.h5", wall_file(tmp_path / "spandrel.py", SPANDREL)
     done = yade_command(*SHORT, wall, "--lintel", "none", "--harmonic", 0.05, 0.5, "--out", out,
                         "--past-collapse", 0.1, "--no-pictures")
     assert done.returncode == 0 and "collapsed at" in done.stdout

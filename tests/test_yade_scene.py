@@ -6,7 +6,7 @@ The guide for YADE users, with engines, the prompt, O.save and O.load, is follow
 import json
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, written
 from numpy.testing import assert_allclose
 
 pytestmark = pytest.mark.yade
@@ -75,10 +75,8 @@ run_and_leave(lambda: print(json.dumps([refusals(), opened()])))
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory, yade_command):
-    path = tmp_path_factory.mktemp("scene") / "scene.py"
-    path.write_text(SCRIPT)
-    done = yade_command(path)
-    assert done.returncode == 0, done.stdout + done.stderr
+    path = written(tmp_path_factory.mktemp("scene") / "scene.py", SCRIPT)
+    done = yade_command(path, status=0)
     return json.loads(done.stdout.splitlines()[-1])
 
 

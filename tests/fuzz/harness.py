@@ -9,8 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -137,27 +136,3 @@ class Worker:
         process.stdin.close()
         process.stdout.close()
         return process.wait() if status is None else status
-
-
-@dataclass
-class Tally:
-    """What came of a reader's files: words counted, the slowest [s], the largest memory [bytes]."""
-
-    words: Counter = field(default_factory=Counter)
-    seconds: float = 0.0
-    bytes: int = 0
-
-    def add(self, outcome):
-        self.words[outcome.word] += 1
-        self.seconds = max(self.seconds, outcome.seconds)
-        self.bytes = max(self.bytes, outcome.bytes)
-
-    @property
-    def bad(self):
-        return sum(number for word, number in self.words.items() if word not in GOOD)
-
-    def row(self, reader):
-        """A line of a table in Markdown."""
-        rest = ", ".join(f"{number} {word}" for word, number in sorted(self.words.items()) if word not in GOOD)
-        counts = f"{self.words.total()} | {self.words['read']} | {self.words['refused']}"
-        return (f"| {reader} | {counts} | {rest or 'none'} | {self.seconds:.1f} | {self.bytes / 1e6:.0f} |")
