@@ -53,22 +53,18 @@ class Drive:
 
     def top_velocities(self, interval_s, n, height_m):
         """Velocity of the top in the first n intervals (n,) [m/s], None where the top is free."""
-        return None if self.top is None else _mean(self.top(_edges(interval_s, n), height_m), interval_s)
+        return mean_velocities(self.top, interval_s, n, height_m)
 
     def support_velocities(self, interval_s, n, x_m):
         """Velocities of supports at x_m (k,) in the first n intervals (n, k, 3) [m/s, m/s, rad/s], None where they
         rest."""
-        return None if self.supports is None else _mean(self.supports(_edges(interval_s, n), np.asarray(x_m)),
-                                                        interval_s)
+        return mean_velocities(self.supports, interval_s, n, np.asarray(x_m))
 
 
-def _edges(interval_s, n):
-    return np.arange(n + 1) * interval_s
-
-
-def _mean(displacement, interval_s):
-    """Mean velocity in every interval: constant within it, it leads to the displacement at its end."""
-    return np.diff(displacement, axis=0) / interval_s
+def mean_velocities(displacement, interval_s, n, place):
+    """Mean velocities in the first n intervals (n, ...): constant within each, they lead to displacement(time_s, place)
+    at its end; None where there is no displacement."""
+    return displacement and np.diff(displacement(np.arange(n + 1) * interval_s, place), axis=0) / interval_s
 
 
 PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
@@ -122,10 +118,7 @@ class Loading:
 
 @dataclass(frozen=True)
 class Harmonic(Loading):
-    """Horizontal base acceleration: a sine from zero, a whole number of cycles.
-
-    period_s [s]; amplitude_g [g]; cycles: how many.
-    """
+    """Horizontal base acceleration: a sine from zero, a whole number of cycles."""
 
     period_s: float = quantity("s", *PERIODS_S, (0.01, 10), "machines; a hundred times the period of a house's wall",
                                others={"ms": 1e-3}, called="harmonic period [s]")
@@ -311,13 +304,12 @@ class Recorded(Loading):
         """Everything that defines the motion but the samples, fit for JSON."""
         return RecordedMotion(
             name=self.name, horizontal=_origin(self.record),
-            vertical=None if self.vertical is None else _origin(self.vertical),
+            vertical=_origin(self.vertical), across=_origin(self.across),
             time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=pga_g(self.motion[0]),
             sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]), window_s=_floats(self.window_s),
             baseline_order=None if self.baseline_order is None else int(self.baseline_order),
             band_hz=_floats(self.band_hz), duration_s=float(self.duration_s),
-            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines,
-            across=None if self.across is None else _origin(self.across)).as_dict()
+            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines).as_dict()
 
 
 @dataclass(frozen=True)
@@ -535,9 +527,9 @@ def _check_pair(record: Record, across: Record) -> None:
                          "same station; give that one")
 
 
-def _origin(record: Record) -> dict:
+def _origin(record: Record | None) -> dict | None:
     """Origin of a record: the file's name without its folder, which differs by machine."""
-    return {
+    return record and {
         "record": record.name,
         "file": Path(record.source).name,
         "sha256": record.sha256,
