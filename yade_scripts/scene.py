@@ -3,19 +3,13 @@
 Positions and forces are of one time, velocities half a step earlier.
 """
 
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import numpy as np
 from yade import O, Vector3
 
 from damage.units import GRAVITY
 from yade_scripts.bundles import Bundles
-
-
-class _Removed(NamedTuple):
-    """Geometry of a contact that was removed."""
-
-    penetrationDepth: float = 0.0  # YADE's name
 
 
 class SceneReader:
@@ -29,7 +23,6 @@ class SceneReader:
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries = [bond.geom for bond in model.bonds]
         self.physics = [bond.phys for bond in model.bonds]
-        self.rubbing = list(zip(self.physics, self.geometries))  # of the interaction that slides at each contact point
         self.frayed = model.frayed
         # Shares of the areas of the contact points [-] of the bonds, and of the interactions that slide.
         self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
@@ -69,33 +62,33 @@ class SceneReader:
             self.share[joint] = self.dry_share[joint] = 1.0
             self._look_at(joint)
         else:
-            dry = self.frayed[joint]
-            self.share[joint], self.rubbing[joint] = self.bundles.held(joint), (dry.phys, dry.geom)
+            self.share[joint] = self.bundles.held(joint)
             self.dry_share[joint] = 1.0 - self.share[joint]
             self.holding.append(joint)
         return broken
 
     def crush(self, joint, more):
         """Increase the plastic closure of a contact point by `more` [m]."""
-        if self.model.crush(joint, more):
-            if self.bonded[joint]:
-                dry = self.frayed[joint]
-                self.rubbing[joint] = dry.phys, dry.geom
-            else:
-                self._look_at(joint)
+        if self.model.crush(joint, more) and not self.bonded[joint]:
+            self._look_at(joint)
 
     def end(self, joint):
         """Remove the contact of a joint whose faces no longer overlap."""
         geom, phys = self.geometries[joint], self.physics[joint]
         depth = max(geom.penetrationDepth, 0.0)
         self.model.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
-        self.geometries[joint], phys.normalForce, phys.shearForce = _Removed(), Vector3.Zero, Vector3.Zero
+        self.geometries[joint] = SimpleNamespace(penetrationDepth=0.0)
+        phys.normalForce = phys.shearForce = Vector3.Zero
 
     def _look_at(self, joint):
         """Read the present interaction of a joint from now on."""
         bond = self.model.bonds[joint]
         self.geometries[joint], self.physics[joint] = bond.geom, bond.phys
-        self.rubbing[joint] = bond.phys, bond.geom
+
+    def _sliding(self, joint):
+        """(phys, geom) of the interaction that slides at a contact point."""
+        dry = self.frayed.get(joint)
+        return (self.physics[joint], self.geometries[joint]) if dry is None else (dry.phys, dry.geom)
 
     def motion(self, select=None):
         """Displacements and rotations (x towards z) since the wall was built, (n_bodies, 3) [m, m, rad].
@@ -174,7 +167,7 @@ class SceneReader:
         """
         # The force lies in the plane: its component along the tangent, the normal rotated by a right angle.
         along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
-                          ((p, g.normal) for p, g in (self.rubbing[i] for i in select))])
+                          ((p, g.normal) for p, g in map(self._sliding, select))])
         # The signs of normal and tangent change together, so that YADE's order of the bodies does not matter.
         return -along * self.model.handed[select] / (self.area[select] * self.dry_share[select])
 
