@@ -76,22 +76,22 @@ SINE_SAMPLES = 400
 class Loading:
     """Base of all loadings; its values are those of one that prescribes nothing.
 
-    drive: what it prescribes on a wall, a Drive; duration_s: of the base's motion [s]; cycle_edges_s: where the
-    motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of the base [g]; pga_g,
-    sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where unknown;
-    lost_by_lines: of an interpolated record, else None; moves: whether there is a motion at all.
+    drive: what it prescribes on a wall, a Drive, whose base moves by base_acceleration; duration_s: of the base's
+    motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of
+    the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None
+    where unknown; lost_by_lines: of an interpolated record, else None; moves: whether there is a motion at all.
     Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
     duration_s = 0.0
     cycle_edges_s = np.zeros(0)
     peak_g = 0.0
-    pga_g = sa_02_s_g = lost_by_lines = None
+    base_acceleration = pga_g = sa_02_s_g = lost_by_lines = None
     moves = True
 
     @property
     def drive(self) -> Drive:
-        return Drive()
+        return Drive(base=self.base_acceleration)
 
     def length_s(self, height: float) -> float:
         """Time from zero to the end of everything that is prescribed, on a wall whose top is at a height [m]: [s]."""
@@ -166,10 +166,6 @@ class Harmonic(Loading):
         time_s = np.arange(samples * self.cycles + 1) * (self.period_s / samples)
         sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
         return Record(self.name, self.period_s / samples, sine)
-
-    @property
-    def drive(self) -> Drive:
-        return Drive(base=self.base_acceleration)
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]."""
@@ -287,10 +283,6 @@ class Recorded(Loading):
         step_s = self.motion[0].time_step_s
         return step_s / prepare.whole_steps(step_s, max_step_s)
 
-    @property
-    def drive(self) -> Drive:
-        return Drive(base=self.base_acceleration)
-
     def base_acceleration(self, time_s) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the first and
         after the last."""
@@ -336,11 +328,7 @@ class RecordedMotion(Loading):
     lost_by_lines: float | None = None
     across: dict | None = None
 
-    @property
-    def drive(self) -> Drive:
-        return Drive(base=self._without_samples)
-
-    def _without_samples(self, _time_s):
+    def base_acceleration(self, _time_s):
         raise InputError(f"{self.name}: a history does not hold the samples of its record; expected the record's file; "
                          "read that")
 
