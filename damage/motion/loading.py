@@ -439,11 +439,10 @@ class TopDisplacement(Loading):
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
+        amplitudes = np.array(self.amplitudes_pct) / 100 * height
         if self.cycles == 0:
-            return np.array([self.amplitudes_pct[0]]) / 100 * height
-        signs = [sign for _ in range(self.cycles) for sign in (1.0, -1.0)]
-        points = [a / 100 * height * sign for a in self.amplitudes_pct for sign in signs]
-        return np.array([*points, 0.0])
+            return amplitudes[:1]
+        return np.append(np.outer(amplitudes, np.tile([1.0, -1.0], self.cycles)), 0.0)
 
     def top_displacement(self, time_s, height: float) -> np.ndarray:
         """Displacement of the top [m] at times (n,) [s]; it stays where it ends.

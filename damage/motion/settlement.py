@@ -102,11 +102,6 @@ class Settlement:
         largest = np.abs(self.vertical(self.x_m or np.array([0, length / 2, length]), length)).max()
         return max(SHORTEST_S, math.pi / 2 * float(largest) / FASTEST_M_S)
 
-    def as_dict(self):
-        """Everything that defines it, fit for JSON."""
-        return {"profile": self.profile, "distortion": self.distortion, "x_m": list(self.x_m),
-                "uz_m": list(self.uz_m)}
-
 
 def _check_points(profile, x, up):
     if len(x) != len(up) or not 2 <= len(x) <= MOST_POINTS:
