@@ -63,7 +63,7 @@ def restore(solver, tables):
         _bind(solver, tables)
         solver._events = [(int(step), int(joint), _KINDS[int(kind)], *values)
                           for step, joint, kind, *values in tables["events"].tolist()]
-        solver._known, solver._tags = ((), None), O.tags
+        solver._tags = O.tags
     except (KeyError, IndexError, ValueError, AttributeError, TypeError, RuntimeError) as error:
         raise InputError(f"the checkpoint's scene cannot be read by this YADE ({error}); expected one that the same "
                          "wall left, and the same version of YADE; run it again") from error

@@ -391,7 +391,7 @@ class _Parts:
             for index, side in users:
                 self.ends[index][side] = identity
 
-    def _box(self, centre, extents, color=(0.5, 0.5, 0.5), seen=True):
+    def _box(self, centre, extents, color, seen=True):
         box = utils.box(centre, extents, material=self._solid if seen else self.tip, color=color, wire=not seen)
         box.bounded = seen
         box.mask = _SEEN | _FACE

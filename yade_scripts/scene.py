@@ -23,11 +23,10 @@ class SceneReader:
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries = [bond.geom for bond in model.bonds]
         self.physics = [bond.phys for bond in model.bonds]
-        self.frayed = model.frayed
         # Shares of the areas of the contact points [-] of the bonds, and of the interactions that slide.
         self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
         self.bundles = Bundles(model) if model.layout.fibres else None
-        self.area, self.bonded = contacts.area, model.bonded
+        self.area = contacts.area
         self.holding = list(range(model.layout.n_joints))  # joints whose bond has not failed
         self._breaks_seen = 0
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
@@ -36,8 +35,7 @@ class SceneReader:
         self.follows = np.where(model.layout.held, 0.0, 1.0)  # 0 where a velocity is prescribed, whatever the force
         self.on_top = np.zeros_like(self.mass)  # forces of the bearing and the constant load [N, N, N m]
         self.start = np.column_stack([bodies.x, bodies.z])
-        self.turning = model.turning
-        self.first_orientation = np.array([tuple(state.ori) for state in self.turning])
+        self.first_orientation = np.array([tuple(state.ori) for state in self.model.turning])
 
     def newly_broken(self):
         """Joints whose bond failed since the last call, (m,) int, or () without any."""
@@ -69,7 +67,7 @@ class SceneReader:
 
     def crush(self, joint, more):
         """Increase the plastic closure of a contact point by `more` [m]."""
-        if self.model.crush(joint, more) and not self.bonded[joint]:
+        if self.model.crush(joint, more) and not self.model.bonded[joint]:
             self._look_at(joint)
 
     def end(self, joint):
@@ -87,7 +85,7 @@ class SceneReader:
 
     def _sliding(self, joint):
         """(phys, geom) of the interaction that slides at a contact point."""
-        dry = self.frayed.get(joint)
+        dry = self.model.frayed.get(joint)
         return (self.physics[joint], self.geometries[joint]) if dry is None else (dry.phys, dry.geom)
 
     def motion(self, select=None):
@@ -97,7 +95,7 @@ class SceneReader:
         """
         select = range(len(self.states)) if select is None else select
         raw = np.array([(p[0], p[2], q[0], q[1], q[2], q[3]) for p, q in
-                        ((self.states[i].pos, self.turning[i].ori) for i in select)]).reshape(-1, 6)
+                        ((self.states[i].pos, self.model.turning[i].ori) for i in select)]).reshape(-1, 6)
         x, y, z, w = raw[:, 2:].T
         x0, y0, z0, w0 = self.first_orientation[select].T
         # Quaternion now times the inverse of the first one: YADE's clumps start on permuted axes.
@@ -131,7 +129,7 @@ class SceneReader:
     def contact_forces(self):
         """Magnitudes of the forces in all contacts, (n_contacts,) [N]."""
         forces = np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
-        for joint, dry in self.frayed.items():
+        for joint, dry in self.model.frayed.items():
             forces[joint] += (dry.phys.normalForce + dry.phys.shearForce).norm()
         return forces
 
@@ -151,13 +149,13 @@ class SceneReader:
     def openings(self):
         """Normal openings of all contacts, tension positive, (n_contacts,) [m]."""
         return np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
-                         for g, p, bonded in zip(self.geometries, self.physics, self.bonded)])
+                         for g, p, bonded in zip(self.geometries, self.physics, self.model.bonded)])
 
     def opening_of(self, index):
         """Normal opening of a contact point [m], of its dry part where there is one."""
-        if index in self.frayed:
-            return -self.frayed[index].geom.penetrationDepth
-        rest = self.physics[index].initD if self.bonded[index] else 0.0
+        if index in self.model.frayed:
+            return -self.model.frayed[index].geom.penetrationDepth
+        rest = self.physics[index].initD if self.model.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 
     def shear_stresses(self, select):
@@ -200,7 +198,7 @@ class SceneReader:
         colliding = sum(p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
                         for p in (contact.phys for contact in self.model.collisions()))
         rubbing = sum(dry.phys.kn * max(dry.geom.penetrationDepth, 0.0)**2
-                      + dry.phys.shearForce.squaredNorm() / dry.phys.ks for dry in self.frayed.values())
+                      + dry.phys.shearForce.squaredNorm() / dry.phys.ks for dry in self.model.frayed.values())
         return 0.5 * (colliding + rubbing) + 0.5 * float(
             np.sum(np.where(acting, self.normal_stiffness * self.share * opening**2, 0.0))
             + np.sum(shear**2 / (self.shear_stiffness * self.share)))

@@ -59,7 +59,7 @@ class YadeSolver(Solver):
         self._restraint, self._slip, self._slip_work = top_of(layout.wall), 0.0, 0.0  # of its bearing [m], [J]
         self._beam = np.flatnonzero(layout.bodies.course == CAP_COURSE)[-1] if self._restraint else None
         self._sample_steps = self._on_samples = self._raised = None
-        self._events, self._known, self._armed = [], ((), None), False
+        self._events, self._armed = [], False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
         self._tags, self._advancing = O.tags, False  # of this scene, which O.load and O.reset replace
@@ -153,9 +153,6 @@ class YadeSolver(Solver):
         self._support_velocity[:] = velocities
         self._set_support_velocities()
         self._input_power = self._power()
-
-    def prescribe_no_more(self):
-        """Nothing changes: every sample is taken by itself."""
 
     def _set_support_velocities(self):
         """Set the velocities of all bodies of the supports to those of the supports' rigid motion."""
@@ -266,7 +263,8 @@ class YadeSolver(Solver):
         broken = self.tracker.followed
         if len(broken) == 0:
             return
-        motion = self.scene.motion(self._bodies_at(broken))
+        sides = np.concatenate([side[broken] for side in self.kinematics.ends])
+        motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
         across, shear = self.kinematics.displacements(motion, broken, self._supports)
         opening = np.array([self.scene.opening_of(i) for i in broken])
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
@@ -284,13 +282,6 @@ class YadeSolver(Solver):
         for joint, kind in passings:
             self._events.append((self.clock, joint, kind, 0.0, 0.0, self.tracker.opening[joint],
                                  self.tracker.slip[joint]))
-
-    def _bodies_at(self, joints):
-        """Bodies on both sides of the joints, cached while the joints do not change."""
-        if not np.array_equal(joints, self._known[0]):
-            ends = np.concatenate([end[joints] for end in self.kinematics.ends])
-            self._known = joints, np.unique(ends[ends < len(self.layout.bodies)])
-        return self._known[1]
 
     def _integrate_input(self):
         """Add the work of all prescribed motions since the last call to the input, by the trapezoidal rule."""
@@ -350,9 +341,6 @@ class YadeSolver(Solver):
 
     def base_reaction(self):
         return self.scene.base_reaction()
-
-    def saved_state(self):
-        """None: YADE's state is in checkpoints, not in the history."""
 
     def resume(self, state):
         checkpoint.restore(self, state)
