@@ -106,18 +106,15 @@ class SceneReader:
         motion[select] = np.column_stack([raw[:, :2] - self.start[select], rotation])
         return motion
 
-    def velocities(self):
-        """Velocities half a step ago, (n_bodies, 3) [m/s, m/s, rad/s]."""
-        return np.array([(vel[0], vel[2], -rotating[1])
-                         for vel, rotating in ((s.vel, s.angVel) for s in self.states)])
-
     def synchronous_velocities(self, half_step, base_acceleration):
         """Velocities at the time of the positions, v(t - dt/2) + dt/2 a(t), (n_bodies, 3) [m/s, m/s, rad/s].
 
         half_step: dt/2 [s]; base_acceleration: along x and z [m/s2].
         """
         field = (-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0)
-        return self.velocities() + half_step * self.follows * (
+        half_a_step_ago = np.array([(vel[0], vel[2], -rotating[1])
+                                    for vel, rotating in ((s.vel, s.angVel) for s in self.states)])
+        return half_a_step_ago + half_step * self.follows * (
             np.divide(self.resultants(), self.mass, where=self.mass > 0, out=np.zeros_like(self.mass)) + field)
 
     def resultants(self):
@@ -145,11 +142,6 @@ class SceneReader:
                 moment += ((place[0] - x_centre) * force[2] - (place[2] - z_centre) * force[0]
                            - O.forces.t(member, True)[1])
         return along, upward, moment
-
-    def openings(self):
-        """Normal openings of all contacts, tension positive, (n_contacts,) [m]."""
-        return np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
-                         for g, p, bonded in zip(self.geometries, self.physics, self.model.bonded)])
 
     def opening_of(self, index):
         """Normal opening of a contact point [m], of its dry part where there is one."""
@@ -190,7 +182,8 @@ class SceneReader:
 
         broken: whether joints have failed, (n_joints,) bool.
         """
-        opening = self.openings()
+        opening = np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
+                            for g, p, bonded in zip(self.geometries, self.physics, self.model.bonded)])
         acting = opening < 0
         acting[:len(broken)] |= ~broken
         acting[len(broken):] = True
