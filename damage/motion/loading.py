@@ -51,19 +51,11 @@ class Drive:
         """Whether the loading is so slow that the wall stays in equilibrium."""
         return self.local_damping is not None
 
-    def top_velocities(self, interval_s, n, height_m):
-        """Velocity of the top in the first n intervals (n,) [m/s], None where the top is free."""
-        return mean_velocities(self.top, interval_s, n, height_m)
-
-    def support_velocities(self, interval_s, n, x_m):
-        """Velocities of supports at x_m (k,) in the first n intervals (n, k, 3) [m/s, m/s, rad/s], None where they
-        rest."""
-        return mean_velocities(self.supports, interval_s, n, np.asarray(x_m))
-
 
 def mean_velocities(displacement, interval_s, n, place):
-    """Mean velocities in the first n intervals (n, ...): constant within each, they lead to displacement(time_s, place)
-    at its end; None where there is no displacement."""
+    """Mean velocities in the first n intervals (n, ...) [m/s, of rotations rad/s], of a displacement(time_s, place) as
+    `Drive.top` and `Drive.supports` are: constant within each interval, they lead to the displacement at its end.  None
+    where there is none."""
     return displacement and np.diff(displacement(np.arange(n + 1) * interval_s, place), axis=0) / interval_s
 
 
