@@ -3,10 +3,8 @@
 Positions and forces are of one time, velocities half a step earlier.
 """
 
-from types import SimpleNamespace
-
 import numpy as np
-from yade import O, Vector3
+from yade import O
 
 from damage.units import GRAVITY
 from yade_scripts.bundles import Bundles
@@ -21,8 +19,7 @@ class SceneReader:
         # YADE sums the forces of a clump's members only in its integrator, after these are read.
         self.members = model.members
         self.states = [O.bodies[clump].state for clump in model.clumps]
-        self.geometries = [bond.geom for bond in model.bonds]
-        self.physics = [bond.phys for bond in model.bonds]
+        self.geometries, self.physics = model.geometries, model.physics
         # Shares of the areas of the contact points [-] of the bonds, and of the interactions that slide.
         self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
         self.bundles = Bundles(model) if model.layout.fibres else None
@@ -48,40 +45,16 @@ class SceneReader:
         self.holding = [joint for joint in self.holding if joint not in failed]
         return np.array(broken, dtype=int)
 
-    def loosen(self, joint):
-        """Replace a failed bond by a dry contact."""
-        self.model.loosen(joint)
-        self._look_at(joint)
-
     def give_way(self, joint, sigma, tau):
         """`Bundles.give_way` of a bond that failed in YADE's law."""
         broken = self.bundles.give_way(joint, sigma, tau)
         if broken[-1].last:
             self.share[joint] = self.dry_share[joint] = 1.0
-            self._look_at(joint)
         else:
             self.share[joint] = self.bundles.held(joint)
             self.dry_share[joint] = 1.0 - self.share[joint]
             self.holding.append(joint)
         return broken
-
-    def crush(self, joint, more):
-        """Increase the plastic closure of a contact point by `more` [m]."""
-        if self.model.crush(joint, more) and not self.model.bonded[joint]:
-            self._look_at(joint)
-
-    def end(self, joint):
-        """Remove the contact of a joint whose faces no longer overlap."""
-        geom, phys = self.geometries[joint], self.physics[joint]
-        depth = max(geom.penetrationDepth, 0.0)
-        self.model.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
-        self.geometries[joint] = SimpleNamespace(penetrationDepth=0.0)
-        phys.normalForce = phys.shearForce = Vector3.Zero
-
-    def _look_at(self, joint):
-        """Read the present interaction of a joint from now on."""
-        bond = self.model.bonds[joint]
-        self.geometries[joint], self.physics[joint] = bond.geom, bond.phys
 
     def _sliding(self, joint):
         """(phys, geom) of the interaction that slides at a contact point."""

@@ -243,7 +243,7 @@ class YadeSolver(Solver):
                 continue
             kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
             tracker.breaks(joint, kind, sigma, tau)
-            self.scene.loosen(joint)
+            self.model.loosen(joint)
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
     def _fray(self, joint, opening, slip, sigma, tau):
@@ -276,7 +276,7 @@ class YadeSolver(Solver):
         gap = np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening) if slid.any() else None
         self._log_passings(self.tracker.sample(broken, opening, shear, tau, gap))
         for joint in broken[self.tracker.ended[broken]]:
-            self.scene.end(joint)
+            self.model.end(joint)
 
     def _log_passings(self, passings):
         for joint, kind in passings:
