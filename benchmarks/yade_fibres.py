@@ -43,7 +43,7 @@ def break_some(solver):
     for joint in np.random.default_rng(1).choice(weak, int(SHARE * len(weak)), replace=False):
         scene.holding.remove(joint)
         if layout.fibres is None:
-            scene.loosen(joint)
+            solver.model.loosen(joint)
             tracker.breaks(joint, "tension", 0.0, 0.0)
             continue
         strengths = layout.fibres.tensile_strength[layout.fibres.contact == joint]

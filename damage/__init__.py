@@ -13,9 +13,7 @@ _HOMES = {**dict.fromkeys(("InputError", "RunWarning"), "damage.errors"),
           "ModelOptions": "damage.wall.model_options", "check_plausible": "damage.wall.plausible",
           "Floor": "damage.wall.floors", "Lintel": "damage.wall.lintels", "masonry": "damage.wall.materials",
           "load_wall": "damage.wall.file", "read_record": "damage.motion.formats"}
-__all__ = ["Brick", "Floor", "History", "InputError", "Joint", "Lintel", "ModelOptions", "Opening", "RunWarning",
-           "Wall", "brick_of_masonry", "check_plausible", "load_wall", "masonry", "read_history", "read_record", "run",
-           "__version__"]
+__all__ = [*_HOMES, "run", "__version__"]  # noqa: PLE0604, all are names
 
 
 def __dir__():

@@ -37,7 +37,9 @@ def main(arguments=None):
     quiet = "--quiet" in arguments and not {"-h", "--help", "help"} & set(arguments)
     arguments = [word for word in arguments if word != "--quiet"]
     if "_ARGCOMPLETE" in os.environ:
-        _complete()
+        import argcomplete
+
+        argcomplete.autocomplete(command_parser(whole=True))  # completes the line for a shell, then exits
     with redirect_stdout(Silence()) if quiet else nullcontext():
         return guarded(lambda: _run(arguments, quiet))
 
@@ -73,13 +75,6 @@ def _run(arguments, quiet):
                          f"{did_you_mean(arguments[0], known)}")
     asked = command_parser().parse_args(arguments)
     return asked.command(asked) or 0
-
-
-def _complete():
-    """Complete the command line for a shell, then exit; needs argcomplete."""
-    import argcomplete
-
-    argcomplete.autocomplete(command_parser(whole=True))
 
 
 def _failed(error):

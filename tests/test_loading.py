@@ -21,6 +21,7 @@ from damage.motion.loading import (
     Recorded,
     TopDisplacement,
     loading_from_dict,
+    mean_velocities,
 )
 from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, interpolated, windowed
 from damage.units import GRAVITY
@@ -255,7 +256,7 @@ class TestTopDisplacement:
 
     def velocities(self, interval_s):
         n = math.ceil(self.LOAD.length_s(self.HEIGHT) / interval_s)
-        return self.LOAD.drive.top_velocities(interval_s, n, self.HEIGHT)
+        return mean_velocities(self.LOAD.drive.top, interval_s, n, self.HEIGHT)
 
     def test_speed_is_kept_and_changes_smoothly(self):
         interval = 1e-4

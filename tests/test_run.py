@@ -10,6 +10,7 @@ from small_history import small_layout
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.measure.summary import summarise
+from damage.motion.loading import mean_velocities
 from damage.run.options import parse_run
 from damage.run.run import LOOK_STEPS, Run
 from damage.run.schedule import sample_steps
@@ -189,7 +190,7 @@ def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(run_through):
     assert ("hold", True) in fake.log
     velocities = [what[1] for what in fake.log if isinstance(what, tuple) and what[0] == "push"]
     loading, height = run.settings.loading, run.layout.pushed_height
-    assert_allclose(velocities[:-1], loading.drive.top_velocities(10 * DT, len(velocities) - 1, height))
+    assert_allclose(velocities[:-1], mean_velocities(loading.drive.top, 10 * DT, len(velocities) - 1, height))
     assert velocities[-1] == 0.0
     assert len(velocities) == len(history.series)
     assert_allclose(np.sum(velocities[:-1]) * 10 * DT, 0.02 / 100 * height)

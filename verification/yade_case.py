@@ -49,7 +49,7 @@ class Case:
         """What the engine does in every step: broken bonds become dry joints, joints crush, then what `run` was
         given."""
         for joint in self.scene.newly_broken():
-            self.scene.loosen(joint)
+            self.model.loosen(joint)
         self.crushing.step(anew=True)
         if self.each:
             self.each(O.iter - self.first)

@@ -6,7 +6,6 @@ Potential interactions of loose bricks are found anew, which may change the orde
 """
 
 import tempfile
-from itertools import starmap
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -64,7 +63,7 @@ def restore(solver, tables):
         _bind(solver, tables)
         solver._events = [(int(step), int(joint), _KINDS[int(kind)], *values)
                           for step, joint, kind, *values in tables["events"].tolist()]
-        solver._known, solver._tags = ((), None), O.tags
+        solver._tags = O.tags
     except (KeyError, IndexError, ValueError, AttributeError, TypeError, RuntimeError) as error:
         raise InputError(f"the checkpoint's scene cannot be read by this YADE ({error}); expected one that the same "
                          "wall left, and the same version of YADE; run it again") from error
@@ -180,6 +179,5 @@ def _bind(solver, tables):
     model.turning[:] = [O.bodies[model.faces[body, "box"]].state for body in range(len(model.clumps))]
     scene.states[:] = [O.bodies[clump].state for clump in model.clumps]
     scene.geometries[:], scene.physics[:] = zip(*((bond.geom, bond.phys) for bond in model.bonds))
-    scene.rubbing[:] = [(bond.phys, bond.geom) for bond in starmap(model.frayed.get, enumerate(model.bonds))]
     work.watch_again({(bond.id1, bond.id2): bond for bond in (*model.bonds, *model.frayed.values())},
                      tables["watched"].tolist(), tables["watching"].tolist(), float(tables["slid"]))

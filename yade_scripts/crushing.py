@@ -37,7 +37,7 @@ class Crushing:
         crushed = [(joint, *self._grow(joint, opening(joint))) for joint in self._near
                    if opening(joint) < limit[joint]]
         for joint, more, _ in crushed:
-            self._scene.crush(joint, more)
+            self._scene.model.crush(joint, more)
         return crushed
 
     def _grow(self, joint, opening):

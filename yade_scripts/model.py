@@ -16,6 +16,7 @@ bond, or reduces the radius of a tip (`crushing`).
 from collections import Counter
 from dataclasses import dataclass
 from itertools import starmap
+from types import SimpleNamespace
 
 import numpy as np
 import yade
@@ -49,16 +50,18 @@ class YadeWall:
     """A wall in YADE, initially at rest, unloaded and intact; arrays are in the order of the layout.
 
     clumps: body ids (n_bodies,); members: [ids of the members that have contacts] of each clump; bonds: YADE
-    interactions (n_contacts,); signs: +1 where YADE's second body is the layout's second (n_contacts,);
-    ground: [ids of the bodies] of each support, whose motion is prescribed; bonded: whether the interaction is still
-    the bond (n_contacts,); frayed: {joint: dry contact beside a partly failed bond}; closure: plastic closure of
-    contact points (n_joints,) [m]; turning: states with the rotations of the bodies; tips: {contact point: _Tip} of
-    those that may fail; faces: {(body, kind): id} of the boxes; work: FrictionWork; handed: +1 where a positive shear
-    follows the tangent, the normal rotated by a right angle, else -1 (n_contacts,).
+    interactions (n_contacts,); geometries, physics: their geom and phys, which outlast them; signs: +1 where YADE's
+    second body is the layout's second (n_contacts,); ground: [ids of the bodies] of each support, whose motion is
+    prescribed; bonded: whether the interaction is still the bond (n_contacts,); frayed: {joint: dry contact beside a
+    partly failed bond}; closure: plastic closure of contact points (n_joints,) [m]; turning: states with the rotations
+    of the bodies; tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id} of the boxes; work:
+    FrictionWork; handed: +1 where a positive shear follows the tangent, the normal rotated by a right angle, else -1
+    (n_contacts,).
     """
 
     def __init__(self, layout, parts, bonds, newton, law, work, corner_depth):
         self.layout, self.bonds, self.newton, self.law = layout, bonds, newton, law
+        self.geometries, self.physics = [bond.geom for bond in bonds], [bond.phys for bond in bonds]
         self.clumps, self.members, self.ground = parts.clumps, parts.members, parts.ground
         self.signs = np.array([1.0 if bond.id2 == second else -1.0
                                for bond, (_, second) in zip(bonds, parts.ends)])
@@ -91,7 +94,7 @@ class YadeWall:
         O.interactions.erase(bond.id1, bond.id2)
         contact = self._touch(joint, *stiffness)
         contact.phys.shearForce = shear
-        self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
+        self._put(joint, contact)
         self.work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
 
     def fray(self, joint):
@@ -102,32 +105,37 @@ class YadeWall:
         """Replace a bond by its dry contact after its last parallel element has failed."""
         bond = self.bonds[joint]
         O.interactions.erase(bond.id1, bond.id2)
-        self.bonds[joint], self.bonded[joint] = self.frayed.pop(joint), False
-        self.signs[joint] = 1.0 if self.tips[joint].is_second else -1.0
+        self._put(joint, self.frayed.pop(joint))
+
+    def _put(self, joint, contact):
+        """Have a dry contact stand in place of a bond, or of a dry contact."""
+        self.bonds[joint], self.geometries[joint], self.physics[joint] = contact, contact.geom, contact.phys
+        self.bonded[joint], self.signs[joint] = False, 1.0 if self.tips[joint].is_second else -1.0
 
     def crush(self, joint, more):
-        """Move the rest position of a contact point by an increment of plastic closure [m]; returns whether its dry
-        contact is a new interaction."""
+        """Move the rest position of a contact point by an increment of plastic closure [m]."""
         self.closure[joint] += more
         _ease(self.bonds[joint], more)
         if self.bonded[joint]:
             self.bonds[joint].phys.initD += more
             if joint not in self.frayed:
-                return False
+                return
             _ease(self.frayed[joint], more)
         shape = O.bodies[self._tip_of[joint]].shape
         if shape.radius - more > _DEEP * self._depth[joint]:
             shape.radius -= more
-            return False
-        self._exchange(joint)
-        return True
+        else:
+            self._exchange(joint)
 
-    def end(self, joint, stored):
-        """Remove the contact of a joint whose faces no longer overlap; stored: its elastic energy [J]."""
-        contact = self.bonds[joint]
-        self.work.end(contact, stored)
+    def end(self, joint):
+        """Remove the contact of a joint whose faces no longer overlap; its elastic energy dissipates."""
+        contact, phys = self.bonds[joint], self.physics[joint]
+        depth = max(self.geometries[joint].penetrationDepth, 0.0)
+        self.work.end(contact, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
+        self.geometries[joint] = SimpleNamespace(penetrationDepth=0.0)
+        phys.normalForce = phys.shearForce = Vector3.Zero
 
     def contacts_of(self, joint):
         """Interactions of a joint: the bond, or the dry contact that replaced it; of one that failed in part both."""
@@ -136,15 +144,18 @@ class YadeWall:
 
     def _exchange(self, joint):
         """Replace a tip that crushing has made too small by one farther inside its brick."""
-        place = self.frayed if joint in self.frayed else self.bonds
-        old = place[joint]
+        old = self.contacts_of(joint)[-1]
         stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
         self.work.forget(old)
         worn = self._tip_of[joint]
         force, torque, there = O.forces.f(worn, True), O.forces.t(worn, True), Vector3(O.bodies[worn].state.pos)
         self.members[self.tips[joint].body].remove(worn)
         O.bodies.erase(worn)  # else it would touch the face again
-        place[joint] = contact = self._touch(joint, *stiffness)
+        contact = self._touch(joint, *stiffness)
+        if joint in self.frayed:
+            self.frayed[joint] = contact
+        else:
+            self._put(joint, contact)
         point = self._tip_of[joint]
         O.forces.addF(point, force)
         O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
@@ -391,7 +402,7 @@ class _Parts:
             for index, side in users:
                 self.ends[index][side] = identity
 
-    def _box(self, centre, extents, color=(0.5, 0.5, 0.5), seen=True):
+    def _box(self, centre, extents, color, seen=True):
         box = utils.box(centre, extents, material=self._solid if seen else self.tip, color=color, wire=not seen)
         box.bounded = seen
         box.mask = _SEEN | _FACE

@@ -120,9 +120,7 @@ def open_wall(wall, engines, options):
 
 
 def _check(settings):
-    if settings.model.soil_velocity:
-        raise InputError(f"--soil-velocity {settings.model.soil_velocity:g}: YADE's joint law has no viscous damping; "
-                         "leave it out, or use the reference solver: python3 -m damage reference")
-    if settings.beta_s > 0:
-        raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
-                         "out, or use the reference solver: python3 -m damage reference")
+    for option, given in (("--soil-velocity", settings.model.soil_velocity), ("--beta", settings.beta_s)):
+        if given:
+            raise InputError(f"{option} {given:g}: YADE's joint law has no viscous damping; leave it out, or use the "
+                             "reference solver: python3 -m damage reference")

@@ -3,19 +3,11 @@
 Positions and forces are of one time, velocities half a step earlier.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from yade import O, Vector3
+from yade import O
 
 from damage.units import GRAVITY
 from yade_scripts.bundles import Bundles
-
-
-class _Removed(NamedTuple):
-    """Geometry of a contact that was removed."""
-
-    penetrationDepth: float = 0.0  # YADE's name
 
 
 class SceneReader:
@@ -27,14 +19,11 @@ class SceneReader:
         # YADE sums the forces of a clump's members only in its integrator, after these are read.
         self.members = model.members
         self.states = [O.bodies[clump].state for clump in model.clumps]
-        self.geometries = [bond.geom for bond in model.bonds]
-        self.physics = [bond.phys for bond in model.bonds]
-        self.rubbing = list(zip(self.physics, self.geometries))  # of the interaction that slides at each contact point
-        self.frayed = model.frayed
+        self.geometries, self.physics = model.geometries, model.physics
         # Shares of the areas of the contact points [-] of the bonds, and of the interactions that slide.
         self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
         self.bundles = Bundles(model) if model.layout.fibres else None
-        self.area, self.bonded = contacts.area, model.bonded
+        self.area = contacts.area
         self.holding = list(range(model.layout.n_joints))  # joints whose bond has not failed
         self._breaks_seen = 0
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
@@ -43,8 +32,7 @@ class SceneReader:
         self.follows = np.where(model.layout.held, 0.0, 1.0)  # 0 where a velocity is prescribed, whatever the force
         self.on_top = np.zeros_like(self.mass)  # forces of the bearing and the constant load [N, N, N m]
         self.start = np.column_stack([bodies.x, bodies.z])
-        self.turning = model.turning
-        self.first_orientation = np.array([tuple(state.ori) for state in self.turning])
+        self.first_orientation = np.array([tuple(state.ori) for state in self.model.turning])
 
     def newly_broken(self):
         """Joints whose bond failed since the last call, (m,) int, or () without any."""
@@ -57,45 +45,21 @@ class SceneReader:
         self.holding = [joint for joint in self.holding if joint not in failed]
         return np.array(broken, dtype=int)
 
-    def loosen(self, joint):
-        """Replace a failed bond by a dry contact."""
-        self.model.loosen(joint)
-        self._look_at(joint)
-
     def give_way(self, joint, sigma, tau):
         """`Bundles.give_way` of a bond that failed in YADE's law."""
         broken = self.bundles.give_way(joint, sigma, tau)
         if broken[-1].last:
             self.share[joint] = self.dry_share[joint] = 1.0
-            self._look_at(joint)
         else:
-            dry = self.frayed[joint]
-            self.share[joint], self.rubbing[joint] = self.bundles.held(joint), (dry.phys, dry.geom)
+            self.share[joint] = self.bundles.held(joint)
             self.dry_share[joint] = 1.0 - self.share[joint]
             self.holding.append(joint)
         return broken
 
-    def crush(self, joint, more):
-        """Increase the plastic closure of a contact point by `more` [m]."""
-        if self.model.crush(joint, more):
-            if self.bonded[joint]:
-                dry = self.frayed[joint]
-                self.rubbing[joint] = dry.phys, dry.geom
-            else:
-                self._look_at(joint)
-
-    def end(self, joint):
-        """Remove the contact of a joint whose faces no longer overlap."""
-        geom, phys = self.geometries[joint], self.physics[joint]
-        depth = max(geom.penetrationDepth, 0.0)
-        self.model.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
-        self.geometries[joint], phys.normalForce, phys.shearForce = _Removed(), Vector3.Zero, Vector3.Zero
-
-    def _look_at(self, joint):
-        """Read the present interaction of a joint from now on."""
-        bond = self.model.bonds[joint]
-        self.geometries[joint], self.physics[joint] = bond.geom, bond.phys
-        self.rubbing[joint] = bond.phys, bond.geom
+    def _sliding(self, joint):
+        """(phys, geom) of the interaction that slides at a contact point."""
+        dry = self.model.frayed.get(joint)
+        return (self.physics[joint], self.geometries[joint]) if dry is None else (dry.phys, dry.geom)
 
     def motion(self, select=None):
         """Displacements and rotations (x towards z) since the wall was built, (n_bodies, 3) [m, m, rad].
@@ -104,7 +68,7 @@ class SceneReader:
         """
         select = range(len(self.states)) if select is None else select
         raw = np.array([(p[0], p[2], q[0], q[1], q[2], q[3]) for p, q in
-                        ((self.states[i].pos, self.turning[i].ori) for i in select)]).reshape(-1, 6)
+                        ((self.states[i].pos, self.model.turning[i].ori) for i in select)]).reshape(-1, 6)
         x, y, z, w = raw[:, 2:].T
         x0, y0, z0, w0 = self.first_orientation[select].T
         # Quaternion now times the inverse of the first one: YADE's clumps start on permuted axes.
@@ -115,18 +79,15 @@ class SceneReader:
         motion[select] = np.column_stack([raw[:, :2] - self.start[select], rotation])
         return motion
 
-    def velocities(self):
-        """Velocities half a step ago, (n_bodies, 3) [m/s, m/s, rad/s]."""
-        return np.array([(vel[0], vel[2], -rotating[1])
-                         for vel, rotating in ((s.vel, s.angVel) for s in self.states)])
-
     def synchronous_velocities(self, half_step, base_acceleration):
         """Velocities at the time of the positions, v(t - dt/2) + dt/2 a(t), (n_bodies, 3) [m/s, m/s, rad/s].
 
         half_step: dt/2 [s]; base_acceleration: along x and z [m/s2].
         """
         field = (-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0)
-        return self.velocities() + half_step * self.follows * (
+        half_a_step_ago = np.array([(vel[0], vel[2], -rotating[1])
+                                    for vel, rotating in ((s.vel, s.angVel) for s in self.states)])
+        return half_a_step_ago + half_step * self.follows * (
             np.divide(self.resultants(), self.mass, where=self.mass > 0, out=np.zeros_like(self.mass)) + field)
 
     def resultants(self):
@@ -138,7 +99,7 @@ class SceneReader:
     def contact_forces(self):
         """Magnitudes of the forces in all contacts, (n_contacts,) [N]."""
         forces = np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
-        for joint, dry in self.frayed.items():
+        for joint, dry in self.model.frayed.items():
             forces[joint] += (dry.phys.normalForce + dry.phys.shearForce).norm()
         return forces
 
@@ -155,16 +116,11 @@ class SceneReader:
                            - O.forces.t(member, True)[1])
         return along, upward, moment
 
-    def openings(self):
-        """Normal openings of all contacts, tension positive, (n_contacts,) [m]."""
-        return np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
-                         for g, p, bonded in zip(self.geometries, self.physics, self.bonded)])
-
     def opening_of(self, index):
         """Normal opening of a contact point [m], of its dry part where there is one."""
-        if index in self.frayed:
-            return -self.frayed[index].geom.penetrationDepth
-        rest = self.physics[index].initD if self.bonded[index] else 0.0
+        if index in self.model.frayed:
+            return -self.model.frayed[index].geom.penetrationDepth
+        rest = self.physics[index].initD if self.model.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 
     def shear_stresses(self, select):
@@ -174,7 +130,7 @@ class SceneReader:
         """
         # The force lies in the plane: its component along the tangent, the normal rotated by a right angle.
         along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
-                          ((p, g.normal) for p, g in (self.rubbing[i] for i in select))])
+                          ((p, g.normal) for p, g in map(self._sliding, select))])
         # The signs of normal and tangent change together, so that YADE's order of the bodies does not matter.
         return -along * self.model.handed[select] / (self.area[select] * self.dry_share[select])
 
@@ -199,7 +155,8 @@ class SceneReader:
 
         broken: whether joints have failed, (n_joints,) bool.
         """
-        opening = self.openings()
+        opening = np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
+                            for g, p, bonded in zip(self.geometries, self.physics, self.model.bonded)])
         acting = opening < 0
         acting[:len(broken)] |= ~broken
         acting[len(broken):] = True
@@ -207,7 +164,7 @@ class SceneReader:
         colliding = sum(p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
                         for p in (contact.phys for contact in self.model.collisions()))
         rubbing = sum(dry.phys.kn * max(dry.geom.penetrationDepth, 0.0)**2
-                      + dry.phys.shearForce.squaredNorm() / dry.phys.ks for dry in self.frayed.values())
+                      + dry.phys.shearForce.squaredNorm() / dry.phys.ks for dry in self.model.frayed.values())
         return 0.5 * (colliding + rubbing) + 0.5 * float(
             np.sum(np.where(acting, self.normal_stiffness * self.share * opening**2, 0.0))
             + np.sum(shear**2 / (self.shear_stiffness * self.share)))

@@ -59,7 +59,7 @@ class YadeSolver(Solver):
         self._restraint, self._slip, self._slip_work = top_of(layout.wall), 0.0, 0.0  # of its bearing [m], [J]
         self._beam = np.flatnonzero(layout.bodies.course == CAP_COURSE)[-1] if self._restraint else None
         self._sample_steps = self._on_samples = self._raised = None
-        self._events, self._known, self._armed = [], ((), None), False
+        self._events, self._armed = [], False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
         self._tags, self._advancing = O.tags, False  # of this scene, which O.load and O.reset replace
@@ -104,15 +104,11 @@ class YadeSolver(Solver):
         """Rotations of the held bodies [rad]."""
         return self.scene.motion(self._held)[self._held, 2]
 
-    def _turn_back(self):
-        """Add the moments of the rotational springs at the held bodies to the forces of the next step."""
-        for body, angle in zip(self._held, self._held_rotations() - self._top_rest):
-            O.forces.addT(self.model.clumps[body], Vector3(0, self._top_stiffness * angle, 0))
-
     def _load_top(self):
         """Add the moments of rotational springs, and the forces of a restrained top, to those of the next step."""
         if self._top_stiffness:
-            self._turn_back()
+            for body, angle in zip(self._held, self._held_rotations() - self._top_rest):
+                O.forces.addT(self.model.clumps[body], Vector3(0, self._top_stiffness * angle, 0))
         if self._restraint:
             self._hold_top()
 
@@ -151,15 +147,12 @@ class YadeSolver(Solver):
             state.vel = (self._velocity, state.vel[1], state.vel[2])
         mass = float(self.layout.bodies.mass[self._held].sum())
         self._input_energy += 0.5 * mass * (self._velocity**2 - old**2)
-        self._input_power = self._power(self._base_now())
+        self._input_power = self._power()
 
     def move_supports(self, velocities):
         self._support_velocity[:] = velocities
         self._set_support_velocities()
-        self._input_power = self._power(self._base_now())
-
-    def prescribe_no_more(self):
-        """Nothing changes: every sample is taken by itself."""
+        self._input_power = self._power()
 
     def _set_support_velocities(self):
         """Set the velocities of all bodies of the supports to those of the supports' rigid motion."""
@@ -232,7 +225,7 @@ class YadeSolver(Solver):
         """Update the failed joints and the input energy, and take a sample where one is due."""
         if self.clock % FOLLOW_STEPS == 0:
             self._follow_joints()
-            self._integrate_input(self._base_now())
+            self._integrate_input()
         if self.clock % self._sample_steps == 0 and not self._on_samples(self.instants()):
             self._on_samples = None
 
@@ -243,26 +236,23 @@ class YadeSolver(Solver):
         tracker = self.tracker
         _, shear = self.kinematics.displacements(self.scene.motion(), new, self._supports)
         for joint, slip in zip(new, shear):
-            if self.scene.bundles:
-                self._fray(joint, slip)
-                continue
             opening = self.scene.opening_of(joint)
-            sigma = tracker.normal_stiffness[joint] * opening
-            tau = tracker.shear_stiffness[joint] * slip
+            sigma, tau = tracker.normal_stiffness[joint] * opening, tracker.shear_stiffness[joint] * slip
+            if self.scene.bundles:
+                self._fray(joint, opening, slip, sigma, tau)
+                continue
             kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
             tracker.breaks(joint, kind, sigma, tau)
-            self.scene.loosen(joint)
+            self.model.loosen(joint)
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
-    def _fray(self, joint, slip):
-        """Fail parallel elements of a bond at a shear displacement [m], after an update of its failed ones."""
+    def _fray(self, joint, opening, slip, sigma, tau):
+        """Fail parallel elements of a bond at these displacements [m] and stresses [Pa], after an update of its failed
+        ones."""
         tracker, scene = self.tracker, self.scene
         if tracker.dry[joint] > 0:
             one = np.array([joint])
-            self._log_passings(tracker.sample(one, np.array([scene.opening_of(joint)]), np.array([slip]),
-                                              scene.shear_stresses(one)))
-        sigma = tracker.normal_stiffness[joint] * scene.opening_of(joint)
-        tau = tracker.shear_stiffness[joint] * slip
+            self._log_passings(tracker.sample(one, np.array([opening]), np.array([slip]), scene.shear_stresses(one)))
         for share, kind, last in scene.give_way(joint, sigma, tau):
             tracker.fibre_breaks(joint, kind, sigma, tau, share, last)
             if last:
@@ -273,7 +263,8 @@ class YadeSolver(Solver):
         broken = self.tracker.followed
         if len(broken) == 0:
             return
-        motion = self.scene.motion(self._bodies_at(broken))
+        sides = np.concatenate([side[broken] for side in self.kinematics.ends])
+        motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
         across, shear = self.kinematics.displacements(motion, broken, self._supports)
         opening = np.array([self.scene.opening_of(i) for i in broken])
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
@@ -285,28 +276,22 @@ class YadeSolver(Solver):
         gap = np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening) if slid.any() else None
         self._log_passings(self.tracker.sample(broken, opening, shear, tau, gap))
         for joint in broken[self.tracker.ended[broken]]:
-            self.scene.end(joint)
+            self.model.end(joint)
 
     def _log_passings(self, passings):
         for joint, kind in passings:
             self._events.append((self.clock, joint, kind, 0.0, 0.0, self.tracker.opening[joint],
                                  self.tracker.slip[joint]))
 
-    def _bodies_at(self, joints):
-        """Bodies on both sides of the joints, cached while the joints do not change."""
-        if not np.array_equal(joints, self._known[0]):
-            ends = np.concatenate([end[joints] for end in self.kinematics.ends])
-            self._known = joints, np.unique(ends[ends < len(self.layout.bodies)])
-        return self._known[1]
-
-    def _integrate_input(self, base):
+    def _integrate_input(self):
         """Add the work of all prescribed motions since the last call to the input, by the trapezoidal rule."""
-        power, time = self._power(base), self.clock * self.time_step
+        power, time = self._power(), self.clock * self.time_step
         self._input_energy += (power + self._input_power) / 2 * (time - self._input_time)
         self._input_power, self._input_time = power, time
 
-    def _power(self, base):
+    def _power(self):
         """Power of the pushed top, of the supports, and of the inertia forces in the frame of the base [W]."""
+        base = self._base_now()
         power = -sum(float(base[axis]) * self._momentum(axis) for axis in (0, 1) if base[axis] != 0)
         if self._held is not None:
             power += self._push_force() * self._velocity
@@ -356,9 +341,6 @@ class YadeSolver(Solver):
 
     def base_reaction(self):
         return self.scene.base_reaction()
-
-    def saved_state(self):
-        """None: YADE's state is in checkpoints, not in the history."""
 
     def resume(self, state):
         checkpoint.restore(self, state)

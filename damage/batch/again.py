@@ -21,7 +21,11 @@ def make_again(name, study, results, simulate):
 
     results: `damage.batch.outdated.Results` of its folder; simulate(Task): does it, returns the exit status.
     """
-    run, number = _find(name, study)
+    found = {run.name(number): (run, number) for run in study.runs for number in range(1, run.most_members + 1)}
+    if name not in found:
+        raise InputError(f"--run {name}: no run of the study {study.name} with this solver; expected a name from the "
+                         "column run of tables/summary.csv")
+    run, number = found[name]
     history = results.folder / "runs" / f"{name}.h5"
     if name in results.histories:
         raise InputError(f"--run {name}: {history} is there; expected one that is not, delete it first")
@@ -47,16 +51,6 @@ def make_again(name, study, results, simulate):
     print(f"error: --run {name}: {len(differing)} columns are not those of its record: "
           f"{some_of(differing)}; the history is {aside}", file=sys.stderr)
     return 1
-
-
-def _find(name, study):
-    """(StudyRun, number) of a run by its name."""
-    found = [(run, number) for run in study.runs for number in range(1, run.most_members + 1)
-             if run.name(number) == name]
-    if not found:
-        raise InputError(f"--run {name}: no run of the study {study.name} with this solver; expected a name from the "
-                         "column run of tables/summary.csv")
-    return found[0]
 
 
 def differing_columns(row, new):

@@ -41,7 +41,8 @@ def claim(folder, study, shared=False):
     kept = folder / "study.toml"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        check_room(folder)
+        if is_short(folder):
+            raise InputError(f"{shortage(folder)}, or choose another --out")
         lock = _open_lock(folder)
         try:
             lock_as(lock, folder, shared)
@@ -153,27 +154,16 @@ def handled(handler):
             signal.signal(name, one)
 
 
-def free_bytes(folder):
-    """Room on the disk of a folder for this user [bytes]."""
-    return shutil.disk_usage(folder).free
-
-
 def is_short(folder):
     """Whether a study cannot start or continue in this folder."""
-    return free_bytes(folder) < LEAST_FREE
+    return shutil.disk_usage(folder).free < LEAST_FREE
 
 
 def shortage(folder):
     """Free and needed disk space of a study, in words."""
-    if not is_short(folder):
-        return f"{folder} had no room left while it ran, expected {LEAST_FREE / 1e6:g} MB or more; make room"
-    return f"{folder} has {free_bytes(folder) / 1e6:.2g} MB free: expected {LEAST_FREE / 1e6:g} MB or more; make room"
-
-
-def check_room(folder):
-    """Raise InputError where a study cannot start."""
-    if is_short(folder):
-        raise InputError(f"{shortage(folder)}, or choose another --out")
+    free = shutil.disk_usage(folder).free
+    found = f"has {free / 1e6:.2g} MB free:" if free < LEAST_FREE else "had no room left while it ran,"
+    return f"{folder} {found} expected {LEAST_FREE / 1e6:g} MB or more; make room"
 
 
 def forecast(left, histories, folder, keep="all"):
@@ -186,7 +176,7 @@ def forecast(left, histories, folder, keep="all"):
     if not histories or not count:
         return None
     mean = sum(path.stat().st_size for path in histories.values()) / len(histories)
-    free = free_bytes(folder)
+    free = shutil.disk_usage(folder).free
     if count * mean + LEAST_FREE <= free:
         return None
     return (f"up to {count} runs are left, about {count * mean / 1e6:.2g} MB if they are as large as the "

@@ -5,6 +5,7 @@ each run, picture and batch takes besides; disk from contact points and samples.
 times of those that ran alone, and the bytes of all, scale both.  Nothing is written in the study's folder.
 """
 
+import shutil
 from collections import Counter, namedtuple
 from contextlib import chdir
 from dataclasses import replace
@@ -14,7 +15,7 @@ from functools import cache
 import h5py
 import numpy as np
 
-from damage.batch.folder import ROOT, free_bytes
+from damage.batch.folder import ROOT
 from damage.batch.outdated import Results
 from damage.batch.speed import Speed, python_seconds, speed
 from damage.batch.tasks import company_of
@@ -89,7 +90,7 @@ def print_plan(study, folder, jobs, remake=False):
           f"{'up to ' if most != least else ''}{most}\n"
           f"expected: {duration(plan.seconds[0])} to {duration(plan.seconds[1])} with {jobs} at a time, where nothing "
           f"else runs; {n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
-          f"{free_bytes(on) / 1e9:.3g} GB free\n"
+          f"{shutil.disk_usage(on).free / 1e9:.3g} GB free\n"
           f"by {plan.by}"
           + (f"; with compiling the solver once, about {duration(plan.once_s)}" if plan.once_s else ""), flush=True)
 

@@ -8,6 +8,7 @@ as long.
 import json
 import platform
 import time
+import timeit
 from contextlib import suppress
 from typing import NamedTuple
 
@@ -49,19 +50,14 @@ def _measure(n_walls):
     layout = lay_out(Wall("speed", length=2.7, height=2.1))
     walls = [ReferenceSolver(layout, 1e-6) for _ in range(n_walls)]
     run_together(walls, 1)  # loads what is compiled
-    seconds = []
-    for _ in range(PIECES):
-        start = time.process_time()
-        run_together(walls, STEPS)
-        seconds.append(time.process_time() - start)
-    return 1e9 * min(seconds) / (STEPS * n_walls * len(layout.contacts))
+    seconds = _least_seconds(lambda: run_together(walls, STEPS), PIECES)
+    return 1e9 * seconds / (STEPS * n_walls * len(layout.contacts))
 
 
 def python_seconds():
     """Seconds of the processor that a fixed piece of Python takes, by which compiling is foreseen."""
-    seconds = []
-    for _ in range(5):
-        start = time.process_time()
-        sorted(str(number * number % 7919) for number in range(40_000))
-        seconds.append(time.process_time() - start)
-    return min(seconds)
+    return _least_seconds(lambda: sorted(str(number * number % 7919) for number in range(40_000)), 5)
+
+
+def _least_seconds(piece, pieces):
+    return min(timeit.repeat(piece, timer=time.process_time, repeat=pieces, number=1))

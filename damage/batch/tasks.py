@@ -16,7 +16,11 @@ KEEP = "all", "summary", "patterns"
 @dataclass(frozen=True)
 class Task:
     """The run with this number of a point, or its pictures; kept: whether its history stays; patterns: whether those
-    at rest do (`damage.measure.kept`); alone: whether its process does nothing else meanwhile."""
+    at rest do (`damage.measure.kept`); alone: whether its process does nothing else meanwhile.
+
+    Paths: history: where it is in the end; part: where it grows, as a file with the name of a history is a whole one;
+    pattern: of its patterns at rest; pictures: their folder; log: what a process that does this prints.
+    """
 
     folder: Path
     point: StudyRun
@@ -32,27 +36,22 @@ class Task:
 
     @property
     def history(self):
-        """Where the history is in the end."""
         return self.folder / "runs" / f"{self.name}.h5"
 
     @property
     def part(self):
-        """Where it grows: a file with the name of a history is a whole one."""
         return self.folder / "runs" / f"{self.name}.part.h5"
 
     @property
     def pattern(self):
-        """Where its patterns at rest are."""
         return self.folder / kept.FOLDER / f"{self.name}{kept.ENDING}"
 
     @property
     def pictures(self):
-        """The folder of its pictures."""
         return self.folder / "pictures" / self.name
 
     @property
     def log(self):
-        """What a process that does this prints."""
         ending = "_pictures" if self.kind == PICTURES else ""
         return self.folder / "logs" / ("reference.log" if self.steps else f"{self.name}{ending}.log")
 

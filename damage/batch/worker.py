@@ -54,6 +54,8 @@ def work(connection, parent, lock):
         if task.steps:
             status = _do_runs(task, connection, waiting, settled, lambda: _leave_without(parent))
         else:
+            task.log.unlink(missing_ok=True)
+            print_into(task.log)
             status, record = _draw(task) if task.kind == PICTURES else _run_yade(task, connection, lock)
             connection.send((task, status, record))
         if status == EXIT_INTERRUPTED:  # nothing more begins
@@ -137,8 +139,6 @@ def conclude(task, kept=None):
 
 def _run_yade(task, connection, lock):
     """Run YADE into the part of a history; returns (exit status, record or None)."""
-    task.log.unlink(missing_ok=True)
-    print_into(task.log)
     if task.history.is_file():
         return conclude(task)
     connection.send((None, f"{task.name}: started", None))
@@ -196,8 +196,6 @@ def _draw(task):
     """Draw the pictures of a run, in a folder that gets its name when all are there; returns (exit status, None)."""
     from damage.draw.run import save_all
 
-    task.log.unlink(missing_ok=True)
-    print_into(task.log)
     unfinished = task.pictures.with_name(f".{task.name}.part")
     try:
         shutil.rmtree(unfinished, ignore_errors=True)

@@ -2,7 +2,6 @@
 
 import math
 import re
-from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
@@ -41,19 +40,9 @@ _OF_COLUMNS = re.compile(r"acc|unit|[\[(] *s(?:ec(?:onds?)?)? *[\])]")
 what names columns or units."""
 
 
-@dataclass(frozen=True)
-class Columns:
-    """What a table of text holds: time step and first time [s]; acceleration_m_s2 (n_samples,) [m/s2]; unit: which one
-    was taken and what says so."""
-
-    step_s: float
-    first_s: float
-    acceleration_m_s2: np.ndarray
-    unit: str
-
-
-def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> Columns:
-    """The Columns of a table: time and acceleration, or the acceleration alone where `sample_step_s` is given.
+def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> tuple[float, float, np.ndarray, str]:
+    """Time step and first time [s], accelerations (n_samples,) [m/s2], and their unit with what says so, of a table:
+    time and acceleration, or the acceleration alone where `sample_step_s` is given.
 
     lines: of a text file, with comments that start with # and a header; unit: one of UNITS_M_S2 where neither header
     nor comments name it, or comments contradict each other; sample_step_s: where there are no times in seconds [s].
@@ -78,7 +67,7 @@ def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> Colum
     named = [(header_unit, *header)] if header else []
     named += [(one, i, line) for line, i in comments.items() for one in units_in(line)]
     taken, words = _taken(path, named, unit, bool(header))
-    return Columns(step_s, first_s, values[:, -1] * UNITS_M_S2[taken], words)
+    return step_s, first_s, values[:, -1] * UNITS_M_S2[taken], words
 
 
 def _taken(path, named, given, by_header):

@@ -7,7 +7,7 @@ import re
 import sys
 import warnings
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -48,13 +48,9 @@ def shipped_record_path(name: str = "BGAR_HGE") -> Path:
     return shipped[name]
 
 
+@cache  # a study asks for each of its runs
 def shipped_records() -> dict[str, Path]:
     """{name: path} of the records that come with the package, in the order of their names."""
-    return dict(_shipped())
-
-
-@lru_cache(maxsize=1)  # a study asks for each of its runs
-def _shipped():
     shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
     shipped |= {_csv_name(path): path for path in DATA.glob("*/*_acc_m_s2.csv")}
     return dict(sorted(shipped.items()))
@@ -128,10 +124,10 @@ def write_csv(record: Record, path, comments=()) -> Path:
 
 def _read_csv(path, lines: list[str], unit, sample_step_s) -> Record:
     """Columns as `damage.motion.columns` reads them: time and acceleration, or acceleration alone."""
-    table = read_columns(path, lines, unit, sample_step_s)
+    step_s, first_s, acceleration_m_s2, unit = read_columns(path, lines, unit, sample_step_s)
     found = filter(None, map(_CSV_START_UTC.match, lines))
-    start_utc = next((_utc(start.group(1), table.first_s, path) for start in found), "")
-    return Record(_csv_name(path), table.step_s, table.acceleration_m_s2, start_utc, str(path), unit=table.unit)
+    start_utc = next((_utc(start.group(1), first_s, path) for start in found), "")
+    return Record(_csv_name(path), step_s, acceleration_m_s2, start_utc, str(path), unit=unit)
 
 
 def _csv_name(path) -> str:
@@ -323,8 +319,6 @@ FOREIGN = (
 )
 """(format, how a file begins, what to do with it); docs/guides/own-record.md has a row for each."""
 
-_KNOWN = [(name, re.compile(begins), correction) for name, begins, correction in FOREIGN]
-
 
 def foreign(data: bytes) -> tuple[str, str] | None:
     """The format of a file's bytes, where it is one of FOREIGN, and what to do with it.
@@ -333,7 +327,7 @@ def foreign(data: bytes) -> tuple[str, str] | None:
     'K-NET, KiK-net'
     """
     data = data.removeprefix(b"\xef\xbb\xbf")
-    return next(((name, correction) for name, begins, correction in _KNOWN if begins.match(data)), None)
+    return next(((name, correction) for name, begins, correction in FOREIGN if re.match(begins, data)), None)
 
 
 MOST_HEADER = 12

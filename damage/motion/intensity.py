@@ -91,13 +91,13 @@ def pgv_rotd100_m_s(record: Record, across: Record) -> float:
     return float(np.hypot(velocity(record), velocity(across)).max())
 
 
-def avg_sa_g(record: Record, damping: float = 0.05) -> float:
-    """AvgSa: geometric mean of the pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of them is.
+def avg_sa_g(record: Record) -> float:
+    """AvgSa: geometric mean of the 5 % pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of them is.
 
     L. Eads, E. Miranda, D. G. Lignos (2015), Average spectral acceleration as an intensity measure for collapse risk
     assessment, Earthq. Eng. Struct. Dyn. 44(12), doi:10.1002/eqe.2575, with periods of its own: those of stiff houses.
     """
-    return float(np.prod(response_spectrum(record, AVERAGE_PERIODS_S, damping)) ** (1 / len(AVERAGE_PERIODS_S)))
+    return float(np.prod(response_spectrum(record, AVERAGE_PERIODS_S)) ** (1 / len(AVERAGE_PERIODS_S)))
 
 
 def applied_measures(record: Record | None, eigen_period_s: float | None, across: Record | None = None) -> dict:

@@ -51,24 +51,12 @@ class Drive:
         """Whether the loading is so slow that the wall stays in equilibrium."""
         return self.local_damping is not None
 
-    def top_velocities(self, interval_s, n, height_m):
-        """Velocity of the top in the first n intervals (n,) [m/s], None where the top is free."""
-        return None if self.top is None else _mean(self.top(_edges(interval_s, n), height_m), interval_s)
 
-    def support_velocities(self, interval_s, n, x_m):
-        """Velocities of supports at x_m (k,) in the first n intervals (n, k, 3) [m/s, m/s, rad/s], None where they
-        rest."""
-        return None if self.supports is None else _mean(self.supports(_edges(interval_s, n), np.asarray(x_m)),
-                                                        interval_s)
-
-
-def _edges(interval_s, n):
-    return np.arange(n + 1) * interval_s
-
-
-def _mean(displacement, interval_s):
-    """Mean velocity in every interval: constant within it, it leads to the displacement at its end."""
-    return np.diff(displacement, axis=0) / interval_s
+def mean_velocities(displacement, interval_s, n, place):
+    """Mean velocities in the first n intervals (n, ...) [m/s, of rotations rad/s], of a displacement(time_s, place) as
+    `Drive.top` and `Drive.supports` are: constant within each interval, they lead to the displacement at its end.  None
+    where there is none."""
+    return displacement and np.diff(displacement(np.arange(n + 1) * interval_s, place), axis=0) / interval_s
 
 
 PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
@@ -80,22 +68,22 @@ SINE_SAMPLES = 400
 class Loading:
     """Base of all loadings; its values are those of one that prescribes nothing.
 
-    drive: what it prescribes on a wall, a Drive; duration_s: of the base's motion [s]; cycle_edges_s: where the
-    motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of the base [g]; pga_g,
-    sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where unknown;
-    lost_by_lines: of an interpolated record, else None; moves: whether there is a motion at all.
+    drive: what it prescribes on a wall, a Drive, whose base moves by base_acceleration; duration_s: of the base's
+    motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of
+    the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None
+    where unknown; lost_by_lines: of an interpolated record, else None; moves: whether there is a motion at all.
     Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
     duration_s = 0.0
     cycle_edges_s = np.zeros(0)
     peak_g = 0.0
-    pga_g = sa_02_s_g = lost_by_lines = None
+    base_acceleration = pga_g = sa_02_s_g = lost_by_lines = None
     moves = True
 
     @property
     def drive(self) -> Drive:
-        return Drive()
+        return Drive(base=self.base_acceleration)
 
     def length_s(self, height: float) -> float:
         """Time from zero to the end of everything that is prescribed, on a wall whose top is at a height [m]: [s]."""
@@ -122,10 +110,7 @@ class Loading:
 
 @dataclass(frozen=True)
 class Harmonic(Loading):
-    """Horizontal base acceleration: a sine from zero, a whole number of cycles.
-
-    period_s [s]; amplitude_g [g]; cycles: how many.
-    """
+    """Horizontal base acceleration: a sine from zero, a whole number of cycles."""
 
     period_s: float = quantity("s", *PERIODS_S, (0.01, 10), "machines; a hundred times the period of a house's wall",
                                others={"ms": 1e-3}, called="harmonic period [s]")
@@ -173,10 +158,6 @@ class Harmonic(Loading):
         time_s = np.arange(samples * self.cycles + 1) * (self.period_s / samples)
         sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
         return Record(self.name, self.period_s / samples, sine)
-
-    @property
-    def drive(self) -> Drive:
-        return Drive(base=self.base_acceleration)
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]."""
@@ -294,10 +275,6 @@ class Recorded(Loading):
         step_s = self.motion[0].time_step_s
         return step_s / prepare.whole_steps(step_s, max_step_s)
 
-    @property
-    def drive(self) -> Drive:
-        return Drive(base=self.base_acceleration)
-
     def base_acceleration(self, time_s) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the first and
         after the last."""
@@ -311,13 +288,12 @@ class Recorded(Loading):
         """Everything that defines the motion but the samples, fit for JSON."""
         return RecordedMotion(
             name=self.name, horizontal=_origin(self.record),
-            vertical=None if self.vertical is None else _origin(self.vertical),
+            vertical=_origin(self.vertical), across=_origin(self.across),
             time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=pga_g(self.motion[0]),
             sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]), window_s=_floats(self.window_s),
             baseline_order=None if self.baseline_order is None else int(self.baseline_order),
             band_hz=_floats(self.band_hz), duration_s=float(self.duration_s),
-            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines,
-            across=None if self.across is None else _origin(self.across)).as_dict()
+            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines).as_dict()
 
 
 @dataclass(frozen=True)
@@ -344,11 +320,7 @@ class RecordedMotion(Loading):
     lost_by_lines: float | None = None
     across: dict | None = None
 
-    @property
-    def drive(self) -> Drive:
-        return Drive(base=self._without_samples)
-
-    def _without_samples(self, _time_s):
+    def base_acceleration(self, _time_s):
         raise InputError(f"{self.name}: a history does not hold the samples of its record; expected the record's file; "
                          "read that")
 
@@ -459,11 +431,10 @@ class TopDisplacement(Loading):
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
+        amplitudes = np.array(self.amplitudes_pct) / 100 * height
         if self.cycles == 0:
-            return np.array([self.amplitudes_pct[0]]) / 100 * height
-        signs = [sign for _ in range(self.cycles) for sign in (1.0, -1.0)]
-        points = [a / 100 * height * sign for a in self.amplitudes_pct for sign in signs]
-        return np.array([*points, 0.0])
+            return amplitudes[:1]
+        return np.append(np.outer(amplitudes, np.tile([1.0, -1.0], self.cycles)), 0.0)
 
     def top_displacement(self, time_s, height: float) -> np.ndarray:
         """Displacement of the top [m] at times (n,) [s]; it stays where it ends.
@@ -535,9 +506,9 @@ def _check_pair(record: Record, across: Record) -> None:
                          "same station; give that one")
 
 
-def _origin(record: Record) -> dict:
+def _origin(record: Record | None) -> dict | None:
     """Origin of a record: the file's name without its folder, which differs by machine."""
-    return {
+    return record and {
         "record": record.name,
         "file": Path(record.source).name,
         "sha256": record.sha256,

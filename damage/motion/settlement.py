@@ -9,7 +9,7 @@ import numpy as np
 from damage.checks import check_range
 from damage.csv_table import CsvTable
 from damage.errors import InputError, warn
-from damage.motion.loading import Drive
+from damage.motion.loading import mean_velocities
 
 PROFILES = ("hogging", "sagging", "tilt", "knick")
 DISTORTIONS = (1e-7, 0.02)
@@ -95,18 +95,12 @@ class Settlement:
 
     def velocities(self, interval_s, n, supports):
         """Velocities of Supports in the first n intervals (n, n_supports, 3) [m/s, m/s, rad/s]."""
-        return Drive(supports=lambda time_s, _: self.displacement(time_s, supports)).support_velocities(
-            interval_s, n, supports.x)
+        return mean_velocities(self.displacement, interval_s, n, supports)
 
     def moving_s(self, length):
         """Time for which the ground below a wall of this length [m] moves [s]: at most at FASTEST_M_S."""
         largest = np.abs(self.vertical(self.x_m or np.array([0, length / 2, length]), length)).max()
         return max(SHORTEST_S, math.pi / 2 * float(largest) / FASTEST_M_S)
-
-    def as_dict(self):
-        """Everything that defines it, fit for JSON."""
-        return {"profile": self.profile, "distortion": self.distortion, "x_m": list(self.x_m),
-                "uz_m": list(self.uz_m)}
 
 
 def _check_points(profile, x, up):

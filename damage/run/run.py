@@ -8,6 +8,7 @@ from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
+from damage.motion.loading import mean_velocities
 from damage.run import schedule
 from damage.run.before import as_bytes, with_zero, zero_of
 from damage.run.settings import (
@@ -172,8 +173,8 @@ class Run:
         interval = interval_s, self.stages[-1].end_step // self.sample_steps - zero
         self._prescribed = [
             (velocities, move, first) for velocities, move, first in (
-                (drive.top_velocities(*interval, self.layout.pushed_height), solver.push, zero),
-                (drive.support_velocities(*interval, self.layout.supports.x), solver.move_supports, zero),
+                (mean_velocities(drive.top, *interval, self.layout.pushed_height), solver.push, zero),
+                (mean_velocities(drive.supports, *interval, self.layout.supports.x), solver.move_supports, zero),
                 (settlement and settlement.velocities(interval_s, zero, self.layout.supports), solver.move_supports, 0))
             if velocities is not None]
         now = self._zero = solver.instants()

@@ -288,7 +288,7 @@ class RunSettings:
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files."""
-        return {"loading": self.loading.as_dict(), "settlement": self.settlement and self.settlement.as_dict(),
+        return {"loading": self.loading.as_dict(), "settlement": self.settlement and asdict(self.settlement),
                 "continued": self.continued and Path(self.continued).name,
                 "cracked": self.cracked and asdict(self.cracked),
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),

@@ -42,7 +42,7 @@ def scene_of(length, courses):
     model.newton.warnNoForceReset = False
     O.step()
     for joint in range(layout.n_joints):
-        reader.loosen(joint)
+        model.loosen(joint)
     model.arm()
     model.newton.gravity = (0, 0, -GRAVITY)
     return layout, model, reader

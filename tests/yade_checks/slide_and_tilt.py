@@ -41,7 +41,7 @@ class Scene:
     def step(self):
         O.step()
         for joint in self.reader.newly_broken():
-            self.reader.loosen(joint)
+            self.model.loosen(joint)
 
     def move(self, bodies, dx, dz, steps):
         for _ in range(steps):

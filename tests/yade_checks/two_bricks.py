@@ -43,7 +43,7 @@ def drive(path):
         upper.vel = Vector3.Zero
         O.step()  # ... and feels it in the next
         for broken in scene.newly_broken():
-            scene.loosen(broken)
+            model.loosen(broken)
         force = sum((model.signs[j] * (scene.physics[j].normalForce + scene.physics[j].shearForce) for j in joint),
                     Vector3.Zero)
         stresses.append((-force[2] / area, -force[0] / area))
