@@ -22,14 +22,11 @@ class Buffer:
     def __init__(self, layout, *sinks):
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
-        # Of series, frames and ground whole columns, of the other groups rows in the order of theirs.
         self._rows = {"events": [], "snapshots": [], "static_stage": []}
-        self._beside = {"stresses": [], "points": []}  # blocks of rows
-        self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
+        self._blocks = {"series": [], "ground": [], "stresses": [], "points": []}  # columns of several rows
         self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
                         for name, column in schema.FRAMES.items()}
-        self._ground = {name: np.zeros((CHUNK, len(layout.supports), 3), column.dtype)
-                        for name, column in schema.GROUND.items()}
+        self._no_ground = np.zeros((1, len(layout.supports), 3))
         self._count = 0
 
     def append(self, stage, row, contacts, ground=None):
@@ -48,19 +45,18 @@ class Buffer:
         "points": (n, n_points, 2)} of a run that keeps them."""
         count = len(next(iter(contacts.values())))
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
+        columns = {"series": [rows.get(name, np.full(count, np.nan)) for name in schema.SERIES],
+                   "ground": [ground.get(name, np.repeat(self._no_ground, count, axis=0)) for name in schema.GROUND],
+                   **{group: [values] for group, values in (beside or {}).items()}}
         first = 0
         while first < count:
             stop = min(count, first + CHUNK - self._count)
             taken, given = slice(first, stop), slice(self._count, self._count + stop - first)
-            for name, column in self._series.items():
-                column[given] = rows[name][taken] if name in rows else np.nan
             for name, values in contacts.items():
                 self._frames[name][given, joints] = values[taken]
-            for name, column in self._ground.items():
-                column[given] = ground[name][taken] if name in ground else 0.0
-            for group, values in (beside or {}).items():
-                (column,) = schema.GROWING[group].values()
-                self._beside[group].append(np.array(values[taken], column.dtype))
+            for group, arrays in columns.items():
+                self._blocks[group].append([np.array(values[taken], column.dtype)
+                                            for values, column in zip(arrays, schema.GROWING[group].values())])
             self._count, first = given.stop, stop
             if self._count == CHUNK:
                 self.flush()
@@ -124,14 +120,13 @@ class Buffer:
         columns = {group: [np.asarray(values, column.dtype)
                            for values, column in zip(zip(*rows), schema.GROWING[group].values())]
                    for group, rows in self._rows.items() if rows}
+        columns |= {group: [np.concatenate(parts) for parts in zip(*blocks)]
+                    for group, blocks in self._blocks.items() if blocks}
         if self._count > 0:
-            columns["series"] = [column[:self._count].copy() for column in self._series.values()]
-            columns["ground"] = [column[:self._count].copy() for column in self._ground.values()]
             columns["frames"] = [column[:self._count] for column in self._frames.values()]
-        columns |= {group: [np.concatenate(blocks)] for group, blocks in self._beside.items() if blocks}
         for sink in self._sinks:
             sink.store(columns)
-        for rows in (*self._rows.values(), *self._beside.values()):
+        for rows in (*self._rows.values(), *self._blocks.values()):
             rows.clear()
         for column in self._frames.values():
             column[:self._count] = 0

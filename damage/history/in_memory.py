@@ -5,13 +5,12 @@ Most contact points are intact most of the time, so a chunk of samples stores th
 
 import json
 from functools import cached_property, partial
-from typing import NamedTuple
 
 import numpy as np
 
 from damage.history import schema
 from damage.history.buffer import Buffer
-from damage.history.reader import any_bit, checked, history_of, read_history
+from damage.history.reader import any_bit, at_all_joints, checked, history_of, read_history
 from damage.history.writer import File, layout_tables, run_attributes, sizes_of
 
 MOST_BYTES = 40_000_000
@@ -30,7 +29,8 @@ class Memory:
     def __init__(self, path, layout, attributes, new_file=None):
         self.path, self.where = path, f"in memory, and in {path} should the run fail"
         self._layout, self._attributes, self._new_file = layout, attributes, new_file
-        self._values, self._parts, self._n_bytes, self._file = {}, [], 0, None
+        self._values, self._n_bytes, self._file = {}, 0, None
+        self._parts = []  # (active joints, columns with the frames of these alone)
 
     @cached_property
     def _parameters(self):
@@ -48,9 +48,11 @@ class Memory:
             self._file.store(columns)
         if self._parts is None:
             return
-        part = columns | {"frames": [_Part.of(column) for column in columns.get("frames", [])]}
-        self._parts.append(part)
-        self._n_bytes += sum(array.nbytes for arrays in part.values() for array in arrays)
+        frames = columns.get("frames", [])
+        joints = np.flatnonzero(np.any([any_bit(rows) for rows in frames], axis=0))
+        part = columns | {"frames": [rows[:, joints] for rows in frames]}
+        self._parts.append((joints, part))
+        self._n_bytes += joints.nbytes + sum(array.nbytes for arrays in part.values() for array in arrays)
         if self._n_bytes > MOST_BYTES:
             self._outgrow()
 
@@ -70,8 +72,9 @@ class Memory:
         if self._new_file:
             self._file = self._new_file()
             self._file.static_stage(self._values)
-            for part in self._parts:
-                self._file.store(part | {"frames": [rows.dense(self._layout.n_joints) for rows in part["frames"]]})
+            for joints, part in self._parts:
+                self._file.store(part | {
+                    "frames": [at_all_joints(rows, joints, self._layout.n_joints) for rows in part["frames"]]})
         self._parts = None
 
     def history(self, path):
@@ -93,27 +96,20 @@ class Memory:
 
     def _column(self, group, number, name):
         """All rows of a column, of this number in its group."""
-        parts = [part[group][number] for part in self._parts if part.get(group)]
+        parts = [part[group][number] for _, part in self._parts if part.get(group)]
         shape = schema.row_shape(f"{group}/{name}", sizes_of(self._layout, self._parameters))
         none = np.empty((0, *shape), schema.GROWING[group][name].dtype)
         return np.concatenate([none, *parts])
 
     def _active_frames(self):
         """The joints at which any bit was ever set, and {column of the frames: all its rows at them}."""
-        parts = [part["frames"] for part in self._parts if part["frames"]]
-        ever = np.zeros(self._layout.n_joints, bool)
-        for one in parts:
-            for part in one:
-                ever[part.joints] = True
-        joints, place = np.flatnonzero(ever), np.cumsum(ever) - 1
-        frames = {name: np.zeros((sum(len(one[0].values) for one in parts), len(joints)), column.dtype)
-                  for name, column in schema.FRAMES.items()}
-        first = 0
-        for one in parts:
-            for rows, part in zip(frames.values(), one):
-                rows[first:first + len(part.values), place[part.joints]] = part.values
-            first += len(one[0].values)
-        return joints, frames
+        parts = [(joints, part["frames"]) for joints, part in self._parts if part["frames"]]
+        ever = np.unique(np.concatenate([np.empty(0, int), *(joints for joints, _ in parts)]))
+        frames = {}
+        for number, (name, column) in enumerate(schema.FRAMES.items()):
+            rows = [at_all_joints(arrays[number], np.searchsorted(ever, joints), len(ever)) for joints, arrays in parts]
+            frames[name] = np.concatenate([np.empty((0, len(ever)), column.dtype), *rows])
+        return ever, frames
 
 
 class HistoryInMemory(Buffer):
@@ -122,7 +118,7 @@ class HistoryInMemory(Buffer):
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
         super().__init__(layout, Memory(path, layout, attributes, partial(
-            File, path, layout, attributes, versions, overwrite)))
+            File, path, layout, attributes, overwrite)))
 
 
 class HistoryKept(Buffer):
@@ -130,26 +126,4 @@ class HistoryKept(Buffer):
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, File(path, layout, attributes, versions, overwrite), Memory(path, layout, attributes))
-
-
-class _Part(NamedTuple):
-    """Rows of a frame: the joints at which any bit is set, and their values (rows, joints)."""
-
-    joints: np.ndarray
-    values: np.ndarray
-
-    @classmethod
-    def of(cls, rows):
-        joints = np.flatnonzero(any_bit(rows))
-        return cls(joints, rows[:, joints])
-
-    @property
-    def nbytes(self):
-        return self.joints.nbytes + self.values.nbytes
-
-    def dense(self, n_joints):
-        """The rows (rows, n_joints) of all joints."""
-        rows = np.zeros((len(self.values), n_joints), self.values.dtype)
-        rows[:, self.joints] = self.values
-        return rows
+        super().__init__(layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes))

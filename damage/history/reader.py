@@ -153,11 +153,19 @@ class History:
     static_stage: pd.DataFrame | None = None
 
     def __repr__(self):
-        return (f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {how_it_ended(self)}, "
-                f"{_samples(self)}>")
+        return f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {_end_of(self)}>"
 
     def _repr_html_(self):
-        return as_html(self)
+        """A table for notebooks, with its wall, motion, end, index and largest drift."""
+        rows = [("wall", self.wall), ("motion", self.loading.name), ("solver", self.solver), ("run", _end_of(self))]
+        if len(self.series):
+            index, drift = self.index()["DI"], self.series["drift_ratio"].abs().max()
+            residual = f", residual {index.iloc[-1]:.3f}" if self.complete else ""
+            rows += [("damage index", f"maximum {index.max():.3f}{residual}"),
+                     ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
+                     ("failures", f"{int(self.states.broken[-1].sum())} of {len(self.joints)} contact points")]
+        cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
+        return f"<table><caption>History</caption>{cells}</table>"
 
     def plot_wall(self, ax, t="max", **options):
         """Draw the wall with its cracks at a time t [s], or "max" (of the damage index) or "end", into axes of a
@@ -318,21 +326,24 @@ def read_history(path):
     """
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
+    read = partial(_read, head)
     if head is None or not head.sealed:
-        return apart(path, _open)
+        return apart(path, read)
     check_seal(path, head)
     with bounded() as believe:
-        return _open(path, believe)
+        return read(path, believe)
 
 
-def _open(path, believe=lambda n_bytes: None):
-    """Read a file with an intact seal here, any other in a separate process."""
+def _read(head, path, believe):
+    """The History of a file with this Head; believe: as of `apart`."""
     try:
         with opened(path) as file:
-            _check_schema(file, path)
+            version = _schema_version(file, path, head)
             believe(check_structure(file))
-            history = _read(file, path)
-        _check_head(history)
+            # What is open has no end yet, whatever it says of itself.
+            history = history_of(path, dict(file["run"].attrs), file, version, ended=not head or head.sealed)
+        if head and head != replace(head, **head_of(history.solver, history.versions)):
+            raise InputError("its head names another software or model than the rest of it")
         return checked(history)
     except InputError as error:
         raise error if str(path) in str(error) else _unreadable(path, error) from None
@@ -347,13 +358,6 @@ def checked(history):
     # Parameters that make no sense are a fault of the file, reported here and not in the midst of a command.
     _ = history.loading.as_dict(), history.model, history.joint_normals, history.masonry_wall
     return history
-
-
-def _check_head(history):
-    """Raise InputError unless the head agrees with the attributes of the file."""
-    head = read_head(history.path)
-    if head and head != replace(head, **head_of(history.solver, history.versions)):
-        raise InputError("its head names another software or model than the rest of it")
 
 
 def _unreadable(path, error):
@@ -375,7 +379,7 @@ def _is_growing(path):
     return block[start + 11:start + 12] >= b"\4"  # of its consistency flags that of a single writer with many readers
 
 
-def _check_schema(file, path):
+def _schema_version(file, path, head):
     schema = file.attrs.get("schema")
     if not (isinstance(schema, str) and schema == SCHEMA):
         raise InputError(f"{path} is no history of this software (its schema is {schema!r}, expected {SCHEMA!r})")
@@ -383,16 +387,9 @@ def _check_schema(file, path):
     if version > SCHEMA_VERSION:
         raise InputError(f"{path} has schema version {version}, this software reads up to "
                          f"{SCHEMA_VERSION}; update the software")
-    head = read_head(path)
     if (head.version if head else 1) != version:
         raise InputError(f"its head names another schema version than {version}, which the rest of it has")
-
-
-def _read(file, path):
-    head = read_head(path)
-    # What is open has no end yet, whatever it says of itself.
-    return history_of(path, dict(file["run"].attrs), file, int(file.attrs["schema_version"]),
-                      ended=not head or head.sealed)
+    return version
 
 
 def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joints=None):
@@ -430,7 +427,7 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
         static_stage=_columns(values, "static_stage", _whole_rows(values, tables, "static_stage"))
         if tables["static_stage"] else None,
         **(frames if joints is None else
-           {name: partial(_at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
+           {name: partial(at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would compute it from dense frames
         vars(history).update(active=_sparse(ActiveContacts, joints, frames), states=_sparse(States, joints, frames))
     return history
@@ -451,7 +448,7 @@ def _frames(values, columns, n_times):
         ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED), ("ended", ENDED))}
 
 
-def _at_all_joints(sparse, joints, n_joints):
+def at_all_joints(sparse, joints, n_joints):
     """Dense frames (n_times, n_joints) from those of some joints alone (n_times, n)."""
     rows = np.zeros((len(sparse), n_joints), sparse.dtype)
     rows[:, joints] = sparse
@@ -478,26 +475,9 @@ def _decode(frame, column, names):
     return frame
 
 
-def as_html(history):
-    """A History as HTML for notebooks: a table with its wall, motion, end, index and largest drift."""
-    rows = [("wall", history.wall), ("motion", history.loading.name), ("solver", history.solver),
-            ("run", f"{how_it_ended(history)}, {_samples(history)}")]
-    if len(history.series):
-        index, drift = history.index()["DI"], history.series["drift_ratio"].abs().max()
-        residual = f", residual {index.iloc[-1]:.3f}" if history.complete else ""
-        rows += [("damage index", f"maximum {index.max():.3f}{residual}"),
-                 ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
-                 ("failures", f"{int(history.states.broken[-1].sum())} of {len(history.joints)} contact points")]
-    cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
-    return f"<table><caption>History</caption>{cells}</table>"
-
-
-def how_it_ended(history):
-    """The status, and when the wall collapsed, where it did."""
-    fell = history.collapsed_at_s
-    return history.status if fell is None else f"{history.status}, collapsed at {fell:.3f} s"
-
-
-def _samples(history):
-    time_s = history.series["time_s"]
-    return f"{len(time_s)} samples" + (f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else "")
+def _end_of(history):
+    """The status, when the wall collapsed, where it did, and how many samples there are."""
+    fell, time_s = history.collapsed_at_s, history.series["time_s"]
+    collapse = "" if fell is None else f", collapsed at {fell:.3f} s"
+    last = f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else ""
+    return f"{history.status}{collapse}, {len(time_s)} samples{last}"

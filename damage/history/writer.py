@@ -43,13 +43,12 @@ class File:
 
     keeps_state = True
 
-    def __init__(self, path, layout, attributes, versions, overwrite=False):
+    def __init__(self, path, layout, attributes, overwrite=False):
         self.path, self.where, self.attributes = Path(path), str(path), attributes
         with self._writing():
             self._file = _create_file(self.path, overwrite)
-            write_head(self.path, Head(**head_of(attributes["solver"], versions)))
-            _write_run(self._file, attributes)
-            _write_tables(self._file, layout)
+            write_head(self.path, Head(**head_of(attributes["solver"], json.loads(attributes["versions_json"]))))
+            _write_fixed(self._file, layout, attributes)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout, json.loads(attributes["parameters_json"]))
             self._state = self._file.create_dataset(schema.STATE, shape=(0,), maxshape=(None,), chunks=(1 << 16,),
@@ -82,9 +81,8 @@ class File:
 
     def copy_rows(self, file, counts):
         """Copy what another open file holds of the same run: the static stage, and so many rows of each group."""
+        self.static_stage({name: file["static"][name][()] for name in schema.STATIC})
         with self._writing():
-            for name in schema.STATIC:
-                self._file["static"][name][()] = file["static"][name][()]
             for group, count in zip(schema.GROWING, counts):
                 for dataset in self._growing[group]:
                     _copy(dataset, file[dataset.name], count)
@@ -137,7 +135,7 @@ class HistoryWriter(Buffer):
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, File(path, layout, attributes, versions, overwrite))
+        super().__init__(layout, File(path, layout, attributes, overwrite))
         (self.file,) = self._sinks
 
     @classmethod
@@ -225,15 +223,17 @@ def run_attributes(layout, solver, parameters, versions):
     }
 
 
-def _write_run(file, attributes):
+def _write_fixed(file, layout, attributes):
+    """Write the datasets that do not grow; those of `run` and `static` are filled later."""
     file.attrs["schema"] = schema.SCHEMA
     file.attrs["schema_version"] = schema.SCHEMA_VERSION
-    run = file.create_group("run")
-    run.attrs.update(attributes)
-    for name, first in (("status", np.uint8(0)), ("collapsed_at_s", np.nan)):
-        run.create_dataset(name, data=first).attrs["unit"] = schema.RUN[name].unit
-    for name, column in schema.STATIC.items():
-        file.create_dataset(f"static/{name}", data=np.nan).attrs["unit"] = column.unit
+    file.create_group("run").attrs.update(attributes)
+    written = {"run": {"status": np.uint8(0), "collapsed_at_s": np.nan},
+               "static": dict.fromkeys(schema.STATIC, np.nan), **layout_tables(layout)}
+    for group, columns in written.items():
+        for name, values in columns.items():
+            unit = (schema.RUN if group == "run" else schema.TABLES[group])[name].unit
+            file.create_dataset(f"{group}/{name}", data=values).attrs["unit"] = unit
 
 
 def layout_tables(layout):
@@ -255,12 +255,6 @@ def sizes_of(layout, parameters):
     """{what datasets have as many of: how many} of a run with these parameters, for `schema.row_shape`."""
     return {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
             "points": len(parameters.get("points", ()))}
-
-
-def _write_tables(file, layout):
-    for group, columns in layout_tables(layout).items():
-        for name, values in columns.items():
-            file.create_dataset(f"{group}/{name}", data=values).attrs["unit"] = schema.TABLES[group][name].unit
 
 
 def _create_growing(file, layout, parameters):

@@ -154,7 +154,7 @@ def _continued(path, layout, counts, attributes):
         if any(not 0 <= count <= has for count, has in zip(counts, there)):
             raise ValueError(f"it has {there} rows, expected {counts}")
         beside = path.with_name(f".{path.stem}.{os.getpid()}.h5")
-        file = File(beside, layout, attributes, json.loads(attributes["versions_json"]), overwrite=True)
+        file = File(beside, layout, attributes, overwrite=True)
         try:
             file.copy_rows(old, counts)
             os.replace(beside, path)
