@@ -370,8 +370,7 @@ class Run:
             "time_s": time_s, "base_acceleration_x_m_s2": base[:, 0], "base_acceleration_z_m_s2": base[:, 1],
             "top_displacement_m": top, "drift_ratio": self._drift(motion, top), **self._base_rows(motion),
             "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
-        problem, end = self._first_not_finite(rows, {
-            "motion": motion, **now.contacts})
+        problem, end = _first_not_finite(rows | {"motion": motion} | now.contacts)
         if self._borne and self.stage != "settlement" and end > 0:
             check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
@@ -437,20 +436,6 @@ class Run:
         stress = () if self._stress is None else (np.einsum("bpsm,bm->bps", self._stress, now.strain[k]),)
         return time_s, motion[k], *stress
 
-    def _first_not_finite(self, rows, arrays):
-        """What is not finite at the first sample where anything is not, and which that is: None and their number where
-        all is.  rows: {name: (n,)}; arrays: {name: (n, ...)}."""
-        count = len(rows["time_s"])
-        # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads for its product.
-        sums = [float(np.add.reduce(values, axis=None)) for values in (rows | arrays).values()]
-        if math.isfinite(sum(sums)):
-            return None, count
-        for k in range(count):
-            for name, values in (rows | arrays).items():
-                if not math.isfinite(float(np.add.reduce(values[k], axis=None))):
-                    return name, k
-        return None, count
-
     def _energies(self, now, motion):
         """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
         while the wall settles or is pushed; in any other stage there is none."""
@@ -502,3 +487,14 @@ class Run:
         """Write what a solver drained; since: its clock's zero, in steps since the end of the static stage."""
         for step, *event in events:
             self.writer.event((since + step - self._zero_step) * self.solver.time_step, *event)
+
+
+def _first_not_finite(samples):
+    """What is not finite at the first sample where anything is not, and which that is: None and their number where all
+    is.  samples: {name: (n, ...)}."""
+    count = len(samples["time_s"])
+    # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads for its product.
+    if math.isfinite(sum(float(np.add.reduce(values, axis=None)) for values in samples.values())):
+        return None, count
+    return next(((name, k) for k in range(count) for name, values in samples.items()
+                 if not math.isfinite(float(np.add.reduce(values[k], axis=None)))), (None, count))

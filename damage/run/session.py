@@ -359,19 +359,26 @@ def _like(backend, settings, layout, time_step):
 def attended(label, show=None, quiet=False, runs=1):
     """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run, which shows their
     progress, too.  show: called now and then; runs: how many equally long ones there will be, 0 where nobody knows."""
-    progress, interrupts = Progress(label, io.StringIO() if quiet else None, runs), _Interrupts()
+    progress, interrupts = Progress(label, io.StringIO() if quiet else None, runs), []
 
     def keep_going(run, time_s):
         progress.show(time_s, run)
         if show:
             show()
-        return not interrupts.asked
+        return not interrupts
 
+    signals = [signal.SIGINT, signal.SIGTERM]  # Ctrl-C, a polite kill
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # a terminal that closes; nohup leaves it ignored
+        signals.append(signal.SIGHUP)
+    if threading.current_thread() is not threading.main_thread():  # which alone gets signals, and may set handlers
+        signals = []
+    before = {number: signal.signal(number, lambda *_: interrupts.append(True)) for number in signals}
     try:
         yield keep_going
     finally:
         progress.close()
-        interrupts.end_at_once()
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)
 
 
 def simulate(prepared, keep_going, settled=None):
@@ -418,27 +425,6 @@ def _simulate(prepared, keep_going, settled):
         if status is not None:
             writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
-
-
-class _Interrupts:
-    """Ctrl-C, a polite kill and a terminal that closes end the run at the next look, until `end_at_once`."""
-
-    def __init__(self):
-        self.asked = False
-        names = [signal.SIGINT, signal.SIGTERM]
-        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as nohup leaves it
-            names.append(signal.SIGHUP)
-        if threading.current_thread() is not threading.main_thread():  # which alone gets signals, and may set handlers
-            names = []
-        self._before = {name: signal.signal(name, self._ask) for name in names}
-
-    def end_at_once(self):
-        """From now on each does what it did before."""
-        for name, handler in self._before.items():
-            signal.signal(name, handler or signal.SIG_DFL)
-
-    def _ask(self, *_):
-        self.asked = True
 
 
 class Progress:
