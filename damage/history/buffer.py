@@ -11,7 +11,7 @@ CHUNK = 120
 
 
 class Buffer:
-    """What a run writes to: call `append` or `extend`, `event` and `snapshot` as it goes, `finish` at the end.
+    """What a run writes to: call `extend`, `event` and `snapshot` as it goes, `finish` at the end.
 
     sinks: where it goes, none to keep nothing: a file (`damage.history.writer.File`), memory
     (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {group: arrays in the order of its
@@ -26,28 +26,20 @@ class Buffer:
         self._blocks = {"series": [], "ground": [], "stresses": [], "points": []}  # columns of several rows
         self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
                         for name, column in schema.FRAMES.items()}
-        self._no_ground = np.zeros((1, len(layout.supports), 3))
         self._count = 0
 
-    def append(self, stage, row, contacts, ground=None):
-        """Add one sample.
+    def extend(self, stage, rows, joints, contacts, ground, beside):
+        """Add n samples.
 
-        stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN; contacts: {column of FRAMES:
-        (n_joints,)}, missing ones become zero; ground: {column of GROUND: (n_supports, 3)}, missing ones become zero.
+        stage: one of STAGES; rows: {column of SERIES: (n,)}, missing ones become NaN; contacts: {column of FRAMES:
+        (n, n_active)} of these joints, zero in all others, as missing ones are; ground: {column of GROUND: (n,
+        n_supports, 3)}; beside: {"stresses": (n, n_joints, 2), "points": (n, n_points, 2)} of a run that keeps them.
         """
-        self.extend(stage, {name: np.array([value]) for name, value in row.items()}, slice(None),
-                    *({name: np.asarray(values)[np.newaxis] for name, values in columns.items()}
-                      for columns in (contacts, ground or {})))
-
-    def extend(self, stage, rows, joints, contacts, ground, beside=None):
-        """Add n samples, as `append` one: rows: {column: (n,)}, of one length; contacts: {column: (n, n_active)} of
-        these joints, zero in all others; ground: {column: (n, n_supports, 3)}; beside: {"stresses": (n, n_joints, 2),
-        "points": (n, n_points, 2)} of a run that keeps them."""
         count = len(next(iter(contacts.values())))
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
         columns = {"series": [rows.get(name, np.full(count, np.nan)) for name in schema.SERIES],
-                   "ground": [ground.get(name, np.repeat(self._no_ground, count, axis=0)) for name in schema.GROUND],
-                   **{group: [values] for group, values in (beside or {}).items()}}
+                   "ground": [ground[name] for name in schema.GROUND],
+                   **{group: [values] for group, values in beside.items()}}
         first = 0
         while first < count:
             stop = min(count, first + CHUNK - self._count)
