@@ -17,8 +17,9 @@ from damage.history.writer import layout_tables
 from damage.measure.crack_paths import crack_paths
 from damage.measure.survey import check_share
 
-KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j"
-"""Of the Instants at the first run's time zero, from which displacements and energies count."""
+KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j", "strain"
+"""Of the Instants at the first run's time zero, from which displacements and energies count; the strain of deformable
+bricks, None of rigid ones, moves material points."""
 
 
 # --- the end of another run -----------------------------------------------------------------------------
@@ -121,17 +122,13 @@ def read_earlier(path, layout, origin, option="--continue", ended=True):
 
 def zero_of(state, now):
     """Instants `now` with the values at the first run's time zero in place of KEPT."""
-    return now._replace(**{name: state[f"zero_{name}"] for name in _kept(now)})
+    return now._replace(**{name: state[f"zero_{name}"] for name in KEPT if getattr(now, name) is not None})
 
 
 def with_zero(state, zero):
     """A solver's state with the KEPT values of Instants at time zero."""
-    return state | {f"zero_{name}": np.asarray(getattr(zero, name)) for name in _kept(zero)}
-
-
-def _kept(zero):
-    """KEPT, and of deformable bricks their strain, which moves material points."""
-    return KEPT if zero.strain is None else (*KEPT, "strain")
+    values = {name: getattr(zero, name) for name in KEPT}
+    return state | {f"zero_{name}": np.asarray(value) for name, value in values.items() if value is not None}
 
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------

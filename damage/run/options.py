@@ -101,10 +101,12 @@ def number_from(least, most, kind=float):
 def parse_run(arguments, prog, solver):
     """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
     parsed = make_parser(prog, solver).parse_args(arguments)
-    life = _life_of(parsed)
+    life, model = _life_of(parsed), model_of(parsed)
+    if parsed.life is not None and model.strength_cov:  # strengths are drawn by the number of a life, too
+        model = replace(model, strength_seed=parsed.life)
     alpha_1_s, beta_s = _damping(parsed)
     return RunSettings(**_fields_of(RunSettings, parsed) | _motion(parsed) | {
-        "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": _model(parsed),
+        "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": model,
         "continued": getattr(parsed, "continue") and str(getattr(parsed, "continue")), "alpha_1_s": alpha_1_s,
         "checkpoint_s": math.inf if parsed.checkpoint is None else 60 * parsed.checkpoint,
         "points": tuple(map(tuple, parsed.point or ())),
@@ -234,7 +236,6 @@ def _add_before(group):
 
 
 def _surveyed(parsed):
-    """The Surveyed cracks of parsed options, None without them."""
     tolerance_mm = parsed.tolerance_mm
     if parsed.cracked is None:
         if tolerance_mm is not None:
@@ -282,7 +283,6 @@ def add_model_options(group, names):
 
 
 def _add_field(group, one, **more):
-    """Add the option of a field to a parser, or a group of one."""
     kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
     group.add_argument(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
                        **{"help": one.metadata["help"],
@@ -290,7 +290,6 @@ def _add_field(group, one, **more):
 
 
 def _add_settings(group, *names):
-    """Add the named fields of RunSettings to a group of a parser."""
     for one in fields(RunSettings):
         if one.name in names:
             _add_field(group, one)
@@ -374,13 +373,13 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
 
 
 def _motion(parsed):
-    """The fields of RunSettings that are about the motion."""
     if parsed.event is not None:
         return _event(parsed)
     if parsed.life is not None:
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
-        return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
+        factors = (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
+        return {"loading": _loading(parsed), "sequence": factors}
     owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
@@ -418,12 +417,6 @@ def _life_of(parsed):
     return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
 
 
-def _model(parsed):
-    """ModelOptions of parsed options; the joints' strengths of a life are drawn by its number."""
-    model = model_of(parsed)
-    return replace(model, strength_seed=parsed.life) if parsed.life is not None and model.strength_cov else model
-
-
 _MOTIONS = ("harmonic", "record", "free_vibration", "pushover", "cyclic")
 
 
@@ -458,10 +451,6 @@ def _harmonic(parsed):
 def _given(**options):
     """The options that were given; of the others the loading has its own default."""
     return {name: value for name, value in options.items() if value is not None}
-
-
-def _sequence(parsed):
-    return (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
 
 
 def _numbers(option, words, what, example):

@@ -114,7 +114,7 @@ class Run:
         interrupted."""
         solver, dt = self.solver, self.solver.time_step
         n = round(self._ramp_s / dt)
-        solver.damp(**self._relaxation(LOCAL_DAMPING))
+        solver.damp(**self._damping("static"))
         if n == 0 and self._state is None:
             solver.add_static_displacement()
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n if n else np.ones(1)))
@@ -201,7 +201,6 @@ class Run:
         self._prescribe(self._samples - 1)  # what waited for this
 
     def _check_rest(self):
-        """Raise RunError where the wall is not at rest after its settlement."""
         unbalanced = self._unbalanced_force()
         if unbalanced > SETTLED_BELOW:
             raise RunError(f"{self.layout.wall.name}: not at rest on the settled ground, unbalanced force "
@@ -343,21 +342,20 @@ class Run:
     def _unbalanced_force(self):
         return unbalanced_force(self.layout, *self.solver.forces())
 
-    def _relaxation(self, local):
-        """How static solutions are found: by adaptive damping, or by so much local damping."""
-        return {"adaptive": ADAPTIVE_DAMPING} if self.settings.relaxation == "adaptive" else {"local": local}
-
     def _damping(self, stage):
         """Local or adaptive damping while settling, that of the settings otherwise: both at once are unstable at this
         step.  With mass scaling local damping would do positive work."""
-        drive, adaptive = self.settings.loading.drive, {"adaptive": ADAPTIVE_DAMPING}
+        drive, local = self.settings.loading.drive, LOCAL_DAMPING
         if stage == "settlement":
-            return adaptive if self._borne else {"local": LOCAL_DAMPING}
-        if drive.quasi_static:
-            return self._relaxation(drive.local_damping)
-        if stage == "settling":
-            return adaptive if self.settings.settles == "adaptive" else {"local": LOCAL_DAMPING}
-        return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
+            is_adaptive = self._borne is not None
+        elif stage == "static" or drive.quasi_static:
+            is_adaptive = self.settings.relaxation == "adaptive"
+            local = LOCAL_DAMPING if stage == "static" else drive.local_damping
+        elif stage == "settling":
+            is_adaptive = self.settings.settles == "adaptive"
+        else:
+            return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
+        return {"adaptive": ADAPTIVE_DAMPING} if is_adaptive else {"local": local}
 
     # --- samples ---------------------------------------------------------------------------------
 

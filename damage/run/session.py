@@ -328,7 +328,6 @@ def _with_history(prepared, origin):
 
 
 def _warn_of(backend, settings, wall, time_step, critical_s):
-    """Warn of choices that do not suit this wall; time_step, critical_s [s]."""
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
