@@ -140,15 +140,11 @@ def _record(asked):
         implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))),
          *faint_warnings(found["pga_g"]))
     if asked.plot:
-        _plot_motion(loading, found, asked.plot)
+        from damage.draw.motion import motion_picture
+        from damage.draw.style import save_picture
+
+        if asked.plot.suffix.lower() != ".png":
+            raise InputError(f"--plot {asked.plot}: expected a name that ends in .png; give it one")
+        path = save_picture(motion_picture(loading, found), asked.plot, f"motion {loading.name}")
+        print(f"picture: {path}", file=sys.stderr)  # stdout may be JSON
     show(asked, found, describe)
-
-
-def _plot_motion(loading, found, path):
-    """Write the picture of a motion; its path goes to stderr: stdout may be JSON."""
-    from damage.draw.motion import motion_picture
-    from damage.draw.style import save_picture
-
-    if path.suffix.lower() != ".png":
-        raise InputError(f"--plot {path}: expected a name that ends in .png; give it one")
-    print(f"picture: {save_picture(motion_picture(loading, found), path, f'motion {loading.name}')}", file=sys.stderr)

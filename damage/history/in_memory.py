@@ -68,7 +68,6 @@ class Memory:
         self._status, self._collapsed_at_s = status, collapsed_at_s
 
     def _outgrow(self):
-        """Continue in a file."""
         if self._new_file:
             self._file = self._new_file()
             self._file.static_stage(self._values)

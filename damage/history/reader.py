@@ -296,26 +296,24 @@ class History:
         """Whether no joint ever failed or reached its shear limit."""
         return not bool(self.states.broken.any() or self.states.at_limit.any())
 
+    # What follows is of packages that come after this one in the order of imports.
+
     @cached_property
     def warnings(self):
         """Conditions under which the results are doubtful, a list of str with a `code` (`damage.measure.warnings`)."""
-        return _measure("warnings").warnings_of(self)
+        return import_module("damage.measure.warnings").warnings_of(self)
 
     @property
     def evidence(self):
         """The range of validity (`docs/model/validity.md`), a DataFrame, a row a quantity: value, least, most, unit and
         whether this run is inside, None where the quantity does not apply."""
-        return pd.DataFrame(_measure("summary").summarise(self)["evidence"]).T.rename_axis("quantity")
+        evidence = import_module("damage.measure.summary").summarise(self)["evidence"]
+        return pd.DataFrame(evidence).T.rename_axis("quantity")
 
     @cached_property
     def _indices(self):
         """Damage indices computed so far, which several tables need: {(threshold, drift limit, slip): DataFrame}."""
         return {}
-
-
-def _measure(name):
-    """A module of `damage.measure`, which comes after this package in the order of imports."""
-    return import_module(f"damage.measure.{name}")
 
 
 def read_history(path):

@@ -154,7 +154,6 @@ def check_parameters(parameters):
 
 
 def _check_events(parameters):
-    """Raise InputError unless each event of a sequence of records has one of its motions."""
     motions, events = parameters.get("motions", []), parameters.get("events", [])
     known = all(isinstance(event, dict) and event.get("motion") in range(len(motions)) for event in events)
     if not known or not all(isinstance(motion, dict) for motion in motions) or (

@@ -166,7 +166,6 @@ def check_output(path, overwrite=False):
 
 
 def _check_taken(path, overwrite):
-    """Raise InputError where `path` exists and must not be replaced."""
     if path.is_dir():
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
     if path.suffix != ".h5":  # the pictures' folder has the name without it, so that no two runs share one
