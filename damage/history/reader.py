@@ -14,19 +14,9 @@ import pandas as pd
 
 from damage.checks import check_choice, check_file, record_from
 from damage.errors import InputError
+from damage.history import schema
 from damage.history.apart import apart, bounded
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
-from damage.history.schema import (
-    CODES,
-    EVENTS,
-    SCHEMA,
-    SCHEMA_VERSION,
-    STAGES,
-    STATUS,
-    TABLES,
-    moving,
-    tables_of,
-)
 from damage.history.structure import check_parameters, check_structure, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
@@ -249,7 +239,7 @@ class History:
     @property
     def moving(self):
         """The series without the settling stages."""
-        return moving(self.series)
+        return schema.moving(self.series)
 
     def judged_by(self, slip):
         """Slip criterion that is applied for a requested one: `accumulated` in place of `displacement` where the file
@@ -378,28 +368,28 @@ def _is_growing(path):
 
 
 def _schema_version(file, path, head):
-    schema = file.attrs.get("schema")
-    if not (isinstance(schema, str) and schema == SCHEMA):
-        raise InputError(f"{path} is no history of this software (its schema is {schema!r}, expected {SCHEMA!r})")
+    name = file.attrs.get("schema")
+    if not (isinstance(name, str) and name == schema.SCHEMA):
+        raise InputError(f"{path} is no history of this software (its schema is {name!r}, expected {schema.SCHEMA!r})")
     version = int(file.attrs["schema_version"])
-    if version > SCHEMA_VERSION:
+    if version > schema.SCHEMA_VERSION:
         raise InputError(f"{path} has schema version {version}, this software reads up to "
-                         f"{SCHEMA_VERSION}; update the software")
+                         f"{schema.SCHEMA_VERSION}; update the software")
     if (head.version if head else 1) != version:
         raise InputError(f"its head names another schema version than {version}, which the rest of it has")
     return version
 
 
-def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joints=None):
+def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=True, joints=None):
     """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or dataset}.
 
     joints: where the frames are of some joints alone, their indices (n,), increasing; all others are inactive, and
     dense frames are made on first use.
     """
-    tables = tables_of(version)
+    tables = schema.tables_of(version)
     n_times = _whole_rows(values, tables, "series", "frames", "ground", "stresses", "points")
     n_snapshots = _whole_rows(values, tables, "snapshots")
-    snapshots = {name: values[f"snapshots/{name}"][:n_snapshots] for name in TABLES["snapshots"]
+    snapshots = {name: values[f"snapshots/{name}"][:n_snapshots] for name in schema.TABLES["snapshots"]
                  if f"snapshots/{name}" in values}
     table = _columns(values, "joints")
     frames = _frames(values, tables["frames"], n_times)
@@ -409,14 +399,14 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
         **{f"support_{name}": values[f"ground/{name}"][:n_times] for name in tables["ground"]}}
     history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
-        status=STATUS[int(values["run/status"][()]) if ended else 0],
+        status=schema.STATUS[int(values["run/status"][()]) if ended else 0],
         collapsed_at_s=None if np.isnan(collapsed) else collapsed,
         parameters=json.loads(attributes["parameters_json"]), versions=json.loads(attributes["versions_json"]),
-        static={name: float(values[f"static/{name}"][()]) for name in sorted(TABLES["static"])},
-        attributes=attributes, joints=_decode(table, "kind", CODES["joints/kind"]),
+        static={name: float(values[f"static/{name}"][()]) for name in sorted(schema.TABLES["static"])},
+        attributes=attributes, joints=_decode(table, "kind", schema.CODES["joints/kind"]),
         bodies=_columns(values, "bodies"),
-        series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", STAGES)),
-        events=_decode(_columns(values, "events", _whole_rows(values, tables, "events")), "kind", EVENTS),
+        series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
+        events=_decode(_columns(values, "events", _whole_rows(values, tables, "events")), "kind", schema.EVENTS),
         snapshot_time_s=snapshots["time_s"], displacement=snapshots["displacement"],
         stress_pa=snapshots.get("stress_pa"), **ground,
         **{field: values[path][:n_times] for field, path in (("joint_stress_pa", "stresses/joint_stress_pa"),
@@ -462,7 +452,7 @@ def _number_shocks(series):
 
 def _columns(values, group, n_rows=None):
     """Columns of a group that the schema names, as a DataFrame."""
-    names = sorted(TABLES[group])
+    names = sorted(schema.TABLES[group])
     found = {name: values[f"{group}/{name}"][:n_rows] for name in names if f"{group}/{name}" in values}
     rows = range(len(next(iter(found.values()))))
     return pd.DataFrame({name: found.get(name, np.nan) for name in names}, index=rows)

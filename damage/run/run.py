@@ -8,7 +8,7 @@ from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
-from damage.run import schedule
+from damage.run import schedule, watch
 from damage.run.before import as_bytes, with_zero, zero_of
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
@@ -23,18 +23,6 @@ from damage.run.settings import (
     SETTLED_BELOW,
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
-from damage.run.watch import (
-    BaseMotion,
-    Borne,
-    MaterialPoints,
-    check_drop,
-    fastest_fallen,
-    have_fallen,
-    have_left,
-    index_now,
-    lowest_places,
-    unbalanced_force,
-)
 from damage.units import GRAVITY
 from damage.wall.strain import stress_by_modes
 
@@ -66,14 +54,14 @@ class Run:
         self._zero_step = schedule.zero_step(self.stages)
         self.base, self._prescribed = NO_MOTION, []  # (velocities in each interval, what moves by them, first interval)
         moves = settings.ground_moves or bool(state and state["base_moves"])
-        self._base_motion = BaseMotion(layout) if moves else None
+        self._base_motion = watch.BaseMotion(layout) if moves else None
         self._zero = None  # instant at the end of the static stage
         self._modal_velocity, self._set_in_motion_j = None, 0.0  # at time zero; energy that came in with it
         self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        self._lowest, self._at_rest = lowest_places(layout), 0.0  # motion at the end of settling
-        self._borne = Borne(layout) if settings.mass_scaling == SELECTIVE else None
-        self._points = MaterialPoints(layout, settings.points) if settings.points else None
+        self._lowest, self._at_rest = watch.lowest_places(layout), 0.0  # motion at the end of settling
+        self._borne = watch.Borne(layout) if settings.mass_scaling == SELECTIVE else None
+        self._points = watch.MaterialPoints(layout, settings.points) if settings.points else None
         solver.with_stresses, self._looks = settings.stresses, []  # (time [s], unbalanced force) in the static stage
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
@@ -94,8 +82,8 @@ class Run:
         """The damage index now."""
         now = self.solver.instants()
         drift = self._drift(self._motion(now))[-1]
-        return index_now(self.layout, drift, now.joints, now.contacts["opening_m"][-1],
-                         now.contacts["offset_m"][-1])
+        return watch.index_now(self.layout, drift, now.joints, now.contacts["opening_m"][-1],
+                               now.contacts["offset_m"][-1])
 
     @property
     def energy_error(self):
@@ -287,7 +275,7 @@ class Run:
 
         last, now: snapshots (time [s], motion, ...).
         """
-        fastest = fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
+        fastest = watch.fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
         if fastest > RESTS_BELOW_M_S or now[0] < moves_until:
             self.rests_at_s = None
         elif self.rests_at_s is None:
@@ -340,7 +328,7 @@ class Run:
                         "at the wall's stiffnesses and masses")
 
     def _unbalanced_force(self):
-        return unbalanced_force(self.layout, *self.solver.forces())
+        return watch.unbalanced_force(self.layout, *self.solver.forces())
 
     def _damping(self, stage):
         """Local or adaptive damping while settling, that of the settings otherwise: both at once are unstable at this
@@ -370,10 +358,10 @@ class Run:
             "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
         problem, end = _first_not_finite(rows | {"motion": motion} | now.contacts)
         if self._borne and self.stage != "settlement" and end > 0:
-            check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
+            watch.check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if self._borne and len(fell) > 0:
-            check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
+            watch.check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
         free = self.stage == "settlement" and self.settings.loading.drive.top is not None  # before it is pushed
@@ -389,8 +377,8 @@ class Run:
             if self.settings.settlement:  # with the ground no brick has fallen
                 lowest = (now.support_displacement - self._zero.support_displacement)[:len(motion), :, 1].min(axis=1)
                 motion = motion - np.array([0.0, 1.0, 0.0]) * lowest[:, np.newaxis, np.newaxis]
-            return have_fallen(motion, self._lowest)
-        return have_left(self.layout, motion, now.joints, now.contacts["state"][:len(motion)])
+            return watch.have_fallen(motion, self._lowest)
+        return watch.have_left(self.layout, motion, now.joints, now.contacts["state"][:len(motion)])
 
     def _prescribe(self, interval):
         """Move the top and the supports by their velocities in this interval; they rest after the last."""
