@@ -3,10 +3,10 @@
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, WALL, arg, command, file_arg, group, out, output, save, show
+from damage.commands.table import JSON, WALL, command, out, output, save, show
 from damage.errors import InputError, warn
 from damage.files import is_there, write_text
-from damage.run.options import file_path, number_from
+from damage.run.options import arg, file_arg, file_path, flag, group, number_from
 
 _ADDRESS = (
     group("address",
@@ -110,7 +110,7 @@ def _lives_options(within, strong):
          WALL, *_ADDRESS, *_lives_options(10.0, (0.05, 0.1)),
          group("lives", arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N",
                             help="lives (default 100)")),
-         group("batch", arg("--slurm", action="store_true", help="as jobs of a SLURM cluster")),
+         group("batch", flag("--slurm", "as jobs of a SLURM cluster")),
          out("folder of the study: tables, pictures, report"))
 def _life(asked):
     from damage.batch.command import run_study
@@ -180,7 +180,7 @@ def _app(asked):
          file_arg("results", "FOLDER", "folder of a study with lives"),
          arg("--with", dest="tables", nargs="+", default=[], type=file_path, metavar="lives.csv", help="lives of "
               "equal points from other sessions, with other seeds"),
-         arg("--tables", dest="only", action="store_true", help="tables and text only"),
+         flag("--tables", dest="only", help_="tables and text only"),
          output(file_arg("--markdown", "FILE", "write the text, too")),
          out("folder for the tables (default: figures in FOLDER)", required=False))
 def _lives(asked):

@@ -1,10 +1,10 @@
 """Commands about studies: what they write, fragility."""
 
-from damage.commands.table import arg, command, file_arg, group, out, output, save
+from damage.commands.table import command, out, output, save
 from damage.errors import InputError
 from damage.files import json_text
 from damage.provenance import shown_path
-from damage.run.options import number_from
+from damage.run.options import arg, file_arg, flag, group, number_from
 
 
 @command("the tables of a study, from the runs that exist so far", file_arg("study", "STUDY.toml"),
@@ -51,9 +51,9 @@ def _dictionary(asked):
                  help="bootstrap samples (default 500)")),
          group(
              "comparison",
-             arg("--leave-one-out", action="store_true", help="compare each record with the curves of all others"),
+             flag("--leave-one-out", "compare each record with the curves of all others"),
              file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
-             arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock")),
+             flag("--after-damage", "of a study of sequences: by Psi before each shock")),
          out("folder for tables and pictures"),
          output(file_arg("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
                          "coefficients with units, arrays")))

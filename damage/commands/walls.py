@@ -3,12 +3,23 @@
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, WALL, arg, command, file_arg, group, out, output, save, show
+from damage.commands.table import JSON, WALL, command, out, output, save, show
 from damage.errors import InputError, warn
 from damage.files import json_text
 from damage.motion.loading import PERIODS_S
 from damage.provenance import shown_path
-from damage.run.options import add_accept, add_model_options, add_preparation, model_of, number_from, recorded
+from damage.run.options import (
+    ACCEPTS,
+    PREPARATION,
+    arg,
+    file_arg,
+    flag,
+    group,
+    model_arguments,
+    model_of,
+    number_from,
+    recorded,
+)
 from damage.start import missing_library
 
 
@@ -20,9 +31,8 @@ def _materials(asked):
 
 
 @command("natural periods of a wall with intact joints", WALL,
-         group("model", lambda command: add_model_options(command, (
-             "lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane", "brick_mass")),
-               add_accept),
+         group("model", *model_arguments("lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane",
+                                         "brick_mass"), ACCEPTS),
          JSON, out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     from damage.law.modes import natural_modes
@@ -49,7 +59,7 @@ def _modes(asked):
 
 @command("a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic joints, names of "
          "piers and spandrels", WALL,
-         group("model", lambda command: add_model_options(command, ("lintel", "top", "load", "supports")), add_accept),
+         group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTS),
          out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
               required=False))
 def _draw(asked):
@@ -90,7 +100,7 @@ def _wall_schema(asked):
 
 @command("a first run, in half a minute: the façade that ships under a harmonic motion, with pictures and a report",
          file_arg("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
-         arg("--overwrite", action="store_true", help="replace what a demo before has left there"))
+         flag("--overwrite", "replace what a demo before has left there"))
 def _demo(asked):
     from damage.reference.session import run_reference
 
@@ -124,7 +134,7 @@ def _new_wall(asked):
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
          "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
-         "ships, as BGAR_HGE"), group("preparation of the record", add_preparation, arg(
+         "ships, as BGAR_HGE"), group("preparation of the record", *PREPARATION, arg(
              "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (of `modes`): "
              "also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
          JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
