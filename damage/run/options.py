@@ -362,10 +362,8 @@ def model_of(parsed):
 
 _LONGEST_STEM = 200  # bytes; a character has up to four
 _READ = "unit", "sample_step"
-_BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"),
-            "top_rotation": ("pushover", "cyclic"),
-            "speed": ("pushover", "cyclic"),
-            "damping": ("pushover", "cyclic"),
+_BELONGS = {"cycles": ("harmonic", "cyclic"),
+            **dict.fromkeys(("boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")),
             "sequence": ("harmonic", "record"),
             **dict.fromkeys((*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",))}
 

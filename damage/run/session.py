@@ -9,7 +9,7 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from weakref import WeakKeyDictionary
@@ -235,12 +235,12 @@ class Prepared:
     modes: Modes
     time_step: float
     writer: Buffer
-    state: dict | None = None
-    resumed: dict | None = None
-    checkpoints: Checkpoints | None = None
-    repeats: tuple[tuple[RunSettings, float], ...] = ()
-    parameters: dict = field(default_factory=dict)
-    write: Callable | None = None
+    state: dict | None
+    resumed: dict | None
+    checkpoints: Checkpoints | None
+    repeats: tuple[tuple[RunSettings, float], ...]
+    parameters: dict
+    write: Callable
 
     def repeated(self, reason):
         """The Prepared run that follows one that was not accepted, by a RunError; its history begins anew."""
@@ -295,8 +295,21 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                                      settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
-    return _with_history(Prepared(backend, settings, layout, modes, time_step, None, state, repeats=tuple(repeats),
-                                  parameters=parameters, write=write), origin)
+    if settings.resumed:
+        like = None  # of a solver whose checkpoints hold a scene
+        if backend.keeps_state:
+            like = Run(layout, settings, backend.make(layout, time_step, settings), None, None).tables()
+        writer, tables = resumed(settings.resumed, layout, parameters, origin, like)
+    else:
+        writer, tables = write(parameters=parameters), None
+    checkpoints = None
+    if isinstance(writer, HistoryWriter):
+        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+        if not settings.resumed:
+            checkpoints.remove()  # of the run that this one replaces
+    print(f"history: {writer.where}", flush=True)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, tables, checkpoints, tuple(repeats),
+                    parameters, write)
 
 
 def _laid_out(wall, settings):
@@ -308,23 +321,6 @@ def _laid_out(wall, settings):
     if settings.settlement:
         settings.settlement.check_length(wall.length)
     return layout
-
-
-def _with_history(prepared, origin):
-    """A Prepared run with its writer: of a new history, or of that which it resumes; origin: as of
-    `read_earlier`."""
-    settings, backend, tables, checkpoints = prepared.settings, prepared.backend, None, None
-    if settings.resumed:
-        writer, tables = resumed(settings.resumed, prepared.layout, prepared.parameters, origin,
-                                 _like(backend, settings, prepared.layout, prepared.time_step))
-    else:
-        writer = prepared.write(parameters=prepared.parameters)
-    if isinstance(writer, HistoryWriter):
-        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
-        if not settings.resumed:
-            checkpoints.remove()  # of the run that this one replaces
-    print(f"history: {writer.where}", flush=True)
-    return replace(prepared, writer=writer, resumed=tables, checkpoints=checkpoints)
 
 
 def _warn_of(backend, settings, wall, time_step, critical_s):
@@ -345,13 +341,6 @@ def _past(backend, settings, layout, origin, time_step):
     if backend.keeps_state:
         return read_state(settings.continued, layout, origin, backend.make(layout, time_step, settings))
     return read_end(settings.continued, layout, origin, time_step)
-
-
-def _like(backend, settings, layout, time_step):
-    """What the tables of a checkpoint look like, {name: array}; None of a solver whose checkpoints hold a scene."""
-    if not backend.keeps_state:
-        return None
-    return Run(layout, settings, backend.make(layout, time_step, settings), None, None).tables()
 
 
 @contextmanager
