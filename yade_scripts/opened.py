@@ -104,8 +104,7 @@ class Scene:
         backend = replace(prepared.backend, make=lambda *_: self.solver, begins=self._begins)
         with redirect_stdout(io.StringIO()), attended(self.wall.name, quiet=True) as keep_going:
             take_turns([simulate(replace(prepared, backend=backend), keep_going, _AtRest(self._settled))])
-        writer = prepared.writer
-        return writer.history() if isinstance(writer, HistoryInMemory) else read_history(writer.path)
+        return prepared.writer.history()
 
     def _begins(self, run):
         self.run = run

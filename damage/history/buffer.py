@@ -86,11 +86,7 @@ class Buffer:
                 sink.keep_state(state)
 
     def history(self, path=None):
-        """The History of a finished run with a sink in memory, equal to that of `read_history`; raises the same
-        InputError.
-
-        path: of the file, where it has another name by now.
-        """
+        """The History of a finished run, as of `read_history`; path: of the file, where it has another name by now."""
         return self._sinks[-1].history(path or self.path)
 
     def begin_again(self, write):

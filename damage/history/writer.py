@@ -27,6 +27,7 @@ from damage.errors import InputError, WriteError
 from damage.history import schema
 from damage.history.buffer import CHUNK, SNAPSHOT_SAMPLES, Buffer
 from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
+from damage.history.reader import read_history
 from damage.provenance import shown_command
 
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
@@ -109,6 +110,9 @@ class File:
             self._file.close()
             seal(self.path)
             self._lock.close()
+
+    def history(self, path):
+        return read_history(path)
 
     @contextmanager
     def _writing(self):
