@@ -18,6 +18,8 @@ from damage.commands.table import (
 )
 from damage.commands.walls import plausible_wall
 from damage.errors import InputError, warn
+from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check, info, origin
+from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.provenance import shown_path
@@ -47,8 +49,6 @@ def _index(asked):
 @command("whether histories are complete, ended early, still open or damaged; exit status 2 where one is damaged, 1 "
          "where one has no end", HISTORIES, JSON)
 def _check(asked):
-    from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
-
     checked = [check(path) for path in asked.histories]
     show(asked, checked, describe_check)
     found = {one["worth"] for one in checked}
@@ -57,9 +57,7 @@ def _check(asked):
 
 @command("what made a history: software, command, inputs, every parameter", HISTORY, JSON)
 def _info(asked):
-    from damage.history.info import describe, info
-
-    show(asked, info(read_history(asked.history)), describe)
+    show(asked, info(read_history(asked.history)), describe_info)
 
 
 @command("cycles, envelope, failure mode and figures of a pushed wall; of several draws of its strengths median and "
@@ -97,7 +95,6 @@ def _stresses(asked):
     report = stress_report(history, moments, asked.joint)
     if asked.out:
         from damage.draw.run import contact_force_picture
-        from damage.history.info import origin
         from damage.measure.tables import write_stresses
 
         write_stresses(history, asked.out, moments, [one["joint"] for one in report["joints"]])
@@ -182,7 +179,6 @@ def _compare(asked):
     result = compare(first, others)
     if asked.out:
         from damage.draw.compare import compare_picture
-        from damage.history.info import origin
 
         save([("compare", compare_picture(first, others[0]))], asked.out,
               "\n".join(map(origin, (first, others[0]))))

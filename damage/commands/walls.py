@@ -6,7 +6,10 @@ from pathlib import Path
 from damage.commands.table import JSON, WALL, command, out, output, save, show
 from damage.errors import InputError, warn
 from damage.files import json_text
+from damage.motion.intensity import describe as describe_motion
+from damage.motion.intensity import motion_summary
 from damage.motion.loading import PERIODS_S
+from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
 from damage.provenance import shown_path
 from damage.run.options import (
     ACCEPTS,
@@ -21,6 +24,9 @@ from damage.run.options import (
     recorded,
 )
 from damage.start import missing_library
+from damage.wall.geometry import body_table, joint_table
+from damage.wall.plan import plan_of
+from damage.wall.plausible import check_plausible
 
 
 @command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", JSON)
@@ -65,7 +71,6 @@ def _modes(asked):
 def _draw(asked):
     from damage.draw.preview import wall_preview
     from damage.draw.style import save_picture
-    from damage.wall.geometry import body_table, joint_table
     from damage.wall.layout import lay_out
 
     wall = plausible_wall(asked, asked.wall)
@@ -79,8 +84,6 @@ def plausible_wall(asked, path):
     """The wall of a file, or of a name, its values checked unless a command's options accept all."""
     from damage.wall.as_built import warn_of_courses, warn_of_slabs
     from damage.wall.file import load_wall
-    from damage.wall.plan import plan_of
-    from damage.wall.plausible import check_plausible
 
     wall = load_wall(path)
     if not asked.accept_implausible:
@@ -139,9 +142,6 @@ def _new_wall(asked):
              "also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
          JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
 def _record(asked):
-    from damage.motion.intensity import describe, motion_summary
-    from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
-
     loading = recorded(asked)
     if asked.period is not None:
         loading = loading.for_period(asked.period)
@@ -157,4 +157,4 @@ def _record(asked):
             raise InputError(f"--plot {asked.plot}: expected a name that ends in .png; give it one")
         path = save_picture(motion_picture(loading, found), asked.plot, f"motion {loading.name}")
         print(f"picture: {path}", file=sys.stderr)  # stdout may be JSON
-    show(asked, found, describe)
+    show(asked, found, describe_motion)
