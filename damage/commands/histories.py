@@ -25,6 +25,7 @@ from damage.index import SLIP_CRITERIA
 from damage.provenance import shown_path
 from damage.run.options import ACCEPTS, WALLS_ARE_CODE, arg, file_arg, group, model_arguments, model_of, number_from
 from damage.units import MILLIMETRE
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
 MODEL = tuple(one.name for one in fields(ModelOptions) if one.name not in (
@@ -150,7 +151,6 @@ def _export(asked):
 def _export_wall(asked):
     from damage.export.opensees import write_opensees
     from damage.export.threedec import write_3dec
-    from damage.wall.layout import lay_out
 
     if asked.source.suffix.lower() == ".h5" or asked.source.is_dir():
         raise InputError(f"export of {asked.source} for OpenSees or 3DEC: expected a wall file, or the name of a wall "
@@ -187,7 +187,6 @@ def _compare(asked):
 
 def _compare_survey(asked, surveys, paths):
     from damage.measure.survey import beside, describe_beside, read_survey
-    from damage.wall.layout import lay_out
 
     if len(surveys) > 1 or not paths or asked.out:
         raise InputError(f"compare with {surveys[0]}: expected one survey, histories beside it, and no --out; "

@@ -6,8 +6,8 @@ from pathlib import Path
 from damage.commands.table import JSON, WALL, command, out, output, save, show
 from damage.errors import InputError, warn
 from damage.files import json_text
-from damage.motion.intensity import describe as describe_motion
-from damage.motion.intensity import motion_summary
+from damage.law.modes import natural_modes
+from damage.motion import intensity
 from damage.motion.loading import PERIODS_S
 from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
 from damage.provenance import shown_path
@@ -24,16 +24,17 @@ from damage.run.options import (
     recorded,
 )
 from damage.start import missing_library
+from damage.wall import as_built, materials
+from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
+from damage.wall.layout import lay_out
 from damage.wall.plan import plan_of
 from damage.wall.plausible import check_plausible
 
 
 @command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", JSON)
 def _materials(asked):
-    from damage.wall.materials import as_dict, describe
-
-    print(json_text(as_dict(), indent=2) if asked.json else describe())
+    print(json_text(materials.as_dict(), indent=2) if asked.json else materials.describe())
 
 
 @command("natural periods of a wall with intact joints", WALL,
@@ -41,10 +42,6 @@ def _materials(asked):
                                          "brick_mass"), ACCEPTS),
          JSON, out("folder for a picture of the shapes", required=False))
 def _modes(asked):
-    from damage.law.modes import natural_modes
-    from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
-    from damage.wall.layout import lay_out
-
     layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
@@ -57,7 +54,8 @@ def _modes(asked):
                           "pier_stress_pa": layout.pier_stress}))
         return
     plan = layout.plan
-    print(*describe_top(layout), *describe_openings(plan), *describe_floors(plan), *describe_lintels(plan), sep="\n")
+    print(*as_built.describe_top(layout), *as_built.describe_openings(plan), *as_built.describe_floors(plan),
+          *as_built.describe_lintels(plan), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
@@ -71,7 +69,6 @@ def _modes(asked):
 def _draw(asked):
     from damage.draw.preview import wall_preview
     from damage.draw.style import save_picture
-    from damage.wall.layout import lay_out
 
     wall = plausible_wall(asked, asked.wall)
     layout = lay_out(wall, model_of(asked))
@@ -82,22 +79,17 @@ def _draw(asked):
 
 def plausible_wall(asked, path):
     """The wall of a file, or of a name, its values checked unless a command's options accept all."""
-    from damage.wall.as_built import warn_of_courses, warn_of_slabs
-    from damage.wall.file import load_wall
-
     wall = load_wall(path)
     if not asked.accept_implausible:
         check_plausible(wall)
     plan = plan_of(wall)
-    warn(*warn_of_courses(plan), *warn_of_slabs(plan))
+    warn(*as_built.warn_of_courses(plan), *as_built.warn_of_slabs(plan))
     return wall
 
 
 @command("the JSON Schema of walls as TOML, by which editors complete and check them: put it beside yours, and "
          "'#:schema ./wall.schema.json' on its first line")
 def _wall_schema(asked):
-    from damage.wall.file import wall_schema
-
     print(json_text(wall_schema(), indent=1))
 
 
@@ -145,7 +137,7 @@ def _record(asked):
     loading = recorded(asked)
     if asked.period is not None:
         loading = loading.for_period(asked.period)
-    found = motion_summary(loading, asked.period)
+    found = intensity.motion_summary(loading, asked.period)
     warn(*implausible_motion(loading), *filter(None, (
         implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))),
          *faint_warnings(found["pga_g"]))
@@ -157,4 +149,4 @@ def _record(asked):
             raise InputError(f"--plot {asked.plot}: expected a name that ends in .png; give it one")
         path = save_picture(motion_picture(loading, found), asked.plot, f"motion {loading.name}")
         print(f"picture: {path}", file=sys.stderr)  # stdout may be JSON
-    show(asked, found, describe_motion)
+    show(asked, found, intensity.describe)
