@@ -372,9 +372,6 @@ def _schema_version(file, path, head):
     if not (isinstance(name, str) and name == schema.SCHEMA):
         raise InputError(f"{path} is no history of this software (its schema is {name!r}, expected {schema.SCHEMA!r})")
     version = int(file.attrs["schema_version"])
-    if version > schema.SCHEMA_VERSION:
-        raise InputError(f"{path} has schema version {version}, this software reads up to "
-                         f"{schema.SCHEMA_VERSION}; update the software")
     if (head.version if head else 1) != version:
         raise InputError(f"its head names another schema version than {version}, which the rest of it has")
     return version
