@@ -23,7 +23,7 @@ from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.provenance import shown_path
-from damage.run.options import ACCEPTS, WALLS_ARE_CODE, arg, file_arg, group, model_arguments, model_of, number_from
+from damage.run.options import ACCEPTING, WALLS_ARE_CODE, arg, file_arg, group, model_arguments, model_of, number_from
 from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -120,7 +120,7 @@ def _animate(asked):
 @command("a history for ParaView, the tables of a study, or a wall, for other programs",
          file_arg("source", "FILE.h5|STUDY_DIR|WALL", "a history, the folder of a study, as results/quick, or a wall "
                   f"file or the name of a wall that ships. {WALLS_ARE_CODE}"),
-         group("the model of a wall", *model_arguments(*MODEL), ACCEPTS),
+         group("the model of a wall", *model_arguments(*MODEL), ACCEPTING),
          output(
              file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
              file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),

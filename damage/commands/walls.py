@@ -12,7 +12,7 @@ from damage.motion.loading import PERIODS_S
 from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
 from damage.provenance import shown_path
 from damage.run.options import (
-    ACCEPTS,
+    ACCEPTING,
     PREPARATION,
     arg,
     file_arg,
@@ -39,7 +39,7 @@ def _materials(asked):
 
 @command("natural periods of a wall with intact joints", WALL,
          group("model", *model_arguments("lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane",
-                                         "brick_mass"), ACCEPTS),
+                                         "brick_mass"), ACCEPTING),
          JSON, out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
@@ -63,7 +63,7 @@ def _modes(asked):
 
 @command("a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic joints, names of "
          "piers and spandrels", WALL,
-         group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTS),
+         group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
          out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
               required=False))
 def _draw(asked):

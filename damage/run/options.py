@@ -153,7 +153,7 @@ def _settings(*names):
             for one in fields(RunSettings) if one.name in names]
 
 
-ACCEPTS = flag(ACCEPT, "take the values of the wall and the motion as given, even where they look like a wrong unit "
+ACCEPTING = flag(ACCEPT, "take the values of the wall and the motion as given, even where they look like a wrong unit "
                "(docs/reference/ranges.md)")
 """The option that accepts implausible values."""
 PREPARATION = (
@@ -228,7 +228,7 @@ def _model_arguments(solver):
             "top: adaptive (default), or local as in YADE"),
         *_settings("settling", "mass_scaling")]
     return [*model_arguments(*(one.name for one in fields(ModelOptions))), *_settings("beta_s"), *of_reference,
-            *_settings("perturb_m", "scatter", "seed", "members"), ACCEPTS]
+            *_settings("perturb_m", "scatter", "seed", "members"), ACCEPTING]
 
 
 def _run_arguments(solver):
