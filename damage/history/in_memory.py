@@ -79,36 +79,28 @@ class Memory:
     def history(self, path):
         if self._parts is None:
             return read_history(path)
-        values = {f"{group}/{name}": values for group, columns in layout_tables(self._layout).items()
-                  for name, values in columns.items()}
-        values |= {f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC}
-        values |= {"run/status": np.uint8(schema.STATUS.index(self._status)),
-                   "run/collapsed_at_s": np.float64(
-                       np.nan if self._collapsed_at_s is None else self._collapsed_at_s)}
-        values |= {f"{group}/{name}": self._column(group, number, name)
-                   for group, columns in schema.GROWING.items() if group != "frames"
-                   for number, name in enumerate(columns)
-                   if schema.is_kept(f"{group}/{name}", self._layout.strain is not None, self._parameters)}
-        joints, frames = self._active_frames()
-        values |= {f"frames/{name}": rows for name, rows in frames.items()}
+        collapsed_at_s = np.nan if self._collapsed_at_s is None else self._collapsed_at_s
+        joints, growing = self._growing()
+        values = {"run/status": np.uint8(schema.STATUS.index(self._status)),
+                  "run/collapsed_at_s": np.float64(collapsed_at_s),
+                  **{f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC},
+                  **layout_tables(self._layout), **growing}
         return checked(history_of(path, self._attributes, values, joints=joints))
 
-    def _column(self, group, number, name):
-        """All rows of a column, of this number in its group."""
-        parts = [part[group][number] for _, part in self._parts if part.get(group)]
-        shape = schema.row_shape(f"{group}/{name}", sizes_of(self._layout, self._parameters))
-        none = np.empty((0, *shape), schema.GROWING[group][name].dtype)
-        return np.concatenate([none, *parts])
-
-    def _active_frames(self):
-        """The joints at which any bit was ever set, and {column of the frames: all its rows at them}."""
-        parts = [(joints, part["frames"]) for joints, part in self._parts if part["frames"]]
-        ever = np.unique(np.concatenate([np.empty(0, int), *(joints for joints, _ in parts)]))
-        frames = {}
-        for number, (name, column) in enumerate(schema.FRAMES.items()):
-            rows = [at_all_joints(arrays[number], np.searchsorted(ever, joints), len(ever)) for joints, arrays in parts]
-            frames[name] = np.concatenate([np.empty((0, len(ever)), column.dtype), *rows])
-        return ever, frames
+    def _growing(self):
+        """The joints at which any bit was ever set, and {"GROUP/NAME": all rows}, those of frames at these joints."""
+        ever = np.unique(np.concatenate([np.empty(0, int), *(joints for joints, _ in self._parts)]))
+        parts = [part | {"frames": [at_all_joints(rows, np.searchsorted(ever, joints), len(ever))
+                                    for rows in part["frames"]]} for joints, part in self._parts]
+        sizes, values = sizes_of(self._layout, self._parameters), {}
+        for group, columns in schema.GROWING.items():
+            sizes_here = sizes | {"joints": len(ever)} if group == "frames" else sizes
+            stored = [part[group] for part in parts if part.get(group)]
+            for number, (name, column) in enumerate(columns.items()):
+                if schema.is_kept(f"{group}/{name}", self._layout.strain is not None, self._parameters):
+                    none = np.empty((0, *schema.row_shape(f"{group}/{name}", sizes_here)), column.dtype)
+                    values[f"{group}/{name}"] = np.concatenate([none, *(arrays[number] for arrays in stored)])
+        return ever, values
 
 
 class HistoryInMemory(Buffer):

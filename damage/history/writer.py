@@ -231,16 +231,16 @@ def _write_fixed(file, layout, attributes):
     file.attrs["schema"] = schema.SCHEMA
     file.attrs["schema_version"] = schema.SCHEMA_VERSION
     file.create_group("run").attrs.update(attributes)
-    written = {"run": {"status": np.uint8(0), "collapsed_at_s": np.nan},
-               "static": dict.fromkeys(schema.STATIC, np.nan), **layout_tables(layout)}
-    for group, columns in written.items():
-        for name, values in columns.items():
-            unit = (schema.RUN if group == "run" else schema.TABLES[group])[name].unit
-            file.create_dataset(f"{group}/{name}", data=values).attrs["unit"] = unit
+    fixed = {"run/status": np.uint8(0), "run/collapsed_at_s": np.nan,
+             **{f"static/{name}": np.nan for name in schema.STATIC}, **layout_tables(layout)}
+    for path, values in fixed.items():
+        group, _, name = path.partition("/")
+        unit = (schema.RUN if group == "run" else schema.TABLES[group])[name].unit
+        file.create_dataset(path, data=values).attrs["unit"] = unit
 
 
 def layout_tables(layout):
-    """The joints, bodies and supports, which do not change during a run: {group: {column: array}}."""
+    """The joints, bodies and supports, which do not change during a run: {"GROUP/NAME": array}."""
     points, bodies, supports, n = layout.contacts, layout.bodies, layout.supports, layout.n_joints
     joints = (points.kind.astype("u1"), points.first, points.second, points.x, points.z, points.length, points.area,
               points.normal_stiffness, points.shear_stiffness, points.elastic, points.tensile_strength,
@@ -249,9 +249,8 @@ def layout_tables(layout):
               "bodies": (schema.BODIES, (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia,
                                   bodies.course)),
               "supports": (schema.SUPPORTS, (supports.left, supports.right))}
-    return {group: {name: np.asarray(data, column.dtype)
-                    for (name, column), data in zip(columns.items(), values, strict=True)}
-            for group, (columns, values) in tables.items()}
+    return {f"{group}/{name}": np.asarray(data, column.dtype) for group, (columns, values) in tables.items()
+            for (name, column), data in zip(columns.items(), values, strict=True)}
 
 
 def sizes_of(layout, parameters):

@@ -110,9 +110,7 @@ def read_earlier(path, layout, origin, option="--continue", ended=True):
         raise InputError(f"{option} {path}: made by another version of the model ({made_by}, this is {model}), whose "
                          "state has another meaning; run the first half again with this one")
     with opened(path) as file:
-        wanted = {f"{group}/{name}": values for group, columns in layout_tables(layout).items()
-                  for name, values in columns.items()}
-        other = [name for name, values in wanted.items() if not np.array_equal(file[name][()], values)]
+        other = [name for name, values in layout_tables(layout).items() if not np.array_equal(file[name][()], values)]
         if other:
             raise InputError(f"{option} {path}: the history of another wall, {history.wall}: {other[0]} differs from "
                              f"that of {layout.wall.name}; expected the same wall, model options, --scatter and "
