@@ -1,5 +1,7 @@
 """Buffer of samples, events and snapshots, which are stored many at once."""
 
+from collections import defaultdict
+
 import numpy as np
 
 from damage.history import schema
@@ -14,8 +16,8 @@ class Buffer:
     """What a run writes to: call `extend`, `event` and `snapshot` as it goes, `finish` at the end.
 
     sinks: where it goes, none to keep nothing: a file (`damage.history.writer.File`), memory
-    (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {group: arrays in the order of its
-    columns}; the arrays of frames are used again.
+    (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {"GROUP/NAME": array}; the arrays of
+    frames are used again.
     path: of the history's file, should it have one; where: the history is, in words.
     """
 
@@ -23,7 +25,7 @@ class Buffer:
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
         self._rows = {"events": [], "snapshots": [], "static_stage": []}
-        self._blocks = {"series": [], "ground": [], "stresses": [], "points": []}  # columns of several rows
+        self._blocks = defaultdict(list)  # {"GROUP/NAME": arrays of several rows}
         self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
                         for name, column in schema.FRAMES.items()}
         self._count = 0
@@ -33,22 +35,21 @@ class Buffer:
 
         stage: one of STAGES; rows: {column of SERIES: (n,)}, missing ones become NaN; contacts: {column of FRAMES:
         (n, n_active)} of these joints, zero in all others, as missing ones are; ground: {column of GROUND: (n,
-        n_supports, 3)}; beside: {"stresses": (n, n_joints, 2), "points": (n, n_points, 2)} of a run that keeps them.
+        n_supports, 3)}; beside: {"stresses/joint_stress_pa": (n, n_joints, 2), "points/displacement": (n, n_points, 2)}
+        of a run that keeps them.
         """
         count = len(next(iter(contacts.values())))
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
-        columns = {"series": [rows.get(name, np.full(count, np.nan)) for name in schema.SERIES],
-                   "ground": [ground[name] for name in schema.GROUND],
-                   **{group: [values] for group, values in beside.items()}}
+        columns = {**{f"series/{name}": rows.get(name, np.full(count, np.nan)) for name in schema.SERIES},
+                   **{f"ground/{name}": values for name, values in ground.items()}, **beside}
         first = 0
         while first < count:
             stop = min(count, first + CHUNK - self._count)
             taken, given = slice(first, stop), slice(self._count, self._count + stop - first)
             for name, values in contacts.items():
                 self._frames[name][given, joints] = values[taken]
-            for group, arrays in columns.items():
-                self._blocks[group].append([np.array(values[taken], column.dtype)
-                                            for values, column in zip(arrays, schema.GROWING[group].values())])
+            for path, values in columns.items():
+                self._blocks[path].append(np.array(values[taken], schema.COLUMNS[path].dtype))
             self._count, first = given.stop, stop
             if self._count == CHUNK:
                 self.flush()
@@ -105,13 +106,11 @@ class Buffer:
 
     def flush(self):
         """Store what is buffered, on the disk, too."""
-        columns = {group: [np.asarray(values, column.dtype)
-                           for values, column in zip(zip(*rows), schema.GROWING[group].values())]
-                   for group, rows in self._rows.items() if rows}
-        columns |= {group: [np.concatenate(parts) for parts in zip(*blocks)]
-                    for group, blocks in self._blocks.items() if blocks}
+        columns = {f"{group}/{name}": np.asarray(values, column.dtype) for group, rows in self._rows.items()
+                   for (name, column), values in zip(schema.GROWING[group].items(), zip(*rows))}
+        columns |= {path: np.concatenate(blocks) for path, blocks in self._blocks.items() if blocks}
         if self._count > 0:
-            columns["frames"] = [column[:self._count] for column in self._frames.values()]
+            columns |= {f"frames/{name}": column[:self._count] for name, column in self._frames.items()}
         for sink in self._sinks:
             sink.store(columns)
         for rows in (*self._rows.values(), *self._blocks.values()):

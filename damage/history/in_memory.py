@@ -4,14 +4,14 @@ Most contact points are intact most of the time, so a chunk of samples stores th
 """
 
 import json
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
 from damage.history import schema
 from damage.history.buffer import Buffer
 from damage.history.reader import any_bit, at_all_joints, checked, history_of, read_history
-from damage.history.writer import File, layout_tables, run_attributes, sizes_of
+from damage.history.writer import File, growing_columns, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
 """Size [bytes] beyond which a history continues in its file: eight runs share a process."""
@@ -32,10 +32,6 @@ class Memory:
         self._values, self._n_bytes, self._file = {}, 0, None
         self._parts = []  # (active joints, columns with the frames of these alone)
 
-    @cached_property
-    def _parameters(self):
-        return json.loads(self._attributes["parameters_json"])
-
     @property
     def is_torn(self):
         return self._file is not None and self._file.is_torn
@@ -48,11 +44,11 @@ class Memory:
             self._file.store(columns)
         if self._parts is None:
             return
-        frames = columns.get("frames", [])
-        joints = np.flatnonzero(np.any([any_bit(rows) for rows in frames], axis=0))
-        part = columns | {"frames": [rows[:, joints] for rows in frames]}
+        frames = {path: rows for path, rows in columns.items() if path.startswith("frames/")}
+        joints = np.flatnonzero(np.any([any_bit(rows) for rows in frames.values()], axis=0))
+        part = columns | {path: rows[:, joints] for path, rows in frames.items()}
         self._parts.append((joints, part))
-        self._n_bytes += joints.nbytes + sum(array.nbytes for arrays in part.values() for array in arrays)
+        self._n_bytes += joints.nbytes + sum(rows.nbytes for rows in part.values())
         if self._n_bytes > MOST_BYTES:
             self._outgrow()
 
@@ -72,8 +68,7 @@ class Memory:
             self._file = self._new_file()
             self._file.static_stage(self._values)
             for joints, part in self._parts:
-                self._file.store(part | {
-                    "frames": [at_all_joints(rows, joints, self._layout.n_joints) for rows in part["frames"]]})
+                self._file.store(_among(self._layout.n_joints, joints, part))
         self._parts = None
 
     def history(self, path):
@@ -90,17 +85,18 @@ class Memory:
     def _growing(self):
         """The joints at which any bit was ever set, and {"GROUP/NAME": all rows}, those of frames at these joints."""
         ever = np.unique(np.concatenate([np.empty(0, int), *(joints for joints, _ in self._parts)]))
-        parts = [part | {"frames": [at_all_joints(rows, np.searchsorted(ever, joints), len(ever))
-                                    for rows in part["frames"]]} for joints, part in self._parts]
-        sizes, values = sizes_of(self._layout, self._parameters), {}
-        for group, columns in schema.GROWING.items():
-            sizes_here = sizes | {"joints": len(ever)} if group == "frames" else sizes
-            stored = [part[group] for part in parts if part.get(group)]
-            for number, (name, column) in enumerate(columns.items()):
-                if schema.is_kept(f"{group}/{name}", self._layout.strain is not None, self._parameters):
-                    none = np.empty((0, *schema.row_shape(f"{group}/{name}", sizes_here)), column.dtype)
-                    values[f"{group}/{name}"] = np.concatenate([none, *(arrays[number] for arrays in stored)])
+        parts = [_among(len(ever), np.searchsorted(ever, joints), part) for joints, part in self._parts]
+        columns, values = growing_columns(self._layout, json.loads(self._attributes["parameters_json"])), {}
+        for path, (column, shape) in columns.items():
+            none = np.empty((0, len(ever)) if path.startswith("frames/") else (0, *shape), column.dtype)
+            values[path] = np.concatenate([none, *(part[path] for part in parts if path in part)])
         return ever, values
+
+
+def _among(n_joints, joints, part):
+    """A part, {"GROUP/NAME": array}, with its frames, which are of these joints alone, at so many."""
+    return {path: at_all_joints(rows, joints, n_joints) if path.startswith("frames/") else rows
+            for path, rows in part.items()}
 
 
 class HistoryInMemory(Buffer):

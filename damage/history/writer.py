@@ -78,15 +78,16 @@ class File:
 
     def rows(self):
         """Numbers of rows in the file, of each group of GROWING in turn."""
-        return [len(self._growing[group][0]) if self._growing[group] else 0 for group in schema.GROWING]
+        counts = {path.partition("/")[0]: len(dataset) for path, dataset in self._growing.items()}
+        return [counts.get(group, 0) for group in schema.GROWING]
 
     def copy_rows(self, file, counts):
         """Copy what another open file holds of the same run: the static stage, and so many rows of each group."""
         self.static_stage({name: file["static"][name][()] for name in schema.STATIC})
+        count_of = dict(zip(schema.GROWING, counts))
         with self._writing():
-            for group, count in zip(schema.GROWING, counts):
-                for dataset in self._growing[group]:
-                    _copy(dataset, file[dataset.name], count)
+            for path, dataset in self._growing.items():
+                _copy(dataset, file[path], count_of[path.partition("/")[0]])
             self._file.flush()
 
     def keep_state(self, state):
@@ -96,10 +97,9 @@ class File:
 
     def store(self, columns):
         with self._writing():
-            for group, arrays in columns.items():
-                for dataset, rows in zip(self._growing[group], arrays):
-                    _extend(dataset, rows)
-                    dataset.flush()
+            for path, rows in columns.items():
+                _extend(self._growing[path], rows)
+                self._growing[path].flush()
             self._file.flush()
 
     def finish(self, status, collapsed_at_s):
@@ -234,9 +234,8 @@ def _write_fixed(file, layout, attributes):
     fixed = {"run/status": np.uint8(0), "run/collapsed_at_s": np.nan,
              **{f"static/{name}": np.nan for name in schema.STATIC}, **layout_tables(layout)}
     for path, values in fixed.items():
-        group, _, name = path.partition("/")
-        unit = (schema.RUN if group == "run" else schema.TABLES[group])[name].unit
-        file.create_dataset(path, data=values).attrs["unit"] = unit
+        column = schema.COLUMNS.get(path) or schema.RUN[path.removeprefix("run/")]
+        file.create_dataset(path, data=values).attrs["unit"] = column.unit
 
 
 def layout_tables(layout):
@@ -245,35 +244,39 @@ def layout_tables(layout):
     joints = (points.kind.astype("u1"), points.first, points.second, points.x, points.z, points.length, points.area,
               points.normal_stiffness, points.shear_stiffness, points.elastic, points.tensile_strength,
               points.cohesion)
-    tables = {"joints": (schema.JOINTS, [values[:n] for values in joints]),
-              "bodies": (schema.BODIES, (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia,
-                                  bodies.course)),
-              "supports": (schema.SUPPORTS, (supports.left, supports.right))}
-    return {f"{group}/{name}": np.asarray(data, column.dtype) for group, (columns, values) in tables.items()
-            for (name, column), data in zip(columns.items(), values, strict=True)}
+    tables = {"joints": [values[:n] for values in joints],
+              "bodies": (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia, bodies.course),
+              "supports": (supports.left, supports.right)}
+    return {f"{group}/{name}": np.asarray(data, column.dtype) for group, values in tables.items()
+            for (name, column), data in zip(schema.TABLES[group].items(), values, strict=True)}
 
 
-def sizes_of(layout, parameters):
-    """{what datasets have as many of: how many} of a run with these parameters, for `schema.row_shape`."""
-    return {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
-            "points": len(parameters.get("points", ()))}
+def growing_columns(layout, parameters):
+    """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these parameters."""
+    kept = {"snapshots/stress_pa": layout.strain is not None, "stresses/joint_stress_pa": parameters.get("stresses"),
+            "points/displacement": parameters.get("points")}
+    sizes = {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
+             "points": len(parameters.get("points", ()))}
+    found = {}
+    for path, column in schema.COLUMNS.items():
+        group = path.partition("/")[0]
+        if group in schema.GROWING and kept.get(path, True):
+            _, *shape = schema.SHAPES.get(path, schema.SHAPES[group])
+            found[path] = column, tuple(sizes.get(of, of) for of in shape)
+    return found
 
 
 def _create_growing(file, layout, parameters):
-    """Empty datasets {group: [in the order of its columns]}; parameters: of the run."""
-    sizes = sizes_of(layout, parameters)
+    """Empty datasets, {"GROUP/NAME": dataset}; parameters: of the run."""
     chunks = {"events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
-    made = {group: [] for group in schema.GROWING}
-    for group, columns in schema.GROWING.items():
+    for group in schema.GROWING:
         file.create_group(group)
-        for name, column in columns.items():
-            if not schema.is_kept(f"{group}/{name}", layout.strain is not None, parameters):
-                continue
-            shape = schema.row_shape(f"{group}/{name}", sizes)
-            made[group].append(file.create_dataset(
-                f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
-                chunks=(chunks.get(group, CHUNK), *shape), compression="gzip", compression_opts=_LEVEL, shuffle=True))
-            made[group][-1].attrs["unit"] = column.unit
+    made = {}
+    for path, (column, shape) in growing_columns(layout, parameters).items():
+        made[path] = file.create_dataset(
+            path, shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype, compression="gzip",
+            compression_opts=_LEVEL, shuffle=True, chunks=(chunks.get(path.partition("/")[0], CHUNK), *shape))
+        made[path].attrs["unit"] = column.unit
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
     return made

@@ -412,9 +412,10 @@ class Run:
     def _beside(self, now):
         """Stresses of the joints and displacements of material points, of a run that keeps them, as of
         `Buffer.extend`."""
-        found = {} if now.joint_stress_pa is None else {"stresses": now.joint_stress_pa}
+        found = {} if now.joint_stress_pa is None else {"stresses/joint_stress_pa": now.joint_stress_pa}
         if self._points is not None:
-            found["points"] = np.subtract(*(self._points.of(one.displacement, one.strain) for one in (now, self._zero)))
+            places = (self._points.of(one.displacement, one.strain) for one in (now, self._zero))
+            found["points/displacement"] = np.subtract(*places)
         return found
 
     def _snapshot(self, time_s, now, motion, k):
