@@ -383,17 +383,17 @@ def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=Tr
     joints: where the frames are of some joints alone, their indices (n,), increasing; all others are inactive, and
     dense frames are made on first use.
     """
-    tables = schema.tables_of(version)
-    n_times = _whole_rows(values, tables, "series", "frames", "ground", "stresses", "points")
-    n_snapshots = _whole_rows(values, tables, "snapshots")
+    columns = schema.columns_of(version)
+    n_times = _whole_rows(values, columns, "series", "frames", "ground", "stresses", "points")
+    n_snapshots = _whole_rows(values, columns, "snapshots")
     snapshots = {name: values[f"snapshots/{name}"][:n_snapshots] for name in schema.TABLES["snapshots"]
                  if f"snapshots/{name}" in values}
     table = _columns(values, "joints")
-    frames = _frames(values, tables["frames"], n_times)
+    frames = _frames(values, columns, n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
-    ground = {} if not tables["ground"] else {
+    ground = {} if "ground/force" not in columns else {
         "supports": _columns(values, "supports"),
-        **{f"support_{name}": values[f"ground/{name}"][:n_times] for name in tables["ground"]}}
+        **{f"support_{name}": values[f"ground/{name}"][:n_times] for name in schema.GROUND}}
     history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
         status=schema.STATUS[int(values["run/status"][()]) if ended else 0],
@@ -403,14 +403,14 @@ def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=Tr
         attributes=attributes, joints=_decode(table, "kind", schema.CODES["joints/kind"]),
         bodies=_columns(values, "bodies"),
         series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
-        events=_decode(_columns(values, "events", _whole_rows(values, tables, "events")), "kind", schema.EVENTS),
+        events=_decode(_columns(values, "events", _whole_rows(values, columns, "events")), "kind", schema.EVENTS),
         snapshot_time_s=snapshots["time_s"], displacement=snapshots["displacement"],
         stress_pa=snapshots.get("stress_pa"), **ground,
         **{field: values[path][:n_times] for field, path in (("joint_stress_pa", "stresses/joint_stress_pa"),
                                                              ("point_displacement", "points/displacement"))
            if path in values},
-        static_stage=_columns(values, "static_stage", _whole_rows(values, tables, "static_stage"))
-        if tables["static_stage"] else None,
+        static_stage=_columns(values, "static_stage", _whole_rows(values, columns, "static_stage"))
+        if "static_stage/time_s" in columns else None,
         **(frames if joints is None else
            {name: partial(at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would compute it from dense frames
@@ -418,16 +418,15 @@ def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=Tr
     return history
 
 
-def _whole_rows(values, tables, *groups):
+def _whole_rows(values, columns, *groups):
     """Number of rows of groups: a killed run may have flushed one column more often than another."""
-    return min(len(values[f"{group}/{name}"]) for group in groups for name in tables[group]
-               if f"{group}/{name}" in values)
+    return min(len(values[path]) for path in columns if path.partition("/")[0] in groups and path in values)
 
 
 def _frames(values, columns, n_times):
     """{field of a History: its frames}, offsets None where a file has none."""
     state = values["frames/state"][:n_times]
-    found = {name: values[f"frames/{name}"][:n_times] if name in columns else None
+    found = {name: values[f"frames/{name}"][:n_times] if f"frames/{name}" in columns else None
             for name in ("opening_m", "slip_m", "offset_m")}
     return found | {name: (state & bit) > 0 for name, bit in (
         ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED), ("ended", ENDED))}

@@ -176,13 +176,15 @@ GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT
            "stresses": STRESSES, "points": POINTS, "static_stage": STATIC_STAGE}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
-COLUMNS = {f"{group}/{name}": column for group, columns in TABLES.items() for name, column in columns.items()}
+RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
+       "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
+COLUMNS = {f"{group}/{name}": column for group, columns in {"run": RUN, **TABLES}.items()
+           for name, column in columns.items()}
 
 
-def tables_of(version):
-    """TABLES as a file of a schema version has them."""
-    return {group: {name: column for name, column in columns.items() if column.since <= version}
-            for group, columns in TABLES.items()}
+def columns_of(version):
+    """COLUMNS as a file of a schema version has them."""
+    return {path: column for path, column in COLUMNS.items() if column.since <= version}
 
 
 def codes_of(version):
@@ -199,8 +201,6 @@ SHAPES = {"run": (), "static": (), "joints": ("joints",), "bodies": ("bodies",),
 """Of the datasets of a group, or of one: what they have as many of."""
 CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""
-RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
-       "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
 
 
 def is_moving(series):

@@ -23,21 +23,20 @@ def check_structure(file):
     """
     _check_attributes(file)
     version = int(file.attrs["schema_version"])
-    tables, codes = schema.tables_of(version), schema.codes_of(version)
+    codes = schema.codes_of(version)
     sizes, n_bytes, ended = {}, 0, True
-    for group, columns in {"run": schema.RUN, **tables}.items():
-        for name, column in columns.items():
-            path = f"{group}/{name}"
-            if path in schema.OPTIONAL and name not in file[group]:
-                continue
-            dataset = _dataset(file, path)
-            _check_type(path, dataset, column, codes)
-            _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
-            n_bytes += _stored(path, dataset)
-        if group == "run":
-            ended = file["run/status"][()] != 0
-    for what in ("joints", "bodies", *(["supports"] if tables["supports"] else [])):
-        if sizes[what] == 0:
+    for path, column in schema.columns_of(version).items():
+        group, _, name = path.partition("/")
+        if path in schema.OPTIONAL and name not in file[group]:
+            continue
+        dataset = _dataset(file, path)
+        _check_type(path, dataset, column, codes)
+        _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
+        n_bytes += _stored(path, dataset)
+        if path == "run/status":
+            ended = dataset[()] != 0
+    for what in ("joints", "bodies", "supports"):
+        if sizes.get(what) == 0:
             raise InputError(f"it has no {what}")
     return n_bytes
 

@@ -234,8 +234,7 @@ def _write_fixed(file, layout, attributes):
     fixed = {"run/status": np.uint8(0), "run/collapsed_at_s": np.nan,
              **{f"static/{name}": np.nan for name in schema.STATIC}, **layout_tables(layout)}
     for path, values in fixed.items():
-        column = schema.COLUMNS.get(path) or schema.RUN[path.removeprefix("run/")]
-        file.create_dataset(path, data=values).attrs["unit"] = column.unit
+        file.create_dataset(path, data=values).attrs["unit"] = schema.COLUMNS[path].unit
 
 
 def layout_tables(layout):
