@@ -386,14 +386,13 @@ def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=Tr
     columns = schema.columns_of(version)
     n_times = _whole_rows(values, columns, "series", "frames", "ground", "stresses", "points")
     n_snapshots = _whole_rows(values, columns, "snapshots")
-    snapshots = {name: values[f"snapshots/{name}"][:n_snapshots] for name in schema.TABLES["snapshots"]
-                 if f"snapshots/{name}" in values}
+    optional = {"support_displacement": ("ground/displacement", n_times), "support_force": ("ground/force", n_times),
+                "stress_pa": ("snapshots/stress_pa", n_snapshots),
+                "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
+                "point_displacement": ("points/displacement", n_times)}
     table = _columns(values, "joints")
     frames = _frames(values, columns, n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
-    ground = {} if "ground/force" not in columns else {
-        "supports": _columns(values, "supports"),
-        **{f"support_{name}": values[f"ground/{name}"][:n_times] for name in schema.GROUND}}
     history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
         status=schema.STATUS[int(values["run/status"][()]) if ended else 0],
@@ -404,11 +403,11 @@ def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=Tr
         bodies=_columns(values, "bodies"),
         series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
         events=_decode(_columns(values, "events", _whole_rows(values, columns, "events")), "kind", schema.EVENTS),
-        snapshot_time_s=snapshots["time_s"], displacement=snapshots["displacement"],
-        stress_pa=snapshots.get("stress_pa"), **ground,
-        **{field: values[path][:n_times] for field, path in (("joint_stress_pa", "stresses/joint_stress_pa"),
-                                                             ("point_displacement", "points/displacement"))
-           if path in values},
+        snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
+        displacement=values["snapshots/displacement"][:n_snapshots],
+        **{field: values[path][:count] for field, (path, count) in optional.items()
+           if path in columns and path in values},
+        supports=_columns(values, "supports") if "supports/left_m" in columns else None,
         static_stage=_columns(values, "static_stage", _whole_rows(values, columns, "static_stage"))
         if "static_stage/time_s" in columns else None,
         **(frames if joints is None else
