@@ -56,10 +56,10 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     writer = write(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
         "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": model or {}})
     frames = {"opening_m": opened, "slip_m": slipped, "offset_m": away, "state": state}
-    ground = dict.fromkeys(GROUND, np.zeros((1, len(layout.supports), 3)))
+    ground = {f"ground/{name}": np.zeros((1, len(layout.supports), 3)) for name in GROUND}
     for k, stage in enumerate(stages):
         row, contacts = ({name: values[k:k + 1] for name, values in group.items()} for group in (columns, frames))
-        writer.extend(stage, row, slice(None), contacts, ground, {})
+        writer.extend(stage, row, slice(None), contacts, ground)
     if snapshots is None:
         snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
     for time, displacement in snapshots.items():

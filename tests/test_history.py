@@ -44,7 +44,7 @@ def write_samples(writer, n, first=0):
         state = np.full((1, LAYOUT.n_joints), BROKEN | AT_LIMIT if k > 2 else 0)
         writer.extend("motion", {"time_s": np.array([0.1 * k]), "drift_ratio": np.array([1e-4 * k])}, slice(None),
                       {"opening_m": opening, "slip_m": slip, "offset_m": 2 * slip, "state": state},
-                      dict.fromkeys(GROUND, np.zeros((1, len(LAYOUT.supports), 3))), {})
+                      {f"ground/{name}": np.zeros((1, len(LAYOUT.supports), 3)) for name in GROUND})
 
 
 def test_round_trip(tmp_path):

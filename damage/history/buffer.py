@@ -30,18 +30,16 @@ class Buffer:
                         for name, column in schema.FRAMES.items()}
         self._count = 0
 
-    def extend(self, stage, rows, joints, contacts, ground, beside):
+    def extend(self, stage, rows, joints, contacts, beside):
         """Add n samples.
 
         stage: one of STAGES; rows: {column of SERIES: (n,)}, missing ones become NaN; contacts: {column of FRAMES:
-        (n, n_active)} of these joints, zero in all others, as missing ones are; ground: {column of GROUND: (n,
-        n_supports, 3)}; beside: {"stresses/joint_stress_pa": (n, n_joints, 2), "points/displacement": (n, n_points, 2)}
-        of a run that keeps them.
+        (n, n_active)} of these joints, zero in all others, as missing ones are; beside: {"GROUP/NAME": (n, ...)} of
+        the ground and, of a run that keeps them, of stresses and points.
         """
         count = len(next(iter(contacts.values())))
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
-        columns = {**{f"series/{name}": rows.get(name, np.full(count, np.nan)) for name in schema.SERIES},
-                   **{f"ground/{name}": values for name, values in ground.items()}, **beside}
+        columns = {f"series/{name}": rows.get(name, np.full(count, np.nan)) for name in schema.SERIES} | beside
         first = 0
         while first < count:
             stop = min(count, first + CHUNK - self._count)

@@ -393,10 +393,8 @@ class Run:
     def _write(self, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""
         rows = {name: values[:end] for name, values in rows.items()}
-        ground = {"displacement": now.support_displacement - self._zero.support_displacement,
-                  "force": now.support_force}
         self.writer.extend(self.stage, rows, now.joints, *({name: values[:end] for name, values in columns.items()}
-                                                           for columns in (now.contacts, ground, self._beside(now))))
+                                                           for columns in (now.contacts, self._beside(now))))
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
@@ -410,9 +408,12 @@ class Run:
         self._samples += end
 
     def _beside(self, now):
-        """Stresses of the joints and displacements of material points, of a run that keeps them, as of
-        `Buffer.extend`."""
-        found = {} if now.joint_stress_pa is None else {"stresses/joint_stress_pa": now.joint_stress_pa}
+        """Motion of the supports and forces on them; of a run that keeps them stresses of the joints and displacements
+        of material points; as of `Buffer.extend`."""
+        found = {"ground/displacement": now.support_displacement - self._zero.support_displacement,
+                 "ground/force": now.support_force}
+        if now.joint_stress_pa is not None:
+            found["stresses/joint_stress_pa"] = now.joint_stress_pa
         if self._points is not None:
             places = (self._points.of(one.displacement, one.strain) for one in (now, self._zero))
             found["points/displacement"] = np.subtract(*places)
