@@ -12,10 +12,10 @@ from importlib import import_module
 from pathlib import Path
 
 from damage.__main__ import add_commands, guarded
-from damage.commands.table import JSON, command, file_arg, out, output
+from damage.commands.table import JSON, command, out, output
 from damage.errors import InputError
 from damage.files import json_text, write_text
-from damage.run.options import OneLineParser
+from damage.run.options import OneLineParser, file_arg
 from damage.run.session import EXIT_INPUT, EXIT_INTERRUPTED
 
 PROGRAMS = (

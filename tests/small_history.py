@@ -7,6 +7,7 @@ import numpy as np
 
 from damage.history.head import read_head, seal, write_head
 from damage.history.reader import read_history
+from damage.history.schema import GROUND
 from damage.history.writer import HistoryWriter
 from damage.law.states import AT_LIMIT, BROKEN, ENDED
 from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
@@ -54,9 +55,11 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
         state[first:, joint] |= ENDED
     writer = write(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
         "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": model or {}})
+    frames = {"opening_m": opened, "slip_m": slipped, "offset_m": away, "state": state}
+    ground = {f"ground/{name}": np.zeros((1, len(layout.supports), 3)) for name in GROUND}
     for k, stage in enumerate(stages):
-        writer.append(stage, {name: values[k] for name, values in columns.items()},
-                      {"opening_m": opened[k], "slip_m": slipped[k], "offset_m": away[k], "state": state[k]})
+        row, contacts = ({name: values[k:k + 1] for name, values in group.items()} for group in (columns, frames))
+        writer.extend(stage, row, slice(None), contacts, ground)
     if snapshots is None:
         snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
     for time, displacement in snapshots.items():

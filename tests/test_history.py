@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 import damage
 from damage.history.info import describe as describe_info
 from damage.history.info import info
-from damage.history.schema import SCHEMA_VERSION, SERIES
+from damage.history.schema import GROUND, SCHEMA_VERSION, SERIES
 from damage.history.writer import HistoryWriter
 from damage.law.states import AT_LIMIT, BROKEN
 from damage.motion.formats import read_record, shipped_record_path
@@ -39,10 +39,11 @@ def open_writer(path, **options):
 
 def write_samples(writer, n, first=0):
     for k in range(first, first + n):
-        opening, slip = np.full(LAYOUT.n_joints, 1e-5 * k), np.full(LAYOUT.n_joints, -2e-5 * k)
-        state = np.full(LAYOUT.n_joints, BROKEN | AT_LIMIT if k > 2 else 0)
-        writer.append("motion", {"time_s": 0.1 * k, "drift_ratio": 1e-4 * k},
-                      {"opening_m": opening, "slip_m": slip, "offset_m": 2 * slip, "state": state})
+        opening, slip = np.full((1, LAYOUT.n_joints), 1e-5 * k), np.full((1, LAYOUT.n_joints), -2e-5 * k)
+        state = np.full((1, LAYOUT.n_joints), BROKEN | AT_LIMIT if k > 2 else 0)
+        writer.extend("motion", {"time_s": np.array([0.1 * k]), "drift_ratio": np.array([1e-4 * k])}, slice(None),
+                      {"opening_m": opening, "slip_m": slip, "offset_m": 2 * slip, "state": state},
+                      {f"ground/{name}": np.zeros((1, len(LAYOUT.supports), 3)) for name in GROUND})
 
 
 def test_round_trip(tmp_path):

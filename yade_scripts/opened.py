@@ -14,6 +14,7 @@ from yade import O
 from damage.errors import InputError, RunError
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
+from damage.history.schema import JOINTS
 from damage.history.writer import HistoryWriter, layout_tables
 from damage.run.run import Run
 from damage.run.session import attended, prepare, simulate
@@ -53,7 +54,8 @@ class Scene:
     @property
     def joints(self):
         """DataFrame, a row a contact point, as `history.joints`: bodies, place, length, stiffnesses, strengths."""
-        table = pd.DataFrame(layout_tables(self.layout)["joints"])
+        columns = layout_tables(self.layout)
+        table = pd.DataFrame({name: columns[f"joints/{name}"] for name in JOINTS})
         return table.assign(kind=np.array(KINDS)[table["kind"]])
 
     @property
@@ -104,8 +106,7 @@ class Scene:
         backend = replace(prepared.backend, make=lambda *_: self.solver, begins=self._begins)
         with redirect_stdout(io.StringIO()), attended(self.wall.name, quiet=True) as keep_going:
             take_turns([simulate(replace(prepared, backend=backend), keep_going, _AtRest(self._settled))])
-        writer = prepared.writer
-        return writer.history() if isinstance(writer, HistoryInMemory) else read_history(writer.path)
+        return prepared.writer.history()
 
     def _begins(self, run):
         self.run = run

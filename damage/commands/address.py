@@ -3,10 +3,16 @@
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, WALL, arg, command, file_arg, group, out, output, save, show
+from damage.commands.table import JSON, WALL, command, out, output, save, show
 from damage.errors import InputError, warn
+from damage.exposure.catalogue import SHIPPED, read_catalogue, with_later, write_catalogue
+from damage.exposure.exposure import Exposure
+from damage.exposure.exposure import describe as describe_exposure
+from damage.exposure.ground_motion import model_named
+from damage.exposure.lives import Choices, Draws
+from damage.exposure.places import at, at_rd
 from damage.files import is_there, write_text
-from damage.run.options import file_path, number_from
+from damage.run.options import arg, file_arg, file_path, flag, group, number_from
 
 _ADDRESS = (
     group("address",
@@ -26,11 +32,6 @@ _ADDRESS = (
 
 
 def _exposure_of(asked):
-    from damage.exposure.catalogue import SHIPPED, read_catalogue
-    from damage.exposure.exposure import Exposure
-    from damage.exposure.ground_motion import model_named
-    from damage.exposure.places import at, at_rd
-
     if (asked.at is None) == (asked.rd is None):
         raise InputError(f"which address? {'both' if asked.at else 'none'} given: expected --at LAT LON or --rd X Y; "
                          "give one of them")
@@ -42,8 +43,6 @@ def _exposure_of(asked):
 @command("the ground motion at an address in the Groningen field: PGV of every earthquake of a catalogue", *_ADDRESS,
          JSON, out("folder for the table of all events and the picture", required=False))
 def _exposure(asked):
-    from damage.exposure.exposure import describe
-
     exposure = _exposure_of(asked)
     if asked.out:
         from damage.draw.exposure import exposure_picture
@@ -51,7 +50,7 @@ def _exposure(asked):
 
         print(f"table: {write_table(exposure.table(), asked.out / 'exposure.csv')}", file=sys.stderr)
         save([("exposure", exposure_picture(exposure))], asked.out, "exposure")
-    show(asked, exposure.as_dict(), describe)
+    show(asked, exposure.as_dict(), describe_exposure)
 
 
 @command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has later; "
@@ -60,8 +59,6 @@ def _exposure(asked):
          file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
          out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"))
 def _catalogue(asked):
-    from damage.exposure.catalogue import SHIPPED, with_later, write_catalogue
-
     joined, notes = with_later(asked.later, asked.catalogue or SHIPPED)
     print(*notes, f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d} to "
           f"{joined.end:%Y-%m-%d}", sep="\n")
@@ -110,11 +107,10 @@ def _lives_options(within, strong):
          WALL, *_ADDRESS, *_lives_options(10.0, (0.05, 0.1)),
          group("lives", arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N",
                             help="lives (default 100)")),
-         group("batch", arg("--slurm", action="store_true", help="as jobs of a SLURM cluster")),
+         group("batch", flag("--slurm", "as jobs of a SLURM cluster")),
          out("folder of the study: tables, pictures, report"))
 def _life(asked):
     from damage.batch.command import run_study
-    from damage.exposure.lives import Choices, Draws
     from damage.life.results import write_study
 
     exposure = _exposure_of(asked)
@@ -180,7 +176,7 @@ def _app(asked):
          file_arg("results", "FOLDER", "folder of a study with lives"),
          arg("--with", dest="tables", nargs="+", default=[], type=file_path, metavar="lives.csv", help="lives of "
               "equal points from other sessions, with other seeds"),
-         arg("--tables", dest="only", action="store_true", help="tables and text only"),
+         flag("--tables", dest="only", help_="tables and text only"),
          output(file_arg("--markdown", "FILE", "write the text, too")),
          out("folder for the tables (default: figures in FOLDER)", required=False))
 def _lives(asked):

@@ -9,10 +9,7 @@ from damage.commands.table import (
     HISTORY,
     JSON,
     PSI_FROM,
-    arg,
     command,
-    file_arg,
-    group,
     out,
     output,
     save,
@@ -21,11 +18,14 @@ from damage.commands.table import (
 )
 from damage.commands.walls import plausible_wall
 from damage.errors import InputError, warn
+from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check, info, origin
+from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.provenance import shown_path
-from damage.run.options import WALLS_ARE_CODE, add_accept, add_model_options, model_of, number_from
+from damage.run.options import ACCEPTING, WALLS_ARE_CODE, arg, file_arg, group, model_arguments, model_of, number_from
 from damage.units import MILLIMETRE
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
 MODEL = tuple(one.name for one in fields(ModelOptions) if one.name not in (
@@ -50,8 +50,6 @@ def _index(asked):
 @command("whether histories are complete, ended early, still open or damaged; exit status 2 where one is damaged, 1 "
          "where one has no end", HISTORIES, JSON)
 def _check(asked):
-    from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
-
     checked = [check(path) for path in asked.histories]
     show(asked, checked, describe_check)
     found = {one["worth"] for one in checked}
@@ -60,9 +58,7 @@ def _check(asked):
 
 @command("what made a history: software, command, inputs, every parameter", HISTORY, JSON)
 def _info(asked):
-    from damage.history.info import describe, info
-
-    show(asked, info(read_history(asked.history)), describe)
+    show(asked, info(read_history(asked.history)), describe_info)
 
 
 @command("cycles, envelope, failure mode and figures of a pushed wall; of several draws of its strengths median and "
@@ -100,7 +96,6 @@ def _stresses(asked):
     report = stress_report(history, moments, asked.joint)
     if asked.out:
         from damage.draw.run import contact_force_picture
-        from damage.history.info import origin
         from damage.measure.tables import write_stresses
 
         write_stresses(history, asked.out, moments, [one["joint"] for one in report["joints"]])
@@ -125,7 +120,7 @@ def _animate(asked):
 @command("a history for ParaView, the tables of a study, or a wall, for other programs",
          file_arg("source", "FILE.h5|STUDY_DIR|WALL", "a history, the folder of a study, as results/quick, or a wall "
                   f"file or the name of a wall that ships. {WALLS_ARE_CODE}"),
-         group("the model of a wall", lambda command: add_model_options(command, MODEL), add_accept),
+         group("the model of a wall", *model_arguments(*MODEL), ACCEPTING),
          output(
              file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
              file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
@@ -156,7 +151,6 @@ def _export(asked):
 def _export_wall(asked):
     from damage.export.opensees import write_opensees
     from damage.export.threedec import write_3dec
-    from damage.wall.layout import lay_out
 
     if asked.source.suffix.lower() == ".h5" or asked.source.is_dir():
         raise InputError(f"export of {asked.source} for OpenSees or 3DEC: expected a wall file, or the name of a wall "
@@ -185,7 +179,6 @@ def _compare(asked):
     result = compare(first, others)
     if asked.out:
         from damage.draw.compare import compare_picture
-        from damage.history.info import origin
 
         save([("compare", compare_picture(first, others[0]))], asked.out,
               "\n".join(map(origin, (first, others[0]))))
@@ -194,7 +187,6 @@ def _compare(asked):
 
 def _compare_survey(asked, surveys, paths):
     from damage.measure.survey import beside, describe_beside, read_survey
-    from damage.wall.layout import lay_out
 
     if len(surveys) > 1 or not paths or asked.out:
         raise InputError(f"compare with {surveys[0]}: expected one survey, histories beside it, and no --out; "

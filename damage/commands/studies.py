@@ -1,10 +1,12 @@
 """Commands about studies: what they write, fragility."""
 
-from damage.commands.table import arg, command, file_arg, group, out, output, save
+from damage.commands.table import command, out, output, save
 from damage.errors import InputError
 from damage.files import json_text
+from damage.measure.columns import made_by_words, slip_criteria
+from damage.measure.tables import write_table
 from damage.provenance import shown_path
-from damage.run.options import number_from
+from damage.run.options import arg, file_arg, flag, group, number_from
 
 
 @command("the tables of a study, from the runs that exist so far", file_arg("study", "STUDY.toml"),
@@ -51,14 +53,13 @@ def _dictionary(asked):
                  help="bootstrap samples (default 500)")),
          group(
              "comparison",
-             arg("--leave-one-out", action="store_true", help="compare each record with the curves of all others"),
+             flag("--leave-one-out", "compare each record with the curves of all others"),
              file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
-             arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock")),
+             flag("--after-damage", "of a study of sequences: by Psi before each shock")),
          out("folder for tables and pictures"),
          output(file_arg("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
                          "coefficients with units, arrays")))
 def _fragility(asked):
-    from damage.measure.columns import made_by_words
     from damage.studies.fragility import STATES, load_runs
     from damage.studies.states import leading, parse_state, study_choices
 
@@ -76,7 +77,6 @@ def _fragility(asked):
 
 def _fragility_after_damage(asked, runs, intensity, states):
     """Tables of `--after-damage`; returns its figures."""
-    from damage.measure.tables import write_table
     from damage.studies.after_damage import load_shocks, table_after_damage
     from damage.studies.fragility_picture import picture_after_damage
 
@@ -91,8 +91,6 @@ def _fragility_after_damage(asked, runs, intensity, states):
 
 def _fragility_curves(asked, runs, intensity, states):
     """Tables and exports of fragility curves; returns their figures."""
-    from damage.measure.columns import slip_criteria
-    from damage.measure.tables import write_table
     from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table, in_words, load_runs
     from damage.studies.fragility_picture import fragility_pictures
     from damage.studies.left_out import beside_unseen, leave_one_out, scores

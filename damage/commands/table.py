@@ -5,7 +5,7 @@ import sys
 
 from damage.errors import one_line
 from damage.files import json_text
-from damage.run.options import WALLS_ARE_CODE, file_path, number_from
+from damage.run.options import WALLS_ARE_CODE, arg, file_arg, flag, group, number_from
 
 COMMANDS = {}
 """Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
@@ -23,28 +23,8 @@ def command(purpose, *arguments, table=COMMANDS):
     return keep
 
 
-def arg(*names, **options):
-    """A function that adds this argument to a parser, as `add_argument` takes it."""
-    return lambda command: command.add_argument(*names, **options)
-
-
-def group(title, *arguments):
-    """A function that adds these arguments to the group of a parser with this title."""
-    def add(command):
-        named = (one for one in command._action_groups if one.title == title)
-        titled = next(named, None) or command.add_argument_group(title)
-        for one in arguments:
-            one(titled)
-    return add
-
-
-def file_arg(name, metavar, help_=None, **options):
-    """The same of a path."""
-    return arg(name, type=file_path, metavar=metavar, help=help_, **options)
-
-
 def output(*arguments):
-    """The same of what a command writes."""
+    """A function that adds these arguments to the group of what a command writes."""
     return group("output", *arguments)
 
 
@@ -56,7 +36,7 @@ def out(help_, metavar="DIR", required=True):
 WALL = file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}")
 HISTORY = file_arg("history", "FILE.h5")
 HISTORIES = file_arg("histories", "FILE.h5", nargs="+")
-JSON = output(arg("--json", action="store_true", help="as JSON"))
+JSON = output(flag("--json", "as JSON"))
 DAMAGE = "what counts as damage"
 DRIFT_LIMIT = group(DAMAGE, arg("--drift-limit-pct", type=number_from(1e-6, 100), default=2.0, metavar="PCT",
                                 help="drift limit (default 2)"))

@@ -3,32 +3,45 @@
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, WALL, arg, command, file_arg, group, out, output, save, show
+from damage.commands.table import JSON, WALL, command, out, output, save, show
 from damage.errors import InputError, warn
 from damage.files import json_text
+from damage.law.modes import natural_modes
+from damage.motion import intensity
 from damage.motion.loading import PERIODS_S
+from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
 from damage.provenance import shown_path
-from damage.run.options import add_accept, add_model_options, add_preparation, model_of, number_from, recorded
+from damage.run.options import (
+    ACCEPTING,
+    PREPARATION,
+    arg,
+    file_arg,
+    flag,
+    group,
+    model_arguments,
+    model_of,
+    number_from,
+    recorded,
+)
 from damage.start import missing_library
+from damage.wall import as_built, materials
+from damage.wall.file import load_wall, wall_schema
+from damage.wall.geometry import body_table, joint_table
+from damage.wall.layout import lay_out
+from damage.wall.plan import plan_of
+from damage.wall.plausible import check_plausible
 
 
 @command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", JSON)
 def _materials(asked):
-    from damage.wall.materials import as_dict, describe
-
-    print(json_text(as_dict(), indent=2) if asked.json else describe())
+    print(json_text(materials.as_dict(), indent=2) if asked.json else materials.describe())
 
 
 @command("natural periods of a wall with intact joints", WALL,
-         group("model", lambda command: add_model_options(command, (
-             "lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane", "brick_mass")),
-               add_accept),
+         group("model", *model_arguments("lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane",
+                                         "brick_mass"), ACCEPTING),
          JSON, out("folder for a picture of the shapes", required=False))
 def _modes(asked):
-    from damage.law.modes import natural_modes
-    from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
-    from damage.wall.layout import lay_out
-
     layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
@@ -41,7 +54,8 @@ def _modes(asked):
                           "pier_stress_pa": layout.pier_stress}))
         return
     plan = layout.plan
-    print(*describe_top(layout), *describe_openings(plan), *describe_floors(plan), *describe_lintels(plan), sep="\n")
+    print(*as_built.describe_top(layout), *as_built.describe_openings(plan), *as_built.describe_floors(plan),
+          *as_built.describe_lintels(plan), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
@@ -49,14 +63,12 @@ def _modes(asked):
 
 @command("a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic joints, names of "
          "piers and spandrels", WALL,
-         group("model", lambda command: add_model_options(command, ("lintel", "top", "load", "supports")), add_accept),
+         group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
          out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
               required=False))
 def _draw(asked):
     from damage.draw.preview import wall_preview
     from damage.draw.style import save_picture
-    from damage.wall.geometry import body_table, joint_table
-    from damage.wall.layout import lay_out
 
     wall = plausible_wall(asked, asked.wall)
     layout = lay_out(wall, model_of(asked))
@@ -67,30 +79,23 @@ def _draw(asked):
 
 def plausible_wall(asked, path):
     """The wall of a file, or of a name, its values checked unless a command's options accept all."""
-    from damage.wall.as_built import warn_of_courses, warn_of_slabs
-    from damage.wall.file import load_wall
-    from damage.wall.plan import plan_of
-    from damage.wall.plausible import check_plausible
-
     wall = load_wall(path)
     if not asked.accept_implausible:
         check_plausible(wall)
     plan = plan_of(wall)
-    warn(*warn_of_courses(plan), *warn_of_slabs(plan))
+    warn(*as_built.warn_of_courses(plan), *as_built.warn_of_slabs(plan))
     return wall
 
 
 @command("the JSON Schema of walls as TOML, by which editors complete and check them: put it beside yours, and "
          "'#:schema ./wall.schema.json' on its first line")
 def _wall_schema(asked):
-    from damage.wall.file import wall_schema
-
     print(json_text(wall_schema(), indent=1))
 
 
 @command("a first run, in half a minute: the façade that ships under a harmonic motion, with pictures and a report",
          file_arg("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
-         arg("--overwrite", action="store_true", help="replace what a demo before has left there"))
+         flag("--overwrite", "replace what a demo before has left there"))
 def _demo(asked):
     from damage.reference.session import run_reference
 
@@ -124,31 +129,24 @@ def _new_wall(asked):
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
          "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
-         "ships, as BGAR_HGE"), group("preparation of the record", add_preparation, arg(
+         "ships, as BGAR_HGE"), group("preparation of the record", *PREPARATION, arg(
              "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (of `modes`): "
              "also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
          JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
 def _record(asked):
-    from damage.motion.intensity import describe, motion_summary
-    from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
-
     loading = recorded(asked)
     if asked.period is not None:
         loading = loading.for_period(asked.period)
-    found = motion_summary(loading, asked.period)
+    found = intensity.motion_summary(loading, asked.period)
     warn(*implausible_motion(loading), *filter(None, (
         implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))),
          *faint_warnings(found["pga_g"]))
     if asked.plot:
-        _plot_motion(loading, found, asked.plot)
-    show(asked, found, describe)
+        from damage.draw.motion import motion_picture
+        from damage.draw.style import save_picture
 
-
-def _plot_motion(loading, found, path):
-    """Write the picture of a motion; its path goes to stderr: stdout may be JSON."""
-    from damage.draw.motion import motion_picture
-    from damage.draw.style import save_picture
-
-    if path.suffix.lower() != ".png":
-        raise InputError(f"--plot {path}: expected a name that ends in .png; give it one")
-    print(f"picture: {save_picture(motion_picture(loading, found), path, f'motion {loading.name}')}", file=sys.stderr)
+        if asked.plot.suffix.lower() != ".png":
+            raise InputError(f"--plot {asked.plot}: expected a name that ends in .png; give it one")
+        path = save_picture(motion_picture(loading, found), asked.plot, f"motion {loading.name}")
+        print(f"picture: {path}", file=sys.stderr)  # stdout may be JSON
+    show(asked, found, intensity.describe)

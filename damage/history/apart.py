@@ -6,10 +6,13 @@ import pickle
 import signal
 import sys
 import warnings
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from damage.errors import InputError
+
+with suppress(ImportError):  # not on every system
+    import resource
 
 SECONDS = 8
 """Longest time that a small file may take: a machine may be busy."""
@@ -61,8 +64,6 @@ def bounded():
     if not sys.platform.startswith("linux"):
         yield lambda n_bytes: None
         return
-    import resource  # not on every system
-
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     try:
         yield lambda n_bytes: _allow(FREE_BYTES + 4 * n_bytes, hard if soft == resource.RLIM_INFINITY else soft)
@@ -72,8 +73,6 @@ def bounded():
 
 def _be_the_child(path, read, send, limit_s):
     """Read, send the result or the error, and end the child without the parent's exit handlers."""
-    import resource  # not on every system
-
     signal.signal(signal.SIGALRM, signal.SIG_DFL)  # ends HDF5, too, wherever it is
     signal.alarm(limit_s)
     faulthandler.disable()
@@ -93,8 +92,6 @@ def _be_the_child(path, read, send, limit_s):
 
 def _allow(n_bytes, most=None):
     """Allow this process n_bytes more memory than it has now, up to a total (default: its hard limit)."""
-    import resource
-
     now = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     most, wanted = hard if most is None else most, int(now + n_bytes)

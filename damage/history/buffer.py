@@ -1,5 +1,7 @@
 """Buffer of samples, events and snapshots, which are stored many at once."""
 
+from collections import defaultdict
+
 import numpy as np
 
 from damage.history import schema
@@ -11,56 +13,41 @@ CHUNK = 120
 
 
 class Buffer:
-    """What a run writes to: call `append` or `extend`, `event` and `snapshot` as it goes, `finish` at the end.
+    """What a run writes to: call `extend`, `event` and `snapshot` as it goes, `finish` at the end.
 
     sinks: where it goes, none to keep nothing: a file (`damage.history.writer.File`), memory
-    (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {group: arrays in the order of its
-    columns}; the arrays of frames are used again.
+    (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {"GROUP/NAME": array}; the arrays of
+    frames are used again.
     path: of the history's file, should it have one; where: the history is, in words.
     """
 
     def __init__(self, layout, *sinks):
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
-        # Of series, frames and ground whole columns, of the other groups rows in the order of theirs.
         self._rows = {"events": [], "snapshots": [], "static_stage": []}
-        self._beside = {"stresses": [], "points": []}  # blocks of rows
-        self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
+        self._blocks = defaultdict(list)  # {"GROUP/NAME": arrays of several rows}
         self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
                         for name, column in schema.FRAMES.items()}
-        self._ground = {name: np.zeros((CHUNK, len(layout.supports), 3), column.dtype)
-                        for name, column in schema.GROUND.items()}
         self._count = 0
 
-    def append(self, stage, row, contacts, ground=None):
-        """Add one sample.
+    def extend(self, stage, rows, joints, contacts, beside):
+        """Add n samples.
 
-        stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN; contacts: {column of FRAMES:
-        (n_joints,)}, missing ones become zero; ground: {column of GROUND: (n_supports, 3)}, missing ones become zero.
+        stage: one of STAGES; rows: {column of SERIES: (n,)}, missing ones become NaN; contacts: {column of FRAMES:
+        (n, n_active)} of these joints, zero in all others, as missing ones are; beside: {"GROUP/NAME": (n, ...)} of
+        the ground and, of a run that keeps them, of stresses and points.
         """
-        self.extend(stage, {name: np.array([value]) for name, value in row.items()}, slice(None),
-                    *({name: np.asarray(values)[np.newaxis] for name, values in columns.items()}
-                      for columns in (contacts, ground or {})))
-
-    def extend(self, stage, rows, joints, contacts, ground, beside=None):
-        """Add n samples, as `append` one: rows: {column: (n,)}, of one length; contacts: {column: (n, n_active)} of
-        these joints, zero in all others; ground: {column: (n, n_supports, 3)}; beside: {"stresses": (n, n_joints, 2),
-        "points": (n, n_points, 2)} of a run that keeps them."""
         count = len(next(iter(contacts.values())))
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
+        columns = {f"series/{name}": rows.get(name, np.full(count, np.nan)) for name in schema.SERIES} | beside
         first = 0
         while first < count:
             stop = min(count, first + CHUNK - self._count)
             taken, given = slice(first, stop), slice(self._count, self._count + stop - first)
-            for name, column in self._series.items():
-                column[given] = rows[name][taken] if name in rows else np.nan
             for name, values in contacts.items():
                 self._frames[name][given, joints] = values[taken]
-            for name, column in self._ground.items():
-                column[given] = ground[name][taken] if name in ground else 0.0
-            for group, values in (beside or {}).items():
-                (column,) = schema.GROWING[group].values()
-                self._beside[group].append(np.array(values[taken], column.dtype))
+            for path, values in columns.items():
+                self._blocks[path].append(np.array(values[taken], schema.COLUMNS[path].dtype))
             self._count, first = given.stop, stop
             if self._count == CHUNK:
                 self.flush()
@@ -98,11 +85,7 @@ class Buffer:
                 sink.keep_state(state)
 
     def history(self, path=None):
-        """The History of a finished run with a sink in memory, equal to that of `read_history`; raises the same
-        InputError.
-
-        path: of the file, where it has another name by now.
-        """
+        """The History of a finished run, as of `read_history`; path: of the file, where it has another name by now."""
         return self._sinks[-1].history(path or self.path)
 
     def begin_again(self, write):
@@ -121,17 +104,14 @@ class Buffer:
 
     def flush(self):
         """Store what is buffered, on the disk, too."""
-        columns = {group: [np.asarray(values, column.dtype)
-                           for values, column in zip(zip(*rows), schema.GROWING[group].values())]
-                   for group, rows in self._rows.items() if rows}
+        columns = {f"{group}/{name}": np.asarray(values, column.dtype) for group, rows in self._rows.items()
+                   for (name, column), values in zip(schema.GROWING[group].items(), zip(*rows))}
+        columns |= {path: np.concatenate(blocks) for path, blocks in self._blocks.items() if blocks}
         if self._count > 0:
-            columns["series"] = [column[:self._count].copy() for column in self._series.values()]
-            columns["ground"] = [column[:self._count].copy() for column in self._ground.values()]
-            columns["frames"] = [column[:self._count] for column in self._frames.values()]
-        columns |= {group: [np.concatenate(blocks)] for group, blocks in self._beside.items() if blocks}
+            columns |= {f"frames/{name}": column[:self._count] for name, column in self._frames.items()}
         for sink in self._sinks:
             sink.store(columns)
-        for rows in (*self._rows.values(), *self._beside.values()):
+        for rows in (*self._rows.values(), *self._blocks.values()):
             rows.clear()
         for column in self._frames.values():
             column[:self._count] = 0

@@ -4,15 +4,14 @@ Most contact points are intact most of the time, so a chunk of samples stores th
 """
 
 import json
-from functools import cached_property, partial
-from typing import NamedTuple
+from functools import partial
 
 import numpy as np
 
 from damage.history import schema
 from damage.history.buffer import Buffer
-from damage.history.reader import any_bit, checked, history_of, read_history
-from damage.history.writer import File, layout_tables, run_attributes, sizes_of
+from damage.history.reader import any_bit, at_all_joints, checked, history_of, read_history
+from damage.history.writer import File, growing_columns, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
 """Size [bytes] beyond which a history continues in its file: eight runs share a process."""
@@ -30,11 +29,8 @@ class Memory:
     def __init__(self, path, layout, attributes, new_file=None):
         self.path, self.where = path, f"in memory, and in {path} should the run fail"
         self._layout, self._attributes, self._new_file = layout, attributes, new_file
-        self._values, self._parts, self._n_bytes, self._file = {}, [], 0, None
-
-    @cached_property
-    def _parameters(self):
-        return json.loads(self._attributes["parameters_json"])
+        self._values, self._n_bytes, self._file = {}, 0, None
+        self._parts = []  # (active joints, columns with the frames of these alone)
 
     @property
     def is_torn(self):
@@ -48,9 +44,11 @@ class Memory:
             self._file.store(columns)
         if self._parts is None:
             return
-        part = columns | {"frames": [_Part.of(column) for column in columns.get("frames", [])]}
-        self._parts.append(part)
-        self._n_bytes += sum(array.nbytes for arrays in part.values() for array in arrays)
+        frames = {path: rows for path, rows in columns.items() if path.startswith("frames/")}
+        joints = np.flatnonzero(np.any([any_bit(rows) for rows in frames.values()], axis=0))
+        part = columns | {path: rows[:, joints] for path, rows in frames.items()}
+        self._parts.append((joints, part))
+        self._n_bytes += joints.nbytes + sum(rows.nbytes for rows in part.values())
         if self._n_bytes > MOST_BYTES:
             self._outgrow()
 
@@ -66,54 +64,39 @@ class Memory:
         self._status, self._collapsed_at_s = status, collapsed_at_s
 
     def _outgrow(self):
-        """Continue in a file."""
         if self._new_file:
             self._file = self._new_file()
             self._file.static_stage(self._values)
-            for part in self._parts:
-                self._file.store(part | {"frames": [rows.dense(self._layout.n_joints) for rows in part["frames"]]})
+            for joints, part in self._parts:
+                self._file.store(_among(self._layout.n_joints, joints, part))
         self._parts = None
 
     def history(self, path):
         if self._parts is None:
             return read_history(path)
-        values = {f"{group}/{name}": values for group, columns in layout_tables(self._layout).items()
-                  for name, values in columns.items()}
-        values |= {f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC}
-        values |= {"run/status": np.uint8(schema.STATUS.index(self._status)),
-                   "run/collapsed_at_s": np.float64(
-                       np.nan if self._collapsed_at_s is None else self._collapsed_at_s)}
-        values |= {f"{group}/{name}": self._column(group, number, name)
-                   for group, columns in schema.GROWING.items() if group != "frames"
-                   for number, name in enumerate(columns)
-                   if schema.is_kept(f"{group}/{name}", self._layout.strain is not None, self._parameters)}
-        joints, frames = self._active_frames()
-        values |= {f"frames/{name}": rows for name, rows in frames.items()}
+        collapsed_at_s = np.nan if self._collapsed_at_s is None else self._collapsed_at_s
+        joints, growing = self._growing()
+        values = {"run/status": np.uint8(schema.STATUS.index(self._status)),
+                  "run/collapsed_at_s": np.float64(collapsed_at_s),
+                  **{f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC},
+                  **layout_tables(self._layout), **growing}
         return checked(history_of(path, self._attributes, values, joints=joints))
 
-    def _column(self, group, number, name):
-        """All rows of a column, of this number in its group."""
-        parts = [part[group][number] for part in self._parts if part.get(group)]
-        shape = schema.row_shape(f"{group}/{name}", sizes_of(self._layout, self._parameters))
-        none = np.empty((0, *shape), schema.GROWING[group][name].dtype)
-        return np.concatenate([none, *parts])
+    def _growing(self):
+        """The joints at which any bit was ever set, and {"GROUP/NAME": all rows}, those of frames at these joints."""
+        ever = np.unique(np.concatenate([np.empty(0, int), *(joints for joints, _ in self._parts)]))
+        parts = [_among(len(ever), np.searchsorted(ever, joints), part) for joints, part in self._parts]
+        columns, values = growing_columns(self._layout, json.loads(self._attributes["parameters_json"])), {}
+        for path, (column, shape) in columns.items():
+            none = np.empty((0, len(ever)) if path.startswith("frames/") else (0, *shape), column.dtype)
+            values[path] = np.concatenate([none, *(part[path] for part in parts if path in part)])
+        return ever, values
 
-    def _active_frames(self):
-        """The joints at which any bit was ever set, and {column of the frames: all its rows at them}."""
-        parts = [part["frames"] for part in self._parts if part["frames"]]
-        ever = np.zeros(self._layout.n_joints, bool)
-        for one in parts:
-            for part in one:
-                ever[part.joints] = True
-        joints, place = np.flatnonzero(ever), np.cumsum(ever) - 1
-        frames = {name: np.zeros((sum(len(one[0].values) for one in parts), len(joints)), column.dtype)
-                  for name, column in schema.FRAMES.items()}
-        first = 0
-        for one in parts:
-            for rows, part in zip(frames.values(), one):
-                rows[first:first + len(part.values), place[part.joints]] = part.values
-            first += len(one[0].values)
-        return joints, frames
+
+def _among(n_joints, joints, part):
+    """A part, {"GROUP/NAME": array}, with its frames, which are of these joints alone, at so many."""
+    return {path: at_all_joints(rows, joints, n_joints) if path.startswith("frames/") else rows
+            for path, rows in part.items()}
 
 
 class HistoryInMemory(Buffer):
@@ -122,7 +105,7 @@ class HistoryInMemory(Buffer):
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
         super().__init__(layout, Memory(path, layout, attributes, partial(
-            File, path, layout, attributes, versions, overwrite)))
+            File, path, layout, attributes, overwrite)))
 
 
 class HistoryKept(Buffer):
@@ -130,26 +113,4 @@ class HistoryKept(Buffer):
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, File(path, layout, attributes, versions, overwrite), Memory(path, layout, attributes))
-
-
-class _Part(NamedTuple):
-    """Rows of a frame: the joints at which any bit is set, and their values (rows, joints)."""
-
-    joints: np.ndarray
-    values: np.ndarray
-
-    @classmethod
-    def of(cls, rows):
-        joints = np.flatnonzero(any_bit(rows))
-        return cls(joints, rows[:, joints])
-
-    @property
-    def nbytes(self):
-        return self.joints.nbytes + self.values.nbytes
-
-    def dense(self, n_joints):
-        """The rows (rows, n_joints) of all joints."""
-        rows = np.zeros((len(self.values), n_joints), self.values.dtype)
-        rows[:, self.joints] = self.values
-        return rows
+        super().__init__(layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes))

@@ -65,11 +65,13 @@ def origin(history):
 def info(history):
     """Origin of a History, a plain dictionary: "parameters" as stored in the file, and "results", those that follow
     from other parameters."""
+    top, joints = history.bodies[history.bodies["course"] == -1], history.joints
+    thickness = joints["area_m2"].sum() / joints["length_m"].sum() if len(joints) else float("inf")
     return {"file": shown_path(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
             "collapsed_at_s": history.collapsed_at_s, "created_utc": history.attributes["created_utc"],
             "machine": history.attributes["machine"], "command": history.command, **made_by(history),
             "versions": history.versions, "parameters": history.parameters, "results": results(history),
-            "caps": _caps(history),
+            "caps": caps(top["x_m"], top["length_m"], top["mass_kg"], thickness),
             "static": {name: None if isnan(value) else value for name, value in history.static.items()}}
 
 
@@ -81,12 +83,6 @@ def results(history):
 def given(about):
     """The parameters without those derived from others; about: an `info`."""
     return {name: value for name, value in about["parameters"].items() if name not in about["results"]}
-
-
-def _caps(history):
-    bodies, joints = history.bodies[history.bodies["course"] == -1], history.joints
-    thickness = joints["area_m2"].sum() / joints["length_m"].sum() if len(joints) else float("inf")
-    return caps(bodies["x_m"], bodies["length_m"], bodies["mass_kg"], thickness)
 
 
 def describe(about):

@@ -14,19 +14,9 @@ import pandas as pd
 
 from damage.checks import check_choice, check_file, record_from
 from damage.errors import InputError
+from damage.history import schema
 from damage.history.apart import apart, bounded
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
-from damage.history.schema import (
-    CODES,
-    EVENTS,
-    SCHEMA,
-    SCHEMA_VERSION,
-    STAGES,
-    STATUS,
-    TABLES,
-    moving,
-    tables_of,
-)
 from damage.history.structure import check_parameters, check_structure, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
@@ -153,11 +143,19 @@ class History:
     static_stage: pd.DataFrame | None = None
 
     def __repr__(self):
-        return (f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {how_it_ended(self)}, "
-                f"{_samples(self)}>")
+        return f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {_end_of(self)}>"
 
     def _repr_html_(self):
-        return as_html(self)
+        """A table for notebooks, with its wall, motion, end, index and largest drift."""
+        rows = [("wall", self.wall), ("motion", self.loading.name), ("solver", self.solver), ("run", _end_of(self))]
+        if len(self.series):
+            index, drift = self.index()["DI"], self.series["drift_ratio"].abs().max()
+            residual = f", residual {index.iloc[-1]:.3f}" if self.complete else ""
+            rows += [("damage index", f"maximum {index.max():.3f}{residual}"),
+                     ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
+                     ("failures", f"{int(self.states.broken[-1].sum())} of {len(self.joints)} contact points")]
+        cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
+        return f"<table><caption>History</caption>{cells}</table>"
 
     def plot_wall(self, ax, t="max", **options):
         """Draw the wall with its cracks at a time t [s], or "max" (of the damage index) or "end", into axes of a
@@ -241,7 +239,7 @@ class History:
     @property
     def moving(self):
         """The series without the settling stages."""
-        return moving(self.series)
+        return schema.moving(self.series)
 
     def judged_by(self, slip):
         """Slip criterion that is applied for a requested one: `accumulated` in place of `displacement` where the file
@@ -288,26 +286,24 @@ class History:
         """Whether no joint ever failed or reached its shear limit."""
         return not bool(self.states.broken.any() or self.states.at_limit.any())
 
+    # What follows is of packages that come after this one in the order of imports.
+
     @cached_property
     def warnings(self):
         """Conditions under which the results are doubtful, a list of str with a `code` (`damage.measure.warnings`)."""
-        return _measure("warnings").warnings_of(self)
+        return import_module("damage.measure.warnings").warnings_of(self)
 
     @property
     def evidence(self):
         """The range of validity (`docs/model/validity.md`), a DataFrame, a row a quantity: value, least, most, unit and
         whether this run is inside, None where the quantity does not apply."""
-        return pd.DataFrame(_measure("summary").summarise(self)["evidence"]).T.rename_axis("quantity")
+        evidence = import_module("damage.measure.summary").summarise(self)["evidence"]
+        return pd.DataFrame(evidence).T.rename_axis("quantity")
 
     @cached_property
     def _indices(self):
         """Damage indices computed so far, which several tables need: {(threshold, drift limit, slip): DataFrame}."""
         return {}
-
-
-def _measure(name):
-    """A module of `damage.measure`, which comes after this package in the order of imports."""
-    return import_module(f"damage.measure.{name}")
 
 
 def read_history(path):
@@ -318,21 +314,24 @@ def read_history(path):
     """
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
+    read = partial(_read, head)
     if head is None or not head.sealed:
-        return apart(path, _open)
+        return apart(path, read)
     check_seal(path, head)
     with bounded() as believe:
-        return _open(path, believe)
+        return read(path, believe)
 
 
-def _open(path, believe=lambda n_bytes: None):
-    """Read a file with an intact seal here, any other in a separate process."""
+def _read(head, path, believe):
+    """The History of a file with this Head; believe: as of `apart`."""
     try:
         with opened(path) as file:
-            _check_schema(file, path)
+            version = _schema_version(file, path, head)
             believe(check_structure(file))
-            history = _read(file, path)
-        _check_head(history)
+            # What is open has no end yet, whatever it says of itself.
+            history = history_of(path, dict(file["run"].attrs), file, version, ended=not head or head.sealed)
+        if head and head != replace(head, **head_of(history.solver, history.versions)):
+            raise InputError("its head names another software or model than the rest of it")
         return checked(history)
     except InputError as error:
         raise error if str(path) in str(error) else _unreadable(path, error) from None
@@ -347,13 +346,6 @@ def checked(history):
     # Parameters that make no sense are a fault of the file, reported here and not in the midst of a command.
     _ = history.loading.as_dict(), history.model, history.joint_normals, history.masonry_wall
     return history
-
-
-def _check_head(history):
-    """Raise InputError unless the head agrees with the attributes of the file."""
-    head = read_head(history.path)
-    if head and head != replace(head, **head_of(history.solver, history.versions)):
-        raise InputError("its head names another software or model than the rest of it")
 
 
 def _unreadable(path, error):
@@ -375,83 +367,71 @@ def _is_growing(path):
     return block[start + 11:start + 12] >= b"\4"  # of its consistency flags that of a single writer with many readers
 
 
-def _check_schema(file, path):
-    schema = file.attrs.get("schema")
-    if not (isinstance(schema, str) and schema == SCHEMA):
-        raise InputError(f"{path} is no history of this software (its schema is {schema!r}, expected {SCHEMA!r})")
+def _schema_version(file, path, head):
+    name = file.attrs.get("schema")
+    if not (isinstance(name, str) and name == schema.SCHEMA):
+        raise InputError(f"{path} is no history of this software (its schema is {name!r}, expected {schema.SCHEMA!r})")
     version = int(file.attrs["schema_version"])
-    if version > SCHEMA_VERSION:
-        raise InputError(f"{path} has schema version {version}, this software reads up to "
-                         f"{SCHEMA_VERSION}; update the software")
-    head = read_head(path)
     if (head.version if head else 1) != version:
         raise InputError(f"its head names another schema version than {version}, which the rest of it has")
+    return version
 
 
-def _read(file, path):
-    head = read_head(path)
-    # What is open has no end yet, whatever it says of itself.
-    return history_of(path, dict(file["run"].attrs), file, int(file.attrs["schema_version"]),
-                      ended=not head or head.sealed)
-
-
-def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joints=None):
+def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=True, joints=None):
     """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or dataset}.
 
     joints: where the frames are of some joints alone, their indices (n,), increasing; all others are inactive, and
     dense frames are made on first use.
     """
-    tables = tables_of(version)
-    n_times = _whole_rows(values, tables, "series", "frames", "ground", "stresses", "points")
-    n_snapshots = _whole_rows(values, tables, "snapshots")
-    snapshots = {name: values[f"snapshots/{name}"][:n_snapshots] for name in TABLES["snapshots"]
-                 if f"snapshots/{name}" in values}
+    columns = schema.columns_of(version)
+    n_times = _whole_rows(values, columns, "series", "frames", "ground", "stresses", "points")
+    n_snapshots = _whole_rows(values, columns, "snapshots")
+    optional = {"support_displacement": ("ground/displacement", n_times), "support_force": ("ground/force", n_times),
+                "stress_pa": ("snapshots/stress_pa", n_snapshots),
+                "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
+                "point_displacement": ("points/displacement", n_times)}
     table = _columns(values, "joints")
-    frames = _frames(values, tables["frames"], n_times)
+    frames = _frames(values, columns, n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
-    ground = {} if not tables["ground"] else {
-        "supports": _columns(values, "supports"),
-        **{f"support_{name}": values[f"ground/{name}"][:n_times] for name in tables["ground"]}}
     history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
-        status=STATUS[int(values["run/status"][()]) if ended else 0],
+        status=schema.STATUS[int(values["run/status"][()]) if ended else 0],
         collapsed_at_s=None if np.isnan(collapsed) else collapsed,
         parameters=json.loads(attributes["parameters_json"]), versions=json.loads(attributes["versions_json"]),
-        static={name: float(values[f"static/{name}"][()]) for name in sorted(TABLES["static"])},
-        attributes=attributes, joints=_decode(table, "kind", CODES["joints/kind"]),
+        static={name: float(values[f"static/{name}"][()]) for name in sorted(schema.TABLES["static"])},
+        attributes=attributes, joints=_decode(table, "kind", schema.CODES["joints/kind"]),
         bodies=_columns(values, "bodies"),
-        series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", STAGES)),
-        events=_decode(_columns(values, "events", _whole_rows(values, tables, "events")), "kind", EVENTS),
-        snapshot_time_s=snapshots["time_s"], displacement=snapshots["displacement"],
-        stress_pa=snapshots.get("stress_pa"), **ground,
-        **{field: values[path][:n_times] for field, path in (("joint_stress_pa", "stresses/joint_stress_pa"),
-                                                             ("point_displacement", "points/displacement"))
-           if path in values},
-        static_stage=_columns(values, "static_stage", _whole_rows(values, tables, "static_stage"))
-        if tables["static_stage"] else None,
+        series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
+        events=_decode(_columns(values, "events", _whole_rows(values, columns, "events")), "kind", schema.EVENTS),
+        snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
+        displacement=values["snapshots/displacement"][:n_snapshots],
+        **{field: values[path][:count] for field, (path, count) in optional.items()
+           if path in columns and path in values},
+        supports=_columns(values, "supports") if "supports/left_m" in columns else None,
+        static_stage=_columns(values, "static_stage", _whole_rows(values, columns, "static_stage"))
+        if "static_stage/time_s" in columns else None,
         **(frames if joints is None else
-           {name: partial(_at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
+           {name: partial(at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would compute it from dense frames
         vars(history).update(active=_sparse(ActiveContacts, joints, frames), states=_sparse(States, joints, frames))
     return history
 
 
-def _whole_rows(values, tables, *groups):
+def _whole_rows(values, columns, *groups):
     """Number of rows of groups: a killed run may have flushed one column more often than another."""
-    return min(len(values[f"{group}/{name}"]) for group in groups for name in tables[group]
-               if f"{group}/{name}" in values)
+    return min(len(values[path]) for path in columns if path.partition("/")[0] in groups and path in values)
 
 
 def _frames(values, columns, n_times):
     """{field of a History: its frames}, offsets None where a file has none."""
     state = values["frames/state"][:n_times]
-    found = {name: values[f"frames/{name}"][:n_times] if name in columns else None
+    found = {name: values[f"frames/{name}"][:n_times] if f"frames/{name}" in columns else None
             for name in ("opening_m", "slip_m", "offset_m")}
     return found | {name: (state & bit) > 0 for name, bit in (
         ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED), ("ended", ENDED))}
 
 
-def _at_all_joints(sparse, joints, n_joints):
+def at_all_joints(sparse, joints, n_joints):
     """Dense frames (n_times, n_joints) from those of some joints alone (n_times, n)."""
     rows = np.zeros((len(sparse), n_joints), sparse.dtype)
     rows[:, joints] = sparse
@@ -467,7 +447,7 @@ def _number_shocks(series):
 
 def _columns(values, group, n_rows=None):
     """Columns of a group that the schema names, as a DataFrame."""
-    names = sorted(TABLES[group])
+    names = sorted(schema.TABLES[group])
     found = {name: values[f"{group}/{name}"][:n_rows] for name in names if f"{group}/{name}" in values}
     rows = range(len(next(iter(found.values()))))
     return pd.DataFrame({name: found.get(name, np.nan) for name in names}, index=rows)
@@ -478,26 +458,9 @@ def _decode(frame, column, names):
     return frame
 
 
-def as_html(history):
-    """A History as HTML for notebooks: a table with its wall, motion, end, index and largest drift."""
-    rows = [("wall", history.wall), ("motion", history.loading.name), ("solver", history.solver),
-            ("run", f"{how_it_ended(history)}, {_samples(history)}")]
-    if len(history.series):
-        index, drift = history.index()["DI"], history.series["drift_ratio"].abs().max()
-        residual = f", residual {index.iloc[-1]:.3f}" if history.complete else ""
-        rows += [("damage index", f"maximum {index.max():.3f}{residual}"),
-                 ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
-                 ("failures", f"{int(history.states.broken[-1].sum())} of {len(history.joints)} contact points")]
-    cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
-    return f"<table><caption>History</caption>{cells}</table>"
-
-
-def how_it_ended(history):
-    """The status, and when the wall collapsed, where it did."""
-    fell = history.collapsed_at_s
-    return history.status if fell is None else f"{history.status}, collapsed at {fell:.3f} s"
-
-
-def _samples(history):
-    time_s = history.series["time_s"]
-    return f"{len(time_s)} samples" + (f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else "")
+def _end_of(history):
+    """The status, when the wall collapsed, where it did, and how many samples there are."""
+    fell, time_s = history.collapsed_at_s, history.series["time_s"]
+    collapse = "" if fell is None else f", collapsed at {fell:.3f} s"
+    last = f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else ""
+    return f"{history.status}{collapse}, {len(time_s)} samples{last}"

@@ -172,24 +172,19 @@ STATE_COLUMN = Column("bytes", "NumPy archive of the solver's own tables at the 
                       "model's code", "u1", since=7)
 OPTIONAL = {"snapshots/stress_pa", "stresses/joint_stress_pa", "points/displacement"}
 """Datasets that only some runs have."""
-
-
-def is_kept(path, deforms, parameters):
-    """Whether a run has a dataset of OPTIONAL; deforms: whether its bricks do; parameters: of the run."""
-    return {"snapshots/stress_pa": deforms, "stresses/joint_stress_pa": bool(parameters.get("stresses")),
-            "points/displacement": bool(parameters.get("points"))}.get(path, True)
-
-
 GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS,
            "stresses": STRESSES, "points": POINTS, "static_stage": STATIC_STAGE}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
+RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
+       "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
+COLUMNS = {f"{group}/{name}": column for group, columns in {"run": RUN, **TABLES}.items()
+           for name, column in columns.items()}
 
 
-def tables_of(version):
-    """TABLES as a file of a schema version has them."""
-    return {group: {name: column for name, column in columns.items() if column.since <= version}
-            for group, columns in TABLES.items()}
+def columns_of(version):
+    """COLUMNS as a file of a schema version has them."""
+    return {path: column for path, column in COLUMNS.items() if column.since <= version}
 
 
 def codes_of(version):
@@ -204,18 +199,8 @@ SHAPES = {"run": (), "static": (), "joints": ("joints",), "bodies": ("bodies",),
           "snapshots/stress_pa": ("snapshots", "bodies", 5, 3), "stresses": ("samples", "joints", 2),
           "points": ("samples", "points", 2), "static_stage": ("looks",)}
 """Of the datasets of a group, or of one: what they have as many of."""
-
-
-def row_shape(path, sizes):
-    """Shape of a row of a dataset that grows; sizes: {what there are as many of: how many}."""
-    _, *shape = SHAPES.get(path, SHAPES[path.partition("/")[0]])
-    return tuple(sizes.get(of, of) for of in shape)
-
-
 CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""
-RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
-       "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
 
 
 def is_moving(series):

@@ -23,21 +23,20 @@ def check_structure(file):
     """
     _check_attributes(file)
     version = int(file.attrs["schema_version"])
-    tables, codes = schema.tables_of(version), schema.codes_of(version)
+    codes = schema.codes_of(version)
     sizes, n_bytes, ended = {}, 0, True
-    for group, columns in {"run": schema.RUN, **tables}.items():
-        for name, column in columns.items():
-            path = f"{group}/{name}"
-            if path in schema.OPTIONAL and name not in file[group]:
-                continue
-            dataset = _dataset(file, path)
-            _check_type(path, dataset, column, codes)
-            _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
-            n_bytes += _stored(path, dataset)
-        if group == "run":
-            ended = file["run/status"][()] != 0
-    for what in ("joints", "bodies", *(["supports"] if tables["supports"] else [])):
-        if sizes[what] == 0:
+    for path, column in schema.columns_of(version).items():
+        group, _, name = path.partition("/")
+        if path in schema.OPTIONAL and name not in file[group]:
+            continue
+        dataset = _dataset(file, path)
+        _check_type(path, dataset, column, codes)
+        _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
+        n_bytes += _stored(path, dataset)
+        if path == "run/status":
+            ended = dataset[()] != 0
+    for what in ("joints", "bodies", "supports"):
+        if sizes.get(what) == 0:
             raise InputError(f"it has no {what}")
     return n_bytes
 
@@ -154,7 +153,6 @@ def check_parameters(parameters):
 
 
 def _check_events(parameters):
-    """Raise InputError unless each event of a sequence of records has one of its motions."""
     motions, events = parameters.get("motions", []), parameters.get("events", [])
     known = all(isinstance(event, dict) and event.get("motion") in range(len(motions)) for event in events)
     if not known or not all(isinstance(motion, dict) for motion in motions) or (

@@ -27,6 +27,7 @@ from damage.errors import InputError, WriteError
 from damage.history import schema
 from damage.history.buffer import CHUNK, SNAPSHOT_SAMPLES, Buffer
 from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
+from damage.history.reader import read_history
 from damage.provenance import shown_command
 
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
@@ -43,13 +44,12 @@ class File:
 
     keeps_state = True
 
-    def __init__(self, path, layout, attributes, versions, overwrite=False):
+    def __init__(self, path, layout, attributes, overwrite=False):
         self.path, self.where, self.attributes = Path(path), str(path), attributes
         with self._writing():
             self._file = _create_file(self.path, overwrite)
-            write_head(self.path, Head(**head_of(attributes["solver"], versions)))
-            _write_run(self._file, attributes)
-            _write_tables(self._file, layout)
+            write_head(self.path, Head(**head_of(attributes["solver"], json.loads(attributes["versions_json"]))))
+            _write_fixed(self._file, layout, attributes)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout, json.loads(attributes["parameters_json"]))
             self._state = self._file.create_dataset(schema.STATE, shape=(0,), maxshape=(None,), chunks=(1 << 16,),
@@ -78,16 +78,16 @@ class File:
 
     def rows(self):
         """Numbers of rows in the file, of each group of GROWING in turn."""
-        return [len(self._growing[group][0]) if self._growing[group] else 0 for group in schema.GROWING]
+        counts = {path.partition("/")[0]: len(dataset) for path, dataset in self._growing.items()}
+        return [counts.get(group, 0) for group in schema.GROWING]
 
     def copy_rows(self, file, counts):
         """Copy what another open file holds of the same run: the static stage, and so many rows of each group."""
+        self.static_stage({name: file["static"][name][()] for name in schema.STATIC})
+        count_of = dict(zip(schema.GROWING, counts))
         with self._writing():
-            for name in schema.STATIC:
-                self._file["static"][name][()] = file["static"][name][()]
-            for group, count in zip(schema.GROWING, counts):
-                for dataset in self._growing[group]:
-                    _copy(dataset, file[dataset.name], count)
+            for path, dataset in self._growing.items():
+                _copy(dataset, file[path], count_of[path.partition("/")[0]])
             self._file.flush()
 
     def keep_state(self, state):
@@ -97,10 +97,9 @@ class File:
 
     def store(self, columns):
         with self._writing():
-            for group, arrays in columns.items():
-                for dataset, rows in zip(self._growing[group], arrays):
-                    _extend(dataset, rows)
-                    dataset.flush()
+            for path, rows in columns.items():
+                _extend(self._growing[path], rows)
+                self._growing[path].flush()
             self._file.flush()
 
     def finish(self, status, collapsed_at_s):
@@ -111,6 +110,9 @@ class File:
             self._file.close()
             seal(self.path)
             self._lock.close()
+
+    def history(self, path):
+        return read_history(path)
 
     @contextmanager
     def _writing(self):
@@ -137,7 +139,7 @@ class HistoryWriter(Buffer):
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, File(path, layout, attributes, versions, overwrite))
+        super().__init__(layout, File(path, layout, attributes, overwrite))
         (self.file,) = self._sinks
 
     @classmethod
@@ -168,7 +170,6 @@ def check_output(path, overwrite=False):
 
 
 def _check_taken(path, overwrite):
-    """Raise InputError where `path` exists and must not be replaced."""
     if path.is_dir():
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
     if path.suffix != ".h5":  # the pictures' folder has the name without it, so that no two runs share one
@@ -225,59 +226,56 @@ def run_attributes(layout, solver, parameters, versions):
     }
 
 
-def _write_run(file, attributes):
+def _write_fixed(file, layout, attributes):
+    """Write the datasets that do not grow; those of `run` and `static` are filled later."""
     file.attrs["schema"] = schema.SCHEMA
     file.attrs["schema_version"] = schema.SCHEMA_VERSION
-    run = file.create_group("run")
-    run.attrs.update(attributes)
-    for name, first in (("status", np.uint8(0)), ("collapsed_at_s", np.nan)):
-        run.create_dataset(name, data=first).attrs["unit"] = schema.RUN[name].unit
-    for name, column in schema.STATIC.items():
-        file.create_dataset(f"static/{name}", data=np.nan).attrs["unit"] = column.unit
+    file.create_group("run").attrs.update(attributes)
+    fixed = {"run/status": np.uint8(0), "run/collapsed_at_s": np.nan,
+             **{f"static/{name}": np.nan for name in schema.STATIC}, **layout_tables(layout)}
+    for path, values in fixed.items():
+        file.create_dataset(path, data=values).attrs["unit"] = schema.COLUMNS[path].unit
 
 
 def layout_tables(layout):
-    """The joints, bodies and supports, which do not change during a run: {group: {column: array}}."""
+    """The joints, bodies and supports, which do not change during a run: {"GROUP/NAME": array}."""
     points, bodies, supports, n = layout.contacts, layout.bodies, layout.supports, layout.n_joints
     joints = (points.kind.astype("u1"), points.first, points.second, points.x, points.z, points.length, points.area,
               points.normal_stiffness, points.shear_stiffness, points.elastic, points.tensile_strength,
               points.cohesion)
-    tables = {"joints": (schema.JOINTS, [values[:n] for values in joints]),
-              "bodies": (schema.BODIES, (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia,
-                                  bodies.course)),
-              "supports": (schema.SUPPORTS, (supports.left, supports.right))}
-    return {group: {name: np.asarray(data, column.dtype)
-                    for (name, column), data in zip(columns.items(), values, strict=True)}
-            for group, (columns, values) in tables.items()}
+    tables = {"joints": [values[:n] for values in joints],
+              "bodies": (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia, bodies.course),
+              "supports": (supports.left, supports.right)}
+    return {f"{group}/{name}": np.asarray(data, column.dtype) for group, values in tables.items()
+            for (name, column), data in zip(schema.TABLES[group].items(), values, strict=True)}
 
 
-def sizes_of(layout, parameters):
-    """{what datasets have as many of: how many} of a run with these parameters, for `schema.row_shape`."""
-    return {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
-            "points": len(parameters.get("points", ()))}
-
-
-def _write_tables(file, layout):
-    for group, columns in layout_tables(layout).items():
-        for name, values in columns.items():
-            file.create_dataset(f"{group}/{name}", data=values).attrs["unit"] = schema.TABLES[group][name].unit
+def growing_columns(layout, parameters):
+    """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these parameters."""
+    kept = {"snapshots/stress_pa": layout.strain is not None, "stresses/joint_stress_pa": parameters.get("stresses"),
+            "points/displacement": parameters.get("points")}
+    sizes = {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
+             "points": len(parameters.get("points", ()))}
+    found = {}
+    for path, column in schema.COLUMNS.items():
+        group = path.partition("/")[0]
+        if group in schema.GROWING and kept.get(path, True):
+            _, *shape = schema.SHAPES.get(path, schema.SHAPES[group])
+            found[path] = column, tuple(sizes.get(of, of) for of in shape)
+    return found
 
 
 def _create_growing(file, layout, parameters):
-    """Empty datasets {group: [in the order of its columns]}; parameters: of the run."""
-    sizes = sizes_of(layout, parameters)
+    """Empty datasets, {"GROUP/NAME": dataset}; parameters: of the run."""
     chunks = {"events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
-    made = {group: [] for group in schema.GROWING}
-    for group, columns in schema.GROWING.items():
+    for group in schema.GROWING:
         file.create_group(group)
-        for name, column in columns.items():
-            if not schema.is_kept(f"{group}/{name}", layout.strain is not None, parameters):
-                continue
-            shape = schema.row_shape(f"{group}/{name}", sizes)
-            made[group].append(file.create_dataset(
-                f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
-                chunks=(chunks.get(group, CHUNK), *shape), compression="gzip", compression_opts=_LEVEL, shuffle=True))
-            made[group][-1].attrs["unit"] = column.unit
+    made = {}
+    for path, (column, shape) in growing_columns(layout, parameters).items():
+        made[path] = file.create_dataset(
+            path, shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype, compression="gzip",
+            compression_opts=_LEVEL, shuffle=True, chunks=(chunks.get(path.partition("/")[0], CHUNK), *shape))
+        made[path].attrs["unit"] = column.unit
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
     return made

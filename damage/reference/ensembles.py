@@ -26,7 +26,10 @@ def move(asked):
         alike.setdefault(wall.lanes.kind, {})[wall] = steps
     for walls in alike.values():
         for group in _chosen(walls):
-            failures |= zip(group, _advance(list(group.items())))
+            try:
+                failures |= zip(group, advance_together(list(group.items())))
+            except Exception as error:  # the failure of each wall of the batch
+                failures |= dict.fromkeys(group, error)
     return [failures.get(wall, WAITED) for wall, *_ in asked]
 
 
@@ -49,11 +52,3 @@ def _chosen(walls):
     if len(group) >= least:
         return [group]
     return [{wall: walls[wall][:1]} for wall in group]
-
-
-def _advance(asked):
-    """As `advance_together`; an exception is the failure of each wall of the batch."""
-    try:
-        return advance_together(asked)
-    except Exception as error:
-        return [error] * len(asked)

@@ -10,7 +10,6 @@ from tempfile import TemporaryDirectory
 
 from damage.errors import InputError, RunWarning, heard
 from damage.history.in_memory import HistoryInMemory
-from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.mechanics.compiled import COMPILING, is_cached
 from damage.motion.loading import Loading, Recorded
@@ -46,26 +45,22 @@ def _run(wall, motion, options):
         print(COMPILING, file=sys.stderr)  # a minute without any output looks like an error
     with TemporaryDirectory(prefix="masonry-damage-") as folder, \
             redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
-        if settings.out is not None:
-            history = read_history(_simulate(wall_file, built, settings, HistoryWriter).path)
-        else:  # a history that outgrows the memory continues in this file, which is read before its folder is deleted
-            path = Path(folder) / free_name(built, settings, BACKEND.name).name
-            history = _simulate(wall_file, built, replace(settings, out=path), HistoryInMemory).history()
+        write = HistoryWriter
+        if settings.out is None:
+            # A history that outgrows the memory continues in this file, which is read before its folder is deleted.
+            path, write = Path(folder) / free_name(built, settings, BACKEND.name).name, HistoryInMemory
+            settings = replace(settings, out=path)
+        prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
+        with attended(built.name, quiet=settings.quiet) as keep_going:
+            (status,) = take_turns([simulate(prepared, keep_going)])
+        if status == EXIT_INTERRUPTED:
+            raise KeyboardInterrupt
+        history = prepared.writer.history()
     if settings.pictures:
         from damage.draw.run import save_all
 
         save_all(history, pictures_folder(settings.out))
     return history
-
-
-def _simulate(wall_file, built, settings, write):
-    """Run all stages; returns the HistoryWriter or HistoryInMemory.  Raises KeyboardInterrupt where interrupted."""
-    prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
-    with attended(built.name, quiet=settings.quiet) as keep_going:
-        (status,) = take_turns([simulate(prepared, keep_going)])
-    if status == EXIT_INTERRUPTED:
-        raise KeyboardInterrupt
-    return prepared.writer
 
 
 def _asked(wall, motion, options):

@@ -33,7 +33,6 @@ PROG = "python3 -m damage reference"
 
 
 def _make(layout, time_step, settings):
-    """The ReferenceSolver of a Layout and RunSettings."""
     return ReferenceSolver(layout, time_step, beta=settings.beta_s, new_contacts=settings.new_contacts,
                            scaled=settings.mass_scaling == SELECTIVE)
 

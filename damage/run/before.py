@@ -17,8 +17,9 @@ from damage.history.writer import layout_tables
 from damage.measure.crack_paths import crack_paths
 from damage.measure.survey import check_share
 
-KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j"
-"""Of the Instants at the first run's time zero, from which displacements and energies count."""
+KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j", "strain"
+"""Of the Instants at the first run's time zero, from which displacements and energies count; the strain of deformable
+bricks, None of rigid ones, moves material points."""
 
 
 # --- the end of another run -----------------------------------------------------------------------------
@@ -62,26 +63,23 @@ UNREADABLE = (InputError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, 
 def unpacked(packed, like=None):
     """The tables of an archive (`as_bytes`), {name: array}, that have the names, types and shapes of `like`: nothing is
     unpacked that is larger than its table, and no scalar fills one.  None: of any names and shapes, without objects."""
-    found = {}
     with zipfile.ZipFile(io.BytesIO(packed.tobytes())) as archive:
+        entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
         if like is None:
-            return {entry.filename.removesuffix(".npy"): np.load(io.BytesIO(archive.read(entry)), allow_pickle=False)
-                    for entry in archive.infolist()}
-        sizes = {entry.filename.removesuffix(".npy"): entry.file_size for entry in archive.infolist()}
-        if sizes.keys() != like.keys():
-            other = ", ".join(sorted(sizes.keys() ^ like.keys()))
+            return {name: np.load(io.BytesIO(archive.read(entry)), allow_pickle=False)
+                    for name, entry in entries.items()}
+        if entries.keys() != like.keys():
+            other = ", ".join(sorted(entries.keys() ^ like.keys()))
             raise InputError(f"tables {other} are in it or in the wall's state, not in both")
-        for name, table in like.items():
-            if sizes[name] > table.nbytes + _UNPACKED_MORE:
-                raise InputError(f"table {name} has {sizes[name]} bytes, expected {table.nbytes}")
-            content = io.BytesIO(archive.read(f"{name}.npy"))
-            _check_table(name, content, repack_fields(table))
-            found[name] = np.load(content, allow_pickle=False)
-    return found
+        return {name: _table_like(repack_fields(table), archive, entries[name]) for name, table in like.items()}
 
 
-def _check_table(name, content, table):
-    """Raise InputError unless an array in a file in memory has the type and shape of a table, by its header."""
+def _table_like(table, archive, entry):
+    """The array of an entry of an archive; raises InputError unless it has the type and shape of a table."""
+    name = entry.filename.removesuffix(".npy")
+    if entry.file_size > table.nbytes + _UNPACKED_MORE:
+        raise InputError(f"table {name} has {entry.file_size} bytes, expected {table.nbytes}")
+    content = io.BytesIO(archive.read(entry))
     version = np.lib.format.read_magic(content)
     read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read_header(content)
@@ -89,6 +87,7 @@ def _check_table(name, content, table):
         raise InputError(f"table {name} is {dtype.itemsize} bytes {shape}, expected {table.dtype.itemsize} bytes "
                          f"{table.shape}")
     content.seek(0)
+    return np.load(content, allow_pickle=False)
 
 
 def read_earlier(path, layout, origin, option="--continue", ended=True):
@@ -111,9 +110,7 @@ def read_earlier(path, layout, origin, option="--continue", ended=True):
         raise InputError(f"{option} {path}: made by another version of the model ({made_by}, this is {model}), whose "
                          "state has another meaning; run the first half again with this one")
     with opened(path) as file:
-        wanted = {f"{group}/{name}": values for group, columns in layout_tables(layout).items()
-                  for name, values in columns.items()}
-        other = [name for name, values in wanted.items() if not np.array_equal(file[name][()], values)]
+        other = [name for name, values in layout_tables(layout).items() if not np.array_equal(file[name][()], values)]
         if other:
             raise InputError(f"{option} {path}: the history of another wall, {history.wall}: {other[0]} differs from "
                              f"that of {layout.wall.name}; expected the same wall, model options, --scatter and "
@@ -123,17 +120,13 @@ def read_earlier(path, layout, origin, option="--continue", ended=True):
 
 def zero_of(state, now):
     """Instants `now` with the values at the first run's time zero in place of KEPT."""
-    return now._replace(**{name: state[f"zero_{name}"] for name in _kept(now)})
+    return now._replace(**{name: state[f"zero_{name}"] for name in KEPT if getattr(now, name) is not None})
 
 
 def with_zero(state, zero):
     """A solver's state with the KEPT values of Instants at time zero."""
-    return state | {f"zero_{name}": np.asarray(getattr(zero, name)) for name in _kept(zero)}
-
-
-def _kept(zero):
-    """KEPT, and of deformable bricks their strain, which moves material points."""
-    return KEPT if zero.strain is None else (*KEPT, "strain")
+    values = {name: getattr(zero, name) for name in KEPT}
+    return state | {f"zero_{name}": np.asarray(value) for name, value in values.items() if value is not None}
 
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------

@@ -22,8 +22,6 @@ from damage.history.writer import File, HistoryWriter, lock
 from damage.run.before import UNREADABLE, as_bytes, read_earlier, unpacked
 
 _HEAD = b"masonry-damage-checkpoint 1 sha256 "
-SCENE_IS_CODE = ("YADE executes the names of the engines in the scene that it holds: continue runs of your own, or of "
-                 "someone you trust, only")
 
 
 def checkpoint_path(history):
@@ -89,7 +87,8 @@ def read_checkpoint(path, like=None):
     if head != _HEAD + hashlib.sha256(content).hexdigest().encode():
         raise InputError(f"{path} is no whole checkpoint: its digest is another one; run it again")
     if like is None:
-        warn(f"{path}: {SCENE_IS_CODE}", code="scene")
+        warn(f"{path}: YADE executes the names of the engines in the scene that it holds: continue runs of your own, "
+             "or of someone you trust, only", code="scene")
     else:
         like = like | {"rows": np.zeros(len(GROWING), int), "run": np.zeros(32, "u1")}
     try:
@@ -129,10 +128,7 @@ def resumed(path, layout, parameters, origin, like):
         raise InputError(f"--resume {path}: {other[0]} is {one_line(now.get(other[0]))}, and was "
                          f"{one_line(history.parameters.get(other[0]))}; expected the options of the run that was "
                          f"interrupted ({history.command}); give them")
-    tables = read_checkpoint(checkpoint_path(path), like)
-    if not np.array_equal(tables["run"], _digest_of(history.attributes)):
-        raise InputError(f"--resume {path}: the checkpoint beside it is of another run; expected both of one run; run "
-                         "it again")
+    tables = _checkpoint_beside(history, f"--resume {path}", like)
     try:
         return _continued(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
     except WriteError:
@@ -140,6 +136,14 @@ def resumed(path, layout, parameters, origin, like):
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"--resume {path}: the history cannot be read up to its checkpoint ({one_line(error)}); run "
                          "it again") from error
+
+
+def _checkpoint_beside(history, option, like=None, again="run it again"):
+    """The tables of the checkpoint beside a History, which has to be of the same run; like: as of `read_checkpoint`."""
+    tables = read_checkpoint(checkpoint_path(history.path), like)
+    if not np.array_equal(tables["run"], _digest_of(history.attributes)):
+        raise InputError(f"{option}: the checkpoint beside it is of another run; expected both of one run; {again}")
+    return tables
 
 
 def _continued(path, layout, counts, attributes):
@@ -154,7 +158,7 @@ def _continued(path, layout, counts, attributes):
         if any(not 0 <= count <= has for count, has in zip(counts, there)):
             raise ValueError(f"it has {there} rows, expected {counts}")
         beside = path.with_name(f".{path.stem}.{os.getpid()}.h5")
-        file = File(beside, layout, attributes, json.loads(attributes["versions_json"]), overwrite=True)
+        file = File(beside, layout, attributes, overwrite=True)
         try:
             file.copy_rows(old, counts)
             os.replace(beside, path)
@@ -175,8 +179,4 @@ def read_end(path, layout, origin, time_step):
     if not checkpoint_path(path).is_file():
         raise InputError(f"--continue {path}: no {checkpoint_path(path).name} beside it; expected the checkpoint at "
                          "the end of that run; run it again with --checkpoint 10")
-    tables = read_checkpoint(checkpoint_path(path))
-    if not np.array_equal(tables["run"], _digest_of(history.attributes)):
-        raise InputError(f"--continue {path}: the checkpoint beside it is of another run; run it again with "
-                         "--checkpoint 10")
-    return tables
+    return _checkpoint_beside(history, f"--continue {path}", again="run it again with --checkpoint 10")

@@ -98,13 +98,178 @@ def number_from(least, most, kind=float):
     return convert
 
 
+def arg(*names, **options):
+    """A function that adds this argument to a parser, or a group of one, as `add_argument` takes it."""
+    return lambda parser: parser.add_argument(*names, **options)
+
+
+def file_arg(name, metavar, help_=None, **options):
+    """The same of a path."""
+    return arg(name, type=file_path, metavar=metavar, help=help_, **options)
+
+
+def flag(name, help_, **options):
+    """The same of an option without a value."""
+    return arg(name, action="store_true", help=help_, **options)
+
+
+def group(title, *arguments):
+    """A function that adds these arguments to the group of a parser with this title."""
+    def add(parser):
+        named = (one for one in parser._action_groups if one.title == title)
+        titled = next(named, None) or parser.add_argument_group(title)
+        for one in arguments:
+            one(titled)
+    return add
+
+
+def fraction(word):
+    """The type of an option that is a number, or two with a stroke between, like 1/500."""
+    over, _, under = word.partition("/")
+    try:
+        return float(over) / (float(under) if under else 1.0)
+    except (ValueError, ZeroDivisionError) as error:
+        raise argparse.ArgumentTypeError(f"{word}: expected a number, or a fraction like 1/500; correct it") from error
+
+
+def _field(one, default, help_):
+    """The argument of a field of a record."""
+    kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
+    return arg(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
+               default=default, help=help_)
+
+
+def model_arguments(*names):
+    """Arguments of the named fields of ModelOptions, a list."""
+    chosen = [one for one in fields(ModelOptions) if one.name in names]
+    usual = [one.default if isinstance(one.default, str) else f"{one.default:g}" for one in chosen]
+    return [_field(one, one.default, f"{one.metadata['help']} (default {default})")
+            for one, default in zip(chosen, usual)]
+
+
+def _settings(*names):
+    """Arguments of the named fields of RunSettings, a list."""
+    return [_field(one, None if None in one.metadata["words"] else one.default, one.metadata["help"])
+            for one in fields(RunSettings) if one.name in names]
+
+
+ACCEPTING = flag(ACCEPT, "take the values of the wall and the motion as given, even where they look like a wrong unit "
+               "(docs/reference/ranges.md)")
+"""The option that accepts implausible values."""
+PREPARATION = (
+    arg("--unit", choices=(BY_FILE, *UNITS_M_S2), help="unit of a record whose file names none, or contradicts itself "
+        f"(default {BY_FILE}: as the file says)"),
+    arg("--sample-step", type=float, metavar="S", help="time between two samples of a record whose file has one "
+        "column, sample numbers or rounded times"),
+    arg("--scale", type=float, help="factor on the record (default 1)"),
+    arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use"),
+    arg("--baseline", type=int, metavar="ORDER", help="subtract a polynomial of this order from the record"),
+    arg("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
+        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)"),
+    file_arg("--across", "FILE", "the record's other horizontal component, which is not applied: with it there are "
+             "measures of the largest of all directions (RotD100)"))
+"""The options that prepare a record; `recorded` reads them."""
+_GROUPS = {
+    "motion (one of; default --harmonic 0.2 0.05)": (
+        arg("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
+            help="sinusoidal base acceleration that starts at zero"),
+        arg("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each drift of --cyclic "
+            "(default 2)"),
+        file_arg("--record", "FILE", "recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it "
+                 "(docs/guides/own-record.md)"),
+        *PREPARATION,
+        file_arg("--vertical", "FILE", "the record's vertical component"),
+        flag("--free-vibration", "free vibration in the first mode, which starts with 1 mm/s at the top",
+             default=None),
+        arg("--sequence", metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried over: the harmonic "
+            "or recorded motion times each factor, then rest and settling (default 1); or different records, a row of "
+            "a CSV file each (docs/guides/own-record.md)")),
+    "quasi-static loading, instead of a motion": (
+        arg("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift, after --settle from where "
+            "it stands then"),
+        arg("--cyclic", metavar="PCT,PCT,...", help="push the top cyclically to these drifts"),
+        arg("--boundary", choices=BOUNDARIES,
+            help="the pushed top may rotate (cantilever, default), or not (fixed)"),
+        arg("--top-rotation", type=float, metavar="N_M_RAD", help="rotational spring between the pushed top and what "
+            "moves it (default 0: free; reference solver)"),
+        arg("--speed", type=float, metavar="M_S", help="speed of the pushed top (default 0.005)"),
+        arg("--damping", type=float, metavar="C", help="local damping of the pushed wall, 0 to 0.7 (default 0.7); the "
+            "reference solver has it with --relaxation local only")),
+    "settlement of the ground, before the motion or without one": (
+        file_arg("--settle", f"{'|'.join(PROFILES)}|FILE.csv", "move a support below each brick of the base by this "
+                 "profile, or by points x_m,uz_m, or levels x_m,height_m,date, of a file; without a motion the run "
+                 "ends then"),
+        arg("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection over half "
+            f"the wall's length, or the angle of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})")),
+    "a life: the earthquakes at an address, one after the other, instead of a motion": (
+        file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/address.md)"),
+        arg("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a life: a "
+            "record scaled to its median PGV at the address; with --life to the PGV drawn there"),
+        arg("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it motions are "
+            "drawn and, where --strength-cov is given, the joints' strengths")),
+    "the wall's past": (
+        file_arg("--continue", "FILE.h5", "start from the end of this run of the same wall, as if it had continued; in "
+                 "YADE one with --checkpoint"),
+        file_arg("--cracked", "CRACKS.csv", "joints along these cracks have no bond from the start "
+                 "(docs/reference/crack-format.md; the last load level; widths are not used)"),
+        arg("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a crack of "
+            "--cracked may be drawn (default: half a brick's length)"))}
+"""{title: arguments} of the groups of a run's options that every solver has."""
+_NO_EFFECT = {"reference": [("--step", ("fast", "plain"), "there is one time step")],
+              "yade": [("--joints", ("face",), "joints keep their face's normal")]}
+"""{solver: [(option, its values, why it has no effect any more)]}."""
+
+
+def _model_arguments(solver):
+    of_reference = [] if solver != "reference" else [
+        arg("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
+            help="mass- and stiffness-proportional damping with this ratio at two frequencies"),
+        arg("--relaxation", default="adaptive", choices=RELAXATIONS, help="damping of the static stage and of a pushed "
+            "top: adaptive (default), or local as in YADE"),
+        *_settings("settling", "mass_scaling")]
+    return [*model_arguments(*(one.name for one in fields(ModelOptions))), *_settings("beta_s"), *of_reference,
+            *_settings("perturb_m", "scatter", "seed", "members"), ACCEPTING]
+
+
+def _run_arguments(solver):
+    free = "fall freely" if solver == "reference" else "collide with sharper corners; half a height's fall ends the run"
+    of_yade = [] if solver != "yade" else [
+        *_settings("past_collapse_s"), flag("--view", "with a screen: the 3D view"),
+        arg("--console", nargs="?", const="after", choices=("before", "after"), help="YADE's prompt before or after "
+            "(default) the run, with O, wall, run, scene, and history after it")]
+    return [
+        file_arg("--out", "FILE.h5", "history file (default: a free name below results/)"),
+        flag("--overwrite", "replace an existing FILE.h5 and its pictures in FILE"),
+        flag("--stresses", "keep normal and shear stress of all joints at every sample (docs/guides/reading-results.md)"
+             "; the run says first how large they are"),
+        arg("--point", nargs=2, type=number_from(-1000, 1000), action="append", metavar=("X_M", "Z_M"),
+            help="keep the displacement of this point of the wall at every sample; repeatable"),
+        arg("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in FILE.checkpoint, "
+            "each time after so many minutes of computing, in YADE at the end, too (default: at an interruption)"),
+        file_arg("--resume", "FILE.h5", "continue this run, which was interrupted or killed, from its last checkpoint; "
+                 "the other options as they were. A checkpoint of YADE can execute code: continue runs of your own "
+                 "only"),
+        *_settings("rest_s", "time_step_s"),
+        arg("--no-pictures", dest="pictures", action="store_false", help="write the history only"),
+        flag("--quiet", "print warnings and errors only"),
+        flag("--new-contacts", "bricks whose joints have ended fall, collide and come to rest; the run ends with the "
+             f"first fallen brick (default: they {free})"),
+        flag("--after-fall", "with --new-contacts: follow the bricks until the wall rests, "
+             f"{AFTER_FALL_S:g} s at most (default: end with the first fallen brick)"),
+        *(arg(option, choices=choices, help=f"of no effect since {why}; accepted in this version")
+          for option, choices, why in _NO_EFFECT.get(solver, ())),
+        *of_yade]
+
+
 def parse_run(arguments, prog, solver):
     """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
     parsed = make_parser(prog, solver).parse_args(arguments)
-    life = _life_of(parsed)
+    life, model = _life_of(parsed), model_of(parsed)
+    if parsed.life is not None and model.strength_cov:  # strengths are drawn by the number of a life, too
+        model = replace(model, strength_seed=parsed.life)
     alpha_1_s, beta_s = _damping(parsed)
     return RunSettings(**_fields_of(RunSettings, parsed) | _motion(parsed) | {
-        "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": _model(parsed),
+        "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": model,
         "continued": getattr(parsed, "continue") and str(getattr(parsed, "continue")), "alpha_1_s": alpha_1_s,
         "checkpoint_s": math.inf if parsed.checkpoint is None else 60 * parsed.checkpoint,
         "points": tuple(map(tuple, parsed.point or ())),
@@ -117,14 +282,8 @@ def make_parser(prog, solver):
     """The parser of a run's command line."""
     parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES.get(solver, ()), description=(
         f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
-    _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
-    _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
-    _add_settlement(parser.add_argument_group("settlement of the ground, before the motion or without one"))
-    _add_life(parser.add_argument_group("a life: the earthquakes at an address, one after the other, instead of a "
-                                        "motion"))
-    _add_before(parser.add_argument_group("the wall's past"))
-    _add_model(parser.add_argument_group("model"), solver)
-    _add_run(parser.add_argument_group("run"), solver)
+    for title, arguments in (_GROUPS | {"model": _model_arguments(solver), "run": _run_arguments(solver)}).items():
+        group(title, *arguments)(parser)
     return parser
 
 
@@ -160,96 +319,13 @@ def _option(action, name, value):
     return [option, *words] if action.nargs else [option, ",".join(words)]
 
 
-def _add_motion(group):
-    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
-                       help="sinusoidal base acceleration that starts at zero")
-    group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
-                       "drift of --cyclic (default 2)")
-    group.add_argument("--record", type=file_path, metavar="FILE",
-                       help="recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it "
-                       "(docs/guides/own-record.md)")
-    add_preparation(group)
-    group.add_argument("--vertical", type=file_path, metavar="FILE", help="the record's vertical component")
-    group.add_argument("--free-vibration", action="store_true", default=None,
-                       help="free vibration in the first mode, which starts with 1 mm/s at the top")
-    group.add_argument("--sequence", metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried "
-                       "over: the harmonic or recorded motion times each factor, then rest and settling (default 1); "
-                       "or different records, a row of a CSV file each (docs/guides/own-record.md)")
-
-
-def _add_life(group):
-    group.add_argument("--address", type=file_path, metavar="ADDRESS.toml", help="where, and how motions are chosen "
-                       "(docs/guides/address.md)")
-    group.add_argument("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a "
-                       "life: a record scaled to its median PGV at the address; with --life to the PGV drawn there")
-    group.add_argument("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it "
-                       "motions are drawn and, where --strength-cov is given, the joints' strengths")
-
-
-def add_preparation(group):
-    """Add the options that prepare a record to a parser, or a group of one; `recorded` reads them."""
-    group.add_argument("--unit", choices=(BY_FILE, *UNITS_M_S2), help="unit of a record whose file names none, or "
-                       f"contradicts itself (default {BY_FILE}: as the file says)")
-    group.add_argument("--sample-step", type=float, metavar="S", help="time between two samples of a record whose file "
-                       "has one column, sample numbers or rounded times")
-    group.add_argument("--scale", type=float, help="factor on the record (default 1)")
-    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
-    group.add_argument("--baseline", type=int, metavar="ORDER",
-                       help="subtract a polynomial of this order from the record")
-    group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
-                       help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
-    group.add_argument("--across", type=file_path, metavar="FILE", help="the record's other horizontal component, "
-                       "which is not applied: with it there are measures of the largest of all directions (RotD100)")
-
-
-def _add_push(group):
-    group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift, "
-                       "after --settle from where it stands then")
-    group.add_argument("--cyclic", metavar="PCT,PCT,...", help="push the top cyclically to these drifts")
-    group.add_argument("--boundary", choices=BOUNDARIES,
-                       help="the pushed top may rotate (cantilever, default), or not (fixed)")
-    group.add_argument("--top-rotation", type=float, metavar="N_M_RAD", help="rotational spring between the pushed top "
-                       "and what moves it (default 0: free; reference solver)")
-    group.add_argument("--speed", type=float, metavar="M_S", help="speed of the pushed top (default 0.005)")
-    group.add_argument("--damping", type=float, metavar="C", help="local damping of the pushed wall, 0 to 0.7 "
-                       "(default 0.7); the reference solver has it with --relaxation local only")
-
-
-def _add_settlement(group):
-    group.add_argument("--settle", type=file_path, metavar=f"{'|'.join(PROFILES)}|FILE.csv",
-                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m, or "
-                       "levels x_m,height_m,date, of a file; without a motion the run ends then")
-    group.add_argument("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection "
-                       f"over half the wall's length, or the angle of tilt and knick (default "
-                       f"1/{1 / USUAL_DISTORTION:g})")
-
-
-def _add_before(group):
-    group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
-                       "same wall, as if it had continued; in YADE one with --checkpoint")
-    group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
-                       "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
-    group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
-                       "crack of --cracked may be drawn (default: half a brick's length)")
-
-
 def _surveyed(parsed):
-    """The Surveyed cracks of parsed options, None without them."""
     tolerance_mm = parsed.tolerance_mm
     if parsed.cracked is None:
         if tolerance_mm is not None:
             raise InputError("--tolerance-mm belongs to --cracked; give both")
         return None
     return Surveyed.read(parsed.cracked, None if tolerance_mm is None else tolerance_mm * MILLIMETRE)
-
-
-def fraction(word):
-    """The type of an option that is a number, or two with a stroke between, like 1/500."""
-    over, _, under = word.partition("/")
-    try:
-        return float(over) / (float(under) if under else 1.0)
-    except (ValueError, ZeroDivisionError) as error:
-        raise argparse.ArgumentTypeError(f"{word}: expected a number, or a fraction like 1/500; correct it") from error
 
 
 def settlement_of(parsed):
@@ -273,29 +349,6 @@ def settlement_of(parsed):
     return read_profile(parsed.settle)
 
 
-def add_model_options(group, names):
-    """Add the named fields of ModelOptions to a parser, or a group of one."""
-    for one in fields(ModelOptions):
-        if one.name in names:
-            usual = one.default if isinstance(one.default, str) else f"{one.default:g}"
-            _add_field(group, one, default=one.default, help=f"{one.metadata['help']} (default {usual})")
-
-
-def _add_field(group, one, **more):
-    """Add the option of a field to a parser, or a group of one."""
-    kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
-    group.add_argument(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
-                       **{"help": one.metadata["help"],
-                          "default": None if None in one.metadata["words"] else one.default} | more)
-
-
-def _add_settings(group, *names):
-    """Add the named fields of RunSettings to a group of a parser."""
-    for one in fields(RunSettings):
-        if one.name in names:
-            _add_field(group, one)
-
-
 def _fields_of(kind, parsed):
     """{name: value} of the fields of a record for which options were offered."""
     given = ((one.name, (one.metadata.get("option") or one.name).replace("-", "_")) for one in fields(kind))
@@ -307,80 +360,22 @@ def model_of(parsed):
     return ModelOptions(**_fields_of(ModelOptions, parsed))
 
 
-_NO_EFFECT = {"reference": [("--step", ("fast", "plain"), "there is one time step")],
-              "yade": [("--joints", ("face",), "joints keep their face's normal")]}
-"""{solver: [(option, its values, why it has no effect any more)]}."""
-
-
-def _add_model(group, solver):
-    add_model_options(group, [one.name for one in fields(ModelOptions)])
-    _add_settings(group, "beta_s")
-    if solver == "reference":
-        group.add_argument("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
-                           help="mass- and stiffness-proportional damping with this ratio at two frequencies")
-        group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
-                           help="damping of the static stage and of a pushed top: adaptive (default), or "
-                           "local as in YADE")
-        _add_settings(group, "settling", "mass_scaling")
-    _add_settings(group, "perturb_m", "scatter", "seed", "members")
-    add_accept(group)
-
-
-def add_accept(group):
-    """Add the option that accepts implausible values to a parser, or a group of one."""
-    group.add_argument(ACCEPT, action="store_true", help="take the values of the wall and the motion as given, even "
-                       "where they look like a wrong unit (docs/reference/ranges.md)")
-
-
-def _add_run(group, solver):
-    group.add_argument("--out", type=file_path, metavar="FILE.h5", help="history file "
-                       "(default: a free name below results/)")
-    group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
-    group.add_argument("--stresses", action="store_true", help="keep normal and shear stress of all joints at every "
-                       "sample (docs/guides/reading-results.md); the run says first how large they are")
-    group.add_argument("--point", nargs=2, type=number_from(-1000, 1000), action="append", metavar=("X_M", "Z_M"),
-                       help="keep the displacement of this point of the wall at every sample; repeatable")
-    group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
-                       "FILE.checkpoint, each time after so many minutes of computing, in YADE at the end, too "
-                       "(default: at an interruption)")
-    group.add_argument("--resume", type=file_path, metavar="FILE.h5", help="continue this run, which was interrupted "
-                       "or killed, from its last checkpoint; the other options as they were. A checkpoint of YADE can "
-                       "execute code: continue runs of your own only")
-    _add_settings(group, "rest_s", "time_step_s")
-    group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
-    group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
-    free = "fall freely" if solver == "reference" else "collide with sharper corners; half a height's fall ends the run"
-    group.add_argument("--new-contacts", action="store_true", help="bricks whose joints have ended fall, collide and "
-                       f"come to rest; the run ends with the first fallen brick (default: they {free})")
-    group.add_argument("--after-fall", action="store_true", help="with --new-contacts: follow the bricks until the "
-                       f"wall rests, {AFTER_FALL_S:g} s at most (default: end with the first fallen brick)")
-    for option, choices, why in _NO_EFFECT.get(solver, ()):
-        group.add_argument(option, choices=choices, help=f"of no effect since {why}; accepted in this version")
-    if solver == "yade":
-        _add_settings(group, "past_collapse_s")
-        group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
-        group.add_argument("--console", nargs="?", const="after", choices=("before", "after"), help="YADE's prompt "
-                           "before or after (default) the run, with O, wall, run, scene, and history after it")
-
-
 _LONGEST_STEM = 200  # bytes; a character has up to four
 _READ = "unit", "sample_step"
-_BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"),
-            "top_rotation": ("pushover", "cyclic"),
-            "speed": ("pushover", "cyclic"),
-            "damping": ("pushover", "cyclic"),
+_BELONGS = {"cycles": ("harmonic", "cyclic"),
+            **dict.fromkeys(("boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")),
             "sequence": ("harmonic", "record"),
             **dict.fromkeys((*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",))}
 
 
 def _motion(parsed):
-    """The fields of RunSettings that are about the motion."""
     if parsed.event is not None:
         return _event(parsed)
     if parsed.life is not None:
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
-        return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
+        factors = (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
+        return {"loading": _loading(parsed), "sequence": factors}
     owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
@@ -416,12 +411,6 @@ def _life_of(parsed):
         raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides "
                          "the motions; leave the other out")
     return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
-
-
-def _model(parsed):
-    """ModelOptions of parsed options; the joints' strengths of a life are drawn by its number."""
-    model = model_of(parsed)
-    return replace(model, strength_seed=parsed.life) if parsed.life is not None and model.strength_cov else model
 
 
 _MOTIONS = ("harmonic", "record", "free_vibration", "pushover", "cyclic")
@@ -460,10 +449,6 @@ def _given(**options):
     return {name: value for name, value in options.items() if value is not None}
 
 
-def _sequence(parsed):
-    return (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
-
-
 def _numbers(option, words, what, example):
     try:
         return tuple(float(word) for word in words.split(","))
@@ -483,7 +468,7 @@ def _pushed(parsed):
 
 
 def recorded(parsed):
-    """The Recorded motion of parsed options: `record`, those of `add_preparation`, and `vertical` where offered."""
+    """The Recorded motion of parsed options: `record`, those of PREPARATION, and `vertical` where offered."""
     given = {"unit": None if parsed.unit == BY_FILE else parsed.unit, "sample_step_s": parsed.sample_step}
     record, vertical = read_record(parsed.record, **given), getattr(parsed, "vertical", None)
     window = parsed.window and tuple(parsed.window)

@@ -9,7 +9,7 @@ from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.motion.loading import mean_velocities
-from damage.run import schedule
+from damage.run import schedule, watch
 from damage.run.before import as_bytes, with_zero, zero_of
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
@@ -24,18 +24,6 @@ from damage.run.settings import (
     SETTLED_BELOW,
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
-from damage.run.watch import (
-    BaseMotion,
-    Borne,
-    MaterialPoints,
-    check_drop,
-    fastest_fallen,
-    have_fallen,
-    have_left,
-    index_now,
-    lowest_places,
-    unbalanced_force,
-)
 from damage.units import GRAVITY
 from damage.wall.strain import stress_by_modes
 
@@ -67,14 +55,14 @@ class Run:
         self._zero_step = schedule.zero_step(self.stages)
         self.base, self._prescribed = NO_MOTION, []  # (velocities in each interval, what moves by them, first interval)
         moves = settings.ground_moves or bool(state and state["base_moves"])
-        self._base_motion = BaseMotion(layout) if moves else None
+        self._base_motion = watch.BaseMotion(layout) if moves else None
         self._zero = None  # instant at the end of the static stage
         self._modal_velocity, self._set_in_motion_j = None, 0.0  # at time zero; energy that came in with it
         self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        self._lowest, self._at_rest = lowest_places(layout), 0.0  # motion at the end of settling
-        self._borne = Borne(layout) if settings.mass_scaling == SELECTIVE else None
-        self._points = MaterialPoints(layout, settings.points) if settings.points else None
+        self._lowest, self._at_rest = watch.lowest_places(layout), 0.0  # motion at the end of settling
+        self._borne = watch.Borne(layout) if settings.mass_scaling == SELECTIVE else None
+        self._points = watch.MaterialPoints(layout, settings.points) if settings.points else None
         solver.with_stresses, self._looks = settings.stresses, []  # (time [s], unbalanced force) in the static stage
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
@@ -95,8 +83,8 @@ class Run:
         """The damage index now."""
         now = self.solver.instants()
         drift = self._drift(self._motion(now))[-1]
-        return index_now(self.layout, drift, now.joints, now.contacts["opening_m"][-1],
-                         now.contacts["offset_m"][-1])
+        return watch.index_now(self.layout, drift, now.joints, now.contacts["opening_m"][-1],
+                               now.contacts["offset_m"][-1])
 
     @property
     def energy_error(self):
@@ -115,7 +103,7 @@ class Run:
         interrupted."""
         solver, dt = self.solver, self.solver.time_step
         n = round(self._ramp_s / dt)
-        solver.damp(**self._relaxation(LOCAL_DAMPING))
+        solver.damp(**self._damping("static"))
         if n == 0 and self._state is None:
             solver.add_static_displacement()
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n if n else np.ones(1)))
@@ -202,7 +190,6 @@ class Run:
         self._prescribe(self._samples - 1)  # what waited for this
 
     def _check_rest(self):
-        """Raise RunError where the wall is not at rest after its settlement."""
         unbalanced = self._unbalanced_force()
         if unbalanced > SETTLED_BELOW:
             raise RunError(f"{self.layout.wall.name}: not at rest on the settled ground, unbalanced force "
@@ -289,7 +276,7 @@ class Run:
 
         last, now: snapshots (time [s], motion, ...).
         """
-        fastest = fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
+        fastest = watch.fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
         if fastest > RESTS_BELOW_M_S or now[0] < moves_until:
             self.rests_at_s = None
         elif self.rests_at_s is None:
@@ -342,23 +329,22 @@ class Run:
                         "at the wall's stiffnesses and masses")
 
     def _unbalanced_force(self):
-        return unbalanced_force(self.layout, *self.solver.forces())
-
-    def _relaxation(self, local):
-        """How static solutions are found: by adaptive damping, or by so much local damping."""
-        return {"adaptive": ADAPTIVE_DAMPING} if self.settings.relaxation == "adaptive" else {"local": local}
+        return watch.unbalanced_force(self.layout, *self.solver.forces())
 
     def _damping(self, stage):
         """Local or adaptive damping while settling, that of the settings otherwise: both at once are unstable at this
         step.  With mass scaling local damping would do positive work."""
-        drive, adaptive = self.settings.loading.drive, {"adaptive": ADAPTIVE_DAMPING}
+        drive, local = self.settings.loading.drive, LOCAL_DAMPING
         if stage == "settlement":
-            return adaptive if self._borne else {"local": LOCAL_DAMPING}
-        if drive.quasi_static:
-            return self._relaxation(drive.local_damping)
-        if stage == "settling":
-            return adaptive if self.settings.settles == "adaptive" else {"local": LOCAL_DAMPING}
-        return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
+            is_adaptive = self._borne is not None
+        elif stage == "static" or drive.quasi_static:
+            is_adaptive = self.settings.relaxation == "adaptive"
+            local = LOCAL_DAMPING if stage == "static" else drive.local_damping
+        elif stage == "settling":
+            is_adaptive = self.settings.settles == "adaptive"
+        else:
+            return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
+        return {"adaptive": ADAPTIVE_DAMPING} if is_adaptive else {"local": local}
 
     # --- samples ---------------------------------------------------------------------------------
 
@@ -371,13 +357,12 @@ class Run:
             "time_s": time_s, "base_acceleration_x_m_s2": base[:, 0], "base_acceleration_z_m_s2": base[:, 1],
             "top_displacement_m": top, "drift_ratio": self._drift(motion, top), **self._base_rows(motion),
             "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
-        problem, end = self._first_not_finite(rows, {
-            "motion": motion, **now.contacts})
+        problem, end = _first_not_finite(rows | {"motion": motion} | now.contacts)
         if self._borne and self.stage != "settlement" and end > 0:
-            check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
+            watch.check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if self._borne and len(fell) > 0:
-            check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
+            watch.check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
         free = self.stage == "settlement" and self.settings.loading.drive.top is not None  # before it is pushed
@@ -393,8 +378,8 @@ class Run:
             if self.settings.settlement:  # with the ground no brick has fallen
                 lowest = (now.support_displacement - self._zero.support_displacement)[:len(motion), :, 1].min(axis=1)
                 motion = motion - np.array([0.0, 1.0, 0.0]) * lowest[:, np.newaxis, np.newaxis]
-            return have_fallen(motion, self._lowest)
-        return have_left(self.layout, motion, now.joints, now.contacts["state"][:len(motion)])
+            return watch.have_fallen(motion, self._lowest)
+        return watch.have_left(self.layout, motion, now.joints, now.contacts["state"][:len(motion)])
 
     def _prescribe(self, interval):
         """Move the top and the supports by their velocities in this interval; they rest after the last."""
@@ -409,10 +394,8 @@ class Run:
     def _write(self, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""
         rows = {name: values[:end] for name, values in rows.items()}
-        ground = {"displacement": now.support_displacement - self._zero.support_displacement,
-                  "force": now.support_force}
         self.writer.extend(self.stage, rows, now.joints, *({name: values[:end] for name, values in columns.items()}
-                                                           for columns in (now.contacts, ground, self._beside(now))))
+                                                           for columns in (now.contacts, self._beside(now))))
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
@@ -426,31 +409,21 @@ class Run:
         self._samples += end
 
     def _beside(self, now):
-        """Stresses of the joints and displacements of material points, of a run that keeps them, as of
-        `Buffer.extend`."""
-        found = {} if now.joint_stress_pa is None else {"stresses": now.joint_stress_pa}
+        """Motion of the supports and forces on them; of a run that keeps them stresses of the joints and displacements
+        of material points; as of `Buffer.extend`."""
+        found = {"ground/displacement": now.support_displacement - self._zero.support_displacement,
+                 "ground/force": now.support_force}
+        if now.joint_stress_pa is not None:
+            found["stresses/joint_stress_pa"] = now.joint_stress_pa
         if self._points is not None:
-            found["points"] = np.subtract(*(self._points.of(one.displacement, one.strain) for one in (now, self._zero)))
+            places = (self._points.of(one.displacement, one.strain) for one in (now, self._zero))
+            found["points/displacement"] = np.subtract(*places)
         return found
 
     def _snapshot(self, time_s, now, motion, k):
         """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of sample k."""
         stress = () if self._stress is None else (np.einsum("bpsm,bm->bps", self._stress, now.strain[k]),)
         return time_s, motion[k], *stress
-
-    def _first_not_finite(self, rows, arrays):
-        """What is not finite at the first sample where anything is not, and which that is: None and their number where
-        all is.  rows: {name: (n,)}; arrays: {name: (n, ...)}."""
-        count = len(rows["time_s"])
-        # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads for its product.
-        sums = [float(np.add.reduce(values, axis=None)) for values in (rows | arrays).values()]
-        if math.isfinite(sum(sums)):
-            return None, count
-        for k in range(count):
-            for name, values in (rows | arrays).items():
-                if not math.isfinite(float(np.add.reduce(values[k], axis=None))):
-                    return name, k
-        return None, count
 
     def _energies(self, now, motion):
         """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
@@ -503,3 +476,14 @@ class Run:
         """Write what a solver drained; since: its clock's zero, in steps since the end of the static stage."""
         for step, *event in events:
             self.writer.event((since + step - self._zero_step) * self.solver.time_step, *event)
+
+
+def _first_not_finite(samples):
+    """What is not finite at the first sample where anything is not, and which that is: None and their number where all
+    is.  samples: {name: (n, ...)}."""
+    count = len(samples["time_s"])
+    # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads for its product.
+    if math.isfinite(sum(float(np.add.reduce(values, axis=None)) for values in samples.values())):
+        return None, count
+    return next(((name, k) for k in range(count) for name, values in samples.items()
+                 if not math.isfinite(float(np.add.reduce(values[k], axis=None)))), (None, count))

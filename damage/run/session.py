@@ -9,7 +9,7 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from weakref import WeakKeyDictionary
@@ -235,12 +235,12 @@ class Prepared:
     modes: Modes
     time_step: float
     writer: Buffer
-    state: dict | None = None
-    resumed: dict | None = None
-    checkpoints: Checkpoints | None = None
-    repeats: tuple[tuple[RunSettings, float], ...] = ()
-    parameters: dict = field(default_factory=dict)
-    write: Callable | None = None
+    state: dict | None
+    resumed: dict | None
+    checkpoints: Checkpoints | None
+    repeats: tuple[tuple[RunSettings, float], ...]
+    parameters: dict
+    write: Callable
 
     def repeated(self, reason):
         """The Prepared run that follows one that was not accepted, by a RunError; its history begins anew."""
@@ -295,8 +295,21 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                                      settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
-    return _with_history(Prepared(backend, settings, layout, modes, time_step, None, state, repeats=tuple(repeats),
-                                  parameters=parameters, write=write), origin)
+    if settings.resumed:
+        like = None  # of a solver whose checkpoints hold a scene
+        if backend.keeps_state:
+            like = Run(layout, settings, backend.make(layout, time_step, settings), None, None).tables()
+        writer, tables = resumed(settings.resumed, layout, parameters, origin, like)
+    else:
+        writer, tables = write(parameters=parameters), None
+    checkpoints = None
+    if isinstance(writer, HistoryWriter):
+        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+        if not settings.resumed:
+            checkpoints.remove()  # of the run that this one replaces
+    print(f"history: {writer.where}", flush=True)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, tables, checkpoints, tuple(repeats),
+                    parameters, write)
 
 
 def _laid_out(wall, settings):
@@ -310,25 +323,7 @@ def _laid_out(wall, settings):
     return layout
 
 
-def _with_history(prepared, origin):
-    """A Prepared run with its writer: of a new history, or of that which it resumes; origin: as of
-    `read_earlier`."""
-    settings, backend, tables, checkpoints = prepared.settings, prepared.backend, None, None
-    if settings.resumed:
-        writer, tables = resumed(settings.resumed, prepared.layout, prepared.parameters, origin,
-                                 _like(backend, settings, prepared.layout, prepared.time_step))
-    else:
-        writer = prepared.write(parameters=prepared.parameters)
-    if isinstance(writer, HistoryWriter):
-        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
-        if not settings.resumed:
-            checkpoints.remove()  # of the run that this one replaces
-    print(f"history: {writer.where}", flush=True)
-    return replace(prepared, writer=writer, resumed=tables, checkpoints=checkpoints)
-
-
 def _warn_of(backend, settings, wall, time_step, critical_s):
-    """Warn of choices that do not suit this wall; time_step, critical_s [s]."""
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
@@ -348,30 +343,30 @@ def _past(backend, settings, layout, origin, time_step):
     return read_end(settings.continued, layout, origin, time_step)
 
 
-def _like(backend, settings, layout, time_step):
-    """What the tables of a checkpoint look like, {name: array}; None of a solver whose checkpoints hold a scene."""
-    if not backend.keeps_state:
-        return None
-    return Run(layout, settings, backend.make(layout, time_step, settings), None, None).tables()
-
-
 @contextmanager
 def attended(label, show=None, quiet=False, runs=1):
     """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run, which shows their
     progress, too.  show: called now and then; runs: how many equally long ones there will be, 0 where nobody knows."""
-    progress, interrupts = Progress(label, io.StringIO() if quiet else None, runs), _Interrupts()
+    progress, interrupts = Progress(label, io.StringIO() if quiet else None, runs), []
 
     def keep_going(run, time_s):
         progress.show(time_s, run)
         if show:
             show()
-        return not interrupts.asked
+        return not interrupts
 
+    signals = [signal.SIGINT, signal.SIGTERM]  # Ctrl-C, a polite kill
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # a terminal that closes; nohup leaves it ignored
+        signals.append(signal.SIGHUP)
+    if threading.current_thread() is not threading.main_thread():  # which alone gets signals, and may set handlers
+        signals = []
+    before = {number: signal.signal(number, lambda *_: interrupts.append(True)) for number in signals}
     try:
         yield keep_going
     finally:
         progress.close()
-        interrupts.end_at_once()
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)
 
 
 def simulate(prepared, keep_going, settled=None):
@@ -418,27 +413,6 @@ def _simulate(prepared, keep_going, settled):
         if status is not None:
             writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
-
-
-class _Interrupts:
-    """Ctrl-C, a polite kill and a terminal that closes end the run at the next look, until `end_at_once`."""
-
-    def __init__(self):
-        self.asked = False
-        names = [signal.SIGINT, signal.SIGTERM]
-        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as nohup leaves it
-            names.append(signal.SIGHUP)
-        if threading.current_thread() is not threading.main_thread():  # which alone gets signals, and may set handlers
-            names = []
-        self._before = {name: signal.signal(name, self._ask) for name in names}
-
-    def end_at_once(self):
-        """From now on each does what it did before."""
-        for name, handler in self._before.items():
-            signal.signal(name, handler or signal.SIG_DFL)
-
-    def _ask(self, *_):
-        self.asked = True
 
 
 class Progress:

@@ -70,29 +70,22 @@ class Softening:
 
 @dataclass(frozen=True)
 class RunSettings:
-    """One run: what drives the wall, how it is modelled, where the history goes.
+    """One run: what drives the wall, how it is modelled, where the history goes; fields without a text here are options
+    of the command line, with its help.
 
     settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it needs a support below
     each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
     along which joints have no bond, or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
     life: what the events were drawn from (`damage.exposure.lives`), or None; event: the one event at an address whose
-    motion `loading` is, or None;
-    rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
-    solver;
+    motion `loading` is, or None; rest_s: ends with a settling stage;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
-    joints need (`for_joint`); mass_scaling: one of MASS_SCALING, None for what suits the wall (`damage.run.scheme`);
-    relaxation, settling: how static solutions are found, and how a wall settles after a motion, one of RELAXATIONS,
-    settling None for local, adaptive with mass scaling; perturb_m: size of random offsets of the bricks [m], scatter:
-    coefficient of variation of the joints' strengths [-], both drawn with `seed`: by it the members of an ensemble
-    differ; members: how many runs with seeds from `seed` on; checkpoint_s: computing time between two checkpoints [s],
-    infinity for one at an interruption only; resumed: history of this very run, which continues from its checkpoint, or
-    None; past_collapse_s: how long bodies are followed after the first brick fell [s]; new_contacts: loose bricks
-    collide (in YADE they do in any case, but with sharper corners); after_fall: follow them until they rest; stresses:
-    keep those of all joints at every sample; points: places (x, z) in the undeformed wall whose displacement is kept
-    [m]; accept_implausible: do not check whether the wall and the motion are plausible; out: history file, None for a
-    name of its own below `results/`; quiet: print warnings and errors only; console: when YADE's prompt comes, "before"
-    or "after" the run, or None; command: what asked for it.
+    joints need (`for_joint`); mass_scaling: None for what suits the wall (`damage.run.scheme`);
+    relaxation, settling: how static solutions are found, and how a wall settles after a motion;
+    checkpoint_s: computing time between two checkpoints [s], infinity for one at an interruption only; resumed: history
+    of this very run, which continues from its checkpoint, or None; points: places (x, z) in the undeformed wall [m];
+    out: history file, None for a name of its own below `results/`; console: "before" or "after" the run, or None;
+    command: what asked for it.
     """
 
     loading: object
@@ -288,19 +281,17 @@ class RunSettings:
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files."""
+        as_they_are = ("rest_s", "alpha_1_s", "beta_s", "mass_scaling", "relaxation", "perturb_m", "scatter", "seed",
+                       "past_collapse_s", "new_contacts", "after_fall", "command")
+        where_given = {"life": self.life, "event": self.event, "stresses": self.stresses,
+                       "points": [list(place) for place in self.points]}
         return {"loading": self.loading.as_dict(), "settlement": self.settlement and asdict(self.settlement),
                 "continued": self.continued and Path(self.continued).name,
                 "cracked": self.cracked and asdict(self.cracked),
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
-                **({"life": self.life} if self.life else {}), **({"event": self.event} if self.event else {}),
-                "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
-                "beta_s": self.beta_s, "mass_scaling": self.mass_scaling, "relaxation": self.relaxation,
-                "settling": self.settles, "perturb_m": self.perturb_m,
-                "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
-                "new_contacts": self.new_contacts, "after_fall": self.after_fall,
-                **({"stresses": True} if self.stresses else {}),
-                **({"points": [list(place) for place in self.points]} if self.points else {}),
-                "command": self.command}
+                "model": asdict(self.model), "settle_s": SETTLE_S, "settling": self.settles,
+                **{name: getattr(self, name) for name in as_they_are},
+                **{name: value for name, value in where_given.items() if value}}
 
 
 def rayleigh_factors(ratio, first_hz, second_hz):

@@ -85,16 +85,15 @@ def have_left(layout, motion, joints, state):
     motion: (n, n_bodies, 3) since the static stage [m, m, rad]; joints: (n_active,) indices of contact points; state:
     (n, n_active) their states.
     """
-    ended, contacts, bodies = (state & ENDED) > 0, layout.contacts, len(layout.bodies)
-    found = np.zeros(len(motion), bool)
-    if not ended.any():
-        return found
-    both = np.concatenate([contacts.first, contacts.second])
-    joined = np.bincount(both[both >= 0], minlength=bodies)
-    of_joints = [body[:layout.n_joints][joints] for body in (contacts.first, contacts.second)]
+    def number_of(bodies):
+        """How often each body is among some, (n_bodies,); supports do not count."""
+        return np.bincount(bodies[bodies >= 0], minlength=len(layout.bodies))
+
+    ended, found = (state & ENDED) > 0, np.zeros(len(motion), bool)
+    both = np.stack([layout.contacts.first, layout.contacts.second])
+    joined, of_joints = number_of(both.ravel()), both[:, :layout.n_joints][:, joints]
     for k in np.flatnonzero(ended.any(axis=1)):
-        both = np.concatenate([body[ended[k]] for body in of_joints])
-        loose = np.bincount(both[both >= 0], minlength=bodies) == joined
+        loose = number_of(of_joints[:, ended[k]].ravel()) == joined
         far = np.hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
         found[k] = np.any((loose & far)[:layout.n_bricks])
     return found
