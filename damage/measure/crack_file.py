@@ -5,10 +5,8 @@ next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, t
 tension all opening, shear all slip; mixed and unknown leave both open, which is NaN here.
 """
 
-import hashlib
 from dataclasses import dataclass, field
 from math import isnan, nan
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -18,6 +16,7 @@ from damage.errors import InputError
 from damage.files import write_text
 from damage.index import THRESHOLD
 from damage.measure.cracks import ENDS, cracks_at
+from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.parameters import LONGEST_M
 
@@ -312,6 +311,5 @@ class Surveyed:
     @classmethod
     def read(cls, path, tolerance_m=None):
         """The cracks of a file; raises InputError."""
-        last = read_cracks(path)[-1].stretches
-        return cls(Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest(),
-                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())), tolerance_m)
+        ends = read_cracks(path)[-1].stretches[list(ENDS)].to_numpy(float).tolist()
+        return cls(**file_origin(path), stretches=tuple(map(tuple, ends)), tolerance_m=tolerance_m)

@@ -21,7 +21,7 @@ import pandas as pd
 
 from damage.checks import check_positive
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
-from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, mean_width, psi_value
+from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, psi
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -45,8 +45,6 @@ class MappedCracks:
     unmapped_m: float
     surplus_m: float
 
-
-# --- mapping --------------------------------------------------------------------------------------
 
 def map_cracks(pattern, layout, tolerance=None):
     """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
@@ -109,8 +107,6 @@ def _share_that_fits(table, joint_length):
     return share[table["joint"]]
 
 
-# --- index and Psi --------------------------------------------------------------------------------
-
 def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM):
     """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct (None where
     unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
@@ -118,14 +114,15 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
 
     Cracks count as they were drawn, by the file's own labels: a straight line over bricks and joints is one.  Psi is
     that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the polylines
-    as they were drawn, through bricks too.  Without a drift DI is
-    that of the cracks alone.  undecided_m: length over the threshold whose mode is unknown.
+    as they were drawn, through bricks too.  Without a drift DI is that of the cracks alone.  undecided_m: length over
+    the threshold whose mode is unknown.
     """
+    def wide(rows, least):
+        return rows[cracked(rows["width_m"].to_numpy(float), least)]
+
     check_positive("drift limit", drift_limit)
-    table, parts = mapped.table, pattern.stretches
-    chosen, counted = (of[cracked(of["width_m"].to_numpy(float), threshold)] for of in (table, parts))
-    in_psi = table[cracked(table["width_m"], psi_from)]
-    drawn = cracked(parts["width_m"].to_numpy(float), psi_from)
+    table, parts = mapped.table, pattern.stretches.assign(length_m=pattern.length_m)
+    chosen = wide(table, threshold)
     known = not np.isnan(pattern.drift_ratio)
     drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0
     on_joints = table[layout.joint_length[table["joint"]] > 0]  # not in a brick's cut
@@ -134,14 +131,11 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
         bounds["DI_drift"] = None
     return {
         "load_level": pattern.level, "drift_pct": 100 * pattern.drift_ratio if known else None,
-        "cracks": counted["crack"].nunique(), "crack_length_m": float(chosen["length_m"].sum()),
+        "cracks": wide(parts, threshold)["crack"].nunique(), "crack_length_m": float(chosen["length_m"].sum()),
         "unmapped_m": mapped.unmapped_m, "surplus_m": mapped.surplus_m,
         "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
         "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,
-        "psi": float(psi_value(in_psi["crack"].nunique(), mean_width(in_psi["width_m"], in_psi["length_m"]))),
-        "psi_drawn": float(psi_value(parts["crack"][drawn].nunique(),
-                                     mean_width(parts["width_m"][drawn], pattern.length_m[drawn]))),
-        **bounds}
+        "psi": psi(wide(table, psi_from)), "psi_drawn": psi(wide(parts, psi_from)), **bounds}
 
 
 def index_bounds(table, total_length, drift, threshold=THRESHOLD):

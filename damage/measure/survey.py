@@ -10,10 +10,8 @@ says whether faces are offset, d^2 is the mean of this and of the same of the le
 windows where it says so.
 """
 
-import hashlib
 from dataclasses import dataclass
 from math import isnan
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +22,9 @@ from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.measure.crack_file import CrackPattern, read_cracks
 from damage.measure.crack_paths import crack_paths
-from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
+from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi, psi_value
 from damage.measure.patterns import Places, in_words
+from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -80,8 +79,7 @@ class Survey:
     @property
     def psi(self):
         """Psi [-] of the cracks as they were drawn."""
-        parts = self.pattern.stretches
-        return float(psi_value(self.count, mean_width(parts["width_m"], self.pattern.length_m)))
+        return psi(self.pattern.stretches.assign(length_m=self.pattern.length_m))
 
     def as_dict(self):
         """Its key numbers, fit for JSON."""
@@ -105,8 +103,7 @@ def read_survey(path, wall, tolerance=None):
     tolerance [m]: how far from a joint a crack may be drawn, None for half a brick's length.  Raises InputError, too,
     where less than LEAST_SHARE of the drawn length lies on joints.
     """
-    path = Path(path)
-    return survey_of(read_cracks(path)[-1], wall, path.name, hashlib.sha256(path.read_bytes()).hexdigest(), tolerance)
+    return survey_of(read_cracks(path)[-1], wall, **file_origin(path), tolerance=tolerance)
 
 
 def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
@@ -116,9 +113,10 @@ def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
     check_share(paths, file, wall)
     offset = np.full(len(parts), np.nan) if pattern.offset is None else pattern.offset
     stretch = paths.table["stretch"].to_numpy(int)
+    opening_m = parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)  # of a width alone all is opening
     found = paths.table[["joint", "length_m"]].assign(
         crack=parts["crack"].to_numpy()[stretch], width_m=parts["width_m"].to_numpy(float)[stretch],
-        opening_m=opening_of(parts)[stretch] * paths.table["across"], offset=offset[stretch])
+        opening_m=opening_m[stretch] * paths.table["across"], offset=offset[stretch])
     found["slip_m"] = np.sqrt(np.maximum(found["width_m"]**2 - found["opening_m"]**2, 0.0))
     found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
         "joint", ignore_index=True)
@@ -136,11 +134,6 @@ def check_share(paths, file, wall):
             f"{file}: {paths.on_joints_m:.2f} of {paths.drawn_m:.2f} m of its cracks run along joints of wall "
             f"{wall.wall.name} ({100 * paths.share:.0f} %); expected at least {100 * LEAST_SHARE:.0f} %, places on "
             "this wall, x from its left end and z from its base [m]; look at them")
-
-
-def opening_of(parts):
-    """Opening across the stretches of a CrackPattern (n,) [m]; of a width alone all is opening."""
-    return parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)
 
 
 def _looked_at(clear, on_cracks, wall):
