@@ -23,7 +23,6 @@ from damage.wall.kinds import ARCH_COURSE
 MOMENTS = "rest", "max", "end"
 """Of the tables: the first sample, the maximum damage index, the last sample."""
 _SAME = 1e-6  # [m]
-_MEGA, _KILO = 1e6, 1e3
 
 
 def check_stresses(history):
@@ -240,16 +239,12 @@ def describe(report):
     for one in report["moments"]:
         lines.append(f"{one['moment']}, {one['time_s']:.3f} s: normal {_range(one, 'normal')}, shear "
                      f"{_range(one, 'shear')} MPa")
-        lines += [f"  {part['part']} at {part['place_m']:.3f} m: N {_kilo(part['normal_force_n'])} kN, V "
-                  f"{_kilo(part['shear_force_n'])} kN, M {_kilo(part['moment_n_m'])} kN m, e / L "
+        lines += [f"  {part['part']} at {part['place_m']:.3f} m: N {part['normal_force_n'] / 1e3:.3f} kN, V "
+                  f"{part['shear_force_n'] / 1e3:.3f} kN, M {part['moment_n_m'] / 1e3:.3f} kN m, e / L "
                   f"{part['eccentricity_over_length']:.3f}" for part in one["sections"]]
     return "\n".join(lines + [f"joint {one['joint']} ({one['name']}): normal {_range(one, 'normal')}, shear "
                               f"{_range(one, 'shear')} MPa" for one in report["joints"]])
 
 
 def _range(numbers, kind):
-    return " to ".join(f"{numbers[f'{which}_{kind}_stress_pa'] / _MEGA + 0.0:.4f}" for which in ("min", "max"))
-
-
-def _kilo(value):
-    return f"{value / _KILO:.3f}"
+    return " to ".join(f"{numbers[f'{which}_{kind}_stress_pa'] / 1e6 + 0.0:.4f}" for which in ("min", "max"))

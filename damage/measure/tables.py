@@ -231,11 +231,9 @@ def spread(table):
     count: number of members; collapsed, repeated: how many of them collapsed, or were repeated in smaller steps; and
     for each column of SHOWN that has values {"median", "min", "max"}.
     """
-    values = {name: table[name].dropna().astype(float) for name in SHOWN}
+    values = table[list(SHOWN)].astype(float).agg(["median", "min", "max"]).dropna(axis="columns")
     return {"count": len(table), "collapsed": int(table["collapsed_at_s"].notna().sum()),
-            "repeated": repeated(table)} | {
-        name: {"median": float(one.median()), "min": float(one.min()), "max": float(one.max())}
-        for name, one in values.items() if len(one)}
+            "repeated": repeated(table)} | values.to_dict()
 
 
 def describe_spread(spread):
