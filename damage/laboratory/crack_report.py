@@ -81,8 +81,6 @@ def _only_with(what, given, needs=("wall",), without=()):
             raise InputError(f"--{name} does not belong to {what}; leave it out")
 
 
-# --- a history ------------------------------------------------------------------------------------
-
 def history_report(history, samples, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
     """The cracks of a History at samples (indices), a dictionary; written to `export` if it is given."""
     index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
@@ -115,8 +113,6 @@ def history_drawn(history, samples, threshold=THRESHOLD):
     patterns = patterns_of(history, samples, threshold)
     return [map_cracks(pattern, layout) for pattern in patterns], patterns, layout
 
-
-# --- a crack file, a field --------------------------------------------------------------------------
 
 def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, tolerance=None):
     """The results of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
@@ -175,8 +171,6 @@ def _dic_notes(limits, threshold, psi_from):
     if limits["unseen_m"] > 0:
         yield f"{limits['unseen_m']:.3f} m of joints lie at bricks with too few points: they count as uncracked"
 
-
-# --- text -----------------------------------------------------------------------------------------
 
 _COLUMNS = (("level", "load_level", "{:g}"), ("time s", "time_s", "{:.3f}"), ("drift %", "drift_pct", "{:.4f}"),
             ("cracks", "cracks", "{:d}"), ("length m", "crack_length_m", "{:.3f}"),

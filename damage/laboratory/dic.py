@@ -98,8 +98,6 @@ def read_field(path):
     return fields
 
 
-# --- rigid motions --------------------------------------------------------------------------------
-
 def rigid_motion(points, displacement):
     """The rigid motion nearest to displacements in the sense of least squares, exact for any rotation:
     displacement of the points' centre (2,) [m] and rotation x towards z [rad]; both arrays (n, 2)."""
@@ -166,8 +164,6 @@ def opening_deviation(motions, layout):
         variance += np.where(body < 0, 0.0, own)
     return motions.noise * np.sqrt(variance)
 
-
-# --- joints ---------------------------------------------------------------------------------------
 
 def measure(fields, layout, margin=MARGIN):
     """Opening and slip of the joints at each level, a list of Measured."""

@@ -60,8 +60,6 @@ def compare(first, others):
             "agrees": all(judged)}
 
 
-# --- measures of the entire run -----------------------------------------------------------------
-
 def numbers_of(history, slip="displacement"):
     """{measure of TOLERANCES: value} of a History, None where a measure does not apply; slip: criterion of DI.
 
@@ -103,8 +101,6 @@ def allowed_difference(name, value):
     absolute, relative = TOLERANCES[name]
     return max(absolute, relative * abs(value))
 
-
-# --- the drift over time ------------------------------------------------------------------------
 
 def compare_drift(first, second):
     """Differences of the drift ratios of two Histories over time, a plain dictionary.
@@ -165,8 +161,6 @@ def _lag(time, here, there):
     fine = 0.5 * (low - high) / curvature if curvature != 0 else 0.0
     return float((k + fine - (len(here) - 1)) * step)
 
-
-# --- joint by joint -----------------------------------------------------------------------------
 
 def joints_ever(history, threshold=THRESHOLD):
     """States that the joints of a History ever had: a DataFrame indexed by (first_body, second_body).

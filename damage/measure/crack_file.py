@@ -70,8 +70,6 @@ class CrackPattern:
         return np.hypot(parts["x_end_m"] - parts["x_start_m"], parts["z_end_m"] - parts["z_start_m"]).to_numpy(float)
 
 
-# --- reading --------------------------------------------------------------------------------------
-
 def read_cracks(path):
     """The patterns of a crack file, a list of CrackPattern in the order of the file.
 
@@ -211,8 +209,6 @@ def _rest(wanted, other, width):
     return float(np.sqrt(max(width**2 - other**2, 0.0)))
 
 
-# --- writing --------------------------------------------------------------------------------------
-
 def write_cracks(path, patterns, comments=()):
     """Write patterns (CrackPattern) to `path`; comments: lines for its head.  The columns OF_SURVEY are there where a
     pattern has a value of them."""
@@ -242,8 +238,6 @@ def _point_rows(pattern):
         for point, corner in ((1, first), (2, (x, z))):
             yield (*head, f"area{name}", point, *corner, *[None] * 3, NO_CRACK, None, *accuracy)
 
-
-# --- from joints ----------------------------------------------------------------------------------
 
 def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
     """The CrackPattern of a `damage.measure.cracks.crack_table`: each crack as polylines along its joints.

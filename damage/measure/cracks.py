@@ -92,8 +92,6 @@ def crack_numbers(is_cracked, pairs):
     return numbers
 
 
-# --- at one moment --------------------------------------------------------------------------------
-
 def crack_table(ends, opening, slip, threshold=THRESHOLD):
     """Table of the cracked segments, ordered by crack.
 
@@ -134,8 +132,6 @@ def psi(table):
     """Psi [-] of a `crack_table`."""
     return float(psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"])))
 
-
-# --- over time ------------------------------------------------------------------------------------
 
 def psi_history(history, threshold=PSI_FROM):
     """Cracks of a History over time; threshold: width from which a crack counts [m].

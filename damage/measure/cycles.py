@@ -10,8 +10,6 @@ from damage.measure.cracks import psi_history
 from damage.measure.damage_index import CRITERIA
 from damage.units import MILLIMETRE
 
-# --- cycles of the drift ----------------------------------------------------------------------------
-
 
 @measure({
     "last_cycle_s": Column("s", "length of the last cycle that begins while the base moves; it may end in free "
@@ -49,8 +47,6 @@ def _motion_end(series):
     """Time of the last sample of the base motion [s]; series: of one event."""
     return series.loc[series["stage"] == "motion", "time_s"].max()
 
-
-# --- the index cycle by cycle, and event by event ---------------------------------------------------
 
 BY_OTHERS = {f"{prefix}{component}": (slip, component) for slip, prefix in CRITERIA.items() if prefix
              for component in ("DI_slip", "DI")}

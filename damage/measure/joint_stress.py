@@ -39,8 +39,6 @@ def contact_forces(history, sample):
     return np.column_stack([np.where(bed, shear, normal), np.where(bed, normal, shear)])
 
 
-# --- sections ----------------------------------------------------------------------------------------
-
 def sections(history):
     """Sections of the piers, and of arches: [(part, left, right [m], is_bed, place [m] across, rows of the joints)];
     left, right: of the pier along x, or of the arch along z; part: "pier 1", ... from the left, "arch 1", ..."""
@@ -105,8 +103,6 @@ SECTIONS = _AT | {
     "eccentricity_over_length": Column("1", "over the section's length: pressed all over up to 1/6"),
 }
 
-
-# --- contact points ----------------------------------------------------------------------------------
 
 def stresses_table(history, moments=MOMENTS):
     """Stresses of all contact points at moments (`choose_samples`), a DataFrame, a row a contact point and moment;
@@ -203,8 +199,6 @@ POINTS = {
     "displacement_x_m": Column("m", "along the wall, since the end of the static stage"),
     "displacement_z_m": Column("m", "the same, upwards")}
 
-
-# --- in words ----------------------------------------------------------------------------------------
 
 def stress_report(history, moments=MOMENTS, joints=()):
     """The stresses of a History, a dictionary: at each moment extremes over the contact points, and the section of each
