@@ -57,7 +57,12 @@ def map_cracks(pattern, layout, tolerance=None):
     for name in ("crack", "opening_m", "slip_m", "width_m", "mode"):
         table[name] = parts[name].to_numpy()[table["stretch"]]
     mapped = table["length_m"].sum()
-    table["length_m"] *= _share_that_fits(table, layout.contacts.length)
+    # No joint is cracked over more than its length.  A piece across its end counts entirely on one side of it: the sum
+    # may exceed the length by one piece.
+    length = layout.contacts.length
+    on_joint = np.bincount(table["joint"], table["length_m"], minlength=len(length))
+    share = np.divide(length, on_joint, out=np.ones(len(length)), where=on_joint > length + PIECE)
+    table["length_m"] *= share[table["joint"]]
     drawn = float(pattern.length_m.sum())
     return MappedCracks(table.drop(columns="stretch"), drawn, float(max(drawn - mapped, 0.0)),
                         float(mapped - table["length_m"].sum()))
@@ -95,16 +100,6 @@ def _nearest(middle, along, low, high, tolerance):
     cost = np.hypot(apart[..., 0], apart[..., 1]) / tolerance + sine**2
     best = np.argmin(cost, axis=1)
     return np.where(cost[np.arange(len(middle)), best] >= 1, -1, near[best])
-
-
-def _share_that_fits(table, joint_length):
-    """Factor on every row's length, (n_rows,), that keeps each joint's sum within its own length.
-
-    A piece across the end of a joint counts entirely on one side of it: the sum may exceed the length by one piece.
-    """
-    drawn = np.bincount(table["joint"], table["length_m"], minlength=len(joint_length))
-    share = np.divide(joint_length, drawn, out=np.ones(len(drawn)), where=drawn > joint_length + PIECE)
-    return share[table["joint"]]
 
 
 def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM):

@@ -225,11 +225,7 @@ class _Network:
             *((np.arange(n) + k, np.arange(n) + k + n, turn[:, p + 1]) for p, k in enumerate(copy[:-1])),
             (np.full(n, source), np.arange(n), turn[:, 0]),
             (np.arange(n) + copy[-1], np.full(n, source + 1), turn[:, -1])))
-        return self._steps(start, end, weight + 1e-12, source, near, n)
-
-    def _steps(self, start, end, weight, source, near, n):
-        """The shortest way from a source to the node after it, as `path` gives it; n: corners of a copy."""
-        graph = scipy.sparse.csr_matrix((weight, (start, end)), shape=(source + 2,) * 2)
+        graph = scipy.sparse.csr_matrix((weight + 1e-12, (start, end)), shape=(source + 2,) * 2)
         _, before = scipy.sparse.csgraph.dijkstra(graph, indices=source, return_predecessors=True)
         nodes = [source + 1]
         while before[nodes[-1]] >= 0:
@@ -237,7 +233,7 @@ class _Network:
         nodes = np.array(nodes[-2:0:-1], int)  # without the source and the end
         here, there = nodes[:-1], nodes[1:]
         inside = here // n == there // n
-        part, one, other = here[inside] // n, near[here[inside] % n], near[there[inside] % n]
+        one, other = near[here[inside] % n], near[there[inside] % n]
         joint = np.array([self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int)
         travel = self.corners[other] - self.corners[one]
-        return part, joint, travel / np.hypot(*travel.T)[:, np.newaxis]
+        return here[inside] // n, joint, travel / np.hypot(*travel.T)[:, np.newaxis]

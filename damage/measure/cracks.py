@@ -64,19 +64,19 @@ def cracked(width, threshold=THRESHOLD):
     return np.asarray(width) >= threshold * (1 - _PRECISION)
 
 
-def close_pairs(ends, gap=JOINING_GAP):
-    """Pairs of segments whose distance is below `gap` [m], (n_pairs, 2) indices.
+def close_pairs(ends):
+    """Pairs of segments whose distance is below JOINING_GAP [m], (n_pairs, 2) indices.
 
     ends: (n, 2, 2) [m], both ends of segments along x or along z.
     """
     if len(ends) < 2:
         return np.zeros((0, 2), int)
     low, high = ends.min(axis=1), ends.max(axis=1)
-    reach = np.max(high - low) + gap
+    reach = np.max(high - low) + JOINING_GAP
     pairs = scipy.spatial.cKDTree((low + high) / 2).query_pairs(reach, output_type="ndarray")
     first, second = pairs.T
     apart = np.maximum(np.maximum(low[first] - high[second], low[second] - high[first]), 0)
-    return pairs[np.hypot(*apart.T) < gap]
+    return pairs[np.hypot(*apart.T) < JOINING_GAP]
 
 
 def crack_numbers(is_cracked, pairs):
@@ -171,10 +171,8 @@ def count_cracks(is_cracked, pairs):
     when, which = np.nonzero(states[:, pairs[:, 0]] & states[:, pairs[:, 1]])
     first, second = pairs[which].T
     graph = coo_matrix((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
-    n_cracks, crack = connected_components(graph, directed=False)
-    sample_of = np.zeros(n_cracks, int)
-    sample_of[crack] = sample
-    return np.bincount(sample_of, minlength=len(states))[np.cumsum(changed) - 1]
+    _, first_node = np.unique(connected_components(graph, directed=False)[1], return_index=True)
+    return np.bincount(sample[first_node], minlength=len(states))[np.cumsum(changed) - 1]
 
 
 @measure({

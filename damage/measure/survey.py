@@ -97,19 +97,16 @@ class Survey:
         return values
 
 
-def read_survey(path, wall, tolerance=None):
-    """The Survey of a crack file, at its last load level, on the joints of a Layout.
-
-    tolerance [m]: how far from a joint a crack may be drawn, None for half a brick's length.  Raises InputError, too,
-    where less than LEAST_SHARE of the drawn length lies on joints.
-    """
-    return survey_of(read_cracks(path)[-1], wall, **file_origin(path), tolerance=tolerance)
+def read_survey(path, wall):
+    """The Survey of a crack file, at its last load level, on the joints of a Layout.  Raises InputError, too, where
+    less than LEAST_SHARE of the drawn length lies on joints."""
+    return survey_of(read_cracks(path)[-1], wall, **file_origin(path))
 
 
-def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
-    """The Survey of a CrackPattern on the joints of a Layout; other arguments and errors as of `read_survey`."""
+def survey_of(pattern, wall, file="the survey", sha256=""):
+    """The Survey of a CrackPattern on the joints of a Layout; errors as of `read_survey`."""
     parts = pattern.stretches
-    paths = crack_paths(parts, wall, tolerance)
+    paths = crack_paths(parts, wall)
     check_share(paths, file, wall)
     offset = np.full(len(parts), np.nan) if pattern.offset is None else pattern.offset
     stretch = paths.table["stretch"].to_numpy(int)
@@ -121,8 +118,8 @@ def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
     found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
         "joint", ignore_index=True)
     limit, error = pattern.detection_limit_m, pattern.width_error_m
-    narrowest = parts["width_m"][parts["width_m"] > 0].min() if (parts["width_m"] > 0).any() else THRESHOLD
-    known = [min(THRESHOLD, float(narrowest)) if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
+    narrowest = float(parts["width_m"][parts["width_m"] > 0].to_numpy(float).min(initial=THRESHOLD))
+    known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
     return Survey(file, sha256, pattern, found, wall.n_joints, paths.share, paths.apart_m, *known,
                   _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
 
