@@ -159,20 +159,17 @@ def psi_history(history, threshold=PSI_FROM):
 def count_cracks(is_cracked, pairs):
     """Number of cracks at each sample, (n_times,) int; is_cracked: (n_times, n) bool; pairs: from `close_pairs`.
 
-    One graph serves all samples at which a segment changes; its nodes are the cracked segments of each of them.
+    One graph serves all samples at which a segment changes; its nodes are the segments of each of them.
     """
     changed = np.ones(len(is_cracked), bool)
     changed[1:] = (is_cracked[1:] != is_cracked[:-1]).any(axis=1)
     states = is_cracked[changed]
-    sample, _ = np.nonzero(states)
-    if len(sample) == 0:
+    if not states.any():
         return np.zeros(len(is_cracked), int)
-    node = np.cumsum(states).reshape(states.shape) - 1
     when, which = np.nonzero(states[:, pairs[:, 0]] & states[:, pairs[:, 1]])
-    first, second = pairs[which].T
-    graph = coo_matrix((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
-    _, first_node = np.unique(connected_components(graph, directed=False)[1], return_index=True)
-    return np.bincount(sample[first_node], minlength=len(states))[np.cumsum(changed) - 1]
+    numbers = crack_numbers(states.ravel(), pairs[which] + states.shape[1] * when[:, np.newaxis])
+    _, first = np.unique(numbers[states.ravel()], return_index=True)
+    return np.bincount(np.nonzero(states)[0][first], minlength=len(states))[np.cumsum(changed) - 1]
 
 
 @measure({

@@ -80,8 +80,7 @@ def _place(history, floor):
 
 
 def storeys_table(history):
-    """A row for each storey of a History, from the base upwards: its ends, the largest absolute drift ratio of all
-    snapshots, every tenth sample, and that of the last one."""
+    """A row for each storey of a History, from the base upwards; columns: `damage.export.dictionary.STOREYS`."""
     heights, drift = storey_drifts(history)
     return pd.DataFrame({"storey": np.arange(1, len(heights)), "bottom_m": heights[:-1], "top_m": heights[1:],
                          "max_drift_ratio": np.abs(drift).max(axis=0), "residual_drift_ratio": drift[-1]})
