@@ -183,11 +183,11 @@ class WallCells:
         numbers["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
         if history.joint_stress_pa is not None:
             numbers |= dict(zip(("joint_normal_stress_pa", "joint_shear_stress_pa"), history.joint_stress_pa[sample].T))
-        codes = {"broken": history.broken[sample], "at_shear_limit": history.at_limit[sample]}
         return {
             **{name: self._joined(0.0, values).astype(np.float32) for name, values in numbers.items()},
             "state": self._joined(-1, joint_states(history, sample, slip)).astype(np.int8),
-            **{name: self._joined(0, values).astype(np.int8) for name, values in codes.items()}}
+            "broken": self._joined(0, history.broken[sample]).astype(np.int8),
+            "at_shear_limit": self._joined(0, history.at_limit[sample]).astype(np.int8)}
 
     @cached_property
     def numbers(self):

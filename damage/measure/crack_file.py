@@ -189,24 +189,20 @@ def complete_sizes(opening, slip, width, mode):
         slip = 0.0 if isnan(slip) else slip
     elif mode == "shear":
         opening = 0.0 if isnan(opening) else opening
-    if not isnan(width):
-        opening, slip = _rest(opening, slip, width), _rest(slip, opening, width)
-    elif isnan(opening) or isnan(slip):
+    opening, slip = _rest(opening, slip, width), _rest(slip, opening, width)
+    if isnan(width) and (isnan(opening) or isnan(slip)):
         raise InputError("the width is unknown: give width_mm, or opening_mm and slip_mm, or one of the two "
                          "with its mode, tension or shear")
-    known = not (isnan(opening) or isnan(slip))
-    together = float(np.hypot(opening, slip)) if known else width
-    if not isnan(width) and abs(together - width) > _AGREE * width + _AGREE_MM * MILLIMETRE:
+    together = float(np.hypot(opening, slip))
+    if abs(together - width) > _AGREE * width + _AGREE_MM * MILLIMETRE:
         raise InputError(f"width_mm = {width / MILLIMETRE:g}, but opening and slip give "
                          f"{together / MILLIMETRE:g}; expected sqrt(opening^2 + slip^2)")
-    return opening, slip, together
+    return opening, slip, width if isnan(together) else together
 
 
 def _rest(wanted, other, width):
-    """Opening or slip [m] from the width and the other of both, unless it is known already or cannot be computed."""
-    if not isnan(wanted) or isnan(other):
-        return wanted
-    return float(np.sqrt(max(width**2 - other**2, 0.0)))
+    """Opening or slip [m] from the width and the other of both, unless it is known; NaN where it cannot be computed."""
+    return float(np.sqrt(np.maximum(width**2 - other**2, 0.0))) if isnan(wanted) else wanted
 
 
 def write_cracks(path, patterns, comments=()):
