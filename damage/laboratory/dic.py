@@ -14,7 +14,6 @@ from math import isnan
 
 import numpy as np
 
-from damage.checks import check_not_negative
 from damage.csv_table import CsvTable
 from damage.errors import InputError
 from damage.index import THRESHOLD
@@ -168,14 +167,13 @@ def opening_deviation(motions, layout):
 
 def measure(fields, layout, margin=MARGIN):
     """Opening and slip of the joints at each level, a list of Measured."""
-    check_not_negative("margin [m]", margin)
     kinematics, n = ContactKinematics(layout), layout.n_joints
     levels = []
     for field in fields:
         motions = brick_motions(field, layout, margin)
         opening, shear = (part[:n] for part in kinematics.displacements(motions.motion))
         drift, top = field.drift_ratio, motions.motion[layout.drift_bodies, 0]
-        if isnan(drift) and not np.isnan(top).all():  # as of a simulation
+        if isnan(drift) and not np.isnan(top).all():  # that of the top course, as in a simulation
             drift = float(np.nanmean(top) / layout.drift_height)
         levels.append(Measured(np.maximum(opening, 0.0), shear, opening_deviation(motions, layout), motions.noise,
                                drift))

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from damage.checks import check_positive
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
 from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, psi
 from damage.units import MILLIMETRE
@@ -33,9 +32,8 @@ _TOGETHER = 200  # pieces whose distances to the joints near them are worked out
 class MappedCracks:
     """The cracks of one pattern on the joints of a wall.
 
-    table: DataFrame, a row each joint that a stretch runs along: crack (label in the file), joint (index),
-    x_start_m, z_start_m, x_end_m, z_end_m (on the joint), length_m, opening_m, slip_m (NaN where they
-    cannot be distinguished), width_m, mode;
+    table: DataFrame, a row each joint that a stretch runs along: joint (index), ENDS on the joint, length_m, and of the
+    stretch, as of a CrackPattern, crack, opening_m, slip_m, width_m, mode;
     drawn_m, unmapped_m, surplus_m: length of all polylines, of what lies on no joint, and of what was drawn
     over a joint beyond the joint's own length.
     """
@@ -49,7 +47,6 @@ class MappedCracks:
 def map_cracks(pattern, layout, tolerance=None):
     """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
     tolerance = layout.wall.brick.height / 2 if tolerance is None else tolerance
-    check_positive("tolerance [m]", tolerance)
     ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
     parts = pattern.stretches
     rows = [row for number, part in enumerate(ends_of(parts)) for row in _on_joints(number, part, ends, tolerance)]
@@ -115,7 +112,6 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     def wide(rows, least):
         return rows[cracked(rows["width_m"].to_numpy(float), least)]
 
-    check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches.assign(length_m=pattern.length_m)
     chosen = wide(table, threshold)
     known = not np.isnan(pattern.drift_ratio)

@@ -92,8 +92,7 @@ def index_table(history):
 def events_table(history):
     """Table of the failures of contact points, and of the first times that each exceeded the threshold, with place."""
     place = history.joints.loc[history.events["joint"], ["kind", "x_m", "z_m"]].reset_index(drop=True)
-    place.columns = ["joint_kind", "joint_x_m", "joint_z_m"]
-    return _with_first(history.events.join(place), "time_s", "joint", "kind")
+    return _with_first(history.events.join(place.add_prefix("joint_")), "time_s", "joint", "kind")
 
 
 def joints_table(history):
