@@ -184,13 +184,11 @@ def points_table(history):
     columns: POINTS.  Raises InputError where it has none."""
     if history.point_displacement is None:
         raise InputError(f"{history.path} has no material points: expected a run with --point X Z; run it again so")
-    time_s, (n_times, n_points, _) = history.series["time_s"].to_numpy(), history.point_displacement.shape
-    places = np.array(history.points, float)
-    return pd.DataFrame({
-        "point": np.repeat(np.arange(1, n_points + 1), n_times), "x_m": np.repeat(places[:, 0], n_times),
-        "z_m": np.repeat(places[:, 1], n_times), "time_s": np.tile(time_s, n_points),
-        **{name: history.point_displacement[..., axis].T.ravel() for axis, name in enumerate(
-            ("displacement_x_m", "displacement_z_m"))}})
+    places, moved = np.array(history.points, float), history.point_displacement
+    return pd.concat([pd.DataFrame({
+        "point": k + 1, "x_m": x, "z_m": z, "time_s": history.series["time_s"].to_numpy(),
+        "displacement_x_m": moved[:, k, 0], "displacement_z_m": moved[:, k, 1]})
+        for k, (x, z) in enumerate(places)], ignore_index=True)
 
 
 POINTS = {
