@@ -128,10 +128,13 @@ def _rows(table):
 def _one_value(table, column):
     """The number of a column that is of a whole level, NaN if no row gives it."""
     given = column.dropna()
-    for row in given.index[given != given.get(given.first_valid_index())]:
-        raise table.error(row, f"{column.name} = {given[row]:g}, but {given.iloc[0]:g} in line "
-                               f"{table.line[given.index[0]]} of the same load level; give one value a level")
-    return float(given.iloc[0]) if len(given) else nan
+    if given.empty:
+        return nan
+    first = given.index[0]
+    for row in given.index[given != given[first]]:
+        raise table.error(row, f"{column.name} = {given[row]:g}, but {given[first]:g} in line {table.line[first]} of "
+                               "the same load level; give one value a level")
+    return float(given[first])
 
 
 def _clear(table, points):
