@@ -235,19 +235,19 @@ def beside(survey, opening_m, offset_m, wall):
     survey and run, each [survey, run]; positions: shares of the length of each that has a crack of the other within
     NEAR_M [-], None without a crack.
     """
-    places, width = places_on(wall), visible(survey, opening_m, offset_m)
-    here, there, drawn = survey.width_m > 0, width > 0, survey.as_dict()
-    ends = tributary_ends(joint_table(wall))
-    count = int(crack_numbers(there, close_pairs(ends)).max(initial=0))
+    places, drawn = places_on(wall), survey.as_dict()
+    widths = survey.width_m, visible(survey, opening_m, offset_m)
+    here, there = (width > 0 for width in widths)
+    means = [mean_width(width, places.length) for width in widths]
+    count = int(crack_numbers(there, close_pairs(tributary_ends(joint_table(wall)))).max(initial=0))
     return {
         "survey": drawn, "distance": distance(survey, opening_m, offset_m, wall),
         "pattern": places.scores(here, there),
         "widths": {"cracks": [survey.count, count],
-                   "joints_m": [float(places.length[here].sum()), float(places.length[there].sum())],
-                   "max_width_mm": [drawn["max_width_mm"], float(width.max(initial=0.0) / MILLIMETRE)],
-                   "mean_width_mm": [float(mean_width(survey.width_m, places.length) / MILLIMETRE),
-                                     float(mean_width(width, places.length) / MILLIMETRE)],
-                   "psi": [survey.psi, float(psi_value(count, mean_width(width, places.length)))]},
+                   "joints_m": [float(places.length[flags].sum()) for flags in (here, there)],
+                   "max_width_mm": [drawn["max_width_mm"], float(widths[1].max(initial=0.0) / MILLIMETRE)],
+                   "mean_width_mm": [float(mean / MILLIMETRE) for mean in means],
+                   "psi": [survey.psi, float(psi_value(count, means[1]))]},
         "positions": {"of_survey": _near(places, here, there), "of_run": _near(places, there, here),
                       "within_m": NEAR_M}}
 
@@ -256,8 +256,6 @@ def _near(places, flags, others):
     """Share of the length of flagged joints that has one of the others within NEAR_M [-]; None without a flag."""
     if not flags.any():
         return None
-    if not others.any():
-        return 0.0
     tree = scipy.spatial.cKDTree(np.column_stack([places.x[others], places.z[others]]))
     near = tree.query(np.column_stack([places.x[flags], places.z[flags]]))[0] <= NEAR_M
     return float(places.length[flags][near].sum() / places.length[flags].sum())
