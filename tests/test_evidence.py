@@ -11,7 +11,7 @@ from conftest import REPOSITORY, run_here, wall_file
 import damage
 from damage.history.info import info
 from damage.html.report import page
-from damage.measure.evidence import QUANTITIES, describe, evidence_for, facts, markdown, outside
+from damage.measure.evidence import QUANTITIES, describe, evidence_for, markdown, outside
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 
@@ -26,20 +26,20 @@ RECORD = {"kind": "record", "scale": 1.0, "vertical": None}
 
 
 def names_outside(wall=WALL, result=(), **parameters):
-    found = evidence_for(facts(wall, SHAKEN | parameters, RESULT | dict(result)))
+    found = evidence_for(wall, SHAKEN | parameters, RESULT | dict(result))
     return [name for name, one in found.items() if one["inside"] is False]
 
 
 def test_a_wall_within_the_evidence_is_inside():
     assert names_outside() == []
     assert names_outside(replace(WALL, joint=DRY, precompression=0.1e6)) == []
-    found = evidence_for(facts(WALL, SHAKEN, RESULT))
+    found = evidence_for(WALL, SHAKEN, RESULT)
     assert re.fullmatch(r"evidence for this run: inside the range of validity in all 1\d quantities", describe(found))
 
 
 def test_a_house_is_outside_in_four_quantities():
     assert names_outside(HOUSE) == ["precompression of mortar joints", "length", "height", "tan(phi)"]
-    found = evidence_for(facts(HOUSE, SHAKEN))
+    found = evidence_for(HOUSE, SHAKEN)
     assert outside(found) == ["precompression of mortar joints 0 MPa (0.3 to 0.9 MPa)", "length 6.2 m (1 to 4.05 m)",
                               "height 5.62 m (1 to 2.78 m)", "tan(phi) 0.82 (0.42 to 0.63)"]
 
@@ -75,7 +75,7 @@ def test_the_strongest_event_of_a_sequence_of_records_counts():
 
 def test_limits_are_inside_and_what_does_not_apply_is_neither():
     assert names_outside(replace(WALL, length=4.05, joint=damage.Joint(friction_angle=atan(0.63)))) == []
-    found = evidence_for(facts(WALL, {"loading": {"kind": "pushover"}}))
+    found = evidence_for(WALL, {"loading": {"kind": "pushover"}})
     assert found["rest after the motion"]["inside"] is found["drift"]["inside"] is None
 
 

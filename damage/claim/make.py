@@ -16,7 +16,7 @@ from damage.exposure.lives import Choices, Draws
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.html.words import number
-from damage.measure.evidence import evidence_for, facts
+from damage.measure.evidence import evidence_for
 from damage.measure.summary import summarise
 from damage.measure.survey import on_joints, read_survey
 from damage.run.options import fraction, parse_run
@@ -126,7 +126,7 @@ def _evidence(out, study):
     """Judgement of the range of validity on the first draw by both causes."""
     first = next(run for run in study.runs if run.point.startswith(BOTH))
     history = read_history(out / "runs" / f"{first.name(1)}.h5")
-    return evidence_for(facts(history.masonry_wall, history.parameters, summarise(history)))
+    return evidence_for(history.masonry_wall, history.parameters, summarise(history))
 
 
 def describe(numbers):

@@ -34,11 +34,6 @@ _TYPES = {"pga_g": ("PGA", 1), "pgv_m_s": ("PGV", CM_PER_M),
 """OpenQuake's names of columns of summary.csv, and the factor to its unit."""
 
 
-def has_name(intensity):
-    """Whether OpenQuake has a name for an intensity, a column of summary.csv."""
-    return intensity in _TYPES
-
-
 def measure_type(intensity, eigen_period_s):
     """OpenQuake's name of an intensity that has one, and the factor to its unit: g, of PGV cm/s, of the Arias intensity
     m/s; eigen_period_s: of the wall, for sa_eigen_period_g.
@@ -143,7 +138,7 @@ def write_curves(fits, folder, eigen_period_s):
             same = [one for one in ones if one.measure == measure]
             stem = f"fragility_{wall}_{measure}_{same[0].intensity}"
             paths += [write_nrml(wall, same, folder / f"{stem}_{kind}.xml", kind, eigen_period_s.get(wall))
-                      for kind in ("continuous", "discrete") if has_name(same[0].intensity)]
+                      for kind in ("continuous", "discrete") if same[0].intensity in _TYPES]
             paths.append(write_arrays(same, folder / f"{stem}.npz"))
     paths.append(write_table(coefficients(fits), folder / "fragility_coefficients.csv"))
     return [path for path in paths if path]
@@ -156,7 +151,7 @@ def left_out(fits):
              for wall, ones in fits.items() for one in ones if one.step]
     lines += [f"{wall}, {one.state}: no curve: {one.n_exceeding} of {one.n_runs} runs exceed it, {one.why}"
               for wall, ones in fits.items() for one in ones if not np.isfinite(one.median)]
-    odd = sorted({one.intensity for ones in fits.values() for one in ones if not has_name(one.intensity)})
+    odd = sorted({one.intensity for ones in fits.values() for one in ones if one.intensity not in _TYPES})
     return lines + [f"no NRML by {name}: OpenQuake has no name for this intensity" for name in odd]
 
 

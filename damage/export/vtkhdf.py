@@ -42,6 +42,7 @@ SERIES = ("drift_ratio", "top_displacement_m", "base_acceleration_x_m_s2", "base
 def write_vtkhdf(history, path):
     """Write a History as VTKHDF, whole or not at all; returns the path.  Raises InputError where it cannot be written,
     or holds no sample."""
+    check_samples(history)
     content = io.BytesIO()  # HDF5 itself cannot be left in order once a write has failed
     with h5py.File(content, "w") as file:
         _fill(file.create_group("VTKHDF"), WallCells(history))
@@ -54,12 +55,14 @@ def _fill(root, cells):
     root.attrs["Version"] = np.array(VERSION, np.int64)
     root.attrs["Type"] = np.bytes_("UnstructuredGrid")
     n_points = len(cells.points)  # of the cells one after the other, so that their connectivity counts them
-    for name, values in {"Points": cells.points, "Connectivity": np.arange(n_points), "Offsets": cells.offsets,
+    for name, values in {"Points": cells.points, "Connectivity": np.arange(n_points),
+                         "Offsets": np.concatenate([[0], np.cumsum(np.where(cells.types == HEXAHEDRON, 8, 2))]),
                          "Types": cells.types, "NumberOfPoints": [n_points], "NumberOfCells": [len(cells.types)],
                          "NumberOfConnectivityIds": [n_points]}.items():
         root[name] = np.asarray(values)
-    steps = _steps(root, cells.time_s)
-    samples, n_snapshots = np.arange(len(cells.time_s)), len(cells.history.snapshot_time_s)
+    time_s = cells.history.series["time_s"].to_numpy()
+    steps = _steps(root, time_s)
+    samples, n_snapshots = np.arange(len(time_s)), len(cells.history.snapshot_time_s)
     shapes = [*range(n_snapshots), -1]  # the last: at rest
     shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
     _keep(root, steps, "PointData", shapes, shape_of, lambda k: {"displacement_m": cells.displacement(k)})
@@ -101,26 +104,15 @@ def _keep(root, steps, kind, blocks, block_of_step, make):
 
 @dataclass(frozen=True)
 class WallCells:
-    """The cells of a history's wall, and what is known of them at its samples; n_cells = n_bodies + n_joints.
-
-    Raises InputError where the history holds no sample.
-    """
+    """The cells of a history's wall, and what is known of them at its samples; n_cells = n_bodies + n_joints."""
 
     history: History
-
-    def __post_init__(self):
-        check_samples(self.history)
-
-    @property
-    def time_s(self):
-        """Of the samples, (n_times,) [s]."""
-        return self.history.series["time_s"].to_numpy()
 
     @cached_property
     def points(self):
         """Points at rest, (n_points, 3) [m]: eight a body, then two a contact point."""
         half = self.history.masonry_wall.brick.thickness / 2
-        corners = body_corners(self.history.bodies, self._at_rest)
+        corners = body_corners(self.history.bodies, self._motion(-1))
         bodies = np.concatenate([_at(corners, half), _at(corners, -half)], axis=1)
         return np.concatenate([bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)])
 
@@ -128,11 +120,6 @@ class WallCells:
     def types(self):
         """VTK's code of every cell, (n_cells,)."""
         return self._joined(HEXAHEDRON, LINE).astype(np.uint8)
-
-    @property
-    def offsets(self):
-        """Where each cell begins in the connectivity, and the end of the last: (n_cells + 1,)."""
-        return np.concatenate([[0], np.cumsum(np.where(self.types == HEXAHEDRON, 8, 2))])
 
     @cached_property
     def fixed(self):
@@ -150,16 +137,17 @@ class WallCells:
     @cached_property
     def snapshot_of(self):
         """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then drawn at rest."""
-        found = [nearest_snapshot(self.history, time) for time in self.time_s]
+        found = [nearest_snapshot(self.history, time_s) for time_s in self.history.series["time_s"]]
         return np.array([-1 if one is None else one for one in found])
 
     def displacement(self, snapshot):
         """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
-        motion, bodies, joints = self._motion(snapshot), self.history.bodies, self.history.joints
-        moved = _at(body_corners(bodies, motion) - body_corners(bodies, self._at_rest), 0.0)
+        motion, at_rest = self._motion(snapshot), self._motion(-1)
+        bodies, joints = self.history.bodies, self.history.joints
+        moved = _at(body_corners(bodies, motion) - body_corners(bodies, at_rest), 0.0)
         supports = support_motion(self.history, None if snapshot < 0 else snapshot)
         ends = _at(joint_segments(joints, bodies, motion, supports=supports)
-                   - joint_segments(joints, bodies, self._at_rest), 0.0)
+                   - joint_segments(joints, bodies, at_rest), 0.0)
         return np.concatenate([np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]).astype(np.float32)
 
     def rotation(self, snapshot):
@@ -195,11 +183,11 @@ class WallCells:
         numbers["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
         if history.joint_stress_pa is not None:
             numbers |= dict(zip(("joint_normal_stress_pa", "joint_shear_stress_pa"), history.joint_stress_pa[sample].T))
-        codes = {"broken": history.broken[sample], "at_shear_limit": history.at_limit[sample]}
         return {
             **{name: self._joined(0.0, values).astype(np.float32) for name, values in numbers.items()},
             "state": self._joined(-1, joint_states(history, sample, slip)).astype(np.int8),
-            **{name: self._joined(0, values).astype(np.int8) for name, values in codes.items()}}
+            "broken": self._joined(0, history.broken[sample]).astype(np.int8),
+            "at_shear_limit": self._joined(0, history.at_limit[sample]).astype(np.int8)}
 
     @cached_property
     def numbers(self):
@@ -209,12 +197,10 @@ class WallCells:
         taken = np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
         return pd.concat([index, series], axis=1).assign(snapshot_time_s=taken)
 
-    @property
-    def _at_rest(self):
-        return np.zeros((len(self.history.bodies), 3))
-
     def _motion(self, snapshot):
-        return self._at_rest if snapshot < 0 else self.history.displacement[snapshot].astype(float)
+        """Motion of the bodies in a snapshot (n_bodies, 3) [m, m, rad]; -1: at rest."""
+        return np.zeros((len(self.history.bodies), 3)) if snapshot < 0 else \
+            self.history.displacement[snapshot].astype(float)
 
     def _joined(self, of_bodies, of_joints):
         """One array for all cells of values of the bodies and of the joints, arrays or numbers."""

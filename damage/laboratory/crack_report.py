@@ -9,12 +9,12 @@ import pandas as pd
 from damage.errors import InputError, warn
 from damage.history.moments import choose_samples
 from damage.history.reader import read_history
-from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
-from damage.laboratory.dic import measure, patterns_of_fields, read_field
+from damage.index import COMPONENTS, THRESHOLD
+from damage.laboratory.dic import MARGIN, measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
 from damage.measure.crack_file import patterns_of, read_cracks, write_cracks
 from damage.measure.crack_mapping import describe_level, largest, map_cracks
-from damage.measure.cracks import PSI_FROM, cracks_at, ends_of, psi, psi_summary
+from damage.measure.cracks import cracks_at, ends_of, psi, psi_summary
 from damage.measure.warnings import offset_warnings
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
@@ -25,8 +25,8 @@ SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
 
 
-def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, threshold_mm=0.1, psi_from_mm=0.02,
-                 drift_limit_pct=2.0, tolerance_mm=None, margin_mm=None, out=None):
+def crack_report(source, *, dic, wall, export, at, threshold_mm, psi_from_mm, drift_limit_pct, tolerance_mm, margin_mm,
+                 out):
     """(report, what `crack_pictures` draws) of the command's options: of a history, a crack file or a DIC field.
 
     Options that do not belong to what there is are refused; of a history without `out` nothing is drawn.
@@ -39,8 +39,8 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
               "psi_from": psi_from_mm * MILLIMETRE}
     if dic:
         _only_with("a DIC field", given, without=("at", "tolerance-mm"))
-        margin = 10.0 if margin_mm is None else margin_mm
-        report, *drawn = field_report(dic, wall, margin * MILLIMETRE, export=export, **limits)
+        margin = MARGIN if margin_mm is None else margin_mm * MILLIMETRE
+        report, *drawn = field_report(dic, wall, margin, export=export, **limits)
     elif Path(source).suffix == ".h5" or h5py.is_hdf5(source):
         _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm"))
         history = read_history(source)
@@ -67,8 +67,7 @@ def _implausible(patterns, wall):
     wide = [] if least <= widest <= most else [
         f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, "
         "opening_mm and slip_mm"]
-    places = implausible_places(ends_of(stretches), wall)
-    return [places, *wide] if places else wide
+    return list(filter(None, [implausible_places(ends_of(stretches), wall), *wide]))
 
 
 def _only_with(what, given, needs=("wall",), without=()):
@@ -81,9 +80,7 @@ def _only_with(what, given, needs=("wall",), without=()):
             raise InputError(f"--{name} does not belong to {what}; leave it out")
 
 
-# --- a history ------------------------------------------------------------------------------------
-
-def history_report(history, samples, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
+def history_report(history, samples, threshold, drift_limit, psi_from, export):
     """The cracks of a History at samples (indices), a dictionary; written to `export` if it is given."""
     index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
     width = np.hypot(history.opening_m, history.slip_by("displacement"))
@@ -116,9 +113,7 @@ def history_drawn(history, samples, threshold=THRESHOLD):
     return [map_cracks(pattern, layout) for pattern in patterns], patterns, layout
 
 
-# --- a crack file, a field --------------------------------------------------------------------------
-
-def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, tolerance=None):
+def pattern_report(patterns, layout, threshold, drift_limit, psi_from, tolerance=None):
     """The results of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
     mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
     levels = [describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
@@ -128,7 +123,7 @@ def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMI
             "levels": levels, "max": largest(levels), "notes": list(_notes(levels))}, mapped
 
 
-def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
+def field_report(path, wall, margin, threshold, drift_limit, psi_from, export):
     """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if given."""
     fields, layout = read_field(path), lay_out(load_wall(wall))
     measured = measure(fields, layout, margin)
@@ -175,8 +170,6 @@ def _dic_notes(limits, threshold, psi_from):
     if limits["unseen_m"] > 0:
         yield f"{limits['unseen_m']:.3f} m of joints lie at bricks with too few points: they count as uncracked"
 
-
-# --- text -----------------------------------------------------------------------------------------
 
 _COLUMNS = (("level", "load_level", "{:g}"), ("time s", "time_s", "{:.3f}"), ("drift %", "drift_pct", "{:.4f}"),
             ("cracks", "cracks", "{:d}"), ("length m", "crack_length_m", "{:.3f}"),

@@ -5,7 +5,7 @@ and shear of its joints follow from the motions of both bricks (`damage.wall.kin
 are distinguished, unlike in a picture of the cracks alone.  `docs/reference/crack-format.md` gives the file.
 
 What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without the
-stresses; `elastic_parts` bounds it.  Slip is the offset of the two bricks along the joint, as by `displacement` in a
+stresses; `report` bounds it.  Slip is the offset of the two bricks along the joint, as by `displacement` in a
 simulation, whether the joint is open or closed.
 """
 
@@ -14,7 +14,6 @@ from math import isnan
 
 import numpy as np
 
-from damage.checks import check_not_negative
 from damage.csv_table import CsvTable
 from damage.errors import InputError
 from damage.index import THRESHOLD
@@ -65,7 +64,8 @@ class Measured:
     """Opening and slip of the joints at one level of a DIC field.
 
     opening, slip: (n_joints,) [m], NaN where a brick was not seen; deviation: (n_joints,) standard
-    deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-].
+    deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-]: the file's, else that
+    of the top course, NaN where no brick of it was seen.
     """
 
     opening: np.ndarray
@@ -97,8 +97,6 @@ def read_field(path):
                             np.column_stack([x, z])[seen], np.column_stack([ux, uz])[seen]))
     return fields
 
-
-# --- rigid motions --------------------------------------------------------------------------------
 
 def rigid_motion(points, displacement):
     """The rigid motion nearest to displacements in the sense of least squares, exact for any rotation:
@@ -167,28 +165,19 @@ def opening_deviation(motions, layout):
     return motions.noise * np.sqrt(variance)
 
 
-# --- joints ---------------------------------------------------------------------------------------
-
 def measure(fields, layout, margin=MARGIN):
     """Opening and slip of the joints at each level, a list of Measured."""
-    check_not_negative("margin [m]", margin)
     kinematics, n = ContactKinematics(layout), layout.n_joints
     levels = []
     for field in fields:
         motions = brick_motions(field, layout, margin)
         opening, shear = (part[:n] for part in kinematics.displacements(motions.motion))
-        deviation = opening_deviation(motions, layout)
-        levels.append(Measured(np.maximum(opening, 0.0), shear, deviation, motions.noise,
-                               _drift(field, motions, layout)))
+        drift, top = field.drift_ratio, motions.motion[layout.drift_bodies, 0]
+        if isnan(drift) and not np.isnan(top).all():  # that of the top course, as in a simulation
+            drift = float(np.nanmean(top) / layout.drift_height)
+        levels.append(Measured(np.maximum(opening, 0.0), shear, opening_deviation(motions, layout), motions.noise,
+                               drift))
     return levels
-
-
-def _drift(field, motions, layout):
-    """The file's drift ratio, or that of the top-course bricks as in a simulation, NaN if none is seen."""
-    top = motions.motion[layout.drift_bodies, 0]
-    if not isnan(field.drift_ratio) or np.isnan(top).all():
-        return field.drift_ratio
-    return float(np.nanmean(top) / layout.drift_height)
 
 
 def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):
@@ -198,25 +187,22 @@ def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):
                        threshold) for field, level in zip(fields, measured)]
 
 
-def elastic_parts(layout):
-    """The most that elastic deformation adds to an opening and to a slip [m]: an intact joint opens by
-    f_t / k_n; a closed one that slides is sheared by tan(phi) times the precompression over k_s."""
+def report(measured, layout):
+    """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the largest
+    of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m.
+
+    The latter two are the most that elastic deformation adds: an intact joint opens by f_t / k_n; a closed one that
+    slides is sheared by tan(phi) times the precompression over k_s.
+    """
     contacts, n, wall = layout.contacts, layout.n_joints, layout.wall
     strength = contacts.tensile_strength[:n]
     breakable = np.isfinite(strength)
     opening = np.max(strength[breakable] / contacts.normal_stiffness[:n][breakable], initial=0.0)
     weight = wall.precompression + GRAVITY * wall.brick.density * wall.built_height
-    return float(opening), float(np.max(np.tan(wall.joint.friction_angle) * weight
-                                        / contacts.shear_stiffness[:n], initial=0.0))
-
-
-def report(measured, layout):
-    """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the largest
-    of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m."""
+    slip = np.max(np.tan(wall.joint.friction_angle) * weight / contacts.shear_stiffness[:n], initial=0.0)
     length = layout.joint_length
     unseen = [float(length[np.isnan(level.opening)].sum()) for level in measured]
     deviation = [float(np.median(level.deviation[np.isfinite(level.opening)])) for level in measured
                  if np.isfinite(level.opening).any()]
-    opening, slip = elastic_parts(layout)
     return {"noise_m": max(level.noise for level in measured), "opening_deviation_m": max(deviation, default=np.nan),
-            "unseen_m": max(unseen), "elastic_opening_m": opening, "elastic_slip_m": slip}
+            "unseen_m": max(unseen), "elastic_opening_m": float(opening), "elastic_slip_m": float(slip)}

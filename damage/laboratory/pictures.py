@@ -30,23 +30,21 @@ def beside_test_picture(histories):
     handles += _draw_test(left, test, SIDES if cyclic else SIDES[:1])
     handles += [right.axvline(drift, color=VERMILLION, lw=0.8, ls=line, label=label)
                 for drift, label, line in DRIFT_LIMITS_PCT]
+    # What was simulated and the test's peaks; its long plateau may continue beyond.
+    largest = max(history.series["drift_ratio"].abs().max() for history in histories)
+    reach = 115 * max(*test.drift_at_peak, largest)
     left.axhline(0, color=MEDIUM, lw=0.4, zorder=0)
     left.axvline(0, color=MEDIUM, lw=0.4, zorder=0)
-    left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]", xlim=_reach(histories, test, cyclic))
+    left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]",
+             xlim=(-reach if cyclic else -0.05 * reach, reach))
     right.set(xlabel="largest drift ratio to either side [%]", ylabel="DI at that instant", ylim=(0, None))
-    right.set_xlim(0, 1.05 * max(100 * history.series["drift_ratio"].abs().max() for history in histories))
+    right.set_xlim(0, 1.05 * (100 * largest))
     letter(left, 0, "envelopes, and loops of cyclic runs" if cyclic else "pushed over")
     letter(right, 1, "damage index")
     old = any(history.offset_m is None for history in histories)
     add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}",
                 SLIP_LABELS["accumulated"] if old else "")
     return finish(figure, handles, columns=2)
-
-
-def _reach(histories, test, cyclic):
-    """Limits [%] that hold what was simulated and the test's peaks; its long plateau may continue beyond."""
-    reach = 115 * max(*test.drift_at_peak, *(history.series["drift_ratio"].abs().max() for history in histories))
-    return (-reach if cyclic else -0.05 * reach), reach
 
 
 def _draw_run(left, right, history, colour, line, marker):

@@ -141,18 +141,15 @@ def pushed_report(history, to=None):
             "figures": [dict(zip(("figure", "unit", "simulated", "measured"), row)) for row in figures(history, to)]}
 
 
-def _drawn_of(history):
-    """What draws of the joints' strengths have in common."""
-    return history.masonry_wall, pushed.pushed_loading(history), replace(history.model, strength_seed=0), history.solver
-
-
 def draws_report(histories, to=None):
     """Medians and quantiles of the `figures` of several draws of the joints' strengths, a plain dictionary.
 
     Raises InputError where runs are not of one wall and one push, or a draw is there twice."""
     first, drawn = histories[0], {}
-    for history in histories:
-        if _drawn_of(history) != _drawn_of(first):
+    alike = [(history.masonry_wall, pushed.pushed_loading(history), replace(history.model, strength_seed=0),
+              history.solver) for history in histories]
+    for history, common in zip(histories, alike):
+        if common != alike[0]:
             raise InputError(f"{history.path}: another wall, push or model than {first.path}; expected draws of one, "
                              "which differ in --strength-seed alone; leave it out")
         model, seeds = history.model, history.parameters

@@ -31,12 +31,8 @@ def has_stresses(history):
 
 
 def bricks_table(history):
-    """A row for each brick of a History with deformable bricks, a DataFrame.
-
-    brick: row of the history's bodies; course, x_m, z_m; max_tension_pa, max_compression_pa: largest and smallest
-    principal stress of the middle section over all snapshots; place, time_s: of the former; splits_at_s: time of the
-    first snapshot in which it exceeds the brick's tensile strength, NaN where none does or the bricks have none.
-    """
+    """A row for each brick of a History with deformable bricks, a DataFrame; columns:
+    `damage.export.dictionary.BRICKS`."""
     bodies = history.bodies
     bricks = np.flatnonzero(bodies["course"].to_numpy() >= 0)
     stress = np.einsum("pq,tbqs->tbps", _WEIGHTS, history.stress_pa[:, bricks].astype(float))

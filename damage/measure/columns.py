@@ -154,11 +154,12 @@ def before_offsets(table):
         return table
     lacking = table.reindex(columns=list(by.values())).isna().all(axis=1)
     old = lacking & table[list(by)].notna().any(axis=1) if set(by.values()) & set(table) else lacking
-    said = {"slip": "accumulated"} | ({"psi_from_mm": THRESHOLD / MILLIMETRE} if "max_psi" in table else {})
-    then = {new: table[name] for name, new in by.items()} | {
-        name: pd.Series(value, table.index) for name, value in said.items()}
-    return table.assign(**{name: table[name].where(~old, values) if name in table else values
-                           for name, values in then.items()}) if old.any() else table
+    if not old.any():
+        return table
+    then = table[list(by)].rename(columns=by).assign(slip="accumulated")
+    if "max_psi" in table:
+        then["psi_from_mm"] = THRESHOLD / MILLIMETRE
+    return table.assign(**{name: table.get(name, values).where(~old, values) for name, values in then.items()})
 
 
 def _read_csv(path):

@@ -60,8 +60,6 @@ def compare(first, others):
             "agrees": all(judged)}
 
 
-# --- measures of the entire run -----------------------------------------------------------------
-
 def numbers_of(history, slip="displacement"):
     """{measure of TOLERANCES: value} of a History, None where a measure does not apply; slip: criterion of DI.
 
@@ -104,8 +102,6 @@ def allowed_difference(name, value):
     return max(absolute, relative * abs(value))
 
 
-# --- the drift over time ------------------------------------------------------------------------
-
 def compare_drift(first, second):
     """Differences of the drift ratios of two Histories over time, a plain dictionary.
 
@@ -116,7 +112,8 @@ def compare_drift(first, second):
     rms_whole: the RMS difference of the entire runs [-].
     """
     time, here, there = _common_drift(first, second)
-    failure = min(_first_break(first), _first_break(second))
+    breaks = [history.events["time_s"][history.events["kind"].isin(BREAKS)] for history in (first, second)]
+    failure = float(np.concatenate(breaks).min(initial=np.inf))
     before = time <= failure
     difference, rms = here - there, None
     if before.any():
@@ -148,11 +145,6 @@ def _common_drift(first, second):
     return time, *(CubicSpline(frame["time_s"], frame["drift_ratio"])(time) for frame in frames)
 
 
-def _first_break(history):
-    breaks = history.events[history.events["kind"].isin(BREAKS)]
-    return float(breaks["time_s"].min()) if len(breaks) else np.inf
-
-
 def _lag(time, here, there):
     """Lag of the second drift behind the first [s]: the peak of their cross-correlation, by a parabola."""
     if len(time) < 8 or min(np.abs(here).max(), np.abs(there).max()) <= NOISE:
@@ -166,21 +158,19 @@ def _lag(time, here, there):
     return float((k + fine - (len(here) - 1)) * step)
 
 
-# --- joint by joint -----------------------------------------------------------------------------
-
-def joints_ever(history, threshold=THRESHOLD):
+def joints_ever(history):
     """States that the joints of a History ever had: a DataFrame indexed by (first_body, second_body).
 
     The contact points between two bodies are one joint, so that runs of different discretisations can be compared; all
     supports are body -1, so that runs on one support and on one below each brick can be, too.
-    Columns: opened (by more than the threshold [m]), slipped (ever at the shear limit) and broken (failed), bool;
+    Columns: opened (by more than THRESHOLD), slipped (ever at the shear limit) and broken (failed), bool;
     first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place; state: index of
     `damage.history.moments.STATES` from opened and slipped.
     """
     breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
     points = pd.DataFrame({
-        "opened": (history.opening_m > threshold).any(axis=0), "slipped": history.at_limit.any(axis=0),
+        "opened": (history.opening_m > THRESHOLD).any(axis=0), "slipped": history.at_limit.any(axis=0),
         "broken": history.broken.any(axis=0), "first_break_s": first.to_numpy(),
         "x_m": history.joints["x_m"], "z_m": history.joints["z_m"]})
     joints = points.groupby(joint_keys(history)).agg({"opened": "max", "slipped": "max", "broken": "max",

@@ -5,10 +5,8 @@ next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, t
 tension all opening, shear all slip; mixed and unknown leave both open, which is NaN here.
 """
 
-import hashlib
 from dataclasses import dataclass, field
 from math import isnan, nan
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -18,6 +16,7 @@ from damage.errors import InputError
 from damage.files import write_text
 from damage.index import THRESHOLD
 from damage.measure.cracks import ENDS, cracks_at
+from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.parameters import LONGEST_M
 
@@ -71,8 +70,6 @@ class CrackPattern:
         return np.hypot(parts["x_end_m"] - parts["x_start_m"], parts["z_end_m"] - parts["z_start_m"]).to_numpy(float)
 
 
-# --- reading --------------------------------------------------------------------------------------
-
 def read_cracks(path):
     """The patterns of a crack file, a list of CrackPattern in the order of the file.
 
@@ -82,13 +79,12 @@ def read_cracks(path):
     rows = _rows(table)
     patterns = []
     for level in table.levels(rows["level"]):
-        chosen = np.flatnonzero(rows["level"] == level)
-        is_area = (rows["mode"] == NO_CRACK).to_numpy()[chosen]
-        stretches, starts = _stretches(table, rows, chosen[~is_area])
+        here = rows[rows["level"] == level]
+        is_area = here["mode"] == NO_CRACK
+        stretches, offset = _stretches(table, here[~is_area & ~here["empty"]])
         patterns.append(CrackPattern(
-            level, _one_value(table, rows, chosen, "drift_pct") / 100, stretches, rows["offset"].to_numpy()[starts],
-            *(_one_value(table, rows, chosen, name) * MILLIMETRE for name in OF_SURVEY[1:]),
-            _clear(table, rows, chosen[is_area])))
+            level, _one_value(table, here["drift_pct"]) / 100, stretches, offset,
+            *(_one_value(table, here[name]) * MILLIMETRE for name in OF_SURVEY[1:]), _clear(table, here[is_area])))
     drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)
     if drawn > MOST_DRAWN_M:
         raise InputError(f"{path}: cracks of {drawn:g} m in all; expected up to {MOST_DRAWN_M:g} m, look at the unit")
@@ -96,7 +92,8 @@ def read_cracks(path):
 
 
 def _rows(table):
-    """Checked columns in SI units."""
+    """Checked columns in SI units; empty: whether a row is; before: the number of the point in the row before, NaN
+    where that is of another crack or level."""
     numbers = {name: table.numbers(name) for name in (*COLUMNS, *OF_SURVEY[1:]) if name not in ("crack", "mode")}
     table.refuse_beyond(**BOUNDS)
     level = numbers["load_level"]
@@ -123,76 +120,64 @@ def _rows(table):
                      "z_m all empty for a level without cracks")
     for name in ("opening", "slip", "width"):
         rows[f"{name}_m"] = numbers[f"{name}_mm"] * MILLIMETRE
-    return rows
+    above = rows.shift()
+    same = (rows["crack"] == above["crack"]) & (rows["level"] == above["level"]) & (above["mode"] != NO_CRACK)
+    return rows.assign(before=above["point"].where(same))
 
 
-def _one_value(table, rows, chosen, name):
+def _one_value(table, column):
     """The number of a column that is of a whole level, NaN if no row gives it."""
-    values = rows[name].to_numpy()
-    given = chosen[~np.isnan(values[chosen])]
-    for row in given[values[given] != values[given[:1]]]:
-        raise table.error(row, f"{name} = {values[row]:g}, but {values[given[0]]:g} in line "
-                               f"{table.line[given[0]]} of the same load level; give one value a level")
-    return float(values[given[0]]) if len(given) else nan
+    given = column.dropna()
+    if given.empty:
+        return nan
+    first = given.index[0]
+    for row in given.index[given != given[first]]:
+        raise table.error(row, f"{column.name} = {given[row]:g}, but {given[first]:g} in line {table.line[first]} of "
+                               "the same load level; give one value a level")
+    return float(given[first])
 
 
-def _clear(table, rows, chosen):
+def _clear(table, points):
     """Rectangles (n, 4) [m] of the rows of areas without a crack."""
-    points = rows.iloc[chosen]
     if (odd := points["point"].to_numpy() != np.arange(len(points)) % 2 + 1).any() or len(points) % 2:
-        row = chosen[int(np.argmax(odd)) if odd.any() else -1]
+        row = points.index[int(np.argmax(odd)) if odd.any() else -1]
         raise table.error(row, f"mode = {NO_CRACK!r}: expected two rows an area, point 1 and 2, opposite corners of a "
                                "rectangle without a crack")
     corners = points[["x_m", "z_m"]].to_numpy(float).reshape(-1, 4)
-    for row in np.flatnonzero((corners[:, 0] == corners[:, 2]) | (corners[:, 1] == corners[:, 3])):
-        raise table.error(chosen[2 * row + 1], "an area without a crack that has no width or no height; expected "
-                                               "opposite corners of a rectangle")
+    for row in points.index[1::2][(corners[:, :2] == corners[:, 2:]).any(axis=1)]:
+        raise table.error(row, "an area without a crack that has no width or no height; expected opposite corners of "
+                               "a rectangle")
     return corners
 
 
-def _stretches(table, rows, chosen):
-    """The straight parts of the polylines of one level, and the rows of the points at which they begin."""
-    parts, starts_at, line = [], [], 0
-    columns = {name: rows[name].to_numpy() for name in rows}
-    points = chosen[~columns["empty"][chosen]]
-    for here, there in zip(points, [*points[1:], None]):
-        starts = columns["point"][here] == 1
-        line += starts
-        if not starts:
-            _check_order(table, columns, here, line)
-        goes_on = there is not None and columns["point"][there] != 1
-        if starts and not goes_on:
-            raise table.error(here, f"crack {columns['crack'][here]} has a polyline of one point; expected two or more")
-        if goes_on:
-            parts.append(_stretch(table, columns, here, there, line))
-            starts_at.append(here)
-    return pd.DataFrame(parts, columns=STRETCHES), starts_at
-
-
-def _check_order(table, columns, row, line):
-    """Raise InputError unless a point begins a polyline or follows the point before, of the same crack, by number."""
-    point, before = columns["point"][row], columns["point"][row - 1] if row else nan
-    same = row > 0 and all(columns[name][row] == columns[name][row - 1] for name in ("crack", "level"))
-    if line == 0 or not same or point != before + 1:
-        after = f" after point {before:g}" if same else ""
-        raise table.error(row, f"point = {point:g}{after} of crack {columns['crack'][row]}: expected "
-                               + (f"{before + 1:g}, or " if same else "") + "1 where a polyline begins")
-
-
-def _stretch(table, columns, here, there, line):
-    ends = [columns[name][row] for row in (here, there) for name in ("x_m", "z_m")]
-    if ends[:2] == ends[2:]:
-        raise table.error(there, "the same place as the point before; leave it out")
-    mode = columns["mode"][here]
-    if columns["offset"][here] == 0:  # all that is seen is opening
-        if mode in ("shear", "mixed"):
-            raise table.error(here, f"offset = no with mode = {mode}: expected a crack without slip; correct one")
-        mode = "tension"
-    try:
-        sizes = complete_sizes(*(columns[name][here] for name in ("opening_m", "slip_m", "width_m")), mode)
-    except InputError as error:
-        raise table.error(here, str(error)) from None
-    return columns["crack"][here], line, *ends, *sizes, mode
+def _stretches(table, points):
+    """The straight parts of the polylines of one level, and whether their faces are seen to be offset."""
+    starts = (points["point"] == 1).to_numpy()
+    ends = np.append(starts, True)[1:]
+    wrong = points[~starts & (points["point"] != points["before"] + 1)]
+    for row, point, before, crack in wrong[["point", "before", "crack"]].itertuples():
+        after, number = ("", "") if isnan(before) else (f" after point {before:g}", f"{before + 1:g}, or ")
+        raise table.error(row, f"point = {point:g}{after} of crack {crack}: expected {number}1 where a polyline begins")
+    for row, crack in points["crack"][starts & ends].items():
+        raise table.error(row, f"crack {crack} has a polyline of one point; expected two or more")
+    here, there = points[~ends], points[~starts]
+    places = np.hstack([one[["x_m", "z_m"]].to_numpy(float) for one in (here, there)])
+    for row in there.index[(places[:, :2] == places[:, 2:]).all(axis=1)]:
+        raise table.error(row, "the same place as the point before; leave it out")
+    without_slip = here["offset"] == 0  # all that is seen is opening
+    for row, mode in here["mode"][without_slip & here["mode"].isin(("shear", "mixed"))].items():
+        raise table.error(row, f"offset = no with mode = {mode}: expected a crack without slip; correct one")
+    here = here.assign(mode=here["mode"].mask(without_slip, "tension"))
+    parts = []
+    for row, *known in here[["opening_m", "slip_m", "width_m", "mode"]].itertuples():
+        try:
+            parts.append(complete_sizes(*known))
+        except InputError as error:
+            raise table.error(row, str(error)) from None
+    stretches = pd.DataFrame({
+        "crack": here["crack"].to_numpy(), "line": np.cumsum(starts)[~ends], **dict(zip(ENDS, places.T)),
+        **dict(zip(("opening_m", "slip_m", "width_m"), np.reshape(parts, (-1, 3)).T)), "mode": here["mode"].to_numpy()})
+    return stretches, here["offset"].to_numpy()
 
 
 def complete_sizes(opening, slip, width, mode):
@@ -207,42 +192,31 @@ def complete_sizes(opening, slip, width, mode):
         slip = 0.0 if isnan(slip) else slip
     elif mode == "shear":
         opening = 0.0 if isnan(opening) else opening
-    if not isnan(width):
-        opening, slip = _rest(opening, slip, width), _rest(slip, opening, width)
-    elif isnan(opening) or isnan(slip):
+    opening, slip = _rest(opening, slip, width), _rest(slip, opening, width)
+    if isnan(width) and (isnan(opening) or isnan(slip)):
         raise InputError("the width is unknown: give width_mm, or opening_mm and slip_mm, or one of the two "
                          "with its mode, tension or shear")
-    known = not (isnan(opening) or isnan(slip))
-    together = float(np.hypot(opening, slip)) if known else width
-    if not isnan(width) and abs(together - width) > _AGREE * width + _AGREE_MM * MILLIMETRE:
+    together = float(np.hypot(opening, slip))
+    if abs(together - width) > _AGREE * width + _AGREE_MM * MILLIMETRE:
         raise InputError(f"width_mm = {width / MILLIMETRE:g}, but opening and slip give "
                          f"{together / MILLIMETRE:g}; expected sqrt(opening^2 + slip^2)")
-    return opening, slip, together
+    return opening, slip, width if isnan(together) else together
 
 
 def _rest(wanted, other, width):
-    """Opening or slip [m] from the width and the other of both, unless it is known already or cannot be computed."""
-    if not isnan(wanted) or isnan(other):
-        return wanted
-    return float(np.sqrt(max(width**2 - other**2, 0.0)))
+    """Opening or slip [m] from the width and the other of both, unless it is known; NaN where it cannot be computed."""
+    return float(np.sqrt(np.maximum(width**2 - other**2, 0.0))) if isnan(wanted) else wanted
 
-
-# --- writing --------------------------------------------------------------------------------------
 
 def write_cracks(path, patterns, comments=()):
     """Write patterns (CrackPattern) to `path`; comments: lines for its head.  The columns OF_SURVEY are there where a
     pattern has a value of them."""
-    more = any(len(pattern.clear) or not np.isnan([pattern.detection_limit_m, pattern.width_error_m]).all()
-               or (pattern.offset is not None and not np.isnan(pattern.offset).all()) for pattern in patterns)
-    columns = COLUMNS + OF_SURVEY * more
-    rows = [columns, *(map(_cell, row[:len(columns)]) for pattern in patterns for row in _point_rows(pattern))]
-    write_text(path, "\n".join([*(f"# {comment}" for comment in comments), *map(",".join, rows)]) + "\n")
-
-
-def _cell(value):
-    if isinstance(value, str):
-        return value
-    return "" if value is None or isnan(value) else f"{value + 0.0:.8g}"
+    rows = pd.DataFrame([row for pattern in patterns for row in _point_rows(pattern)], columns=[*COLUMNS, *OF_SURVEY])
+    if not (rows["mode"].eq(NO_CRACK).any() or rows[list(OF_SURVEY)].notna().any(axis=None)):
+        rows = rows[list(COLUMNS)]
+    numbers = rows.select_dtypes("number") + 0.0  # zero has no sign
+    text = rows.assign(**numbers).to_csv(index=False, float_format="%.8g", lineterminator="\n")
+    write_text(path, "".join(f"# {comment}\n" for comment in comments) + text)
 
 
 def _point_rows(pattern):
@@ -252,19 +226,17 @@ def _point_rows(pattern):
     seen = {number: word for word, number in SEEN.items() if not isnan(number)}
     offset = np.full(len(pattern.stretches), nan) if pattern.offset is None else pattern.offset
     if len(pattern.stretches) == 0:
-        yield (*head, "", *[None] * 6, "", "", *accuracy)
+        yield (*head, *[None] * 9, *accuracy)
     for (crack, _), line in pattern.stretches.groupby(["crack", "line"], sort=False):
         for number, part in enumerate(line.itertuples(), start=1):
             yield (*head, str(crack), number, part.x_start_m, part.z_start_m, part.opening_m / MILLIMETRE,
                    part.slip_m / MILLIMETRE, part.width_m / MILLIMETRE, part.mode,
-                   seen.get(offset[part.Index], ""), *accuracy)
-        yield (*head, str(crack), number + 1, part.x_end_m, part.z_end_m, None, None, None, "", "", *accuracy)
+                   seen.get(offset[part.Index]), *accuracy)
+        yield (*head, str(crack), number + 1, part.x_end_m, part.z_end_m, *[None] * 5, *accuracy)
     for name, (*first, x, z) in enumerate(pattern.clear, start=1):
         for point, corner in ((1, first), (2, (x, z))):
-            yield (*head, f"area{name}", point, *corner, None, None, None, NO_CRACK, "", *accuracy)
+            yield (*head, f"area{name}", point, *corner, *[None] * 3, NO_CRACK, None, *accuracy)
 
-
-# --- from joints ----------------------------------------------------------------------------------
 
 def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
     """The CrackPattern of a `damage.measure.cracks.crack_table`: each crack as polylines along its joints.
@@ -312,6 +284,5 @@ class Surveyed:
     @classmethod
     def read(cls, path, tolerance_m=None):
         """The cracks of a file; raises InputError."""
-        last = read_cracks(path)[-1].stretches
-        return cls(Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest(),
-                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())), tolerance_m)
+        ends = read_cracks(path)[-1].stretches[list(ENDS)].to_numpy(float).tolist()
+        return cls(**file_origin(path), stretches=tuple(map(tuple, ends)), tolerance_m=tolerance_m)

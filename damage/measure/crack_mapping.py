@@ -19,9 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from damage.checks import check_positive
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
-from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, mean_width, psi_value
+from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, psi
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -33,9 +32,8 @@ _TOGETHER = 200  # pieces whose distances to the joints near them are worked out
 class MappedCracks:
     """The cracks of one pattern on the joints of a wall.
 
-    table: DataFrame, a row each joint that a stretch runs along: crack (label in the file), joint (index),
-    x_start_m, z_start_m, x_end_m, z_end_m (on the joint), length_m, opening_m, slip_m (NaN where they
-    cannot be distinguished), width_m, mode;
+    table: DataFrame, a row each joint that a stretch runs along: joint (index), ENDS on the joint, length_m, and of the
+    stretch, as of a CrackPattern, crack, opening_m, slip_m, width_m, mode;
     drawn_m, unmapped_m, surplus_m: length of all polylines, of what lies on no joint, and of what was drawn
     over a joint beyond the joint's own length.
     """
@@ -46,12 +44,9 @@ class MappedCracks:
     surplus_m: float
 
 
-# --- mapping --------------------------------------------------------------------------------------
-
 def map_cracks(pattern, layout, tolerance=None):
     """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
     tolerance = layout.wall.brick.height / 2 if tolerance is None else tolerance
-    check_positive("tolerance [m]", tolerance)
     ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
     parts = pattern.stretches
     rows = [row for number, part in enumerate(ends_of(parts)) for row in _on_joints(number, part, ends, tolerance)]
@@ -59,7 +54,12 @@ def map_cracks(pattern, layout, tolerance=None):
     for name in ("crack", "opening_m", "slip_m", "width_m", "mode"):
         table[name] = parts[name].to_numpy()[table["stretch"]]
     mapped = table["length_m"].sum()
-    table["length_m"] *= _share_that_fits(table, layout.contacts.length)
+    # No joint is cracked over more than its length.  A piece across its end counts entirely on one side of it: the sum
+    # may exceed the length by one piece.
+    length = layout.contacts.length
+    on_joint = np.bincount(table["joint"], table["length_m"], minlength=len(length))
+    share = np.divide(length, on_joint, out=np.ones(len(length)), where=on_joint > length + PIECE)
+    table["length_m"] *= share[table["joint"]]
     drawn = float(pattern.length_m.sum())
     return MappedCracks(table.drop(columns="stretch"), drawn, float(max(drawn - mapped, 0.0)),
                         float(mapped - table["length_m"].sum()))
@@ -99,18 +99,6 @@ def _nearest(middle, along, low, high, tolerance):
     return np.where(cost[np.arange(len(middle)), best] >= 1, -1, near[best])
 
 
-def _share_that_fits(table, joint_length):
-    """Factor on every row's length, (n_rows,), that keeps each joint's sum within its own length.
-
-    A piece across the end of a joint counts entirely on one side of it: the sum may exceed the length by one piece.
-    """
-    drawn = np.bincount(table["joint"], table["length_m"], minlength=len(joint_length))
-    share = np.divide(joint_length, drawn, out=np.ones(len(drawn)), where=drawn > joint_length + PIECE)
-    return share[table["joint"]]
-
-
-# --- index and Psi --------------------------------------------------------------------------------
-
 def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM):
     """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct (None where
     unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
@@ -118,14 +106,14 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
 
     Cracks count as they were drawn, by the file's own labels: a straight line over bricks and joints is one.  Psi is
     that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the polylines
-    as they were drawn, through bricks too.  Without a drift DI is
-    that of the cracks alone.  undecided_m: length over the threshold whose mode is unknown.
+    as they were drawn, through bricks too.  Without a drift DI is that of the cracks alone.  undecided_m: length over
+    the threshold whose mode is unknown.
     """
-    check_positive("drift limit", drift_limit)
-    table, parts = mapped.table, pattern.stretches
-    chosen, counted = (of[cracked(of["width_m"].to_numpy(float), threshold)] for of in (table, parts))
-    in_psi = table[cracked(table["width_m"], psi_from)]
-    drawn = cracked(parts["width_m"].to_numpy(float), psi_from)
+    def wide(rows, least):
+        return rows[cracked(rows["width_m"].to_numpy(float), least)]
+
+    table, parts = mapped.table, pattern.stretches.assign(length_m=pattern.length_m)
+    chosen = wide(table, threshold)
     known = not np.isnan(pattern.drift_ratio)
     drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0
     on_joints = table[layout.joint_length[table["joint"]] > 0]  # not in a brick's cut
@@ -134,14 +122,11 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
         bounds["DI_drift"] = None
     return {
         "load_level": pattern.level, "drift_pct": 100 * pattern.drift_ratio if known else None,
-        "cracks": counted["crack"].nunique(), "crack_length_m": float(chosen["length_m"].sum()),
+        "cracks": wide(parts, threshold)["crack"].nunique(), "crack_length_m": float(chosen["length_m"].sum()),
         "unmapped_m": mapped.unmapped_m, "surplus_m": mapped.surplus_m,
         "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
         "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,
-        "psi": float(psi_value(in_psi["crack"].nunique(), mean_width(in_psi["width_m"], in_psi["length_m"]))),
-        "psi_drawn": float(psi_value(parts["crack"][drawn].nunique(),
-                                     mean_width(parts["width_m"][drawn], pattern.length_m[drawn]))),
-        **bounds}
+        "psi": psi(wide(table, psi_from)), "psi_drawn": psi(wide(parts, psi_from)), **bounds}
 
 
 def index_bounds(table, total_length, drift, threshold=THRESHOLD):

@@ -20,7 +20,6 @@ import numpy as np
 import pandas as pd
 import scipy  # sparse.csgraph where it is used: it starts slowly
 
-from damage.checks import check_positive
 from damage.measure.cracks import ends_of
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
@@ -75,13 +74,13 @@ def crack_paths(stretches, layout, tolerance=None):
     """
     brick = layout.wall.brick
     tolerance = brick.length / 2 if tolerance is None else tolerance
-    check_positive("tolerance [m]", tolerance)
     places = ends_of(stretches) if isinstance(stretches, pd.DataFrame) else np.asarray(stretches, float)
     network, first, rows, on_joints, apart = _Network(layout), 0, [], 0.0, 0.0
     for number, line in enumerate(lines_of(places)):
         drawn = np.stack([line[:-1], line[1:]], axis=1)
-        pieces = network.in_masonry(line[_simplified(line, SIMPLER)], brick.height / 2)
-        joint, along = network.along(pieces, brick.height)
+        pieces = network.in_masonry(_simplified(line, SIMPLER), brick.height / 2)
+        paths = [network.path(piece, brick.height) for piece in pieces]
+        joint, along = map(np.concatenate, zip((np.zeros(0, int), np.zeros(0)), *paths))
         middle = network.ends[joint].mean(axis=1)
         distance = _distances(middle, drawn)
         near = distance.min(axis=1, initial=np.inf) <= tolerance
@@ -99,19 +98,13 @@ def crack_paths(stretches, layout, tolerance=None):
 
 
 def _simplified(line, most):
-    """Indices of the points of a polyline (n, 2) that are kept so that none of the others is farther from it than
-    `most` [m] (Douglas and Peucker 1973)."""
-    keep, todo = {0, len(line) - 1}, [(0, len(line) - 1)]
-    while todo:
-        first, last = todo.pop()
-        if last - first < 2:
-            continue
-        away = _distances(line[first + 1:last], line[None, [first, last]])[:, 0]
-        if away.max() > most:
-            middle = first + 1 + int(away.argmax())
-            keep.add(middle)
-            todo += [(first, middle), (middle, last)]
-    return sorted(keep)
+    """A polyline (n, 2) with fewer points: none that is left out is farther from it than `most` [m] (Douglas and
+    Peucker 1973)."""
+    away = _distances(line[1:-1], line[np.newaxis, [0, -1]])[:, 0]
+    if away.max(initial=0.0) <= most:
+        return line[[0, -1]]
+    middle = 1 + int(away.argmax())
+    return np.vstack([_simplified(line[:middle + 1], most), _simplified(line[middle:], most)[1:]])
 
 
 def _distances(points, segments):
@@ -190,25 +183,15 @@ class _Network:
             goes_on = goes_on and bool(inside[-1])
         return [np.array(piece) for piece in pieces]
 
-    def along(self, pieces, height):
-        """(joint, cosine of the angle between the line and the way along the joint) of each joint of the paths of
-        polylines; height: of a brick [m]."""
-        joints, cosines = [np.zeros(0, int)], [np.zeros(0)]
-        for piece in pieces:
-            parts = np.stack([piece[:-1], piece[1:]], axis=1)
-            part, joint, travel = self._path(parts, height)
-            along = (parts[:, 1] - parts[:, 0])[part]
-            joints.append(joint)
-            cosines.append((along * travel).sum(axis=1) / np.hypot(*along.T))
-        return np.concatenate(joints), np.concatenate(cosines)
-
-    def _path(self, parts, height):
-        """(part, joint, unit vector of travel) of each joint of the path along parts (n_parts, 2, 2) [m] of a line."""
-        low, high = (pick(parts, axis=(0, 1)) for pick in (np.min, np.max))
+    def path(self, line, height):
+        """(joint, cosine of the angle between the line and the way along the joint) of each joint of the path of a
+        polyline (n, 2) [m]; height: of a brick [m]."""
+        parts = np.stack([line[:-1], line[1:]], axis=1)
+        low, high = line.min(axis=0), line.max(axis=0)
         near = np.flatnonzero(((self.corners >= low - AROUND_M) & (self.corners <= high + AROUND_M)).all(axis=1))
         near = near[_distances(self.corners[near], parts).min(axis=1, initial=np.inf) <= AROUND_M]
         if len(near) == 0:
-            return np.zeros(0, int), np.zeros(0, int), np.zeros((0, 2))
+            return np.zeros(0, int), np.zeros(0)
         local = np.full(len(self.corners), -1)
         local[near] = np.arange(len(near))
         joint = np.flatnonzero((local[self.corner] >= 0).all(axis=1))
@@ -216,8 +199,7 @@ class _Network:
         cost = self.length[joint, np.newaxis] * (
             1 + (_distances(self.ends[joint].mean(axis=1), parts) / height)**2)
         n, n_parts = len(near), len(parts)
-        corners = np.vstack([parts[:, 0], parts[-1:, 1]])
-        turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - corners, axis=2)  # (n, n_parts + 1)
+        turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - line, axis=2)  # (n, n_parts + 1)
         copy, source = n * np.arange(n_parts), n * n_parts
         start, end, weight = (np.concatenate(one) for one in zip(
             *((first + k, second + k, cost[:, p]) for p, k in enumerate(copy)),
@@ -225,11 +207,7 @@ class _Network:
             *((np.arange(n) + k, np.arange(n) + k + n, turn[:, p + 1]) for p, k in enumerate(copy[:-1])),
             (np.full(n, source), np.arange(n), turn[:, 0]),
             (np.arange(n) + copy[-1], np.full(n, source + 1), turn[:, -1])))
-        return self._steps(start, end, weight + 1e-12, source, near, n)
-
-    def _steps(self, start, end, weight, source, near, n):
-        """The shortest way from a source to the node after it, as `path` gives it; n: corners of a copy."""
-        graph = scipy.sparse.csr_matrix((weight, (start, end)), shape=(source + 2,) * 2)
+        graph = scipy.sparse.csr_matrix((weight + 1e-12, (start, end)), shape=(source + 2,) * 2)
         _, before = scipy.sparse.csgraph.dijkstra(graph, indices=source, return_predecessors=True)
         nodes = [source + 1]
         while before[nodes[-1]] >= 0:
@@ -237,7 +215,9 @@ class _Network:
         nodes = np.array(nodes[-2:0:-1], int)  # without the source and the end
         here, there = nodes[:-1], nodes[1:]
         inside = here // n == there // n
-        part, one, other = here[inside] // n, near[here[inside] % n], near[there[inside] % n]
+        one, other = near[here[inside] % n], near[there[inside] % n]
         joint = np.array([self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int)
         travel = self.corners[other] - self.corners[one]
-        return part, joint, travel / np.hypot(*travel.T)[:, np.newaxis]
+        travel = travel / np.hypot(*travel.T)[:, np.newaxis]
+        along = (line[1:] - line[:-1])[here[inside] // n]
+        return joint, (along * travel).sum(axis=1) / np.hypot(*along.T)

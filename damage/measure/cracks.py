@@ -64,19 +64,19 @@ def cracked(width, threshold=THRESHOLD):
     return np.asarray(width) >= threshold * (1 - _PRECISION)
 
 
-def close_pairs(ends, gap=JOINING_GAP):
-    """Pairs of segments whose distance is below `gap` [m], (n_pairs, 2) indices.
+def close_pairs(ends):
+    """Pairs of segments whose distance is below JOINING_GAP [m], (n_pairs, 2) indices.
 
     ends: (n, 2, 2) [m], both ends of segments along x or along z.
     """
     if len(ends) < 2:
         return np.zeros((0, 2), int)
     low, high = ends.min(axis=1), ends.max(axis=1)
-    reach = np.max(high - low) + gap
+    reach = np.max(high - low) + JOINING_GAP
     pairs = scipy.spatial.cKDTree((low + high) / 2).query_pairs(reach, output_type="ndarray")
     first, second = pairs.T
     apart = np.maximum(np.maximum(low[first] - high[second], low[second] - high[first]), 0)
-    return pairs[np.hypot(*apart.T) < gap]
+    return pairs[np.hypot(*apart.T) < JOINING_GAP]
 
 
 def crack_numbers(is_cracked, pairs):
@@ -91,8 +91,6 @@ def crack_numbers(is_cracked, pairs):
     numbers[is_cracked] = np.unique(group[is_cracked], return_inverse=True)[1] + 1
     return numbers
 
-
-# --- at one moment --------------------------------------------------------------------------------
 
 def crack_table(ends, opening, slip, threshold=THRESHOLD):
     """Table of the cracked segments, ordered by crack.
@@ -135,8 +133,6 @@ def psi(table):
     return float(psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"])))
 
 
-# --- over time ------------------------------------------------------------------------------------
-
 def psi_history(history, threshold=PSI_FROM):
     """Cracks of a History over time; threshold: width from which a crack counts [m].
 
@@ -163,22 +159,17 @@ def psi_history(history, threshold=PSI_FROM):
 def count_cracks(is_cracked, pairs):
     """Number of cracks at each sample, (n_times,) int; is_cracked: (n_times, n) bool; pairs: from `close_pairs`.
 
-    One graph serves all samples at which a segment changes; its nodes are the cracked segments of each of them.
+    One graph serves all samples at which a segment changes; its nodes are the segments of each of them.
     """
     changed = np.ones(len(is_cracked), bool)
     changed[1:] = (is_cracked[1:] != is_cracked[:-1]).any(axis=1)
     states = is_cracked[changed]
-    sample, _ = np.nonzero(states)
-    if len(sample) == 0:
+    if not states.any():
         return np.zeros(len(is_cracked), int)
-    node = np.cumsum(states).reshape(states.shape) - 1
     when, which = np.nonzero(states[:, pairs[:, 0]] & states[:, pairs[:, 1]])
-    first, second = pairs[which].T
-    graph = coo_matrix((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
-    n_cracks, crack = connected_components(graph, directed=False)
-    sample_of = np.zeros(n_cracks, int)
-    sample_of[crack] = sample
-    return np.bincount(sample_of, minlength=len(states))[np.cumsum(changed) - 1]
+    numbers = crack_numbers(states.ravel(), pairs[which] + states.shape[1] * when[:, np.newaxis])
+    _, first = np.unique(numbers[states.ravel()], return_index=True)
+    return np.bincount(np.nonzero(states)[0][first], minlength=len(states))[np.cumsum(changed) - 1]
 
 
 @measure({

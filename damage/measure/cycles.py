@@ -10,8 +10,6 @@ from damage.measure.cracks import psi_history
 from damage.measure.damage_index import CRITERIA
 from damage.units import MILLIMETRE
 
-# --- cycles of the drift ----------------------------------------------------------------------------
-
 
 @measure({
     "last_cycle_s": Column("s", "length of the last cycle that begins while the base moves; it may end in free "
@@ -19,11 +17,9 @@ from damage.units import MILLIMETRE
     "first_free_cycle_s": Column("s", "length of the first cycle that begins after the base has come to rest"),
     "period_elongation": Column("1", "`first_free_cycle_s` over `eigen_period_s`")})
 def cycle_measures(history):
-    """Durations of the last driven and the first free cycle in the last event of a History.
-
-    A cycle lasts from one upward zero crossing of the drift ratio to the next.  Driven cycles have the period of the
-    motion, so that the elongation is of the free one.  None where there is no such cycle, and in quasi-static runs.
-    """
+    """Durations of the last driven and the first free one of the `drift_cycles` of a History.  Driven cycles have the
+    period of the motion, so that the elongation is of the free one.  None where there is no such cycle, and in
+    quasi-static runs."""
     if history.loading.drive.base is None:
         return None
     driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
@@ -33,11 +29,9 @@ def cycle_measures(history):
 
 
 def drift_cycles(history):
-    """Start and end of the cycles of the drift in the last event of a History, two arrays (k, 2) [s].
-
-    Returns the cycles that begin while the base moves, and those that begin afterwards.  A cycle lasts from one upward
-    zero crossing of the drift ratio to the next.
-    """
+    """Start and end of the cycles of the drift in the last event of a History, two arrays (k, 2) [s]: of those that
+    begin while the base moves, and of those that begin afterwards.  A cycle lasts from one upward zero crossing of the
+    drift ratio to the next."""
     series = history.moving[history.moving["shock"] == history.series["shock"].iloc[-1]]
     crossings = upward_crossings(series["time_s"], series["drift_ratio"])
     cycles = np.column_stack([crossings[:-1], crossings[1:]])
@@ -49,8 +43,6 @@ def _motion_end(series):
     """Time of the last sample of the base motion [s]; series: of one event."""
     return series.loc[series["stage"] == "motion", "time_s"].max()
 
-
-# --- the index cycle by cycle, and event by event ---------------------------------------------------
 
 BY_OTHERS = {f"{prefix}{component}": (slip, component) for slip, prefix in CRITERIA.items() if prefix
              for component in ("DI_slip", "DI")}
@@ -69,13 +61,8 @@ def index_by_all(history):
 
 
 def cycles_table(history):
-    """Table of the cycles of a History: for each event the driven cycles, then the free ones.
-
-    Driven cycles are those of a harmonic motion, each one period long.  Free cycles lie between two upward zero
-    crossings of the drift after the motion.  Returns a DataFrame with CYCLE_COLUMNS: max_...: largest |drift ratio| and
-    index within the cycle; cumulative_...: largest index from the start of the event to the end of the cycle; slip:
-    criterion of the columns that name none.
-    """
+    """Table of the cycles of a History, a DataFrame: for each event the driven cycles, then the free ones.  The columns
+    are CYCLE_COLUMNS; `damage.export.dictionary.CYCLES` says what they are."""
     values = index_by_all(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
                                            time_s=history.series["time_s"])
     rows = []
@@ -94,19 +81,13 @@ def cycles_table(history):
 
 
 def shocks_table(history):
-    """Table of the events of a History, a DataFrame, a row for each event of its sequence.
-
-    motion, factor: name of the motion, factor on it; start_s, end_s; max_...: maxima during the event of drift ratio,
-    index by each slip criterion, crack width and Psi; residual_...: values at the last sample of its settling stage,
-    None without one; offset_before_mm, offset_after_mm: largest offset at its start and end; newly_failed: contact
-    points whose bonds failed in it.
-    """
-    index, rows = index_by_all(history), []
-    cracks = psi_history(history)
-    cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
+    """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
+    `damage.export.dictionary.SHOCKS`.  Residual values are None of an event without a settling stage."""
+    cracks, rows = psi_history(history), []
+    values = index_by_all(history).assign(psi=cracks["psi"], crack_width_mm=cracks["max_width_m"] / MILLIMETRE)
     offset = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE
     failed = history.states.broken.sum(axis=1)
-    last = None  # sample before the event
+    before = 0.0, np.nan_to_num(history.static.get("broken_joints", 0))  # largest offset [mm], failed contact points
     for event, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
         end = members.index[-1]
@@ -114,15 +95,12 @@ def shocks_table(history):
                "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
-        mine = index.join(cracks).loc[members.index]
+        mine = values.loc[members.index]
         for name in mine:
             row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
-        before = (0.0, np.nan_to_num(history.static.get("broken_joints", 0))) if last is None else \
-            (offset[last], failed[last])
-        row |= {"offset_before_mm": before[0], "offset_after_mm": offset[end],
-                "newly_failed": int(failed[end] - before[1])}
-        rows.append(row)
-        last = end
+        rows.append(row | {"offset_before_mm": before[0], "offset_after_mm": offset[end],
+                           "newly_failed": int(failed[end] - before[1])})
+        before = offset[end], failed[end]
     return pd.DataFrame(rows).assign(slip=history.judged_by("displacement"))
 
 

@@ -52,7 +52,7 @@ def storey_drifts(history):
     a History; of a wall without floors there is one storey."""
     top = float(history.attributes["drift_height_m"])
     levels = {}
-    for z, chosen in (_place(history, floor) for floor in history.masonry_wall.floors):
+    for z, chosen in (_place(history, place) for place in history.plan.floors):
         if z < top - _TINY:  # floors of one level are one end
             levels[round(z, 6)] = np.union1d(levels.get(round(z, 6), ()), chosen).astype(int)
     heights = np.array([0.0, *sorted(levels), top])
@@ -64,14 +64,12 @@ def storey_drifts(history):
     return heights, np.diff(np.column_stack(ends), axis=1) / np.diff(heights)
 
 
-def _place(history, floor):
-    """Height [m] and bodies, an index array, of a damage.Floor."""
-    wall, bodies = history.masonry_wall, history.bodies
-    left, right = floor.span(wall)
-    first, above = floor.courses(wall)
+def _place(history, place):
+    """Height [m] and bodies, an index array, of a floor, whose place is a damage.wall.floors.FloorPlace."""
+    (floor, left, right, first, above), bodies = place, history.bodies
     z, x, course = (bodies[name].to_numpy() for name in ("z_m", "x_m", "course"))
-    if floor.kind == "concrete":
-        middle = (first + above) / 2 * wall.brick.height
+    if floor.is_body:
+        middle = (first + above) / 2 * history.masonry_wall.brick.height
         chosen = (course < -1) & (np.abs(z - middle) < _TINY) & (np.abs(x - (left + right) / 2) < _TINY)
     else:
         half = bodies["length_m"].to_numpy() / 2
@@ -80,8 +78,7 @@ def _place(history, floor):
 
 
 def storeys_table(history):
-    """A row for each storey of a History, from the base upwards: its ends, the largest absolute drift ratio of all
-    snapshots, every tenth sample, and that of the last one."""
+    """A row for each storey of a History, from the base upwards; columns: `damage.export.dictionary.STOREYS`."""
     heights, drift = storey_drifts(history)
     return pd.DataFrame({"storey": np.arange(1, len(heights)), "bottom_m": heights[:-1], "top_m": heights[1:],
                          "max_drift_ratio": np.abs(drift).max(axis=0), "residual_drift_ratio": drift[-1]})

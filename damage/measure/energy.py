@@ -77,33 +77,28 @@ def energy_scale(series):
 
 
 class Balance:
-    """Energy balance error (`energy_error`) of a run in progress; noise: least scale [J]."""
+    """Energy balance error (`energy_error`) of a run in progress; noise: least scale [J].
+
+    state: what it knows so far, (4,): imbalance of the first sample, largest one relative to it, scale [J], samples.
+    """
 
     def __init__(self, noise):
-        self._noise, self._first, self._largest, self._scale, self._n = noise, 0.0, 0.0, 0.0, 0
+        self._noise, self.state = noise, np.zeros(4)
 
     def add(self, rows):
         """Add one or more samples, {column of the series: (n,)} [J]; leave out settling stages."""
         excess = sum(map(rows.__getitem__, STORED + DISSIPATED)) - rows["input_energy_j"]
-        if self._n == 0:
-            self._first, self._scale = excess[0], rows["kinetic_energy_j"][0]
-        self._n += len(excess)
-        self._largest = max(self._largest, np.abs(excess - self._first).max())
-        self._scale = max(self._scale, np.abs(rows["input_energy_j"]).max())
-
-    @property
-    def state(self):
-        """What it knows so far, (4,); can be assigned."""
-        return np.array([self._first, self._largest, self._scale, self._n], float)
-
-    @state.setter
-    def state(self, values):
-        self._first, self._largest, self._scale, self._n = *values[:3], int(values[3])
+        first, largest, scale, n = self.state
+        if n == 0:
+            first, scale = excess[0], rows["kinetic_energy_j"][0]
+        self.state = np.array([first, max(largest, np.abs(excess - first).max()),
+                               max(scale, np.abs(rows["input_energy_j"]).max()), n + len(excess)])
 
     @property
     def error(self):
         """Energy balance error so far [-]; None as of `energy_error`."""
-        return self._largest / self._scale if self._n > 1 and self._scale > self._noise else None
+        _, largest, scale, n = self.state
+        return largest / scale if n > 1 and scale > self._noise else None
 
 
 @measure({

@@ -22,8 +22,8 @@ class Quantity(NamedTuple):
     """A row of the range of validity.
 
     supported: in words, {range} for the limits; evidence, beyond: Markdown, what supports it and what is known outside;
-    value: function of what `facts` returns, in SI units, None where no run can be judged; least, most: limits in
-    `unit`, whose size in SI units is `size`.
+    value: function of what `evidence_for` knows of a run, in SI units, None where no run can be judged; least, most:
+    limits in `unit`, whose size in SI units is `size`.
     """
 
     name: str
@@ -47,8 +47,8 @@ class Quantity(NamedTuple):
         return f"up to {self.most:g}{unit}" if self.least == 0 else f"{self.least:g} to {self.most:g}{unit}"
 
     def judge(self, run):
-        """{"value", "least", "most", "unit", "inside"} of what `facts` returns; value and inside None where the
-        quantity does not apply."""
+        """{"value", "least", "most", "unit", "inside"} of a run; value and inside None where the quantity does not
+        apply."""
         value = self.value(run)
         shown = None if value is None else float(value) / self.size
         inside = None if value is None else bool(
@@ -56,21 +56,20 @@ class Quantity(NamedTuple):
         return {"value": shown, "least": self.least, "most": self.most, "unit": self.unit, "inside": inside}
 
 
-def facts(wall, parameters, result=None):
-    """What quantities are judged by, of a damage.Wall and the parameters of its run as a history has them.
-
-    result: the numbers of `damage.measure.summary.summarise`, None before the run.
-    """
+def evidence_for(wall, parameters, result=None):
+    """{name of a quantity: `Quantity.judge`} of all that can be judged of a damage.Wall and the parameters of its run,
+    as a history has them; result: the numbers of `damage.measure.summary.summarise`, None before the run."""
     joint, factors = wall.joint, parameters.get("sequence", [1.0])
     motions = [parameters["motions"][event["motion"]] for event in parameters.get("events", [])] or \
         [parameters["loading"]] * len(factors)
-    return SimpleNamespace(
+    run = SimpleNamespace(
         wall=wall, joint=joint, dry=joint.tensile_strength == 0 and joint.cohesion == 0,
         stress=parameters.get("pier_stress_pa", wall.precompression), events=list(zip(motions, map(abs, factors))),
         shakes=parameters["loading"]["kind"] in ("harmonic", "record", "free_vibration"),
         rest_s=(parameters.get("events") or [{}])[-1].get("rest_s", parameters.get("rest_s")), result=result or {},
         followed=bool(result and result["collapsed_at_s"] is not None and (
             parameters.get("after_fall") or parameters.get("past_collapse_s"))))
+    return {one.name: one.judge(run) for one in QUANTITIES if one.value}
 
 
 def _storeys(run):
@@ -167,11 +166,6 @@ QUANTITIES = (
              "[overview](../validation/overview.md)", "no settled building has been compared; soil has no mass, and "
              "radiation damping at high frequency only; it lengthens the period by 67 to 131 %"),
 )
-
-
-def evidence_for(run):
-    """{name of a quantity: `Quantity.judge`} of what `facts` returns, of all that can be judged."""
-    return {one.name: one.judge(run) for one in QUANTITIES if one.value}
 
 
 def outside(evidence):

@@ -23,7 +23,6 @@ from damage.wall.kinds import ARCH_COURSE
 MOMENTS = "rest", "max", "end"
 """Of the tables: the first sample, the maximum damage index, the last sample."""
 _SAME = 1e-6  # [m]
-_MEGA, _KILO = 1e6, 1e3
 
 
 def check_stresses(history):
@@ -39,8 +38,6 @@ def contact_forces(history, sample):
     bed = (history.joints["kind"] == "bed").to_numpy()
     return np.column_stack([np.where(bed, shear, normal), np.where(bed, normal, shear)])
 
-
-# --- sections ----------------------------------------------------------------------------------------
 
 def sections(history):
     """Sections of the piers, and of arches: [(part, left, right [m], is_bed, place [m] across, rows of the joints)];
@@ -106,8 +103,6 @@ SECTIONS = _AT | {
     "eccentricity_over_length": Column("1", "over the section's length: pressed all over up to 1/6"),
 }
 
-
-# --- contact points ----------------------------------------------------------------------------------
 
 def stresses_table(history, moments=MOMENTS):
     """Stresses of all contact points at moments (`choose_samples`), a DataFrame, a row a contact point and moment;
@@ -189,13 +184,11 @@ def points_table(history):
     columns: POINTS.  Raises InputError where it has none."""
     if history.point_displacement is None:
         raise InputError(f"{history.path} has no material points: expected a run with --point X Z; run it again so")
-    time_s, (n_times, n_points, _) = history.series["time_s"].to_numpy(), history.point_displacement.shape
-    places = np.array(history.points, float)
-    return pd.DataFrame({
-        "point": np.repeat(np.arange(1, n_points + 1), n_times), "x_m": np.repeat(places[:, 0], n_times),
-        "z_m": np.repeat(places[:, 1], n_times), "time_s": np.tile(time_s, n_points),
-        **{name: history.point_displacement[..., axis].T.ravel() for axis, name in enumerate(
-            ("displacement_x_m", "displacement_z_m"))}})
+    places, moved = np.array(history.points, float), history.point_displacement
+    return pd.concat([pd.DataFrame({
+        "point": k + 1, "x_m": x, "z_m": z, "time_s": history.series["time_s"].to_numpy(),
+        "displacement_x_m": moved[:, k, 0], "displacement_z_m": moved[:, k, 1]})
+        for k, (x, z) in enumerate(places)], ignore_index=True)
 
 
 POINTS = {
@@ -204,8 +197,6 @@ POINTS = {
     "displacement_x_m": Column("m", "along the wall, since the end of the static stage"),
     "displacement_z_m": Column("m", "the same, upwards")}
 
-
-# --- in words ----------------------------------------------------------------------------------------
 
 def stress_report(history, moments=MOMENTS, joints=()):
     """The stresses of a History, a dictionary: at each moment extremes over the contact points, and the section of each
@@ -240,16 +231,12 @@ def describe(report):
     for one in report["moments"]:
         lines.append(f"{one['moment']}, {one['time_s']:.3f} s: normal {_range(one, 'normal')}, shear "
                      f"{_range(one, 'shear')} MPa")
-        lines += [f"  {part['part']} at {part['place_m']:.3f} m: N {_kilo(part['normal_force_n'])} kN, V "
-                  f"{_kilo(part['shear_force_n'])} kN, M {_kilo(part['moment_n_m'])} kN m, e / L "
+        lines += [f"  {part['part']} at {part['place_m']:.3f} m: N {part['normal_force_n'] / 1e3:.3f} kN, V "
+                  f"{part['shear_force_n'] / 1e3:.3f} kN, M {part['moment_n_m'] / 1e3:.3f} kN m, e / L "
                   f"{part['eccentricity_over_length']:.3f}" for part in one["sections"]]
     return "\n".join(lines + [f"joint {one['joint']} ({one['name']}): normal {_range(one, 'normal')}, shear "
                               f"{_range(one, 'shear')} MPa" for one in report["joints"]])
 
 
 def _range(numbers, kind):
-    return " to ".join(f"{numbers[f'{which}_{kind}_stress_pa'] / _MEGA + 0.0:.4f}" for which in ("min", "max"))
-
-
-def _kilo(value):
-    return f"{value / _KILO:.3f}"
+    return " to ".join(f"{numbers[f'{which}_{kind}_stress_pa'] / 1e6 + 0.0:.4f}" for which in ("min", "max"))

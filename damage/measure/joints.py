@@ -6,7 +6,6 @@ joints kept their forces beyond the overlap.
 """
 
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -38,24 +37,18 @@ def offset_over_overlap(history):
     return float(share[sample, place]), int(active.joints[place]), int(sample)
 
 
-class Ended(NamedTuple):
-    """Ended joints: their count (the contact points between two bodies are one joint), and contact point (row of
-    `history.joints`) and sample of the first."""
-
-    count: int
-    row: int
-    sample: int
-
-
 def ended_joints(history):
-    """The Ended of a History; None where no joint has ended."""
+    """Joints of a History that have ended; the contact points between two bodies are one joint.
+
+    Returns (their number, row of the contact point and sample of the first), or None where none has ended.
+    """
     states = history.states
     if not states.ended.any():
         return None
     sample = int(np.argmax(states.ended.any(axis=1)))
     rows = states.joints[states.ended[-1]]
     pairs = history.joints[["first_body", "second_body"]].iloc[rows]
-    return Ended(len(pairs.drop_duplicates()), int(states.joints[np.argmax(states.ended[sample])]), sample)
+    return len(pairs.drop_duplicates()), int(states.joints[np.argmax(states.ended[sample])]), sample
 
 
 def with_bond(history):
@@ -76,7 +69,7 @@ def motions_of_faces(history):
     opening, slip, offset = (frames if frames is None else _largest(frames) * 1e3 for frames in (
         history.active.opening_m, history.active.slip_m, history.active.offset_m))
     share = None if offset is None else (offset_over_overlap(history) or [0.0])[0]
-    return opening, slip, offset, share, getattr(ended_joints(history), "count", 0)
+    return opening, slip, offset, share, (ended_joints(history) or [0])[0]
 
 
 def _largest(frames):

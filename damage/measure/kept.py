@@ -63,7 +63,6 @@ def write_patterns(patterns, path):
     """Write Patterns into a file; returns its path."""
     content = io.BytesIO()
     np.savez_compressed(content, **patterns._asdict())
-    path.parent.mkdir(exist_ok=True)
     with whole_or_nothing(path) as unfinished:
         unfinished.write_bytes(content.getvalue())
     return path

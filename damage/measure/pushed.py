@@ -34,26 +34,15 @@ def pushed_loading(history):
     return history.loading
 
 
-def _force_and_drift(history):
-    """Base shear [N] and drift ratio [-] of all samples (n,), the drift from time zero, where the push began; before
-    it, while the ground settles, both are zero."""
-    return (np.where(_before_the_push(history), 0.0, history.series["base_shear_n"].to_numpy()),
-            _from_time_zero(history, "drift_ratio"))
+def _since_the_push(history):
+    """Base shear [N], drift ratio [-] and top displacement [m] of all samples, (n,) each.  The latter two are counted
+    from time zero, the last sample of a settlement stage, where the push begins; before it all are zero."""
+    force, drift, top = (history.series[name].to_numpy() for name in (
+        "base_shear_n", "drift_ratio", "top_displacement_m"))
+    start = max(0, np.count_nonzero(history.series["stage"] == "settlement") - 1)
+    before = np.arange(len(force)) < start
+    return tuple(np.where(before, 0.0, values) for values in (force, drift - drift[start], top - top[start]))
 
-
-def _from_time_zero(history, name):
-    """A column of the series less its value at time zero (n,); zero before."""
-    values, before = history.series[name].to_numpy(), _before_the_push(history)
-    return np.where(before, 0.0, values - values[before.sum()])
-
-
-def _before_the_push(history):
-    """Flags (n,) of the samples before time zero, which is the last sample of a settlement stage."""
-    settled = np.count_nonzero(history.series["stage"] == "settlement")
-    return np.arange(len(history.series)) < settled - 1
-
-
-# --- on first loading -------------------------------------------------------------------------------
 
 INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
 """Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
@@ -79,8 +68,7 @@ def first_loading(history):
         return None
     # The base shear in place of the force at the top: the two differ by inertia and damping only, and the steps of a
     # prescribed velocity excite the base shear less.
-    force, drift = _force_and_drift(history)
-    displacement = _from_time_zero(history, "top_displacement_m")
+    force, drift, displacement = _since_the_push(history)
     peak = int(np.argmax(np.abs(force)))
     values = [float(abs(force[peak])), float(abs(drift[peak]))]
     for share in (INITIAL_SHARE, SECANT_SHARE):
@@ -89,14 +77,12 @@ def first_loading(history):
     return values
 
 
-# --- the envelope ---------------------------------------------------------------------------------
-
 def envelope(history, sign=1):
     """Envelope of a pushed History in one direction, a DataFrame of drift_ratio [-] and force_n, positive on loading.
 
     Its points are the samples whose drift exceeds all earlier ones.  sign: +1 or -1, the direction along x.
     """
-    force, drift = (sign * values for values in _force_and_drift(history))
+    force, drift = (sign * values for values in _since_the_push(history)[:2])
     reached = np.maximum.accumulate(np.concatenate([[0.0], drift[:-1]]))
     new = drift > reached
     return pd.DataFrame({"drift_ratio": drift[new], "force_n": force[new]})
@@ -109,7 +95,7 @@ def backbone(history, sign=1):
     branch between two cycles is left out: a wall that slides has its full force in the other direction before it is
     back at zero drift, so that the samples of an `envelope` begin with that force.
     """
-    force, drift = (sign * values for values in _force_and_drift(history))
+    force, drift = (sign * values for values in _since_the_push(history)[:2])
     edges, points = cycle_edges(history), [0.0]
     rows = []
     for start, end in zip(edges, edges[1:]):
@@ -221,10 +207,8 @@ def drift_at_first_crack(history):
     0.1 mm [-]; None without one."""
     visible = (history.opening_m > THRESHOLD) | (np.abs(history.slip_by("displacement")) > THRESHOLD)
     first = np.flatnonzero(visible.any(axis=1))
-    return float(abs(_force_and_drift(history)[1][first[0]])) if len(first) else None
+    return float(abs(_since_the_push(history)[1][first[0]])) if len(first) else None
 
-
-# --- cycle by cycle -------------------------------------------------------------------------------
 
 def cycle_edges(history):
     """Samples (n_cycles + 1,) between which the prescribed displacement completes a cycle: from zero up, down and back.
@@ -252,8 +236,7 @@ def cycles_table(history):
     another loading.
     """
     loading, index = pushed_loading(history), history.index()
-    force, drift = _force_and_drift(history)
-    top = _from_time_zero(history, "top_displacement_m")
+    force, drift, top = _since_the_push(history)
     edges, rows = cycle_edges(history), []
     for number, (start, end) in enumerate(zip(edges, edges[1:])):
         inside = slice(start, end + 1)
@@ -266,8 +249,6 @@ def cycles_table(history):
                      *(index[name].iloc[at] for at in (high, low) for name in COMPONENTS)])
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
-
-# --- analytical capacities ------------------------------------------------------------------------
 
 def hand_capacities(history):
     """Analytical lateral capacities of a solid wall, {mode: force [N]}; history: of a pushed wall.
@@ -295,8 +276,6 @@ def hand_capacities(history):
             "sliding_base": friction * (above + weight), "diagonal": stress * area / 1.5}
 
 
-# --- failure mode ---------------------------------------------------------------------------------
-
 def mode_shares(history, until=np.inf):
     """Failure mode of a wall, from the bed joints at the sample of largest |drift|, a plain dictionary.
 
@@ -308,8 +287,8 @@ def mode_shares(history, until=np.inf):
     or slipped.
     """
     joints, brick = history.joints, history.masonry_wall.brick
-    drift = np.abs(_force_and_drift(history)[1])
-    sample = int(np.argmax(np.where(drift <= until, drift, -1.0)))
+    drift = _since_the_push(history)[1]
+    sample = int(np.argmax(np.where(np.abs(drift) <= until, np.abs(drift), -1.0)))
     opening, slip = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
     length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
     slipped, opened = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD)
@@ -318,7 +297,7 @@ def mode_shares(history, until=np.inf):
     beside = (np.abs(x[slipped, None] - x[risers]) < brick.length / 2 * (1 - 1e-6)) \
         & (np.abs(z[slipped, None] - z[risers]) < brick.height / 2 * (1 + 1e-6))
     stairs = float(length[slipped][beside.any(axis=1)].sum())
-    shares = {"drift_ratio": float(_force_and_drift(history)[1][sample]),
+    shares = {"drift_ratio": float(drift[sample]),
               "opened_m": float(length[opened].sum()), "slipped_m": float(length[slipped].sum()),
               "opened_m2": float((length * opening)[opened].sum()), "slipped_m2": float((length * slip)[slipped].sum())}
     shares["stair_share"] = stairs / shares["slipped_m"] if slipped.any() else 0.0

@@ -6,7 +6,7 @@ from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure import brick_stress, cracks, cycles, damage_index, energy, ground, joints, limits, pushed
 from damage.measure.columns import PARAMETERS, RUN
 from damage.measure.cracks import PSI_FROM
-from damage.measure.evidence import evidence_for, facts, outside
+from damage.measure.evidence import evidence_for, outside
 from damage.measure.warnings import warnings_of
 from damage.motion.intensity import motion_measures, record_unit
 from damage.units import MILLIMETRE
@@ -53,7 +53,7 @@ def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="di
     for function in (one for functions in REGISTER.values() for one in functions):
         known = numbers | asked
         numbers |= function(**{name: known[name] for name in function.arguments})
-    found = evidence_for(facts(history.masonry_wall, history.parameters, numbers))
+    found = evidence_for(history.masonry_wall, history.parameters, numbers)
     return numbers | {"evidence": found, "outside_validity": "; ".join(outside(found)) or None}
 
 

@@ -10,10 +10,8 @@ says whether faces are offset, d^2 is the mean of this and of the same of the le
 windows where it says so.
 """
 
-import hashlib
 from dataclasses import dataclass
 from math import isnan
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +22,9 @@ from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.measure.crack_file import CrackPattern, read_cracks
 from damage.measure.crack_paths import crack_paths
-from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
+from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi, psi_value
 from damage.measure.patterns import Places, in_words
+from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -80,8 +79,7 @@ class Survey:
     @property
     def psi(self):
         """Psi [-] of the cracks as they were drawn."""
-        parts = self.pattern.stretches
-        return float(psi_value(self.count, mean_width(parts["width_m"], self.pattern.length_m)))
+        return psi(self.pattern.stretches.assign(length_m=self.pattern.length_m))
 
     def as_dict(self):
         """Its key numbers, fit for JSON."""
@@ -99,32 +97,29 @@ class Survey:
         return values
 
 
-def read_survey(path, wall, tolerance=None):
-    """The Survey of a crack file, at its last load level, on the joints of a Layout.
-
-    tolerance [m]: how far from a joint a crack may be drawn, None for half a brick's length.  Raises InputError, too,
-    where less than LEAST_SHARE of the drawn length lies on joints.
-    """
-    path = Path(path)
-    return survey_of(read_cracks(path)[-1], wall, path.name, hashlib.sha256(path.read_bytes()).hexdigest(), tolerance)
+def read_survey(path, wall):
+    """The Survey of a crack file, at its last load level, on the joints of a Layout.  Raises InputError, too, where
+    less than LEAST_SHARE of the drawn length lies on joints."""
+    return survey_of(read_cracks(path)[-1], wall, **file_origin(path))
 
 
-def survey_of(pattern, wall, file="the survey", sha256="", tolerance=None):
-    """The Survey of a CrackPattern on the joints of a Layout; other arguments and errors as of `read_survey`."""
+def survey_of(pattern, wall, file="the survey", sha256=""):
+    """The Survey of a CrackPattern on the joints of a Layout; errors as of `read_survey`."""
     parts = pattern.stretches
-    paths = crack_paths(parts, wall, tolerance)
+    paths = crack_paths(parts, wall)
     check_share(paths, file, wall)
     offset = np.full(len(parts), np.nan) if pattern.offset is None else pattern.offset
     stretch = paths.table["stretch"].to_numpy(int)
+    opening_m = parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)  # of a width alone all is opening
     found = paths.table[["joint", "length_m"]].assign(
         crack=parts["crack"].to_numpy()[stretch], width_m=parts["width_m"].to_numpy(float)[stretch],
-        opening_m=opening_of(parts)[stretch] * paths.table["across"], offset=offset[stretch])
+        opening_m=opening_m[stretch] * paths.table["across"], offset=offset[stretch])
     found["slip_m"] = np.sqrt(np.maximum(found["width_m"]**2 - found["opening_m"]**2, 0.0))
     found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
         "joint", ignore_index=True)
     limit, error = pattern.detection_limit_m, pattern.width_error_m
-    narrowest = parts["width_m"][parts["width_m"] > 0].min() if (parts["width_m"] > 0).any() else THRESHOLD
-    known = [min(THRESHOLD, float(narrowest)) if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
+    narrowest = float(parts["width_m"][parts["width_m"] > 0].to_numpy(float).min(initial=THRESHOLD))
+    known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
     return Survey(file, sha256, pattern, found, wall.n_joints, paths.share, paths.apart_m, *known,
                   _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
 
@@ -136,11 +131,6 @@ def check_share(paths, file, wall):
             f"{file}: {paths.on_joints_m:.2f} of {paths.drawn_m:.2f} m of its cracks run along joints of wall "
             f"{wall.wall.name} ({100 * paths.share:.0f} %); expected at least {100 * LEAST_SHARE:.0f} %, places on "
             "this wall, x from its left end and z from its base [m]; look at them")
-
-
-def opening_of(parts):
-    """Opening across the stretches of a CrackPattern (n,) [m]; of a width alone all is opening."""
-    return parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)
 
 
 def _looked_at(clear, on_cracks, wall):
@@ -245,19 +235,19 @@ def beside(survey, opening_m, offset_m, wall):
     survey and run, each [survey, run]; positions: shares of the length of each that has a crack of the other within
     NEAR_M [-], None without a crack.
     """
-    places, width = places_on(wall), visible(survey, opening_m, offset_m)
-    here, there, drawn = survey.width_m > 0, width > 0, survey.as_dict()
-    ends = tributary_ends(joint_table(wall))
-    count = int(crack_numbers(there, close_pairs(ends)).max(initial=0))
+    places, drawn = places_on(wall), survey.as_dict()
+    widths = survey.width_m, visible(survey, opening_m, offset_m)
+    here, there = (width > 0 for width in widths)
+    means = [mean_width(width, places.length) for width in widths]
+    count = int(crack_numbers(there, close_pairs(tributary_ends(joint_table(wall)))).max(initial=0))
     return {
         "survey": drawn, "distance": distance(survey, opening_m, offset_m, wall),
         "pattern": places.scores(here, there),
         "widths": {"cracks": [survey.count, count],
-                   "joints_m": [float(places.length[here].sum()), float(places.length[there].sum())],
-                   "max_width_mm": [drawn["max_width_mm"], float(width.max(initial=0.0) / MILLIMETRE)],
-                   "mean_width_mm": [float(mean_width(survey.width_m, places.length) / MILLIMETRE),
-                                     float(mean_width(width, places.length) / MILLIMETRE)],
-                   "psi": [survey.psi, float(psi_value(count, mean_width(width, places.length)))]},
+                   "joints_m": [float(places.length[flags].sum()) for flags in (here, there)],
+                   "max_width_mm": [drawn["max_width_mm"], float(widths[1].max(initial=0.0) / MILLIMETRE)],
+                   "mean_width_mm": [float(mean / MILLIMETRE) for mean in means],
+                   "psi": [survey.psi, float(psi_value(count, means[1]))]},
         "positions": {"of_survey": _near(places, here, there), "of_run": _near(places, there, here),
                       "within_m": NEAR_M}}
 
@@ -266,8 +256,6 @@ def _near(places, flags, others):
     """Share of the length of flagged joints that has one of the others within NEAR_M [-]; None without a flag."""
     if not flags.any():
         return None
-    if not others.any():
-        return 0.0
     tree = scipy.spatial.cKDTree(np.column_stack([places.x[others], places.z[others]]))
     near = tree.query(np.column_stack([places.x[flags], places.z[flags]]))[0] <= NEAR_M
     return float(places.length[flags][near].sum() / places.length[flags].sum())

@@ -28,7 +28,7 @@ from damage.measure.cycles import cycles_table, index_by_all, shocks_table
 from damage.measure.damage_index import storeys_table
 from damage.measure.joint_stress import MOMENTS, joint_history, points_table, sections_table, stresses_table
 from damage.measure.summary import flat_summary
-from damage.motion.intensity import APPLIED, motion_measures
+from damage.motion.intensity import APPLIED
 from damage.provenance import measures_digest
 from damage.units import GRAVITY, rounded
 
@@ -42,13 +42,11 @@ def summary_row(history, run="", point=""):
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     numbers = flat_summary(history)
-    for key in ("complete", "evidence", "lost_by_lines", *APPLIED):
-        del numbers[key]  # status and the columns say it
-    for key in ("wall", "solver", "motion", "record_unit", "status", "collapsed_at_s"):
-        row[key] = numbers.pop(key)
+    del numbers["complete"], numbers["evidence"]  # status and outside_validity say it
+    row |= {key: numbers[key] for key in ("wall", "solver", "motion", "record_unit", "status", "collapsed_at_s")}
     settlement = history.parameters.get("settlement") or {}
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
-    row |= _motion_columns(history) | asdict(history.model) | {"joints": history.joint_normals}
+    row |= _motion_columns(history, numbers) | asdict(history.model) | {"joints": history.joint_normals}
     row |= {name: history.parameters.get(name) for name in (
         "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
         "repeated_for", "eigen_period_s")}
@@ -58,7 +56,7 @@ def summary_row(history, run="", point=""):
     return row | made_by(history) | {"measures_digest": measures_digest()} | numbers
 
 
-def _motion_columns(history):
+def _motion_columns(history, numbers):
     """Columns of the loading; intensities are of the motion as applied, with the largest factor of a sequence."""
     loading, factor = history.loading, history.strongest_factor
     given = loading.as_dict()
@@ -67,11 +65,11 @@ def _motion_columns(history):
     if loading.drive.base and loading.pga_g is None:  # an older file: within a sample of it
         pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
     return {"record": given.get("horizontal", {}).get("record"), "pga_g": pga_g,
-            "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, **motion_measures(history),
-            "motion_period_s": given.get("period_s"),
+            "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor,
+            **{name: numbers[name] for name in APPLIED}, "motion_period_s": given.get("period_s"),
             **{name: given.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
             "window_start_s": start, "window_end_s": end,
-            "lost_by_lines": loading.lost_by_lines,
+            "lost_by_lines": numbers["lost_by_lines"],
             "vertical": int(given.get("vertical") is not None), "shocks": len(history.sequence),
             "motion_duration_s": given.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 
@@ -82,11 +80,8 @@ def summary_table(paths):
 
 
 def index_table(history):
-    """Damage index of a History over time, a DataFrame, a row for each sample.
-
-    Columns of `History.index`, stage, drift_ratio [-], and accumulated_..., shear_limit_... by the other slip criteria;
-    slip: criterion of the columns that name none.
-    """
+    """Damage index of a History over time, a DataFrame, a row for each sample; columns:
+    `damage.export.dictionary.INDEX`."""
     table = history.index()
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
@@ -97,13 +92,11 @@ def index_table(history):
 def events_table(history):
     """Table of the failures of contact points, and of the first times that each exceeded the threshold, with place."""
     place = history.joints.loc[history.events["joint"], ["kind", "x_m", "z_m"]].reset_index(drop=True)
-    place.columns = ["joint_kind", "joint_x_m", "joint_z_m"]
-    return _with_first(history.events.join(place), "time_s", "joint", "kind")
+    return _with_first(history.events.join(place.add_prefix("joint_")), "time_s", "joint", "kind")
 
 
 def joints_table(history):
-    """Table of the contact points of a History, a DataFrame: place, state at the end, largest opening, accumulated slip
-    and offset [m]; offsets are NaN for a history without them."""
+    """Table of the contact points of a History, a DataFrame; columns: `damage.export.dictionary.JOINTS_OF_A_RUN`."""
     table = _with_first(history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m")
     active, states = history.active, history.states
 
@@ -134,25 +127,17 @@ RUN_TABLES = {"index": index_table, "events": events_table, "joints": joints_tab
               "sections": sections_table, "points": points_table}
 
 
-def _has(history):
-    """{table of RUN_TABLES that only some runs have: whether a History has it}."""
-    return {"shocks": history.series["shock"].iloc[-1] > 1, "storeys": history.masonry_wall.floors,
-            "bricks": has_stresses(history), "static_stage": history.static_stage is not None,
-            "stresses": history.joint_stress_pa is not None, "sections": history.joint_stress_pa is not None,
-            "points": history.point_displacement is not None}
-
-
-def write_run_tables(history, stem, names=RUN_TABLES):
-    """Write tables of a run to STEM_index.csv and so on, and their origin to STEM_info.json; returns the paths.
-
-    names: keys of RUN_TABLES; those that a run lacks (`_has`) are left out.  Raises InputError where the history has
-    no sample.
-    """
+def write_run_tables(history, stem):
+    """Write the RUN_TABLES that a run has to STEM_index.csv and so on, and their origin to STEM_info.json; returns the
+    paths.  Raises InputError where the history has no sample."""
     check_samples(history)
-    has = _has(history)
-    names = [name for name in names if has.get(name, True)]
+    has = {"shocks": history.series["shock"].iloc[-1] > 1, "storeys": history.masonry_wall.floors,
+           "bricks": has_stresses(history), "static_stage": history.static_stage is not None,
+           "stresses": history.joint_stress_pa is not None, "sections": history.joint_stress_pa is not None,
+           "points": history.point_displacement is not None}
     return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
-            *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
+            *(write_table(table_of(history), Path(f"{stem}_{name}.csv")) for name, table_of in RUN_TABLES.items()
+              if has.get(name, True))]
 
 
 def write_stresses(history, folder, moments=MOMENTS, joints=()):
@@ -231,11 +216,9 @@ def spread(table):
     count: number of members; collapsed, repeated: how many of them collapsed, or were repeated in smaller steps; and
     for each column of SHOWN that has values {"median", "min", "max"}.
     """
-    values = {name: table[name].dropna().astype(float) for name in SHOWN}
+    values = table[list(SHOWN)].astype(float).agg(["median", "min", "max"]).dropna(axis="columns")
     return {"count": len(table), "collapsed": int(table["collapsed_at_s"].notna().sum()),
-            "repeated": repeated(table)} | {
-        name: {"median": float(one.median()), "min": float(one.min()), "max": float(one.max())}
-        for name, one in values.items() if len(one)}
+            "repeated": repeated(table)} | values.to_dict()
 
 
 def describe_spread(spread):

@@ -30,21 +30,15 @@ def warnings_of(history):
 def static_warnings(history):
     """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at rest."""
     static, found = history.static, []
-    failed = static["broken_joints"] and static["broken_joints"] - _without_bond(history)
+    failed = static["broken_joints"]
+    if len(history.series):  # less those without a bond: dry joints, and what a survey took
+        failed -= int(np.sum(history.states.broken[0] & ~with_bond(history)[history.states.joints]))
     if failed > 0:
         found.append(f"{failed:.0f} contact points failed under gravity, before the motion")
     if static["unbalanced_force"] > AT_REST:
         found.append(f"the motion began before the wall was at rest: unbalanced force "
                      f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}")
     return found
-
-
-def _without_bond(history):
-    """How many of the contact points that have failed by the first sample had no bond: dry joints, and what a survey
-    took."""
-    if len(history.series) == 0:
-        return 0
-    return int(np.sum(history.states.broken[0] & ~with_bond(history)[history.states.joints]))
 
 
 def energy_warnings(error):
@@ -72,8 +66,9 @@ def warn_of_ends(history):
                   "the bricks collide as rectangles with rounded corners" if collide else
                   "bricks find no new contacts, so that results of bricks there are not valid from then on; give "
                   "--new-contacts")
-        first = f"{ended.count} joints ended, the first" if ended.count > 1 else "1 joint ended,"
-        return [f"{first} {_at(history, ended.row, ended.sample)}: its faces no longer overlap"
+        count, row, sample = ended
+        first = f"{count} joints ended, the first" if count > 1 else "1 joint ended,"
+        return [f"{first} {_at(history, row, sample)}: its faces no longer overlap"
                 f"{' or are apart' if collide else ''}, it has no forces any more; {others}"]
     if slid is None or slid[0] < 1:
         return []

@@ -23,7 +23,7 @@ from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.law.modes import Modes, natural_modes
 from damage.measure.energy import ENERGY_FAILURE, balance_error
-from damage.measure.evidence import evidence_for, facts, outside
+from damage.measure.evidence import evidence_for, outside
 from damage.measure.tables import member_row, members_path, write_table
 from damage.measure.warnings import energy_warnings
 from damage.memory import hold_buffers
@@ -293,7 +293,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
                                      settings.loading.applied_across())}
-    parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
+    parameters["outside_validity"] = "; ".join(outside(evidence_for(wall, parameters))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
     if settings.resumed:
         like = None  # of a solver whose checkpoints hold a scene
