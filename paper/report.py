@@ -119,18 +119,19 @@ def tallies(findings):
                  f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"]
         rows.append(cells)
     notes = _without_offsets(findings)
-    return as_table(head, rows).split("\n") + ([""] if notes else []) + [f"- {note}" for note in notes]
+    return as_table(head, rows) + ([""] if notes else []) + [f"- {note}" for note in notes]
 
 
 def as_table(heads, rows):
-    """
-    >>> print(as_table(["a", "b"], [[1, "2"]]))
+    """Lines of a table in Markdown.
+
+    >>> print(*as_table(["a", "b"], [[1, ""]]), sep="\\n")
     | a | b |
     | --- | --- |
-    | 1 | 2 |
+    | 1 | |
     """
-    lines = ("| " + " | ".join(map(str, cells)) + " |" for cells in (heads, ["---"] * len(heads), *rows))
-    return "\n".join(lines).replace("|  |", "| |")
+    return [("| " + " | ".join(map(str, cells)) + " |").replace("|  ", "| ")
+            for cells in (heads, ["---"] * len(heads), *rows)]
 
 
 def _best(findings):
@@ -173,9 +174,7 @@ def as_markdown(findings):
         for claim, own in _by(members, "claim"):
             parts.append(f"**{claim.id}**, {claim.text} ({claim.figure}). Paper: {claim.paper}. Holds if "
                          f"{claim.criterion}.")
-            parts.append("\n".join(["| solver | variant | value | verdict |", "| --- | --- | --- | --- |", *(
-                f"| {source} | {variants} | {value} | {verdict} |"
-                for source, variants, value, verdict in merged(own))]))
+            parts.append("\n".join(as_table(("solver", "variant", "value", "verdict"), merged(own))))
     return page("verdict.md", overview=overview(findings), tallies=tallies(findings), claims=["\n\n".join(parts)],
                 edge=EDGE, built=", ".join(BUILT_TO_MEET))
 
@@ -183,7 +182,7 @@ def as_markdown(findings):
 def overview(findings):
     """Lines of the Markdown table with a row a statement."""
     heads, rows = overview_table(findings)
-    return as_table(["", "the paper", *heads], rows).split("\n")
+    return as_table(["", "the paper", *heads], rows)
 
 
 def overview_table(findings):
