@@ -8,7 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
+
 from damage.history.reader import read_history
+from damage.laboratory.pushed import TESTS
 from damage.reference.session import BACKEND, run_references
 from damage.run.session import run_session
 from damage.wall.file import load_wall, wall_path
@@ -17,8 +20,8 @@ from yade_scripts import COMMAND
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 BGAR = str(REPOSITORY / "damage" / "data" / "zeerijp_20180108" / "BGAR_HGE_acc_m_s2.csv")
-HELD = {"squat_tested": [], "comp2_1": ["--boundary", "fixed"], "comp2_3": ["--boundary", "fixed"],
-        "comp2_4": ["--boundary", "fixed"]}
+FIXED = ["--boundary", "fixed"]
+HELD = {"squat_tested": [], "comp2_1": FIXED, "comp2_3": FIXED, "comp2_4": FIXED}
 """Tested wall -> how it is held."""
 EXPLICIT = ["--mass-scaling", "none"]
 """Of all runs, as those in YADE are."""
@@ -99,6 +102,11 @@ class Bench:
             sys.exit(f"{what} failed\n{said[-2000:]}")
 
 
+def of_test(specimen):
+    """The row of a specimen in the table of tests."""
+    return pd.read_csv(TESTS).set_index("Specimen").loc[specimen]
+
+
 def is_complete(path):
     """Whether the history of a whole run is there."""
     return path.exists() and read_history(path).complete
@@ -153,3 +161,10 @@ def print_table(*heads):
 
 def print_row(*cells):
     print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+def show(heads, rows):
+    """Print a table, each row once it is there."""
+    print_table(*heads)
+    for row in rows:
+        print_row(*row)

@@ -181,16 +181,14 @@ def print_rows(rows, title):
         mine = rows[rows["kind"] == kind]
         if not len(mine):
             continue
-        sheet = mine[mine["reasons"] == ""]
-        said = [(f"said_{name}", f"wrong_{name}") for name in BUT_FOR] if "said_" + BUT_FOR[0] in mine else []
-        decided = sum(int((sheet[said_] != "open").sum()) for said_, _ in said)
-        wrong = sum(int(sheet[wrong_].astype(bool).sum()) for _, wrong_ in said)
-        others = mine[mine["reasons"].isin(["", "draws"])]
-        decided_2 = sum(int((others[said_] != "open").sum()) for said_, _ in said)
-        wrong_2 = sum(int(others[wrong_].astype(bool).sum()) for _, wrong_ in said)
-        print_row(title, kind, len(mine), len(mine) - len(sheet), *(
-            int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")),
-            decided, wrong, decided_2, wrong_2)
+        answered = []
+        for reasons in ([""], ["", "draws"]):
+            these = mine[mine["reasons"].isin(reasons)]
+            names = [name for name in BUT_FOR if f"said_{name}" in these]
+            answered += [sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
+                         sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names)]
+        print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *(
+            int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")), *answered)
 
 
 def main():

@@ -17,7 +17,7 @@ from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
-from paper.bench import HELD, Bench, print_row, print_table, print_tables
+from paper.bench import FIXED, HELD, Bench, print_row, print_table, print_tables
 from paper.softening import Masonry, stiffer
 
 LAWS = {"rule, tested c and φ": "rule", "5/50, calibrated": "5/50", "11/209, clay": "11/209", "brittle": "brittle",
@@ -99,7 +99,7 @@ def yade_cycles(bench):
     print_table("wall", "solver", "amplitude [%]", "force [kN]", "loop [J]", "YADE to reference",
                 "friction and fracture [J]", "YADE to reference", "of it fracture [J]")
     for wall, (label, amplitudes, speed) in IN_BOTH.items():
-        words = ["--cyclic", amplitudes, "--cycles", 1, *HELD.get(wall, ["--boundary", "fixed"]), *speed,
+        words = ["--cyclic", amplitudes, "--cycles", 1, *HELD.get(wall, FIXED), *speed,
                  "--fibres", 16]
         alike = [*words, "--relaxation", "local"]
         reference = by_cycle(bench.run(wall, "rule", alike))
@@ -142,12 +142,12 @@ SQUAT = [("paper's material", {}, None, []), ("cohesion 0.21 MPa", {"cohesion": 
          ("masonry modulus 3256 MPa", {}, 3256e6, []),
          ("joint stiffness / 4", {"normal_stiffness": 3e11, "shear_stiffness": 1e11}, None, []),
          ("strengths scatter by 30 %", {}, None, ["--strength-cov", 0.3]),
-         ("top fixed against rotation", {}, None, ["--boundary", "fixed"])]
+         ("top fixed against rotation", {}, None, FIXED)]
 SQUAT_TESTED = [("tested material", {}, None, []), ("friction 0.625", {"friction_angle": FRICTION_32}, None, []),
                 ("cohesion 0.24 MPa", {"cohesion": 0.24e6}, None, []),
                 ("tensile strength 0.30 MPa", {"tensile_strength": 0.30e6}, None, []),
                 ("masonry modulus 4940 MPa", {}, 4940e6, []),
-                ("top fixed against rotation", {}, None, ["--boundary", "fixed"])]
+                ("top fixed against rotation", {}, None, FIXED)]
 """What a row is called, values of its joints, modulus of its masonry [Pa], further words."""
 
 

@@ -117,7 +117,8 @@ def conclusions(found):
     predicted = [one for findings in found.values() for one in findings if one.claim.predicted]
     differing = dict.fromkeys(one.claim for one in predicted if one.verdict == DIFFERS)
     left = dict.fromkeys(one.claim.id for one in predicted if one.claim not in met and one.claim not in differing)
-    lines = [f"Most claims, {most}, hold in: {', '.join(words for words, claims in held.items() if len(claims) == most)}.",
+    best = [words for words, claims in held.items() if len(claims) == most]
+    lines = [f"Most claims, {most}, hold in: {', '.join(best)}.",
              f"No reading meets, by any criterion of slip: {_ids(claim for claim in differing if claim not in met)}.",
              *([f"Not judged, for want of runs: {', '.join(left)}."] if left else [])]
     (_, by_default), *others = held.items()

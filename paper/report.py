@@ -123,9 +123,9 @@ def tallies(findings):
 
 
 def as_table(heads, rows):
-    """Lines of a table in Markdown.
+    r"""Lines of a table in Markdown.
 
-    >>> print(*as_table(["a", "b"], [[1, ""]]), sep="\\n")
+    >>> print(*as_table(["a", "b"], [[1, ""]]), sep="\n")
     | a | b |
     | --- | --- |
     | 1 | |

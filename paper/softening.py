@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from damage.laboratory.pushed import read_test
+from damage.laboratory.pushed import SPECIMENS, read_test
 from damage.law.modes import natural_modes
 from damage.measure.compare import compare_joints
 from damage.measure.patterns import compare_patterns
@@ -21,10 +21,9 @@ from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.parameters import brick_of_masonry, softening_energies
-from paper.bench import REPOSITORY, Bench, print_row, print_table, print_tables
+from paper.bench import HELD, REPOSITORY, Bench, print_row, print_table, print_tables
 
-PUSHED = {"squat_tested": ("COMP1_3", []), "comp2_4": ("COMP2_4", ["--boundary", "fixed"])}
-"""Wall -> its test, how it is held."""
+PUSHED = "squat_tested", "comp2_4"
 PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
 """Sarhosis et al. (2021), Table 1."""
 SLOW = ["--speed", 2e-3]
@@ -87,15 +86,15 @@ def fibres(bench):
     """Tested walls with tested cohesion and friction, pushed over, by fibres."""
     print_table("wall", "fibres", "peak [kN]", "at drift [%]", "80 % of it left at [%]", "at the end [kN]",
                 "first crack at [%]", "energy error [%]", "tests, peak [kN]")
-    for name, (test, held) in PUSHED.items():
+    for name in PUSHED:
         for number in (0, 4, 8, 16):
-            history = bench.run(name, "5/50", ["--pushover", 0.1, *held, *SLOW, "--fibres", number])
+            history = bench.run(name, "5/50", ["--pushover", 0.1, *HELD[name], *SLOW, "--fibres", number])
             summary, crack = summarise(history), drift_at_first_crack(history)
             force, *_, left = peak_and_fall(history)
             print_row(name, number or "smooth law", f"{summary['peak_force_n'] / 1e3:.1f}",
                       f"{100 * summary['drift_at_peak_force']:.3f}", left, f"{force[-1] / 1e3:.1f}",
                       f"{100 * crack:.4f}" if crack else "-", f"{100 * summary['energy_error_fraction']:.4f}",
-                      " / ".join(f"{force / 1e3:.1f}" for force in read_test(test).peak_force_n))
+                      " / ".join(f"{force / 1e3:.1f}" for force in read_test(SPECIMENS[name]).peak_force_n))
 
 
 def numbers(history):

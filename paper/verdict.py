@@ -157,7 +157,7 @@ def _close_to(target):
     return lambda di: within(di, target, criteria.DI_TOLERANCE)
 
 
-def _list(values, digits=3, unit=""):
+def listed(values, digits=3, unit=""):
     return ", ".join(f"{value:.{digits}f}" for value in values) + unit
 
 
@@ -170,7 +170,7 @@ def _cycle_by_cycle(period_s, amplitude_g, margin):
     def judged(evidence):
         [point] = evidence.harmonic_at("symmetric", period_s, [amplitude_g])
         cycles = point.cycles(evidence.column("max", "DI"))
-        return _list(cycles), margin(cycles)
+        return listed(cycles), margin(cycles)
     return judged
 
 
@@ -203,7 +203,7 @@ def _linear(period_s, amplitudes_g):
         column = evidence.column("max", "DI")
         values = [point.value(column) for point in evidence.harmonic_at("symmetric", period_s, amplitudes_g)]
         r2 = _r_squared(amplitudes_g, values)
-        return f"R² {r2:.4f} of {_list(values)}", _is_linear(r2)
+        return f"R² {r2:.4f} of {listed(values)}", _is_linear(r2)
     return judged
 
 
@@ -229,14 +229,14 @@ def _substantially_higher(evidence):
         others = [points[amplitude] for period in criteria.PERIODS_S if period != 0.2
                   if amplitude in (points := evidence.harmonic("symmetric", period))]
         ratios.append(at_resonance.value(column) / max(point.value(column) for point in others))
-    return f"ratios {_list(ratios, 2)}", at_least(min(ratios), criteria.SUBSTANTIALLY_HIGHER)
+    return f"ratios {listed(ratios, 2)}", at_least(min(ratios), criteria.SUBSTANTIALLY_HIGHER)
 
 
 def _component_at_resonance(component, margin):
     def judged(evidence):
         column = evidence.column("max", component)
         values = [point.value(column) for point in evidence.harmonic_at("symmetric", 0.2, HIGHER_G)]
-        return _list(values), margin(values)
+        return listed(values), margin(values)
     return judged
 
 
@@ -247,7 +247,7 @@ def _same(values):
 def _residual_cracks(evidence):
     points = evidence.harmonic_at("symmetric", 0.2, [0.05, 0.075])
     whole, drift = ([point.value(evidence.column("residual", name)) for point in points] for name in ("DI", "DI_drift"))
-    return f"{_list(whole)}, of drift {_list(drift)}", min(
+    return f"{listed(whole)}, of drift {listed(drift)}", min(
         min(above(di, criteria.NEGLIGIBLE_DI), at_most(of_drift, criteria.MOSTLY_CRACKS * di))
         for di, of_drift in zip(whole, drift))
 
@@ -256,7 +256,7 @@ def _cycle_lengths(column, cycles, margin):
     def judged(evidence):
         points = evidence.harmonic_at("symmetric", 0.2, AMPLITUDES_G, cycles)
         lengths = [point.value(column) for point in points]
-        return _list(lengths, 3, " s"), margin(lengths)
+        return listed(lengths, 3, " s"), margin(lengths)
     return judged
 
 
@@ -292,7 +292,7 @@ def _scales_were_run(evidence):
 def _residual_is_negligible_at_low_pga(evidence):
     column = evidence.column("residual", "DI")
     values = [point.value(column) for point in evidence.shaken_at("huizinge", SCALES[:2])]
-    return _list(values), at_most(max(values), criteria.NEGLIGIBLE_DI)
+    return listed(values), at_most(max(values), criteria.NEGLIGIBLE_DI)
 
 
 def _cracks_without_drift(record):
