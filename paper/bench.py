@@ -142,13 +142,13 @@ def chosen(asked, known, what):
     return asked or list(known)
 
 
-def print_tables(tables, usual, folder, description, bench=Bench):
+def print_tables(tables, usual, folder, description):
     """Print the tables, {name: function of a Bench}, that a command line asks for; usual: those of one that asks for
     none."""
     parsed = arguments(description, option("tables", nargs="*", metavar="TABLE", help=", ".join(tables)),
                        option("--out", type=Path, default=Path(folder)))
     for name in chosen(parsed.tables, tables, "table") if parsed.tables else usual:
-        tables[name](bench(parsed.out))
+        tables[name](Bench(parsed.out))
 
 
 # --- tables in Markdown -------------------------------------------------------------------------------

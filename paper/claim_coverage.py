@@ -181,14 +181,13 @@ def print_rows(rows, title):
         mine = rows[rows["kind"] == kind]
         if not len(mine):
             continue
-        answered = []
+        counts = [int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")]
         for reasons in ([""], ["", "draws"]):
             these = mine[mine["reasons"].isin(reasons)]
             names = [name for name in BUT_FOR if f"said_{name}" in these]
-            answered += [sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
-                         sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names)]
-        print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *(
-            int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")), *answered)
+            counts += [sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
+                       sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names)]
+        print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *counts)
 
 
 def main():

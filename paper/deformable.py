@@ -12,6 +12,7 @@ import resource
 import subprocess
 import sys
 import time
+import timeit
 from itertools import product
 from pathlib import Path
 
@@ -86,12 +87,8 @@ def cost(name):
 def time_of_step(walls):
     """Processor time of a step and wall [s], the least of three attempts."""
     run_together(walls, 10)  # compiles
-    best = np.inf
-    for _ in range(3):
-        began = time.process_time()
-        run_together(walls, STEPS)
-        best = min(best, time.process_time() - began)
-    return best / STEPS / len(walls)
+    times = timeit.repeat(lambda: run_together(walls, STEPS), timer=time.process_time, number=1, repeat=3)
+    return min(times) / STEPS / len(walls)
 
 
 def standing(wall, options):

@@ -122,17 +122,17 @@ def _batch(folder, case, way, draws):
     if any(statuses.values()):
         sys.exit(f"{case} {way}: a run failed, or was interrupted\n{said.getvalue()[-2000:]}")
     spent = (time.process_time() - begun) / len(draws)
-    return pd.DataFrame([{"case": case, "scheme": way, "draw": draw, "cpu_s": spent,
-                          **_values(histories[draw].history())} for draw in draws])[FIELDS]
+    rows = []
+    for draw in draws:
+        history = histories[draw].history()
+        failed = {"failed_length_m": float(history.joint_length_m[history.broken[-1]].sum())}
+        rows.append({"case": case, "scheme": way, "draw": draw, "cpu_s": spent, **summary_row(history), **failed})
+    return pd.DataFrame(rows)[FIELDS]
 
 
 @cache
 def _modes(wall):
     return natural_modes(lay_out(_wall(wall)))
-
-
-def _values(history):
-    return summary_row(history) | {"failed_length_m": float(history.joint_length_m[history.broken[-1]].sum())}
 
 
 def table(path):

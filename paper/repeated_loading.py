@@ -14,6 +14,7 @@ repetition is that at the amplitude.
 import math
 import os
 import subprocess
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -56,17 +57,14 @@ SILICATE = Masonry(4.0e9, 0.16e6, 0.17e6, 0.82, (11.3, 210.0), (0.2223, 0.0806, 
 """Clay as tabulated; calcium silicate has no tabulated properties: those of clay, and a modulus of its own."""
 
 
-def joint_of(masonry):
-    """The softening Joint of a Masonry; an apex beyond f_t, which the law needs, keeps the tensile strength."""
+def parts_of(masonry):
+    """The Brick and the softening Joint of a Masonry; an apex beyond f_t, which the law needs, keeps the tensile
+    strength."""
     strength = min(masonry.tensile_strength, masonry.cohesion / masonry.friction)
-    return Joint(tensile_strength=strength, cohesion=masonry.cohesion, friction_angle=math.atan(masonry.friction),
-                 mode_i_fracture_energy=masonry.energies[0], mode_ii_fracture_energy=masonry.energies[1])
-
-
-def bricks_of(masonry, joint):
-    """The Brick of a Masonry."""
+    joint = Joint(tensile_strength=strength, cohesion=masonry.cohesion, friction_angle=math.atan(masonry.friction),
+                  mode_i_fracture_energy=masonry.energies[0], mode_ii_fracture_energy=masonry.energies[1])
     return brick_of_masonry(masonry.modulus, joint, **dict(zip(("length", "height", "thickness"), masonry.brick)),
-                            density=masonry.density)
+                            density=masonry.density), joint
 
 
 class Specimen:
@@ -98,8 +96,7 @@ class Spandrel(Specimen):
     at its top that are held down; fibres: parallel elements of a bond."""
 
     def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, cov=0.35, fibres=0):
-        joint = joint_of(masonry)
-        brick = bricks_of(masonry, joint)
+        brick, joint = parts_of(masonry)
         wall = Wall("spandrel", bricks * brick.length, courses * brick.height, precompression=0.0, brick=brick,
                     joint=joint)
         super().__init__(lay_out(wall, ModelOptions(supports="bricks", contacts="gauss", cells=2, strength_cov=cov,
@@ -193,9 +190,9 @@ class PushedWall(Specimen):
     """A wall of 3.07 x 2.69 m with a window, a cantilever under 0.12 MPa, whose beam on top is moved."""
 
     def __init__(self, masonry, seed, cov=0.35):
-        joint = joint_of(masonry)
-        wall = Wall("wall", 3.07, 2.69, openings=[WINDOW], precompression=0.12e6, brick=bricks_of(masonry, joint),
-                    joint=joint, lintel="concrete")
+        brick, joint = parts_of(masonry)
+        wall = Wall("wall", 3.07, 2.69, openings=[WINDOW], precompression=0.12e6, brick=brick, joint=joint,
+                    lintel="concrete")
         super().__init__(lay_out(wall, ModelOptions(top="beam", contacts="gauss", cells=2, strength_cov=cov,
                                                     strength_seed=seed)))
         self.advance(0.3)
@@ -217,11 +214,11 @@ class PushedWall(Specimen):
         self.wall.push(speed)
 
 
-def pushed(specimen, protocol, drift, repetitions):
+def pushed(specimen, protocol, drift):
     """Rows of a protocol, "one-way" or "two-way": force [N] at the amplitude in each repetition, both ways, and
     `cracks`."""
     amplitude, rows = drift * specimen.layout.wall.height, []
-    for repetition in range(1, repetitions + 1):
+    for repetition in range(1, WALL_REPETITIONS + 1):
         until(specimen, WALL_SPEED, lambda: specimen.measure >= amplitude)
         rows.append({"protocol": protocol, "drift": drift, "repetition": repetition, "plus_n": specimen.force,
                      **specimen.cracks()})
@@ -268,11 +265,9 @@ def walls(seeds):
     tables = []
     for seed in seeds:
         specimen = PushedWall(CLAY, seed)
-        for step in (1.0, 2.0):
-            for protocol in ("one-way", "two-way"):
-                tables.append(pd.DataFrame(pushed(specimen, protocol, step * DRIFT, WALL_REPETITIONS)).assign(
-                    draw=seed))
-                pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
+        for step, protocol in product((1.0, 2.0), ("one-way", "two-way")):
+            tables.append(pd.DataFrame(pushed(specimen, protocol, step * DRIFT)).assign(draw=seed))
+            pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
 
 
 FIBRES, COMPARED = 16, 4
@@ -300,8 +295,6 @@ TESTED = {"clay": ("18 to 29", "110 to 740", "15 to 21"), "calcium silicate": ("
 lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
 TESTED_WALLS = {"one-way": "-16 to -51", "two-way": "+4 to -13, -57 to +1"}
 """Change of the force by a repetition [N], of two ways each."""
-
-
 TESTED_GROWTH = {"one-way": "none in the first step, slight beyond", "two-way": "more than one-way"}
 """Of a width at equal amplitude, in words of the source, which tabulates none (sections 3.2.3 and 6.1.2)."""
 TESTED_PSI = "small increase in general, in places a decrease"

@@ -31,7 +31,8 @@ def merged(findings):
     for source, members in _by(findings, "source"):
         outcomes, lintels = {}, _distinct(members, "lintel")
         for finding in members:
-            outcomes.setdefault((finding.value, _outcome(finding)), set()).add((finding.lintel, finding.slip))
+            outcome = finding.value, finding.verdict + ON_EDGE * finding.on_edge
+            outcomes.setdefault(outcome, set()).add((finding.lintel, finding.slip))
         lines += [(source_in_words(*source), variants_in_words(pairs, lintels), *outcome)
                   for outcome, pairs in outcomes.items()]
     return lines
@@ -43,10 +44,6 @@ def source_in_words(solver, model):
     ('YADE', 'reference solver, deformable bricks')
     """
     return ", ".join(filter(None, (SOLVER_NAMES[solver], model)))
-
-
-def _outcome(finding):
-    return finding.verdict + ON_EDGE * finding.on_edge
 
 
 def lintel_in_words(lintel):
@@ -113,11 +110,10 @@ def tallies(findings):
         predicted, built = ([one for one in mine if one.claim.predicted == which] for which in (True, False))
         best = _best(predicted)
         edge = _distinct([one for one in mine if one.on_edge], "claim.id")
-        cells = [f"{source_in_words(*source)}, {lintel_in_words(lintel)}", *(
-                     sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
-                 f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
-                 f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"]
-        rows.append(cells)
+        rows.append([f"{source_in_words(*source)}, {lintel_in_words(lintel)}", *(
+                         sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
+                     f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
+                     f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"])
     notes = _without_offsets(findings)
     return as_table(head, rows) + ([""] if notes else []) + [f"- {note}" for note in notes]
 
