@@ -251,7 +251,7 @@ def scatter(bench):
                 "draws for the median within 5 %")
     for name in SLIDES:
         wall = wall_by(name, PREDICTION)
-        path = wall_file(bench.path(name, "prediction", ending=".py"), wall)
+        path = wall_file(bench.path(name, "prediction", ending=".toml"), wall)
         step = DRAWN_STEP * natural_modes(lay_out(wall), 1).critical_time_step_s
         histories = bench.together({f"{name}_draw_{seed}": [
             path, "--pushover", DRAWN_FAR, "--speed", DRAWN_SPEED, "--dt", f"{step:.4e}", *held(name),
@@ -300,7 +300,7 @@ def members(bench, name, label, motions, number):
     changes = softening_energies(wall.joint.tensile_strength) if softens else {}
     if crushes:
         changes |= {"compressive_strength": CRUSHES, "compressive_fracture_energy": crushing_energy(CRUSHES)}
-    path = wall_file(bench.path(name, label, ending=".py"), replace(wall, joint=replace(wall.joint, **changes)))
+    path = wall_file(bench.path(name, label, ending=".toml"), replace(wall, joint=replace(wall.joint, **changes)))
     histories = bench.together({f"{name}_{label}_{motion}_{seed}": [
         path, *words, "--strength-cov", variation, "--strength-seed", seed]
         for motion, words in motions.items() for seed in range(1, number + 1)})

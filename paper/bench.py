@@ -10,11 +10,13 @@ from pathlib import Path
 
 import pandas as pd
 
+from damage.files import write_text
 from damage.history.reader import read_history
 from damage.laboratory.pushed import TESTS
 from damage.reference.session import BACKEND, run_references
 from damage.run.session import run_session
 from damage.wall.file import load_wall, wall_path
+from damage.wall.new import as_toml
 from damage.wall.parameters import Wall
 from yade_scripts import COMMAND
 
@@ -25,28 +27,11 @@ HELD = {"squat_tested": [], "comp2_1": FIXED, "comp2_3": FIXED, "comp2_4": FIXED
 """Tested wall -> how it is held."""
 EXPLICIT = ["--mass-scaling", "none"]
 """Of all runs, as those in YADE are."""
-WALL_FILE = '''import sys
-
-sys.path.insert(0, {repository!r})
-
-from damage.wall.parameters import Wall
-
-
-def wall():
-    return Wall.from_dict({table!r})
-
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-
-    main(wall)
-'''
 
 
 def wall_file(path, wall):
-    """Write a wall as a file that both solvers run; returns its path."""
-    path.write_text(WALL_FILE.format(repository=str(REPOSITORY), table=wall.as_dict()), encoding="utf-8")
-    return path
+    """Write a wall as data (TOML), which both solvers run; returns its path."""
+    return write_text(path, as_toml(wall.as_dict() | {"lintel": wall.lintel.as_dict()}))
 
 
 class Bench:
@@ -76,7 +61,7 @@ class Bench:
         """The same in YADE."""
         out = self.path("yade", *label, *words)
         if not is_complete(out):
-            file = wall_file(out.with_suffix(".py"), wall) if isinstance(wall, Wall) else wall_path(wall)
+            file = wall_file(out.with_suffix(".toml"), wall) if isinstance(wall, Wall) else wall_path(wall)
             done = subprocess.run([*COMMAND, file, *self._words(words, out)], capture_output=True, text=True,
                                   cwd=REPOSITORY, env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
             self._check(done.returncode, out, done.stderr)

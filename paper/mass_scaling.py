@@ -111,7 +111,7 @@ def _batch(folder, case, way, draws):
     """Rows of a case with a scheme, one a draw."""
     wall, words = CASES[case]
     step = ["--dt", repr(0.5 * SOFTENING_STEP_FACTOR * _modes(wall).critical_time_step_s)] if way == "half" else []
-    source = wall_file(folder / f"{Path(wall).stem}.py", _wall(wall))
+    source = wall_file(folder / f"{Path(wall).stem}.toml", _wall(wall))
     lines = {draw: [str(source), *words, *SCHEMES[way], *step, "--strength-cov", "0.3",
                     *(["--life", str(draw)] if words is LIFE else ["--strength-seed", str(draw)]), "--no-pictures",
                     "--overwrite", "--out", str(folder / f"{case}_{way}_{draw}.h5")] for draw in draws}

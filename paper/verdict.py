@@ -153,6 +153,15 @@ def _of_one_point(kind, component, margin, find, *where):
     return judged
 
 
+def _of_points(kind, component, margin, find, *where):
+    """The same of the values of several points."""
+    def judged(evidence):
+        column = evidence.column(kind, component)
+        values = [point.value(column) for point in find(evidence, *where)]
+        return listed(values), margin(values)
+    return judged
+
+
 def _close_to(target):
     return lambda di: within(di, target, criteria.DI_TOLERANCE)
 
@@ -232,14 +241,6 @@ def _substantially_higher(evidence):
     return f"ratios {listed(ratios, 2)}", at_least(min(ratios), criteria.SUBSTANTIALLY_HIGHER)
 
 
-def _component_at_resonance(component, margin):
-    def judged(evidence):
-        column = evidence.column("max", component)
-        values = [point.value(column) for point in evidence.harmonic_at("symmetric", 0.2, HIGHER_G)]
-        return listed(values), margin(values)
-    return judged
-
-
 def _same(values):
     return at_most(float(np.ptp(values)), criteria.SAME_VALUES * float(np.mean(values)))
 
@@ -287,12 +288,6 @@ def _scales_were_run(evidence):
     if min(counts) < len(SCALES):
         raise NotThere(text)
     return text, math.inf
-
-
-def _residual_is_negligible_at_low_pga(evidence):
-    column = evidence.column("residual", "DI")
-    values = [point.value(column) for point in evidence.shaken_at("huizinge", SCALES[:2])]
-    return listed(values), at_most(max(values), criteria.NEGLIGIBLE_DI)
 
 
 def _cracks_without_drift(record):
@@ -378,8 +373,9 @@ JUDGES = {
        for claim, period_s in (("P9d", 0.33), ("P9e", 1.0))},
     "P9f": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.33, 1.0], [(0.33, 0.1), (1.0, 0.1)], "residual"),
     "P10a": _substantially_higher,
-    "P10b": _component_at_resonance("DI_open", _same), "P10c": _component_at_resonance("DI_slip", _same),
-    "P10d": _component_at_resonance("DI_drift", _rises),
+    **{claim: _of_points("max", component, margin, Evidence.harmonic_at, "symmetric", 0.2, HIGHER_G)
+       for claim, component, margin in (("P10b", "DI_open", _same), ("P10c", "DI_slip", _same),
+                                        ("P10d", "DI_drift", _rises))},
     "P11a": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.06, 0.33, 1.0],
                          [(0.06, 0.1), (0.33, 0.1), (1.0, 0.1)], "residual"),
     "P11b": _residual_cracks,
@@ -393,7 +389,8 @@ JUDGES = {
     "P13c": _of_the_record("zeerijp", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
     "P13d": _of_the_record("huizinge", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
     "P13e": _scales_were_run,
-    "P14a": _residual_is_negligible_at_low_pga,
+    "P14a": _of_points("residual", "DI", lambda values: at_most(max(values), criteria.NEGLIGIBLE_DI),
+                       Evidence.shaken_at, "huizinge", SCALES[:2]),
     "P14b": _of_one_point("residual", "DI", _close_to(criteria.LARGEST_RESIDUAL_DI),
                           Evidence.shaken_at, "huizinge", [2.0]),
     "P14c": _cracks_without_drift("huizinge"), "P14d": _cracks_without_drift("zeerijp"),
