@@ -85,12 +85,6 @@ def describe(findings):
     return "\n".join([*lines, "", *tallies(findings)])
 
 
-def _without_offsets(findings):
-    """`before_offsets` of each solver that has such runs."""
-    return [before_offsets(solver) for solver in dict.fromkeys(
-        finding.solver for finding in findings if finding.before_offsets)]
-
-
 def before_offsets(solver):
     """Notes on solvers some of whose runs lack the offsets that `displacement` needs."""
     return (f"{SOLVER_NAMES[solver]}: some histories are older than the joint offsets; their slip by displacement is "
@@ -114,8 +108,8 @@ def tallies(findings):
                          sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
                      f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
                      f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"])
-    notes = _without_offsets(findings)
-    return as_table(head, rows) + ([""] if notes else []) + [f"- {note}" for note in notes]
+    old = dict.fromkeys(one.solver for one in findings if one.before_offsets)
+    return as_table(head, rows) + [""] * bool(old) + [f"- {before_offsets(solver)}" for solver in old]
 
 
 def as_table(heads, rows):
@@ -176,19 +170,14 @@ def as_markdown(findings):
 
 
 def overview(findings):
-    """Lines of the Markdown table with a row a statement."""
-    heads, rows = overview_table(findings)
-    return as_table(["", "the paper", *heads], rows)
-
-
-def overview_table(findings):
-    """(heads of solvers and lintels, rows) of a table with a row a statement: its name, its words, outcomes."""
+    """Lines of the Markdown table with a row a statement: its name, its words, outcomes by solver and lintel."""
     variants = _distinct(findings, "source", "lintel")
     rows = [[statement, STATEMENTS[statement], *(
                  _cell([_short(_variant(members, source, lintel, slip)) for slip in _SLIPS])
                  for source, lintel in variants)]
             for statement, members in _by(findings, "claim.statement")]
-    return [f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants], rows
+    heads = (f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants)
+    return as_table(["", "the paper", *heads], rows)
 
 
 def _cell(outcomes):
