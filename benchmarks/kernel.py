@@ -21,6 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import timeit
 from functools import partial
 from pathlib import Path
 
@@ -115,9 +116,8 @@ def compare(cracked, rounds):
         run(STEPS)
     for _ in range(rounds):
         for name, (run, number) in pieces.items():
-            start = time.process_time()
-            run(STEPS)
-            times[name].append((time.process_time() - start) / STEPS / number)
+            spent = timeit.timeit(partial(run, STEPS), timer=time.process_time, number=1)
+            times[name].append(spent / STEPS / number)
     broken = int((new.state > 0).sum())
     print(f"{'cracked' if cracked else 'intact'}, {len(new.system.contacts)} contacts, {broken} broken")
     for name, values in times.items():
@@ -147,12 +147,8 @@ def against_size():
         for name, run, number in (("alone", walls[0].run, 1),
                                   ("8 together", lambda n, walls=walls: run_together(walls, n), 8)):
             run(steps)
-            pieces = []
-            for _ in range(5):
-                start = time.process_time()
-                run(steps)
-                pieces.append((time.process_time() - start) / steps / number / contacts * 1e9)
-            cost[name] = min(pieces)
+            pieces = timeit.repeat(partial(run, steps), timer=time.process_time, number=1, repeat=5)
+            cost[name] = min(pieces) / steps / number / contacts * 1e9
         text = ", ".join(f"{name} {value:.2f}" for name, value in cost.items())
         print(f"{size[0]} by {size[1]} bricks, {contacts} contacts: {text} ns a contact and step", flush=True)
 

@@ -20,6 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from benchmarks.kills import tables
 from damage.batch.outdated import Results
 from damage.studies.definition import load_study
 
@@ -97,10 +98,6 @@ def finished(folder):
     """{history: (its SHA-256, its time)} of all that are whole."""
     return {path: (hashlib.sha256(path.read_bytes()).hexdigest(), path.stat().st_mtime_ns)
             for path in (folder / "runs").glob("*.h5") if not path.name.endswith(".part.h5")}
-
-
-def tables(folder):
-    return {path.name: path.read_bytes() for path in (folder / "tables").glob("*.csv")}
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ of sealing and of checking its history, and the sizes, as shares of the run's.  
 
 import sys
 import tempfile
-import time
+import timeit
 from pathlib import Path
 
 import h5py
@@ -28,8 +28,8 @@ def main():
     words = sys.argv[1:] or USUAL
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.h5"
-        run_s = min(seconds(lambda: run_reference([*words, "--out", str(path), "--no-pictures", "--overwrite"]))
-                    for _ in range(2))  # the first one may compile
+        run_s = best(lambda: run_reference([*words, "--out", str(path), "--no-pictures", "--overwrite"]),
+                     repeat=2)  # the first one may compile
         size = path.stat().st_size
         seal_s, check_s, read_s = (best(work) for work in (
             lambda: seal(path), lambda: check_seal(path, read_head(path)), lambda: read_history(path)))
@@ -43,15 +43,9 @@ def main():
           f"{100 * (checked - plain) / size:.3f} % of the file")
 
 
-def seconds(work):
-    """How long it takes [s]."""
-    began = time.perf_counter()
-    work()
-    return time.perf_counter() - began
-
-
-def best(work):
-    return min(seconds(work) for _ in range(5))
+def best(work, repeat=5):
+    """How long it takes at least [s]."""
+    return min(timeit.repeat(work, number=1, repeat=repeat))
 
 
 def rewrite(path, other, fletcher):

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from damage import Joint, Wall, brick_of_masonry
-from damage.laboratory.pushed import FIGURES, SPECIMENS, TESTS, read_test
+from damage.laboratory.pushed import FIGURES, SPECIMENS, read_test
 from damage.law.modes import natural_modes
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
@@ -26,16 +26,13 @@ from damage.wall.kinds import GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
 from damage.wall.parameters import ENERGIES, RULE, crushing_energy, softening_energies
-from paper.bench import BGAR, print_row, print_table, print_tables, wall_file
+from paper.bench import BGAR, FIXED, of_test, print_row, print_table, print_tables, wall_file
 from paper.softening import softened, stiffer
 
-FIXED = ["--boundary", "fixed"]
-HELD = {"squat_tested": [], "comp2_4": FIXED, "comp2_1": FIXED, "comp2_3": FIXED}
-"""Wall -> how it is held."""
 SLIDES = ("squat_tested", "comp2_4")
 """The walls whose tests failed in shear; the others rocked."""
 FARTHEST = {"squat_tested": 0.3, "comp2_4": 0.3, "comp2_1": 4.0, "comp2_3": 2.0}
-"""To which drift a wall is pushed [%]."""
+"""Walls, and to which drift each is pushed [%]."""
 SPEED = {True: 4e-3, False: 2e-2}
 """Speed of the top of a wall that slides, and of one that rocks [m/s]."""
 SLIDING, ROCKING_SPEED = ("0.005,0.01,0.025,0.05,0.1,0.15,0.2,0.25,0.3", 8e-3), 8e-2
@@ -105,7 +102,7 @@ SEEDS = (1, 2)
 
 def tested_wall(specimen):
     """The wall of a test by the prediction, from its row in the table of tests alone."""
-    row = pd.read_csv(TESTS).set_index("Specimen").loc[specimen]
+    row = of_test(specimen)
     cohesion, halves = 1e6 * row["fv0_MPa"], round(2 * row["L_m"] / (row["lb_mm"] / 1e3 + 0.010))
     joint = Joint(tensile_strength=0.875 * cohesion, cohesion=cohesion, friction_angle=math.atan(row["mu"]),
                   compressive_strength=1e6 * row["fm_c_MPa"], **dict.fromkeys(ENERGIES, RULE))
@@ -126,8 +123,7 @@ def wall_by(name, law):
         return tested_wall(SPECIMENS[name])
     wall, energies = softened(load_wall(name), law.bond), {}
     if law.crushes:
-        energies["compressive_strength"] = strength = 1e6 * float(
-            pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name], "fm_c_MPa"])
+        energies["compressive_strength"] = strength = 1e6 * float(of_test(SPECIMENS[name])["fm_c_MPa"])
         energies["compressive_fracture_energy"] = crushing_energy(strength)
     wall = replace(wall, joint=replace(wall.joint, **energies))
     return stiffer(wall, law.modulus) if law.modulus else wall
@@ -135,11 +131,16 @@ def wall_by(name, law):
 
 def run(bench, name, label, law, words, seed=1):
     """The History of a wall by a Law."""
-    words = [*words, *(HELD[name] if name in HELD else _held(name))]
+    words = [*words, *held(name)]
     if law.scatter:
         words += ["--strength-cov", law.scatter, "--strength-seed", seed]
     with mock.patch.object(layouts, "scattered", law.of or layouts.scattered):
         return bench.run(wall_by(name, law), words, name, label)
+
+
+def held(name):
+    """How a wall is held, by the table of tests."""
+    return [] if of_test(SPECIMENS[name])["H0_over_H"] == 1 else FIXED
 
 
 def push_to(farthest, speed):
@@ -150,11 +151,6 @@ def push_to(farthest, speed):
 def push(name):
     """The words of a push of a wall."""
     return push_to(FARTHEST[name], SPEED[name in SLIDES])
-
-
-def _held(name):
-    """How a wall in whose view nothing was chosen is held, by its table."""
-    return [] if pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name], "H0_over_H"] == 1 else FIXED
 
 
 HEADS = ("wall", "law", "peak [kN]", "test", "secant [kN/mm]", "test", "bilinear [kN]", "test",
@@ -183,7 +179,7 @@ def row(label, name, history):
 def laws(bench):
     """Pushes by one law at a time."""
     print_table(*HEADS)
-    for name in HELD:
+    for name in FARTHEST:
         for label, law in LAWS.items():
             if (name in SLIDES) != (label in ROCKING):
                 row(label, name, run(bench, name, label, law, push(name)))
@@ -192,7 +188,7 @@ def laws(bench):
 def prediction(bench):
     """Pushes by the prediction, with several draws of the strengths."""
     print_table(*HEADS)
-    for name in HELD:
+    for name in FARTHEST:
         for seed in SEEDS:
             row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, push(name), seed))
 
@@ -255,10 +251,10 @@ def scatter(bench):
                 "draws for the median within 5 %")
     for name in SLIDES:
         wall = wall_by(name, PREDICTION)
-        path = wall_file(bench.path(name, "prediction", ending=".py"), wall)
+        path = wall_file(bench.path(name, "prediction", ending=".toml"), wall)
         step = DRAWN_STEP * natural_modes(lay_out(wall), 1).critical_time_step_s
         histories = bench.together({f"{name}_draw_{seed}": [
-            path, "--pushover", DRAWN_FAR, "--speed", DRAWN_SPEED, "--dt", f"{step:.4e}", *HELD[name],
+            path, "--pushover", DRAWN_FAR, "--speed", DRAWN_SPEED, "--dt", f"{step:.4e}", *held(name),
             "--strength-cov", SCATTER, "--strength-seed", seed] for seed in range(1, DRAWS + 1)})
         draws = [capacity_of(name, history)[0] for history in histories.values()]
         tested = read_test(SPECIMENS[name]).figures
@@ -304,7 +300,7 @@ def members(bench, name, label, motions, number):
     changes = softening_energies(wall.joint.tensile_strength) if softens else {}
     if crushes:
         changes |= {"compressive_strength": CRUSHES, "compressive_fracture_energy": crushing_energy(CRUSHES)}
-    path = wall_file(bench.path(name, label, ending=".py"), replace(wall, joint=replace(wall.joint, **changes)))
+    path = wall_file(bench.path(name, label, ending=".toml"), replace(wall, joint=replace(wall.joint, **changes)))
     histories = bench.together({f"{name}_{label}_{motion}_{seed}": [
         path, *words, "--strength-cov", variation, "--strength-seed", seed]
         for motion, words in motions.items() for seed in range(1, number + 1)})

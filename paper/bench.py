@@ -8,42 +8,30 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
+
+from damage.files import write_text
 from damage.history.reader import read_history
+from damage.laboratory.pushed import TESTS
 from damage.reference.session import BACKEND, run_references
 from damage.run.session import run_session
 from damage.wall.file import load_wall, wall_path
+from damage.wall.new import as_toml
 from damage.wall.parameters import Wall
 from yade_scripts import COMMAND
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 BGAR = str(REPOSITORY / "damage" / "data" / "zeerijp_20180108" / "BGAR_HGE_acc_m_s2.csv")
-HELD = {"squat_tested": [], "comp2_1": ["--boundary", "fixed"], "comp2_3": ["--boundary", "fixed"],
-        "comp2_4": ["--boundary", "fixed"]}
+FIXED = ["--boundary", "fixed"]
+HELD = {"squat_tested": [], "comp2_1": FIXED, "comp2_3": FIXED, "comp2_4": FIXED}
 """Tested wall -> how it is held."""
 EXPLICIT = ["--mass-scaling", "none"]
 """Of all runs, as those in YADE are."""
-WALL_FILE = '''import sys
-
-sys.path.insert(0, {repository!r})
-
-from damage.wall.parameters import Wall
-
-
-def wall():
-    return Wall.from_dict({table!r})
-
-
-if __name__ == "__main__":
-    from yade_scripts.run import main
-
-    main(wall)
-'''
 
 
 def wall_file(path, wall):
-    """Write a wall as a file that both solvers run; returns its path."""
-    path.write_text(WALL_FILE.format(repository=str(REPOSITORY), table=wall.as_dict()), encoding="utf-8")
-    return path
+    """Write a wall as data (TOML), which both solvers run; returns its path."""
+    return write_text(path, as_toml(wall.as_dict() | {"lintel": wall.lintel.as_dict()}))
 
 
 class Bench:
@@ -73,7 +61,7 @@ class Bench:
         """The same in YADE."""
         out = self.path("yade", *label, *words)
         if not is_complete(out):
-            file = wall_file(out.with_suffix(".py"), wall) if isinstance(wall, Wall) else wall_path(wall)
+            file = wall_file(out.with_suffix(".toml"), wall) if isinstance(wall, Wall) else wall_path(wall)
             done = subprocess.run([*COMMAND, file, *self._words(words, out)], capture_output=True, text=True,
                                   cwd=REPOSITORY, env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
             self._check(done.returncode, out, done.stderr)
@@ -97,6 +85,11 @@ class Bench:
     def _check(status, what, said):
         if status != 0:
             sys.exit(f"{what} failed\n{said[-2000:]}")
+
+
+def of_test(specimen):
+    """The row of a specimen in the table of tests."""
+    return pd.read_csv(TESTS).set_index("Specimen").loc[specimen]
 
 
 def is_complete(path):
@@ -134,13 +127,13 @@ def chosen(asked, known, what):
     return asked or list(known)
 
 
-def print_tables(tables, usual, folder, description, bench=Bench):
+def print_tables(tables, usual, folder, description):
     """Print the tables, {name: function of a Bench}, that a command line asks for; usual: those of one that asks for
     none."""
     parsed = arguments(description, option("tables", nargs="*", metavar="TABLE", help=", ".join(tables)),
                        option("--out", type=Path, default=Path(folder)))
     for name in chosen(parsed.tables, tables, "table") if parsed.tables else usual:
-        tables[name](bench(parsed.out))
+        tables[name](Bench(parsed.out))
 
 
 # --- tables in Markdown -------------------------------------------------------------------------------
@@ -153,3 +146,10 @@ def print_table(*heads):
 
 def print_row(*cells):
     print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+def show(heads, rows):
+    """Print a table, each row once it is there."""
+    print_table(*heads)
+    for row in rows:
+        print_row(*row)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from paper.bench import REPOSITORY, print_row, print_table
+from paper.bench import REPOSITORY, show
 
 STUDIES = ("harmonic", "ida", "nolintel", "sensitivity", "sequence", "crosscheck", "validation")
 MEASURES = (  # old column, new column, what it is, factor, decimals
@@ -37,10 +37,8 @@ def main():
     if not rows:
         sys.exit(f"error: {old} and {new} have no study in common; expected STUDY_points.csv in two folders, or in the "
                  "docs/tables of a commit")
-    print_table("study", "quantity", "points", "moved by, median", "most", "there from, to",
-                "old median in the new range", "widest range, old, new")
-    for row in rows:
-        print_row(*row)
+    show(("study", "quantity", "points", "moved by, median", "most", "there from, to",
+          "old median in the new range", "widest range, old, new"), rows)
 
 
 def read(version, study):

@@ -52,17 +52,14 @@ class Library:
         ground = self.twins.settlement.drop_duplicates()
         self.name = Path(study.runs[0].wall).stem + (
             f", {ground['profile'].iloc[0]} 1/{1 / ground['distortion'].iloc[0]:.0f}" if len(ground) == 1 else "")
-        blank = survey_of(pattern_of(self.table("none", 0), 1, 0.0), self.wall)
+        undamaged = crack_table(self.twins.ends, self.twins.opening_m["none"][0], self.twins.offset_m["none"][0], LIMIT)
+        blank = survey_of(pattern_of(undamaged, 1, 0.0), self.wall)
         self.blank = replace(blank, detection_limit_m=LIMIT, width_error_m=ERROR)
         self.seen = [seen_of(self.blank, self.twins.opening_m[name], self.twins.offset_m[name], self.wall)
                      for name in STATES]
         self.shown = claimed(self.twins, self.seen)
         self.known = np.full(self.seen[0].area.shape[1], float(offsets))
         self.pairs = pairwise(Seen(*map(np.concatenate, zip(*self.seen))).at(self.shown.ravel()), ERROR, self.known)
-
-    def table(self, state, k):
-        """Crack table of a draw (index) in a state."""
-        return crack_table(self.twins.ends, self.twins.opening_m[state][k], self.twins.offset_m[state][k], LIMIT)
 
     def answer(self, survey, left_out=None):
         """What all draws but one (index) say of a Survey on this wall."""
@@ -181,16 +178,13 @@ def print_rows(rows, title):
         mine = rows[rows["kind"] == kind]
         if not len(mine):
             continue
-        sheet = mine[mine["reasons"] == ""]
-        said = [(f"said_{name}", f"wrong_{name}") for name in BUT_FOR] if "said_" + BUT_FOR[0] in mine else []
-        decided = sum(int((sheet[said_] != "open").sum()) for said_, _ in said)
-        wrong = sum(int(sheet[wrong_].astype(bool).sum()) for _, wrong_ in said)
-        others = mine[mine["reasons"].isin(["", "draws"])]
-        decided_2 = sum(int((others[said_] != "open").sum()) for said_, _ in said)
-        wrong_2 = sum(int(others[wrong_].astype(bool).sum()) for _, wrong_ in said)
-        print_row(title, kind, len(mine), len(mine) - len(sheet), *(
-            int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")),
-            decided, wrong, decided_2, wrong_2)
+        counts = [int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")]
+        for reasons in ([""], ["", "draws"]):
+            these = mine[mine["reasons"].isin(reasons)]
+            names = [name for name in BUT_FOR if f"said_{name}" in these]
+            counts += [sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
+                       sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names)]
+        print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *counts)
 
 
 def main():

@@ -14,8 +14,9 @@ from damage.errors import InputError
 from damage.measure.damage_index import CRITERIA
 from paper.criteria import page
 from paper.evidence import Evidence, comparable, exactly, gather, load_runs
-from paper.readings import SOLVER, holding
-from paper.verdict import HOLDS, UNJUDGED, judge_with, shipped_records
+from paper.readings import SOLVER, holding, judged
+from paper.report import as_table
+from paper.verdict import HOLDS, judge_with, shipped_records
 
 LIGHT = "_mass85"
 """Ending of the names of the walls with 0.85 of the mass on top (`walls/variants`)."""
@@ -45,15 +46,9 @@ class Combination:
     own_runs: int
     findings: list
 
-    def met(self, slips=tuple(CRITERIA)):
+    def met(self, slips=CRITERIA):
         """The predicted claims that hold by any of these criteria of slip."""
         return holding(self.findings, slips)
-
-    @property
-    def judged(self):
-        """The predicted claims that its runs suffice for, in their order."""
-        return list(dict.fromkeys(one.claim for one in self.findings
-                                  if one.claim.predicted and one.verdict != UNJUDGED))
 
     def holds(self, claim_id):
         """Whether a claim holds by any criterion of slip."""
@@ -104,7 +99,7 @@ def _runs_of(runs, contacts, load, top, lintel, mass):
 def judged_by_some(found):
     """The predicted claims that a combination could be judged on; one that cannot be judged on them counts as if it
     did not meet them, such as a wall without the free cycle that a claim is about."""
-    return list(dict.fromkeys(claim for one in found for claim in one.judged))
+    return list(dict.fromkeys(claim for one in found for claim in judged(one.findings)))
 
 
 def signs(found):
@@ -151,13 +146,12 @@ def table_of_effects(found):
         if met.all() or not met.any():
             continue
         by, alone, pairs = effects(met, levels)
-        rows.append(f"| {claim.id}, {claim.text} | {met.mean():.0%} | " + " | ".join(map(_difference, by))
-                    + f" | {alone:.0%} | {_or_dash(f'{pairs:.0%}')} |")
+        rows.append([f"{claim.id}, {claim.text}", f"{met.mean():.0%}", *map(_difference, by), f"{alone:.0%}",
+                     _or_dash(f"{pairs:.0%}")])
     heads = [f"{words}: {list(known.values())[1]}" for words, known in CHOICES.values()]
     total = effects_on_count(found, levels)
-    return ["| claim | met by | " + " | ".join(heads) + " | main effects | and of two |",
-            "| --- " * (len(heads) + 4) + "|", *rows,
-            "| **claims met, on average** | | " + " | ".join(_or_dash(f"**{one:+.1f}**") for one in total) + " | | |"]
+    rows.append(["**claims met, on average**", "", *(_or_dash(f"**{one:+.1f}**") for one in total), "", ""])
+    return as_table(["claim", "met by", *heads, "main effects", "and of two"], rows)
 
 
 def effects_on_count(found, levels):
@@ -191,7 +185,7 @@ def table_of_best(found):
     heads = [*(words for words, _ in CHOICES.values()), "T0 [s]", "P2a", *CRITERIA, "any"]
     default = [one for one in found if one.levels == tuple(next(iter(known)) for _, known in CHOICES.values())]
     chosen = {one.levels: one for one in (*best(found), *_most(of_the_papers_period(found)), *default)}
-    return ["| " + " | ".join(heads) + " |", "| --- " * len(heads) + "|", *map(_row, chosen.values())]
+    return as_table(heads, map(_row, chosen.values()))
 
 
 def of_the_papers_period(found):
@@ -207,8 +201,8 @@ def _most(found):
 
 def _row(one):
     counts = [str(len(one.met([slip]))) for slip in CRITERIA]
-    return "| " + " | ".join([*one.words, f"{one.period_s:.3f}", "holds" if one.holds("P2a") else "differs", *counts,
-                              f"**{len(one.met())}**"]) + " |"
+    return [*one.words, f"{one.period_s:.3f}", "holds" if one.holds("P2a") else "differs", *counts,
+            f"**{len(one.met())}**"]
 
 
 def conclusions(found):
@@ -235,7 +229,7 @@ def conclusions(found):
         lines.append(f"Not varied in these runs: {', '.join(same)}.")
     if not is_orthogonal(levels, with_pairs=True):
         lines.append("By these runs alone interactions of two choices cannot be separated, and are left out.")
-    if some := [claim.id for claim in claims if not all(claim in one.judged for one in found)]:
+    if some := [claim.id for claim in claims if not all(claim in judged(one.findings) for one in found)]:
         lines.append(f"Without the values that a claim needs, and counted as not met: some with {', '.join(some)}.")
     unjudged = {one.claim.id: None for each in found for one in each.findings if one.claim.predicted
                 and one.claim not in claims}

@@ -10,7 +10,6 @@ the ten strongest of damage/data/zeerijp_20180108/components.csv, cut to their s
 settlements and a row a run, and what is there is not run again.
 """
 
-import csv
 import sys
 from pathlib import Path
 
@@ -24,7 +23,7 @@ from damage.motion.formats import read_record
 from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
 from damage.units import MILLIMETRE
-from paper.bench import EXPLICIT, REPOSITORY, arguments, option, print_row, print_table
+from paper.bench import EXPLICIT, REPOSITORY, arguments, option, show
 
 WALL = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
 DATA = REPOSITORY / "damage" / "data" / "zeerijp_20180108"
@@ -116,11 +115,7 @@ def shake(cases, path):
     for name, status in run_references(iter(lines), histories):
         check(status, name)
         row = rows[name] | results(histories.pop(name).history())
-        with open(path, "a", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, row, lineterminator="\n")
-            if file.tell() == 0:
-                writer.writeheader()
-            writer.writerow(row)
+        pd.DataFrame([row]).to_csv(path, mode="a", header=not path.is_file(), index=False)
 
 
 def results(history):
@@ -219,9 +214,3 @@ def spread(values):
     """Median and range of values, in words."""
     least, median, most = (f"{value:.2f}" for value in (values.min(), values.median(), values.max()))
     return median if least == most else f"{median} ({least} to {most})"
-
-
-def show(heads, rows):
-    print_table(*heads)
-    for row in rows:
-        print_row(*row)

@@ -12,6 +12,7 @@ import resource
 import subprocess
 import sys
 import time
+import timeit
 from itertools import product
 from pathlib import Path
 
@@ -86,12 +87,8 @@ def cost(name):
 def time_of_step(walls):
     """Processor time of a step and wall [s], the least of three attempts."""
     run_together(walls, 10)  # compiles
-    best = np.inf
-    for _ in range(3):
-        began = time.process_time()
-        run_together(walls, STEPS)
-        best = min(best, time.process_time() - began)
-    return best / STEPS / len(walls)
+    times = timeit.repeat(lambda: run_together(walls, STEPS), timer=time.process_time, number=1, repeat=3)
+    return min(times) / STEPS / len(walls)
 
 
 def standing(wall, options):
@@ -106,13 +103,13 @@ def standing(wall, options):
 def runs(folder):
     """Make the RUNS that are missing, and print the table of those that are there."""
     folder.mkdir(parents=True, exist_ok=True)
-    wall_file(folder / "softening.py", softened(load_wall("symmetric"), "12.4/124"))
+    wall_file(folder / "softening.toml", softened(load_wall("symmetric"), "12.4/124"))
     missing = [name for name in RUNS if not (folder / f"{name}_seconds.json").is_file()]
     for more in ([], DEFORM) if missing else ():  # compiling does not count
         simulate("benchmarks/small_wall.py", ["0.05", "0.01"], more, folder / "warm.h5")
     for name in missing:
         _, joints, motion, options = RUNS[name]
-        wall = folder / "softening.py" if joints == "softening" else "walls/symmetric.py"
+        wall = folder / "softening.toml" if joints == "softening" else "walls/symmetric.py"
         before = _processor_s()
         simulate(wall, motion, options, folder / f"{name}.h5")
         (folder / f"{name}_seconds.json").write_text(json.dumps(_processor_s() - before))

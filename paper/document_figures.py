@@ -245,35 +245,29 @@ def two_courses():
     return layout, bricks, np.flatnonzero((contacts.first == bricks["a"]) & (contacts.second == bricks["b"]))[0]
 
 
-def _corners(bodies, body, motion=(0.0, 0.0, 0.0)):
-    """Corners (4, 2) [m] of a brick after a motion (x, z, rotation)."""
-    half = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [bodies.length[body] / 2, bodies.height[body] / 2]
-    moved = np.transpose(rigid_displacement(*motion, *half.T))
-    return half + moved + [bodies.x[body], bodies.z[body]]
-
-
-def _bricks(ax, bodies, bricks, motions=None):
-    """Draw bricks, {name: body}, with their centres."""
+def _bricks(ax, bodies, bricks, motions):
+    """Draw bricks, {name: body}, with their centres, after motions {name: (x, z, rotation)} of those that move."""
     for name, body in bricks.items():
-        motion = (motions or {}).get(name, (0.0, 0.0, 0.0))
-        corners = _corners(bodies, body, motion)
+        half = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [bodies.length[body] / 2, bodies.height[body] / 2]
+        moved = np.transpose(rigid_displacement(*motions.get(name, (0.0, 0.0, 0.0)), *half.T))
+        corners = half + moved + [bodies.x[body], bodies.z[body]]
         ax.add_patch(Polygon(corners, fc=BRICK_COLOUR, ec=MEDIUM, lw=0.8))
         ax.plot(*corners.mean(axis=0), marker="+", color=BLACK, ms=6, mew=1)
         ax.annotate(name, corners.mean(axis=0), (0, -9), textcoords="offset points", ha="center", style="italic")
     ax.autoscale_view()
 
 
-def _arrow(ax, start, end, colour, text="", shift=(0, 0), **style):
+def _arrow(ax, start, end, colour, text, shift):
     """An arrow between two points [m], and a text beside its middle; shift in points."""
     ax.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.0, "shrinkA": 0, "shrinkB": 0,
-                                            "mutation_scale": 7, **style})
+                                            "mutation_scale": 7})
     ax.annotate(text, np.mean([start, end], axis=0), shift, textcoords="offset points", color=colour, ha="center",
                 va="center")
 
 
 def _bricks_at_rest(ax, bodies, contacts, bricks, point):
     """First panel: all contact points, one with its tributary length and its arms, and the normals of both joints."""
-    _bricks(ax, bodies, bricks)
+    _bricks(ax, bodies, bricks, {})
     inside = np.isin(contacts.kind, (BED, HEAD)) & np.isin(contacts.first, list(bricks.values())) & np.isin(
         contacts.second, list(bricks.values()))
     place, half = np.array([contacts.x[point], contacts.z[point]]), contacts.length[point] / 2

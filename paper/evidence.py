@@ -56,12 +56,7 @@ def load_runs(folder):
     return runs[runs["status"] == "complete"].reset_index(drop=True)
 
 
-def unknown_or(value):
-    """Which of a column's values are this one, or missing as in older tables: a function of the column."""
-    return lambda column: column.isna() | (column == value)
-
-
-USUAL = {name: unknown_or(value) for name, value in SHAPE.items()} | {
+USUAL = {name: (lambda column, value=value: column.isna() | (column == value)) for name, value in SHAPE.items()} | {
     "time_step_s": lambda step_s: ~(step_s < LEAST_STEP_S), "beta_s": lambda beta_s: ~(beta_s > BETA_S),
     SOFTENS: lambda energy: ~(energy > 0)}
 """{column: function of it that says which runs are those of the paper's model, as it is read here by default}."""

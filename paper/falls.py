@@ -44,8 +44,8 @@ def main():
     except InputError as error:
         sys.exit(f"error: {error}")
     for fall in falls:
-        print(f"{fall.solver}: first brick falls at {first_fall(fall):.4f} s, all rest since "
-              f"{rests_since(fall):.2f} s; "
+        rests_s = fall.at[1 + np.flatnonzero(speeds(fall) > RESTS_BELOW_M_S)[-1]]
+        print(f"{fall.solver}: first brick falls at {first_fall(fall):.4f} s, all rest since {rests_s:.2f} s; "
               "largest overlaps: "
               + ", ".join(f"{what} {1e3 * depth:.2f} mm" for what, depth in overlaps(fall).items()))
     heaps(falls).savefig(options.out, dpi=130)
@@ -104,11 +104,6 @@ def speeds(fall):
     """Of the fastest fallen brick between one instant and the next, (n - 1,) [m/s]."""
     return np.array([fastest_fallen(fall.layout, now, before, interval) for now, before, interval in zip(
         fall.displacement[1:], fall.displacement, np.diff(fall.at))])
-
-
-def rests_since(fall):
-    """Since when all fallen bricks are at rest [s]."""
-    return fall.at[1 + np.flatnonzero(speeds(fall) > RESTS_BELOW_M_S)[-1]]
 
 
 def overlaps(history):

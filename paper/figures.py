@@ -31,6 +31,9 @@ def make_figures(results, folder):
     for _, point in results.points.drop(ended.points.index).iterrows():
         yield f"point {point['point']}", f"left out, its run in {point['folder']} is {point['status']}"
     for name, draw in _figures(ended):
+        if isinstance(draw, str):
+            yield name, draw
+            continue
         try:
             figure = draw()
         except (Missing, InputError) as error:
@@ -45,7 +48,7 @@ def _made_by(points):
 
 
 def _figures(results):
-    """(name, function that draws it) of every figure."""
+    """(name, function that draws it, or the reason why it cannot be drawn) of every figure."""
     yield from _harmonic(results)
     yield from _ida(results)
     points = results.points[_repeated(results.points)]
@@ -60,8 +63,8 @@ def _figures(results):
 def _harmonic(results):
     points = _having(results, "harmonic", "motion_period_s", "amplitude_g")
     if len(points) == 0:
-        yield from _none("no point has a harmonic motion; run the study harmonic", "fig06_motions", "fig07_evolution",
-                         "fig08_amplitude", "fig09_drift", "cracks_harmonic")
+        for name in ("fig06_motions", "fig07_evolution", "fig08_amplitude", "fig09_drift", "cracks_harmonic"):
+            yield name, "no point has a harmonic motion; run the study harmonic"
         return
     yield "fig06_motions", partial(motions, points)
     for variant in variants(points):
@@ -76,8 +79,8 @@ def _harmonic(results):
 def _ida(results):
     points = _having(results, "ida", "record", "scale", "pga_g")
     if len(points) == 0:
-        yield from _none("no point has a record with its scale and PGA; run the study ida", "fig10_records",
-                         "fig11_residual", "fig12_drift", "cracks_ida")
+        for name in ("fig10_records", "fig11_residual", "fig12_drift", "cracks_ida"):
+            yield name, "no point has a record with its scale and PGA; run the study ida"
         return
     yield "fig10_records", partial(records, results, points)
     for variant in variants(points):
@@ -86,13 +89,6 @@ def _ida(results):
             yield f"fig11_residual_{part}{slip_part}", partial(residual_against_pga, variant, slip)
             yield f"fig12_drift_{part}{slip_part}", partial(against_drift, variant, slip)
         yield f"cracks_ida_{part}", partial(crack_maps, results, variant)
-
-
-def _none(reason, *names):
-    """Figures that cannot be drawn, with the reason."""
-    def draw():
-        raise Missing(reason)
-    return [(name, draw) for name in names]
 
 
 def _having(results, study, *columns):

@@ -17,8 +17,8 @@ from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
-from paper.bench import HELD, Bench, print_row, print_table, print_tables
-from paper.softening import Masonry, stiffer
+from paper.bench import FIXED, HELD, print_row, print_table, print_tables
+from paper.softening import run, stiffer
 
 LAWS = {"rule, tested c and φ": "rule", "5/50, calibrated": "5/50", "11/209, clay": "11/209", "brittle": "brittle",
         "paper's joints, brittle": "paper"}
@@ -55,9 +55,9 @@ def laws(bench):
     for wall, held in HELD.items():
         words = ["--pushover", 0.3, *held, *SLOW]
         for label, case in LAWS.items():
-            row(bench.run(wall, case, words), wall, label)
+            row(run(bench, wall, case, words), wall, label)
         if wall.startswith("comp"):
-            row(bench.run(wall, "rule", words, CLAY_MODULUS), wall, "rule, E 4.85 GPa")
+            row(run(bench, wall, "rule", words, CLAY_MODULUS), wall, "rule, E 4.85 GPa")
 
 
 def cycles(bench):
@@ -65,7 +65,7 @@ def cycles(bench):
     print_table("wall", "amplitude [%]", "drift [%]", "force [kN]", "dissipated [J]", "equivalent damping",
                 "DI at both ends", "DI_open", "DI_slip")
     for wall, held in HELD.items():
-        cycle_rows(wall, bench.run(wall, "rule", [*CYCLES, *held]))
+        cycle_rows(wall, run(bench, wall, "rule", [*CYCLES, *held]))
 
 
 def cycle_rows(label, history):
@@ -82,8 +82,8 @@ def yade(bench):
     print_table("wall", "solver", *HEADS[2:])
     for wall, held in HELD.items():
         words = ["--pushover", 0.12, *held, *QUICK, "--fibres", 16]
-        for solver, history in (("reference", bench.run(wall, "rule", [*words, "--relaxation", "local"])),
-                                ("YADE", bench.run_in_yade(wall, "rule", words))):
+        for solver, history in (("reference", run(bench, wall, "rule", [*words, "--relaxation", "local"])),
+                                ("YADE", run(bench, wall, "rule", words, in_yade=True))):
             row(history, wall, solver)
 
 
@@ -99,12 +99,12 @@ def yade_cycles(bench):
     print_table("wall", "solver", "amplitude [%]", "force [kN]", "loop [J]", "YADE to reference",
                 "friction and fracture [J]", "YADE to reference", "of it fracture [J]")
     for wall, (label, amplitudes, speed) in IN_BOTH.items():
-        words = ["--cyclic", amplitudes, "--cycles", 1, *HELD.get(wall, ["--boundary", "fixed"]), *speed,
+        words = ["--cyclic", amplitudes, "--cycles", 1, *HELD.get(wall, FIXED), *speed,
                  "--fibres", 16]
         alike = [*words, "--relaxation", "local"]
-        reference = by_cycle(bench.run(wall, "rule", alike))
-        yade = by_cycle(bench.run_in_yade(wall, "rule", words))
-        perturbed = [by_cycle(bench.run(wall, "rule", [*alike, "--perturb", 1e-9, "--seed", seed]))
+        reference = by_cycle(run(bench, wall, "rule", alike))
+        yade = by_cycle(run(bench, wall, "rule", words, in_yade=True))
+        perturbed = [by_cycle(run(bench, wall, "rule", [*alike, "--perturb", 1e-9, "--seed", seed]))
                      for seed in range(1, PERTURBED + 1)]
         for cycles in zip(reference, yade, *perturbed):
             for solver, (cycle, in_joints, fracture) in zip(("reference", "YADE"), cycles):
@@ -142,12 +142,12 @@ SQUAT = [("paper's material", {}, None, []), ("cohesion 0.21 MPa", {"cohesion": 
          ("masonry modulus 3256 MPa", {}, 3256e6, []),
          ("joint stiffness / 4", {"normal_stiffness": 3e11, "shear_stiffness": 1e11}, None, []),
          ("strengths scatter by 30 %", {}, None, ["--strength-cov", 0.3]),
-         ("top fixed against rotation", {}, None, ["--boundary", "fixed"])]
+         ("top fixed against rotation", {}, None, FIXED)]
 SQUAT_TESTED = [("tested material", {}, None, []), ("friction 0.625", {"friction_angle": FRICTION_32}, None, []),
                 ("cohesion 0.24 MPa", {"cohesion": 0.24e6}, None, []),
                 ("tensile strength 0.30 MPa", {"tensile_strength": 0.30e6}, None, []),
                 ("masonry modulus 4940 MPa", {}, 4940e6, []),
-                ("top fixed against rotation", {}, None, ["--boundary", "fixed"])]
+                ("top fixed against rotation", {}, None, FIXED)]
 """What a row is called, values of its joints, modulus of its masonry [Pa], further words."""
 
 
@@ -168,7 +168,7 @@ def vary(bench, name, common, rows):
     for label, values, modulus, words in rows:
         wall = load_wall(name)
         wall = replace(wall, joint=replace(wall.joint, **values))
-        history = Bench.run(bench, stiffer(wall, modulus) if modulus else wall, [*common, *words], name, label)
+        history = bench.run(stiffer(wall, modulus) if modulus else wall, [*common, *words], name, label)
         found, shares = summarise(history), pushed.mode_shares(history)
         print_row(label, f"{found['initial_stiffness_n_per_m'] / 1e6:.0f}",
                   f"{found['secant_stiffness_n_per_m'] / 1e6:.0f}", f"{found['peak_force_n'] / 1e3:.1f}",
@@ -179,4 +179,4 @@ TABLES = {table.__name__: table for table in (laws, cycles, speed, parameters, y
 
 
 def main():
-    print_tables(TABLES, ("laws", "cycles"), "results/laboratory", __doc__, Masonry)
+    print_tables(TABLES, ("laws", "cycles"), "results/laboratory", __doc__)

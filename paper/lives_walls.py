@@ -6,11 +6,13 @@ Takes the tables of `python3 -m damage lives results/lives_walls`.  A row is a w
 the first earthquake; cells are P(Psi >= 1) with 95 % intervals in per cent.
 """
 
-import argparse
 from itertools import product
 from pathlib import Path
 
 import pandas as pd
+
+from damage.errors import InputError
+from paper.bench import arguments, option, show
 
 WALLS = {"symmetric, softening": "soft_lintel2", "symmetric, brittle": "symmetric_brittle",
          "asymmetric, softening": "asymmetric_soft", "asymmetric, brittle": "asymmetric_brittle",
@@ -49,11 +51,10 @@ def row(prefix, suffix, final, settled, choices):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("figures", type=Path)
-    folder = parser.parse_args().figures
+    folder = arguments(__doc__, option("figures", type=Path)).figures
     if not (folder / "life.csv").is_file():
-        parser.error(f"{folder} holds no life.csv: expected the tables of python3 -m damage lives results/lives_walls")
+        raise InputError(f"{folder} holds no life.csv: expected the tables of python3 -m damage lives "
+                         "results/lives_walls")
     life, lives, choices = (pd.read_csv(folder / f"{name}.csv", comment="#") for name in ("life", "lives", "choices"))
     final = life[life["year"] == life["year"].max()].set_index("point")
     settled = lives[lives["event"] == 0].groupby("point")["psi"].median()
@@ -62,6 +63,5 @@ def main():
              *(f"{one.capitalize()} [%]" for one in ADDRESSES),
              *(f"other events, {one.capitalize()}" for one in SHAKEN),
              *(f"any moment, {one.capitalize()}" for one in SHAKEN)]
-    print("| " + " | ".join(names) + " |\n|" + " --- |" * len(names))
-    for (wall, prefix), (ground, suffix) in product(WALLS.items(), BEFORE.items()):
-        print("| " + " | ".join((wall, ground, *row(prefix, suffix, final, settled, choices))) + " |")
+    show(names, ((wall, ground, *row(prefix, suffix, final, settled, choices))
+                 for (wall, prefix), (ground, suffix) in product(WALLS.items(), BEFORE.items())))

@@ -111,7 +111,7 @@ def _batch(folder, case, way, draws):
     """Rows of a case with a scheme, one a draw."""
     wall, words = CASES[case]
     step = ["--dt", repr(0.5 * SOFTENING_STEP_FACTOR * _modes(wall).critical_time_step_s)] if way == "half" else []
-    source = wall_file(folder / f"{Path(wall).stem}.py", _wall(wall))
+    source = wall_file(folder / f"{Path(wall).stem}.toml", _wall(wall))
     lines = {draw: [str(source), *words, *SCHEMES[way], *step, "--strength-cov", "0.3",
                     *(["--life", str(draw)] if words is LIFE else ["--strength-seed", str(draw)]), "--no-pictures",
                     "--overwrite", "--out", str(folder / f"{case}_{way}_{draw}.h5")] for draw in draws}
@@ -122,17 +122,17 @@ def _batch(folder, case, way, draws):
     if any(statuses.values()):
         sys.exit(f"{case} {way}: a run failed, or was interrupted\n{said.getvalue()[-2000:]}")
     spent = (time.process_time() - begun) / len(draws)
-    return pd.DataFrame([{"case": case, "scheme": way, "draw": draw, "cpu_s": spent,
-                          **_values(histories[draw].history())} for draw in draws])[FIELDS]
+    rows = []
+    for draw in draws:
+        history = histories[draw].history()
+        failed = {"failed_length_m": float(history.joint_length_m[history.broken[-1]].sum())}
+        rows.append({"case": case, "scheme": way, "draw": draw, "cpu_s": spent, **summary_row(history), **failed})
+    return pd.DataFrame(rows)[FIELDS]
 
 
 @cache
 def _modes(wall):
     return natural_modes(lay_out(_wall(wall)))
-
-
-def _values(history):
-    return summary_row(history) | {"failed_length_m": float(history.joint_length_m[history.broken[-1]].sum())}
 
 
 def table(path):

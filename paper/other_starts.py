@@ -14,10 +14,9 @@ import pandas as pd
 
 from damage.measure.summary import summarise
 from paper.bench import Bench, arguments, chosen, option, print_row
+from paper.underdetermined import MOTIONS
 
 CYCLES, PER_PERIOD = 3, 400
-MOTIONS = ((0.33, 0.1), (0.2, 0.05), (0.2, 0.1), (1.0, 0.1))
-"""Period [s] and amplitude [g] of each column."""
 SHAPES = {
     "cosine": lambda cycle: np.cos(2 * np.pi * cycle),
     "ramp": lambda cycle: np.sin(2 * np.pi * cycle) * np.minimum(cycle, 1),

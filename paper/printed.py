@@ -11,7 +11,6 @@ WALL = "symmetric"
 EVENT = {"MID1": "huizinge", "BGAR": "zeerijp"}
 """{station: event} of the paper's two records."""
 _STAR = {"ls": "", "marker": "*", "ms": 8, "color": PURPLE}
-_SAME = 1e-6
 
 
 def star(ax, x, y):
@@ -27,14 +26,12 @@ def star_handles(drawn):
 
 def largest_di(variant, period_s):
     """Figure 8: maximum DI at the largest amplitude, None where the text has none."""
-    found = (value for period, value in LARGEST_DI.items() if abs(period - period_s) < _SAME)
-    return next(found, None) if variant.wall == WALL else None
+    return LARGEST_DI.get(round(period_s, 6)) if variant.wall == WALL else None
 
 
 def cycle_length_s(variant, amplitude_g):
     """Figure 9: duration of the last cycle [s], None where the text has none."""
-    found = (value for amplitude, value in zip(AMPLITUDES_G, CYCLE_LENGTHS_S) if abs(amplitude - amplitude_g) < _SAME)
-    return next(found, None) if variant.wall == WALL else None
+    return dict(zip(AMPLITUDES_G, CYCLE_LENGTHS_S)).get(round(amplitude_g, 6)) if variant.wall == WALL else None
 
 
 def record_values(name):

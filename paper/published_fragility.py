@@ -84,11 +84,9 @@ def period_on_soil(layout, up, along, width):
 
 def fits(runs):
     """{(wall, damped): {level: Fragility by PGV}} of the models that have runs."""
-    damped = runs["alpha_1_s"].fillna(0) > 0
-    found = {}
-    for (wall, is_damped), of_model in runs.groupby([runs["wall"], damped]):
-        found[wall, bool(is_damped)] = {level: fragility(of_model, "max_psi", level, "pgv_m_s") for level in LEVELS}
-    return {model: found[model] for model in MODELS if model in found}
+    of = dict(list(runs.groupby(["wall", "damped"])))
+    return {model: {level: fragility(of[model], "max_psi", level, "pgv_m_s") for level in LEVELS}
+            for model in MODELS if model in of}
 
 
 def table(found):
@@ -109,11 +107,10 @@ def picture(runs, found):
     """A panel a level."""
     figure, axes = grid(1, len(LEVELS), 2.6)
     x = np.linspace(0.5, 80, 200)
-    damped = runs["alpha_1_s"].fillna(0) > 0
     for number, (ax, level) in enumerate(zip(axes[0], LEVELS)):
         for model, by_level in found.items():
             _, colour, line = MODELS[model]
-            mine = runs[(runs["wall"] == model[0]) & (damped == model[1])]
+            mine = runs[(runs["wall"] == model[0]) & (runs["damped"] == model[1])]
             shares = exceeding(mine, "max_psi", level).groupby(1e3 * mine["pgv_m_s"].round(6)).mean()
             ax.plot(shares.index, shares, "o", color=colour, ms=2, alpha=0.5)
             if np.isfinite(by_level[level].median):
@@ -142,6 +139,7 @@ def main():
     if asked.study is None:
         return
     runs = load_runs(asked.study)
+    runs["damped"] = runs["alpha_1_s"].fillna(0) > 0
     found = fits(runs)
     table(found)
     save_figures([("published_fragility", picture(runs, found))], asked.out or asked.study / "fragility",

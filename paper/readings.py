@@ -11,6 +11,7 @@ from damage.errors import InputError
 from damage.measure.damage_index import CRITERIA
 from paper.criteria import page
 from paper.evidence import ANY_STEP, SOFTENS, Evidence, comparable, exactly, gather, load_runs
+from paper.report import as_table
 from paper.verdict import DIFFERS, HOLDS, UNJUDGED, judge_with, shipped_records
 
 SOLVER = "reference"
@@ -78,21 +79,21 @@ def judge_readings(folder):
 
 def table(found):
     """Lines of a Markdown table: a row a claim that a reading judges, a column a reading; below it how many hold."""
-    claims = dict.fromkeys(finding.claim for findings in found.values() for finding in findings
-                           if finding.claim.predicted and finding.verdict != UNJUDGED)
-    lines = ["| claim | " + " | ".join(reading.words for reading in found) + " |", "| --- " * (1 + len(found)) + "|"]
-    for claim in claims:
-        cells = [_cell([one for one in findings if one.claim == claim]) for findings in found.values()]
-        lines.append(f"| {claim.id}, {claim.text} | " + " | ".join(cells) + " |")
-    for words, counted in (*((f"hold, slip by {slip}", [slip]) for slip in CRITERIA), ("hold by any", list(CRITERIA))):
-        cells = [str(len(holding(findings, counted))) for findings in found.values()]
-        lines.append(f"| **{words}** | " + " | ".join(cells) + " |")
-    judged = [str(len({one.claim for one in findings if one.claim.predicted and one.verdict != UNJUDGED}))
-              for findings in found.values()]
-    return [*lines, "| **of so many judged** | " + " | ".join(judged) + " |"]
+    claims = dict.fromkeys(claim for findings in found.values() for claim in judged(findings))
+    rows = [[f"{claim.id}, {claim.text}", *(_cell([one for one in findings if one.claim == claim])
+                                            for findings in found.values())] for claim in claims]
+    for words, counted in (*((f"hold, slip by {slip}", [slip]) for slip in CRITERIA), ("hold by any", CRITERIA)):
+        rows.append([f"**{words}**", *(len(holding(findings, counted)) for findings in found.values())])
+    rows.append(["**of so many judged**", *(len(judged(findings)) for findings in found.values())])
+    return as_table(["claim", *(reading.words for reading in found)], rows)
 
 
-def holding(findings, slips):
+def judged(findings):
+    """The predicted claims that could be judged, in their order."""
+    return list(dict.fromkeys(one.claim for one in findings if one.claim.predicted and one.verdict != UNJUDGED))
+
+
+def holding(findings, slips=CRITERIA):
     """The predicted claims that hold by one of these criteria of slip, in their order."""
     return list(dict.fromkeys(one.claim for one in findings
                               if one.claim.predicted and one.verdict == HOLDS and one.slip in slips))
@@ -111,28 +112,26 @@ def _cell(findings):
 
 def conclusions(found):
     """Lines that say which reading meets most, and what none does."""
-    counts = {reading: len(holding(findings, list(CRITERIA))) for reading, findings in found.items()}
-    most = max(counts.values())
-    best = [reading.words for reading, count in counts.items() if count == most]
-    met = {claim for findings in found.values() for claim in holding(findings, list(CRITERIA))}
-    judged = dict.fromkeys(one.claim for findings in found.values() for one in findings
-                           if one.claim.predicted and one.verdict == DIFFERS)
-    left = dict.fromkeys(one.claim.id for findings in found.values() for one in findings
-                         if one.claim.predicted and one.claim not in met and one.claim not in judged)
-    default = next(iter(found))
-    gained = {reading.words: [claim.id for claim in holding(findings, list(CRITERIA))
-                              if claim not in holding(found[default], list(CRITERIA))]
-              for reading, findings in found.items() if reading != default}
-    lost = {reading.words: [claim.id for claim in holding(found[default], list(CRITERIA))
-                            if any(one.claim == claim and one.verdict == DIFFERS for one in findings)
-                            and claim not in holding(findings, list(CRITERIA))]
-            for reading, findings in found.items() if reading != default}
-    return [f"Most claims, {most}, hold in: {', '.join(best)}.",
-            "No reading meets, by any criterion of slip: "
-            f"{', '.join(claim.id for claim in judged if claim not in met) or 'nothing'}.",
-            *([f"Not judged, for want of runs: {', '.join(left)}."] if left else []),
-            *(f"{words}: gains {', '.join(gained[words]) or 'nothing'}; loses {', '.join(lost[words]) or 'nothing'}."
-              for words in gained)]
+    held = {reading.words: holding(findings) for reading, findings in found.items()}
+    most, met = max(map(len, held.values())), {claim for claims in held.values() for claim in claims}
+    predicted = [one for findings in found.values() for one in findings if one.claim.predicted]
+    differing = dict.fromkeys(one.claim for one in predicted if one.verdict == DIFFERS)
+    left = dict.fromkeys(one.claim.id for one in predicted if one.claim not in met and one.claim not in differing)
+    best = [words for words, claims in held.items() if len(claims) == most]
+    lines = [f"Most claims, {most}, hold in: {', '.join(best)}.",
+             f"No reading meets, by any criterion of slip: {_ids(claim for claim in differing if claim not in met)}.",
+             *([f"Not judged, for want of runs: {', '.join(left)}."] if left else [])]
+    (_, by_default), *others = held.items()
+    for (words, claims), findings in zip(others, list(found.values())[1:]):
+        differs = {one.claim for one in findings if one.verdict == DIFFERS}
+        gained = [claim for claim in claims if claim not in by_default]
+        lost = [claim for claim in by_default if claim in differs and claim not in claims]
+        lines.append(f"{words}: gains {_ids(gained)}; loses {_ids(lost)}.")
+    return lines
+
+
+def _ids(claims):
+    return ", ".join(claim.id for claim in claims) or "nothing"
 
 
 def as_markdown(found):

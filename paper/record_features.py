@@ -17,7 +17,7 @@ from scipy.special import log_ndtr
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.intensity import response_spectrum
 from damage.studies.fragility import load_runs
-from paper.bench import arguments, option, print_row, print_table
+from paper.bench import arguments, option, show
 
 OUTCOMES = {"maximum DI > 0.05": lambda runs: runs["max_DI"] > 0.05,
             "maximum Psi > 1": lambda runs: runs["max_psi"] > 1,
@@ -77,6 +77,4 @@ def rows(table, samples, seed=1):
 
 def main():
     asked = arguments(__doc__, option("study", type=Path), option("--samples", type=int, default=200))
-    print_table("outcome", "feature", "beta", "b")
-    for row in rows(features(load_runs(asked.study)), asked.samples):
-        print_row(*row)
+    show(("outcome", "feature", "beta", "b"), rows(features(load_runs(asked.study)), asked.samples))

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from paper.bench import arguments, option, print_row, print_table
+from paper.bench import arguments, option, show
 
 PUBLISHED = {2: "1.01 to 1.03", 8: "1.03 to 1.08"}
 """Medians by class of Psi before (P. A. Korswagen, dissertation, TU Delft, 2024)."""
@@ -54,6 +54,5 @@ def table(shocks):
 
 def main():
     found = table(pd.read_csv(arguments(__doc__, option("shocks", type=Path)).shocks))
-    print_table(*found)
-    for row in found.itertuples(index=False):
-        print_row(*(f"{value:.3g}" if isinstance(value, float) else value for value in row))
+    show(found, ((f"{value:.3g}" if isinstance(value, float) else value for value in row)
+                 for row in found.itertuples(index=False)))

@@ -31,7 +31,8 @@ def merged(findings):
     for source, members in _by(findings, "source"):
         outcomes, lintels = {}, _distinct(members, "lintel")
         for finding in members:
-            outcomes.setdefault((finding.value, _outcome(finding)), set()).add((finding.lintel, finding.slip))
+            outcome = finding.value, finding.verdict + ON_EDGE * finding.on_edge
+            outcomes.setdefault(outcome, set()).add((finding.lintel, finding.slip))
         lines += [(source_in_words(*source), variants_in_words(pairs, lintels), *outcome)
                   for outcome, pairs in outcomes.items()]
     return lines
@@ -43,10 +44,6 @@ def source_in_words(solver, model):
     ('YADE', 'reference solver, deformable bricks')
     """
     return ", ".join(filter(None, (SOLVER_NAMES[solver], model)))
-
-
-def _outcome(finding):
-    return finding.verdict + ON_EDGE * finding.on_edge
 
 
 def lintel_in_words(lintel):
@@ -88,12 +85,6 @@ def describe(findings):
     return "\n".join([*lines, "", *tallies(findings)])
 
 
-def _without_offsets(findings):
-    """`before_offsets` of each solver that has such runs."""
-    return [before_offsets(solver) for solver in dict.fromkeys(
-        finding.solver for finding in findings if finding.before_offsets)]
-
-
 def before_offsets(solver):
     """Notes on solvers some of whose runs lack the offsets that `displacement` needs."""
     return (f"{SOLVER_NAMES[solver]}: some histories are older than the joint offsets; their slip by displacement is "
@@ -113,24 +104,24 @@ def tallies(findings):
         predicted, built = ([one for one in mine if one.claim.predicted == which] for which in (True, False))
         best = _best(predicted)
         edge = _distinct([one for one in mine if one.on_edge], "claim.id")
-        cells = [f"{source_in_words(*source)}, {lintel_in_words(lintel)}", *(
-                     sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
-                 f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
-                 f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"]
-        rows.append(cells)
-    notes = _without_offsets(findings)
-    return as_table(head, rows).split("\n") + ([""] if notes else []) + [f"- {note}" for note in notes]
+        rows.append([f"{source_in_words(*source)}, {lintel_in_words(lintel)}", *(
+                         sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
+                     f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
+                     f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"])
+    old = dict.fromkeys(one.solver for one in findings if one.before_offsets)
+    return as_table(head, rows) + [""] * bool(old) + [f"- {before_offsets(solver)}" for solver in old]
 
 
 def as_table(heads, rows):
-    """
-    >>> print(as_table(["a", "b"], [[1, "2"]]))
+    r"""Lines of a table in Markdown.
+
+    >>> print(*as_table(["a", "b"], [[1, ""]]), sep="\n")
     | a | b |
     | --- | --- |
-    | 1 | 2 |
+    | 1 | |
     """
-    lines = ("| " + " | ".join(map(str, cells)) + " |" for cells in (heads, ["---"] * len(heads), *rows))
-    return "\n".join(lines).replace("|  |", "| |")
+    return [("| " + " | ".join(map(str, cells)) + " |").replace("|  ", "| ")
+            for cells in (heads, ["---"] * len(heads), *rows)]
 
 
 def _best(findings):
@@ -173,27 +164,20 @@ def as_markdown(findings):
         for claim, own in _by(members, "claim"):
             parts.append(f"**{claim.id}**, {claim.text} ({claim.figure}). Paper: {claim.paper}. Holds if "
                          f"{claim.criterion}.")
-            parts.append("\n".join(["| solver | variant | value | verdict |", "| --- | --- | --- | --- |", *(
-                f"| {source} | {variants} | {value} | {verdict} |"
-                for source, variants, value, verdict in merged(own))]))
+            parts.append("\n".join(as_table(("solver", "variant", "value", "verdict"), merged(own))))
     return page("verdict.md", overview=overview(findings), tallies=tallies(findings), claims=["\n\n".join(parts)],
                 edge=EDGE, built=", ".join(BUILT_TO_MEET))
 
 
 def overview(findings):
-    """Lines of the Markdown table with a row a statement."""
-    heads, rows = overview_table(findings)
-    return as_table(["", "the paper", *heads], rows).split("\n")
-
-
-def overview_table(findings):
-    """(heads of solvers and lintels, rows) of a table with a row a statement: its name, its words, outcomes."""
+    """Lines of the Markdown table with a row a statement: its name, its words, outcomes by solver and lintel."""
     variants = _distinct(findings, "source", "lintel")
     rows = [[statement, STATEMENTS[statement], *(
                  _cell([_short(_variant(members, source, lintel, slip)) for slip in _SLIPS])
                  for source, lintel in variants)]
             for statement, members in _by(findings, "claim.statement")]
-    return [f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants], rows
+    heads = (f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants)
+    return as_table(["", "the paper", *heads], rows)
 
 
 def _cell(outcomes):

@@ -5,7 +5,6 @@
 How far YADE's points of crosscheck lie from the medians of harmonic and ida; RESULTS holds the studies' folders.
 """
 
-
 from pathlib import Path
 
 import numpy as np

@@ -7,12 +7,11 @@ They are those of docs/paper/settled-walls.md:
     python3 -m paper settled_walls                                # two tables in Markdown
 """
 
-
 import pandas as pd
 
 from damage.measure.limits import LIMITS
-from paper.bench import REPOSITORY
-from paper.cracks_before import show, spread
+from paper.bench import REPOSITORY, show
+from paper.cracks_before import spread
 
 POINTS = REPOSITORY / "docs" / "tables" / "settlement_points.csv"
 PROTOTYPE_MM = {2000: 0.22, 1000: 0.69, 500: 1.64, 300: 2.90}

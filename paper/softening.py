@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from damage.laboratory.pushed import read_test
+from damage.laboratory.pushed import SPECIMENS, read_test
 from damage.law.modes import natural_modes
 from damage.measure.compare import compare_joints
 from damage.measure.patterns import compare_patterns
@@ -21,10 +21,10 @@ from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.parameters import brick_of_masonry, softening_energies
-from paper.bench import REPOSITORY, Bench, print_row, print_table, print_tables
+from paper.bench import HELD, REPOSITORY, print_row, print_table, print_tables
 
-PUSHED = {"squat_tested": ("COMP1_3", []), "comp2_4": ("COMP2_4", ["--boundary", "fixed"])}
-"""Wall -> its test, how it is held."""
+SMALL_WALL = REPOSITORY / "benchmarks" / "small_wall.py"
+PUSHED = "squat_tested", "comp2_4"
 PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
 """Sarhosis et al. (2021), Table 1."""
 SLOW = ["--speed", 2e-3]
@@ -33,34 +33,21 @@ SHIPPED = (0.35, 1e-6)
 MEMBERS = 10
 
 
-class Masonry(Bench):
-    """Runs of shipped walls with other joints."""
-
-    def run(self, name, case, words, modulus=None, step=None):
-        """The History of a wall file with the joints of a case (`softened`); step: share of the critical one."""
-        return super().run(*self._of(name, case, words, modulus, step))
-
-    def run_in_yade(self, name, case, words, step=None):
-        """The same in YADE."""
-        return super().run_in_yade(*self._of(name, case, words, None, step))
-
-    @staticmethod
-    def _of(name, case, words, modulus, step):
-        wall = softened(load_wall(_file(name)), case)
-        if modulus:
-            wall = stiffer(wall, modulus)
-        return wall, [*words, *_step(wall, step)], name, case, f"{modulus or 0:g}"
+def run(bench, name, case, words, modulus=None, step=None, in_yade=False):
+    """The History of a wall file with the joints of a case (`softened`); modulus: of its masonry [Pa], None as in the
+    file; step: share of the critical one, None as by default."""
+    wall = softened(load_wall(SMALL_WALL if name == "small_wall" else name), case)
+    if modulus:
+        wall = stiffer(wall, modulus)
+    if step:
+        words = [*words, "--dt", f"{step * natural_modes(lay_out(wall)).critical_time_step_s:.5e}"]
+    return (bench.run_in_yade if in_yade else bench.run)(wall, words, name, case, f"{modulus or 0:g}")
 
 
 def stiffer(wall, modulus):
     """The wall with bricks for masonry of that modulus [Pa]."""
     sizes = {size: getattr(wall.brick, size) for size in ("length", "height", "thickness")}
     return replace(wall, brick=brick_of_masonry(modulus, wall.joint, **sizes))
-
-
-def _step(wall, share):
-    """The words that ask for a share of the critical step, none where there is none to be asked for."""
-    return ["--dt", f"{share * natural_modes(lay_out(wall)).critical_time_step_s:.5e}"] if share else []
 
 
 def softened(wall, case):
@@ -87,15 +74,15 @@ def fibres(bench):
     """Tested walls with tested cohesion and friction, pushed over, by fibres."""
     print_table("wall", "fibres", "peak [kN]", "at drift [%]", "80 % of it left at [%]", "at the end [kN]",
                 "first crack at [%]", "energy error [%]", "tests, peak [kN]")
-    for name, (test, held) in PUSHED.items():
+    for name in PUSHED:
         for number in (0, 4, 8, 16):
-            history = bench.run(name, "5/50", ["--pushover", 0.1, *held, *SLOW, "--fibres", number])
+            history = run(bench, name, "5/50", ["--pushover", 0.1, *HELD[name], *SLOW, "--fibres", number])
             summary, crack = summarise(history), drift_at_first_crack(history)
             force, *_, left = peak_and_fall(history)
             print_row(name, number or "smooth law", f"{summary['peak_force_n'] / 1e3:.1f}",
                       f"{100 * summary['drift_at_peak_force']:.3f}", left, f"{force[-1] / 1e3:.1f}",
                       f"{100 * crack:.4f}" if crack else "-", f"{100 * summary['energy_error_fraction']:.4f}",
-                      " / ".join(f"{force / 1e3:.1f}" for force in read_test(test).peak_force_n))
+                      " / ".join(f"{force / 1e3:.1f}" for force in read_test(SPECIMENS[name]).peak_force_n))
 
 
 def numbers(history):
@@ -113,7 +100,7 @@ def steps(bench):
     for name, words in (MILD, HARD):
         for step in (0.643, 0.35, 0.175):
             for beta in (0.0, 1e-6):
-                history = bench.run(name, "5/50", [*words, "--beta", beta], step=step)
+                history = run(bench, name, "5/50", [*words, "--beta", beta], step=step)
                 print_row(f"{name} {' '.join(map(str, words[1:3]))}", step, f"{beta:g}", *numbers(history))
 
 
@@ -123,10 +110,10 @@ def damping(bench):
                 "slid to and fro by over 0.1 mm [m]", "energy error [%]", "FSS of broken joints with the shipped")
     for (name, words), (first, second) in ((MILD, (5, 20)), (HARD, (16, 64))):
         for case in ("brittle", "5/50"):
-            usual = bench.run(name, case, [*words, "--beta", 1e-6], step=SHIPPED[0])
-            runs = {"none": bench.run(name, case, [*words, "--beta", 0], step=SHIPPED[0]), "β 1e-6 s": usual}
-            runs |= {f"{ratio:.0%} at {first} and {second} Hz": bench.run(
-                name, case, [*words, "--rayleigh", ratio, first, second]) for ratio in (0.01, 0.02)}
+            usual = run(bench, name, case, [*words, "--beta", 1e-6], step=SHIPPED[0])
+            runs = {"none": run(bench, name, case, [*words, "--beta", 0], step=SHIPPED[0]), "β 1e-6 s": usual}
+            runs |= {f"{ratio:.0%} at {first} and {second} Hz": run(
+                bench, name, case, [*words, "--rayleigh", ratio, first, second]) for ratio in (0.01, 0.02)}
             for label, history in runs.items():
                 print_row(f"{name} {' '.join(map(str, words[1:3]))}", case, label, *numbers(history),
                           _score(compare_patterns(history, usual)["broken"]["fss"]))
@@ -142,7 +129,7 @@ def scatter(bench):
                     ("offsets of 1e-9 m", "--perturb", 1e-9, "--seed"),
                     *((f"strengths, {100 * size:g} %", "--strength-cov", size, "--strength-seed")
                       for size in (1e-4, 1e-3, 1e-2, 5e-2))):
-                members = [summarise(bench.run(name, case, [*words, option, size, seed, one]))
+                members = [summarise(run(bench, name, case, [*words, option, size, seed, one]))
                            for one in range(1, number + 1)]
                 print_row(f"{name} {' '.join(map(str, words[1:3]))}", case, label,
                           _range([100 * one["max_drift_ratio"] for one in members]),
@@ -154,18 +141,20 @@ def patterns(bench):
     """Crack patterns of pairs that should agree, and of controls that should not."""
     print_table("joints", "pair", "kappa", "FSS, broken (shuffled, mirrored)", "FSS, over 0.1 mm (shuffled, mirrored)",
                 "max DI")
-    name, words = MILD
+    name, (harmonic, *motion, rest, rest_s) = MILD
+
+    def shaken(case, step, motion, *more):
+        return run(bench, name, case, [harmonic, *motion, rest, rest_s, *more], step=step)
+
     for case, step, more in (("brittle", 0.643, []), ("brittle", 0.35, ["--beta", 1e-6]), ("5/50", 0.35, [])):
         label = f"{case}, {step} of the critical step" + (", β 1e-6 s" if step < 0.6 else "")
-        first = bench.run(name, case, [*words, *more], step=step)
-        others = {f"scatter 0.1 %, members {seed} and {seed + 1}": [bench.run(
-            name, case, [*words, *more, "--scatter", 0.001, "--seed", one], step=step) for one in (seed, seed + 1)]
+        first = shaken(case, step, motion, *more)
+        others = {f"scatter 0.1 %, members {seed} and {seed + 1}": [
+            shaken(case, step, motion, *more, "--scatter", 0.001, "--seed", one) for one in (seed, seed + 1)]
             for seed in (1, 3)}
-        others |= {"half the step": [first, bench.run(name, case, [*words, *more], step=step / 2)],
-                   "control: 0.025 g": [first, bench.run(name, case, ["--harmonic", 0.2, 0.025, *words[3:], *more],
-                                                         step=step)],
-                   "control: 0.33 s, 0.1 g": [first, bench.run(name, case, ["--harmonic", 0.33, 0.1, *words[3:], *more],
-                                                               step=step)]}
+        others |= {"half the step": [first, shaken(case, step / 2, motion, *more)],
+                   "control: 0.025 g": [first, shaken(case, step, (0.2, 0.025), *more)],
+                   "control: 0.33 s, 0.1 g": [first, shaken(case, step, (0.33, 0.1), *more)]}
         for pair, (here, there) in others.items():
             scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
             print_row(label, pair, "-" if kappa is None else f"{kappa:.2f}", *(
@@ -189,9 +178,9 @@ def yade_steps(bench):
     for amplitude in (0.2, 0.4):
         words = ["--harmonic", 0.1, amplitude, "--rest", 0.1, "--fibres", 16]
         for step in (0.643, 0.35, 0.175):
-            runs = {f"reference, β {beta:g} s": bench.run("small_wall", "5/50", [*words, "--beta", beta], step=step)
+            runs = {f"reference, β {beta:g} s": run(bench, "small_wall", "5/50", [*words, "--beta", beta], step=step)
                     for beta in (0.0, 1e-6)}
-            runs |= {"YADE": bench.run_in_yade("small_wall", "5/50", words, step)}
+            runs |= {"YADE": run(bench, "small_wall", "5/50", words, step=step, in_yade=True)}
             for solver, history in runs.items():
                 print_row(f"small_wall 0.1 {amplitude}", step, solver, *numbers(history))
 
@@ -202,15 +191,11 @@ def yade_shaken(bench):
                 "kappa", "FSS, broken", "FSS, over 0.1 mm")
     name, words = MILD
     words = [*words, "--fibres", 16]
-    there = bench.run(name, "5/50", [*words, "--beta", 0])
-    for solver, here in (("reference", there), ("YADE", bench.run_in_yade(name, "5/50", words))):
+    there = run(bench, name, "5/50", [*words, "--beta", 0])
+    for solver, here in (("reference", there), ("YADE", run(bench, name, "5/50", words, in_yade=True))):
         scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
         print_row("5/50, 16 fibres", solver, *numbers(here), "-" if kappa is None else f"{kappa:.2f}",
                   *(_score(scores[which]["fss"]) for which in ("broken", "visible")))
-
-
-def _file(name):
-    return REPOSITORY / ("benchmarks" if name == "small_wall" else "walls") / f"{name}.py"
 
 
 USUAL = {table.__name__: table for table in (fibres, steps, damping, scatter, patterns)}
@@ -218,4 +203,4 @@ TABLES = USUAL | {table.__name__: table for table in (yade_steps, yade_shaken)}
 
 
 def main():
-    print_tables(TABLES, USUAL, "results/softening", __doc__, Masonry)
+    print_tables(TABLES, USUAL, "results/softening", __doc__)

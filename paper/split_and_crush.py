@@ -12,14 +12,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
-from damage.laboratory.pushed import SPECIMENS, TESTS, read_test
+from damage.laboratory.pushed import SPECIMENS, read_test
 from damage.measure.pushed import mode_shares
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.parameters import softening_energies
-from paper.bench import HELD, Bench, arguments, chosen, option, print_row, print_table
+from paper.bench import HELD, Bench, arguments, chosen, of_test, option, print_row, print_table
 from paper.softening import peak_and_fall
 
 CASES = {"as shipped": "", "bricks split": "split", "joints crush": "crush", "both": "split, crush",
@@ -27,18 +26,10 @@ CASES = {"as shipped": "", "bricks split": "split", "joints crush": "crush", "bo
 SPEED = ["--speed", 4e-3]
 
 
-def strengths(specimen, share):
-    """Tensile strength of a brick and compressive strength of the masonry [Pa]; share: the former over the brick's
-    normalised compressive strength."""
-    table = pd.read_csv(TESTS).set_index("Specimen")
-    return tuple(1e6 * float(table.loc[specimen, name]) * factor
-                 for name, factor in (("fb_norm_perp_MPa", share), ("fm_c_MPa", 1.0)))
-
-
 def of_case(name, case, share):
-    """The wall of a case."""
-    wall, does = load_wall(name), CASES[case]
-    tension, pressure = strengths(SPECIMENS[name], share)
+    """The wall of a case; share: tensile strength of a brick over its normalised compressive strength."""
+    wall, does, test = load_wall(name), CASES[case], of_test(SPECIMENS[name])
+    tension, pressure = 1e6 * float(test["fb_norm_perp_MPa"]) * share, 1e6 * float(test["fm_c_MPa"])
     joint = replace(wall.joint, **softening_energies(wall.joint.tensile_strength),
                     compressive_strength=pressure if "crush" in does else None)
     brick = replace(wall.brick, tensile_strength=tension if "split" in does else None,

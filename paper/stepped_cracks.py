@@ -7,12 +7,12 @@ rotation θ moves the end that is lifted sideways by h θ, to the side of the lo
 it lands there, the pier walks down the steps; on a straight crack it has no such direction.
 """
 
-import csv
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+import pandas as pd
 
 from damage.wall.file import load_wall
 from paper.bench import BGAR, Bench, arguments, option, print_row, print_table
@@ -33,19 +33,11 @@ CRACKS = {"straight": [[(0.0, 0.0), (PIER, 0.0)], [(LENGTH - PIER, 0.0), (LENGTH
           "down to the opening": [TWO_STEPS, mirrored(TWO_STEPS)]}
 
 
-def write_cracks(path, lines):
-    """A crack file of the polylines, slightly open."""
-    with open(path, "w", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow(["crack", "point", "x_m", "z_m", "width_mm"])
-        for number, line in enumerate(lines):
-            for point, (x, z) in enumerate(line, start=1):
-                rows.writerow([number, point, x, z, 0.05 if point < len(line) else ""])
-
-
 def run(folder, cracks, events):
-    """The History of a wall with these cracks under so many equal events: BGAR HGE x 1.4, 45 mm/s."""
-    write_cracks(folder / "cracks.csv", cracks)
+    """The History of a wall with these cracks, slightly open, under so many equal events: BGAR HGE x 1.4, 45 mm/s."""
+    rows = [(number, point, x, z, 0.05 if point < len(line) else None) for number, line in enumerate(cracks)
+            for point, (x, z) in enumerate(line, start=1)]
+    pd.DataFrame(rows, columns=["crack", "point", "x_m", "z_m", "width_mm"]).to_csv(folder / "cracks.csv", index=False)
     wall = load_wall("symmetric")
     wall = replace(wall, joint=replace(wall.joint, tensile_strength=9e6, cohesion=9e6))
     motion = ["--record", BGAR, "--scale", "1.4", "--window", "18.7", "20.9", "--rest", "0.1", "--sequence",

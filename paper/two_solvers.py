@@ -74,13 +74,9 @@ def nonlinear_rows(bench, motion, words):
     print_row("", "diverged by 1 % of the peak; kappa of the contact points", "", f"{diverged}; {joints['kappa']:.2f}",
               "", "")
     for what, words in (("broken", "broken joints"), ("visible", "joints over 0.1 mm")):
-        pattern_row(words, result["patterns"][what])
-
-
-def pattern_row(words, scores):
-    """Print the row for one of `damage.measure.patterns.compare_patterns`."""
-    lacking = "" if scores["tells_sides"] else ", does not distinguish sides"
-    holds = scores["fss"] >= LEAST_FSS and scores["fss"] > scores["shuffled"]
-    print_row("", f"FSS of {words} (shuffled, mirrored)", "",
-              f"{scores['fss']:.2f} ({scores['shuffled']:.2f}, {scores['mirrored']:.2f}{lacking})", LEAST_FSS,
-              in_words(holds))
+        scores = result["patterns"][what]
+        lacking = "" if scores["tells_sides"] else ", does not distinguish sides"
+        holds = scores["fss"] >= LEAST_FSS and scores["fss"] > scores["shuffled"]
+        print_row("", f"FSS of {words} (shuffled, mirrored)", "",
+                  f"{scores['fss']:.2f} ({scores['shuffled']:.2f}, {scores['mirrored']:.2f}{lacking})", LEAST_FSS,
+                  in_words(holds))

@@ -16,6 +16,7 @@ import pandas as pd
 from paper.bench import REPOSITORY, arguments, option, print_row
 
 MOTIONS = ((0.33, 0.1), (0.2, 0.05), (0.2, 0.1), (1.0, 0.1))
+"""Period [s] and amplitude [g] of each column."""
 USUAL = {"contacts": "interior", "top": "piers", "load": "length", "cells": 2, "lintel": "elastic", "cycles": 3,
          "strength_cov": 0, "alpha_1_s": 0, "beta_s": 0, "perturb_m": 0}
 CORNERS, SPREAD = {"contacts": "corners"}, {"top": "uniform"}

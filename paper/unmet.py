@@ -17,8 +17,9 @@ from damage.measure.cycles import cycle_measures, drift_cycles
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from paper.bench import REPOSITORY, print_row, print_table
+from paper.bench import REPOSITORY, show
 from paper.criteria import CYCLE_LENGTHS_S, DI_TOLERANCE, LARGEST_DI, PERFORATED_PERIOD_S, PRINTED_TOLERANCE
+from paper.verdict import listed
 
 WALL = REPOSITORY / "walls" / "symmetric.py"
 LINTELS = ("elastic", "2")
@@ -42,11 +43,7 @@ def periods():
     for share in (1.07, 1.2):
         of = [first_period_s(replace(wall, precompression=share * wall.precompression)) for wall in walls]
         yield ("P2b", f"periods of solid, symmetric, asymmetric wall with {share:g} of the mass on top [s]",
-               _listed(of, 4))
-
-
-def _listed(values, digits):
-    return ", ".join(f"{value:.{digits}f}" for value in values)
+               listed(of, 4))
 
 
 def pushed(lintel):
@@ -67,12 +64,12 @@ def slow_motion(drift, force, indices, height_m, weight_n, period_s):
     static_m = AMPLITUDE_G * GRAVITY * (period_s / (2 * np.pi)) ** 2
     there = [first_at(drift >= static_m / height_m, index) for index in indices]
     yield "P9e", "static displacement of the top at 0.1 g, a (T0 / 2 pi)² [mm]", f"{static_m / MILLIMETRE:.2f}"
-    yield "P9e", "DI of the wall pushed so far, by displacement, by the shear limit", _listed(there, 3)
+    yield "P9e", "DI of the wall pushed so far, by displacement, by the shear limit", listed(there, 3)
     least = LARGEST_DI[1.0] - DI_TOLERANCE
     far = [first_at(index >= least, drift) * height_m / MILLIMETRE for index in indices]
-    yield "P9e", f"displacement from which the pushed wall has a DI of {least:g} [mm]", _listed(far, 2)
+    yield "P9e", f"displacement from which the pushed wall has a DI of {least:g} [mm]", listed(far, 2)
     share = [first_at(index >= least, force) / weight_n for index in indices]
-    yield "P9e", "base shear there over the weight", _listed(share, 3)
+    yield "P9e", "base shear there over the weight", listed(share, 3)
 
 
 def last_cycle(lintel, drift, force, height_m, weight_n, period_s, friction):
@@ -87,14 +84,14 @@ def last_cycle(lintel, drift, force, height_m, weight_n, period_s, friction):
     free = series[(series["time_s"] >= start_s) & (series["time_s"] <= end_s)]
     swing_m = height_m * free["drift_ratio"].abs().max()
     yield ("P12", f"{words}: displacement from which the secant period is {LEAST_LAST_S:.3f} s; largest in the first "
-           "free cycle [mm]", _listed((needed_m / MILLIMETRE, swing_m / MILLIMETRE), 2))
+           "free cycle [mm]", listed((needed_m / MILLIMETRE, swing_m / MILLIMETRE), 2))
     yield "P12", f"{words}: length of that cycle [s]", f"{cycle_measures(history)['first_free_cycle_s']:.3f}"
     shear = series["base_shear_n"].abs().max() / (friction * weight_n)
     yield "P11c", f"{words}: largest base shear over the friction of the weight", f"{shear:.2f}"
     left_m = height_m * abs(history.series["drift_ratio"].iloc[-1])
     most_m = height_m * series["drift_ratio"].abs().max()
     yield ("P11c", f"{words}: largest and residual displacement of the top [mm]",
-           _listed((most_m / MILLIMETRE, left_m / MILLIMETRE), 2))
+           listed((most_m / MILLIMETRE, left_m / MILLIMETRE), 2))
 
 
 def main():
@@ -103,12 +100,11 @@ def main():
     layout, period_s = lay_out(wall), first_period_s(wall)
     weight_n = GRAVITY * float(layout.bodies.mass.sum())
     height_m, friction = wall.built_height - wall.brick.height / 2, np.tan(wall.joint.friction_angle)
-    print_table("claim", "number", "value")
     rows = [*periods()]
     for lintel in LINTELS:
         drift, force, *indices = pushed(lintel)
         if lintel == LINTELS[0]:
             rows += slow_motion(drift, force, indices, height_m, weight_n, period_s)
         rows += last_cycle(lintel, drift, force, height_m, weight_n, period_s, friction)
-    for row in sorted(rows, key=lambda row: ("P2b", "P9e", "P11c", "P12").index(row[0])):
-        print_row(*row)
+    show(("claim", "number", "value"),
+         sorted(rows, key=lambda row: ("P2b", "P9e", "P11c", "P12").index(row[0])))

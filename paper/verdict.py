@@ -153,11 +153,20 @@ def _of_one_point(kind, component, margin, find, *where):
     return judged
 
 
+def _of_points(kind, component, margin, find, *where):
+    """The same of the values of several points."""
+    def judged(evidence):
+        column = evidence.column(kind, component)
+        values = [point.value(column) for point in find(evidence, *where)]
+        return listed(values), margin(values)
+    return judged
+
+
 def _close_to(target):
     return lambda di: within(di, target, criteria.DI_TOLERANCE)
 
 
-def _list(values, digits=3, unit=""):
+def listed(values, digits=3, unit=""):
     return ", ".join(f"{value:.{digits}f}" for value in values) + unit
 
 
@@ -170,7 +179,7 @@ def _cycle_by_cycle(period_s, amplitude_g, margin):
     def judged(evidence):
         [point] = evidence.harmonic_at("symmetric", period_s, [amplitude_g])
         cycles = point.cycles(evidence.column("max", "DI"))
-        return _list(cycles), margin(cycles)
+        return listed(cycles), margin(cycles)
     return judged
 
 
@@ -203,7 +212,7 @@ def _linear(period_s, amplitudes_g):
         column = evidence.column("max", "DI")
         values = [point.value(column) for point in evidence.harmonic_at("symmetric", period_s, amplitudes_g)]
         r2 = _r_squared(amplitudes_g, values)
-        return f"R² {r2:.4f} of {_list(values)}", _is_linear(r2)
+        return f"R² {r2:.4f} of {listed(values)}", _is_linear(r2)
     return judged
 
 
@@ -229,15 +238,7 @@ def _substantially_higher(evidence):
         others = [points[amplitude] for period in criteria.PERIODS_S if period != 0.2
                   if amplitude in (points := evidence.harmonic("symmetric", period))]
         ratios.append(at_resonance.value(column) / max(point.value(column) for point in others))
-    return f"ratios {_list(ratios, 2)}", at_least(min(ratios), criteria.SUBSTANTIALLY_HIGHER)
-
-
-def _component_at_resonance(component, margin):
-    def judged(evidence):
-        column = evidence.column("max", component)
-        values = [point.value(column) for point in evidence.harmonic_at("symmetric", 0.2, HIGHER_G)]
-        return _list(values), margin(values)
-    return judged
+    return f"ratios {listed(ratios, 2)}", at_least(min(ratios), criteria.SUBSTANTIALLY_HIGHER)
 
 
 def _same(values):
@@ -247,7 +248,7 @@ def _same(values):
 def _residual_cracks(evidence):
     points = evidence.harmonic_at("symmetric", 0.2, [0.05, 0.075])
     whole, drift = ([point.value(evidence.column("residual", name)) for point in points] for name in ("DI", "DI_drift"))
-    return f"{_list(whole)}, of drift {_list(drift)}", min(
+    return f"{listed(whole)}, of drift {listed(drift)}", min(
         min(above(di, criteria.NEGLIGIBLE_DI), at_most(of_drift, criteria.MOSTLY_CRACKS * di))
         for di, of_drift in zip(whole, drift))
 
@@ -256,7 +257,7 @@ def _cycle_lengths(column, cycles, margin):
     def judged(evidence):
         points = evidence.harmonic_at("symmetric", 0.2, AMPLITUDES_G, cycles)
         lengths = [point.value(column) for point in points]
-        return _list(lengths, 3, " s"), margin(lengths)
+        return listed(lengths, 3, " s"), margin(lengths)
     return judged
 
 
@@ -287,12 +288,6 @@ def _scales_were_run(evidence):
     if min(counts) < len(SCALES):
         raise NotThere(text)
     return text, math.inf
-
-
-def _residual_is_negligible_at_low_pga(evidence):
-    column = evidence.column("residual", "DI")
-    values = [point.value(column) for point in evidence.shaken_at("huizinge", SCALES[:2])]
-    return _list(values), at_most(max(values), criteria.NEGLIGIBLE_DI)
 
 
 def _cracks_without_drift(record):
@@ -378,8 +373,9 @@ JUDGES = {
        for claim, period_s in (("P9d", 0.33), ("P9e", 1.0))},
     "P9f": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.33, 1.0], [(0.33, 0.1), (1.0, 0.1)], "residual"),
     "P10a": _substantially_higher,
-    "P10b": _component_at_resonance("DI_open", _same), "P10c": _component_at_resonance("DI_slip", _same),
-    "P10d": _component_at_resonance("DI_drift", _rises),
+    **{claim: _of_points("max", component, margin, Evidence.harmonic_at, "symmetric", 0.2, HIGHER_G)
+       for claim, component, margin in (("P10b", "DI_open", _same), ("P10c", "DI_slip", _same),
+                                        ("P10d", "DI_drift", _rises))},
     "P11a": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.06, 0.33, 1.0],
                          [(0.06, 0.1), (0.33, 0.1), (1.0, 0.1)], "residual"),
     "P11b": _residual_cracks,
@@ -393,7 +389,8 @@ JUDGES = {
     "P13c": _of_the_record("zeerijp", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
     "P13d": _of_the_record("huizinge", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
     "P13e": _scales_were_run,
-    "P14a": _residual_is_negligible_at_low_pga,
+    "P14a": _of_points("residual", "DI", lambda values: at_most(max(values), criteria.NEGLIGIBLE_DI),
+                       Evidence.shaken_at, "huizinge", SCALES[:2]),
     "P14b": _of_one_point("residual", "DI", _close_to(criteria.LARGEST_RESIDUAL_DI),
                           Evidence.shaken_at, "huizinge", [2.0]),
     "P14c": _cracks_without_drift("huizinge"), "P14d": _cracks_without_drift("zeerijp"),

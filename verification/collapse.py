@@ -34,13 +34,11 @@ together at 0.7 and 0.3 are no longer stable at `STEP_FACTOR`."""
 
 @dataclass(frozen=True)
 class Bracket:
-    """stands, falls [-]: multipliers; motion (n_bodies, 3): displacement while it falls [m, m, rad];
-    yielded: displacement of the wall at rest under the multiplier at which it stands."""
+    """stands, falls [-]: multipliers; motion (n_bodies, 3): displacement while it falls [m, m, rad]."""
 
     stands: float
     falls: float
     motion: np.ndarray
-    rest: np.ndarray
 
     @property
     def multiplier(self):
@@ -58,7 +56,7 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
     stands, falls, motion = 0.0, None, None
     while falls is None or falls - stands > tolerance * highest:
         level = highest if falls is None else (stands + falls) / 2
-        before = _state(wall)
+        before = [array.copy() for array in wall.system]
         moved = raise_to(wall, stands, level, rate_per_s)
         if moved is None:
             stands = level
@@ -66,8 +64,9 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
                 raise ValueError(f"the wall stands at {highest:g}; expected a multiplier at which it falls")
         else:
             falls, motion = level, moved
-            _restore(wall, before)
-    return Bracket(stands, falls, motion, wall.displacement)
+            for array, old in zip(wall.system, before):
+                array[:] = old
+    return Bracket(stands, falls, motion)
 
 
 def settled_wall(layout, damping=DAMPING):
@@ -119,12 +118,3 @@ def _largest(motion):
 def _base(multipliers):
     """Base accelerations whose inertia pushes towards +x: (n, 2) [m/s2]."""
     return np.column_stack([-GRAVITY * multipliers, np.zeros(len(multipliers))])
-
-
-def _state(wall):
-    return [array.copy() for array in wall.system]
-
-
-def _restore(wall, state):
-    for array, old in zip(wall.system, state):
-        array[:] = old

@@ -48,11 +48,6 @@ FORMS = {"brittle": (0, _BRITTLE), DRY: (0, {"tensile_strength": 0.0, "cohesion"
 """Name -> fibres, what is changed of JOINT beside its compressive strength."""
 
 
-def weight(layout):
-    """Of the block [N]."""
-    return float(layout.bodies.mass[0]) * GRAVITY
-
-
 def block():
     """The block on a dry joint that does not slide, sixteen contact points, crushed over a quarter by its weight."""
     weight_n = BLOCK.density * BLOCK.length * BLOCK.height * BLOCK.thickness * GRAVITY
@@ -60,11 +55,6 @@ def block():
                   compressive_strength=weight_n / (TOE * BLOCK.length * BLOCK.thickness))
     return lay_out(Wall("block", BLOCK.length, BLOCK.height, brick=BLOCK, joint=joint, precompression=0.0),
                    ModelOptions(cells=8))
-
-
-def toe_force(layout):
-    """The largest force at the centre [N], by the stress block."""
-    return weight(layout) * (1 - TOE) * BLOCK.length / BLOCK.height
 
 
 def toe():
@@ -181,9 +171,10 @@ def driven_along(solver, form, path):
 def problems():
     """Toe, column, cycles."""
     layout = block()
+    weight_n = float(layout.bodies.mass[0]) * GRAVITY
     found = [
-        of_both("crushing toe", "force that turns a block about its toe", "N", toe_force(layout), "stress block of f_c",
-                2e-2, toe, "toe"),
+        of_both("crushing toe", "force that turns a block about its toe", "N",
+                weight_n * (1 - TOE) * BLOCK.length / BLOCK.height, "stress block of f_c", 2e-2, toe, "toe"),
         of_both("crushed column", "largest force under it", "N", column_force(layout), "f_c A",
                 {"reference": 1e-9, "yade": 2e-2}, column, "column")]
     for form, (quantity, measure) in product(FORMS, (

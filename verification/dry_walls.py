@@ -10,7 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
+from damage.draw.style import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, MEDIUM, styled
 from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -102,6 +106,45 @@ def table(results):
     return "\n".join(rows)
 
 
+REACH = 0.12  # of the wall's height: how far the largest displacement is drawn
+MOVES = 0.02  # of the largest displacement: bodies that move more are drawn darker
+
+
+@styled
+def save_mechanisms(name, result, folder):
+    """Write FOLDER/mechanism_NAME.png of a Result: the mechanism of limit analysis beside that of the solver, both
+    magnified, over the wall's outline at rest; its path."""
+    layout, wall = result.layout, result.layout.wall
+    height = min(80.0, 8 + 45 * wall.built_height / wall.length) / 25.4
+    figure = Figure(figsize=(COLUMN_WIDTH, height), layout="constrained")
+    outline = corners(layout, np.zeros_like(result.bound.motion))
+    for ax, title, found in zip(figure.subplots(1, 2), ("limit analysis", "solver"), (result.bound, result.solver)):
+        scale = REACH * wall.built_height / np.abs(corners(layout, found.motion) - outline).max()
+        motion = found.motion * scale
+        ax.add_collection(PolyCollection(outline, facecolors="none", edgecolors=MEDIUM, linewidths=0.3))
+        moves = np.abs(motion[:, :2]).max(axis=1) > MOVES * np.abs(motion[:, :2]).max()
+        colours = [CAP_COLOUR if move else BRICK_COLOUR for move in moves]
+        ax.add_collection(PolyCollection(corners(layout, motion), facecolors=colours, edgecolors=DARK, linewidths=0.5))
+        ax.add_line(Line2D([-0.05 * wall.length, 1.05 * wall.length], [0, 0], color=DARK, linewidth=1.2))
+        ax.set_aspect("equal")
+        ax.autoscale_view()
+        ax.axis("off")
+        ax.set_title(f"{title}: {found.multiplier:.3f}", fontsize=7)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"mechanism_{name}.png"
+    figure.savefig(path)
+    return path
+
+
+def corners(layout, motion):
+    """Corners (n_bodies, 4, 2) [m] of the bodies, displaced by small motions (n_bodies, 3)."""
+    bodies = layout.bodies
+    x = bodies.x[:, None] + 0.5 * bodies.length[:, None] * np.array([-1, 1, 1, -1])
+    z = bodies.z[:, None] + 0.5 * bodies.height[:, None] * np.array([-1, -1, 1, 1])
+    ux, uz, turn = motion.T[:, :, None]
+    return np.stack([x + ux - turn * (z - bodies.z[:, None]), z + uz + turn * (x - bodies.x[:, None])], axis=2)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m verification.dry_walls", description=__doc__.split("\n")[0])
     parser.add_argument("--only", nargs="+", choices=WALLS, default=list(WALLS), metavar="NAME",
@@ -117,8 +160,6 @@ def main(arguments=None):
         print(f"{name}: bound {results[name].bound.multiplier:.4f}, solver {results[name].solver.multiplier:.4f}",
               flush=True)
         if parsed.pictures:
-            from verification.mechanism_picture import save_mechanisms
-
             print(save_mechanisms(name, results[name], parsed.pictures))
     print("\n" + table(results))
     if parsed.markdown:

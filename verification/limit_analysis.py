@@ -54,7 +54,8 @@ def collapse_load(layout, friction=None, *, load=None, held=(), crushing=np.inf)
     dead = np.zeros(load.shape)
     dead[:, 1] = -weight
     unit = weight.sum()  # forces are counted in it
-    program = _program(layout, _friction(layout, friction), dead / unit, load / unit, np.asarray(held, int),
+    friction = np.tan(layout.wall.joint.friction_angle) if friction is None else friction
+    program = _program(layout, friction, dead / unit, load / unit, np.asarray(held, int),
                        crushing, unit)
     solution = linprog(**program, method="highs")
     if solution.status == _INFEASIBLE:
@@ -93,10 +94,6 @@ def balance(layout):
 def flow(layout, motion):
     """Opening and slip of every contact in a mechanism: (n_contacts,) each [m]."""
     return np.split(balance(layout).T @ np.asarray(motion).ravel(), 2)
-
-
-def _friction(layout, friction):
-    return np.tan(layout.wall.joint.friction_angle) if friction is None else friction
 
 
 def _program(layout, friction, dead, load, held, crushing, unit):

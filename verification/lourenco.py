@@ -18,16 +18,17 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from damage.units import GRAVITY
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, MEDIUM, VERMILLION, legend_below, styled
+from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from verification.collapse import settled_wall
 from verification.limit_analysis import collapse_load, top_load
-from verification.push_picture import picture
 
 DATA = Path(__file__).with_name("data") / "lourenco2005"
 LOADS_N = {"SW.30": 30e3, "SW.200": 200e3}
@@ -221,10 +222,25 @@ def _ratio(force, name):
     return f"{100 * (force / measured_peak(name) - 1):+.1f} %"
 
 
+@styled
 def draw(pushes):
-    """Figure of {name: (Push of rigid stones, Push of stones that split)} beside tests and limit analysis."""
-    return picture({f"{name}: {LOADS_N[name] / 1e3:g} kN on top": (measured(name), bound(lay(name)), *both)
-                    for name, both in pushes.items()}, SPLITTING)
+    """Figure of {name: (Push of rigid stones, Push of stones that split)} beside tests and limit analysis, a panel for
+    each wall."""
+    figure = Figure(figsize=(COLUMN_WIDTH, 1.15 * COLUMN_WIDTH), layout="constrained")
+    axes = figure.subplots(len(pushes), 1, sharex=True)
+    for ax, (name, (rigid, split)) in zip(axes, pushes.items()):
+        for test, line, label in zip(measured(name), ("-", "--"), ("first test", "second test")):
+            ax.plot(test.displacement_m / MILLIMETRE, test.force_n / 1e3, line, color=MEDIUM, label=label)
+        ax.axhline(bound(lay(name)) / 1e3, color=BLACK, linestyle=":", label="limit analysis, rigid stones")
+        for done, colour, line, label in ((rigid, BLUE, "-", "solver, rigid stones"), (
+                split, VERMILLION, "-.", f"solver, stones split at {SPLITTING / 1e6:g} MPa")):
+            ax.plot(done.displacement / MILLIMETRE, done.force / 1e3, line, color=colour, label=label)
+        ax.set_ylabel("horizontal force [kN]")
+        ax.set_ylim(bottom=0)
+        ax.set_title(f"{name}: {LOADS_N[name] / 1e3:g} kN on top", fontsize=7, loc="left")
+    axes[-1].set_xlabel("displacement of the top [mm]")
+    legend_below(figure, axes[0].get_legend_handles_labels()[0], 2)
+    return figure
 
 
 def vary(strengths, tension_alone):
