@@ -21,7 +21,7 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall, softening_energies
-from paper.bench import print_row, print_table
+from paper.bench import arguments, print_row, print_table
 from verification.collapse import settled_wall
 
 DECAY = 2000.0
@@ -91,6 +91,7 @@ WALLS = (("squat_tested", "brittle", True), ("comp2_4", "brittle", False),
 
 def main():
     """Tested walls: residual force by dilatancy, and where the top is kept from lifting."""
+    arguments(__doc__)
     print_table("wall", "joints", "tan ψ_0", "top", "peak [kN]", "mean force from 0.1 to 0.2 % [kN]",
                 "to no dilatancy", "lift at 0.2 % [mm]")
     for name, label, rotates in WALLS:

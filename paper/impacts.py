@@ -17,7 +17,7 @@ from damage.law.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper.bench import REPOSITORY
+from paper.bench import REPOSITORY, arguments
 
 OUT = REPOSITORY / "docs" / "tables" / "benchmarks" / "impacts.csv"
 WIDE_M, SLENDERNESS = 0.2, (3, 5)
@@ -90,6 +90,7 @@ def rows():
 
 
 def main():
+    arguments(__doc__)
     table = pd.DataFrame(rows())
     table.to_csv(OUT, index=False, float_format="%.4g")
     print(table.to_string())

@@ -10,7 +10,7 @@ They are those of docs/paper/settled-walls.md:
 import pandas as pd
 
 from damage.measure.limits import LIMITS
-from paper.bench import REPOSITORY, show
+from paper.bench import REPOSITORY, arguments, show
 from paper.cracks_before import spread
 
 POINTS = REPOSITORY / "docs" / "tables" / "settlement_points.csv"
@@ -26,6 +26,7 @@ WIDTHS = next(limits for limits in LIMITS if limits.name == "crack_width_class")
 
 
 def main():
+    arguments(__doc__)
     points = pd.read_csv(POINTS)
     points = points[points["solver"] == "reference"].set_index("point")
     show(["wall", "joints", "profile", "by", "runs", "widest crack [mm]", "prototype [mm]", "Ψ", "class (Burland)"],

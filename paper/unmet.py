@@ -17,7 +17,7 @@ from damage.measure.cycles import cycle_measures, drift_cycles
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from paper.bench import REPOSITORY, show
+from paper.bench import REPOSITORY, arguments, show
 from paper.criteria import CYCLE_LENGTHS_S, DI_TOLERANCE, LARGEST_DI, PERFORATED_PERIOD_S, PRINTED_TOLERANCE
 from paper.verdict import listed
 
@@ -96,6 +96,7 @@ def last_cycle(lintel, drift, force, height_m, weight_n, period_s, friction):
 
 def main():
     """Print the table."""
+    arguments(__doc__)
     wall = load_wall(WALL)
     layout, period_s = lay_out(wall), first_period_s(wall)
     weight_n = GRAVITY * float(layout.bodies.mass.sum())

@@ -14,6 +14,7 @@ from math import isnan
 
 import numpy as np
 
+from damage.checks import check_not_negative
 from damage.csv_table import CsvTable
 from damage.errors import InputError
 from damage.index import THRESHOLD
@@ -167,6 +168,7 @@ def opening_deviation(motions, layout):
 
 def measure(fields, layout, margin=MARGIN):
     """Opening and slip of the joints at each level, a list of Measured."""
+    check_not_negative("margin [m]", margin)
     kinematics, n = ContactKinematics(layout), layout.n_joints
     levels = []
     for field in fields:

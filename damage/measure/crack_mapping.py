@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from damage.checks import check_positive
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
 from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, psi
 from damage.units import MILLIMETRE
@@ -47,6 +48,7 @@ class MappedCracks:
 def map_cracks(pattern, layout, tolerance=None):
     """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
     tolerance = layout.wall.brick.height / 2 if tolerance is None else tolerance
+    check_positive("tolerance [m]", tolerance)
     ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
     parts = pattern.stretches
     rows = [row for number, part in enumerate(ends_of(parts)) for row in _on_joints(number, part, ends, tolerance)]
@@ -112,6 +114,7 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     def wide(rows, least):
         return rows[cracked(rows["width_m"].to_numpy(float), least)]
 
+    check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches.assign(length_m=pattern.length_m)
     chosen = wide(table, threshold)
     known = not np.isnan(pattern.drift_ratio)

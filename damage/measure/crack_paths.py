@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 import scipy  # sparse.csgraph where it is used: it starts slowly
 
+from damage.checks import check_positive
 from damage.measure.cracks import ends_of
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
@@ -74,6 +75,7 @@ def crack_paths(stretches, layout, tolerance=None):
     """
     brick = layout.wall.brick
     tolerance = brick.length / 2 if tolerance is None else tolerance
+    check_positive("tolerance [m]", tolerance)
     places = ends_of(stretches) if isinstance(stretches, pd.DataFrame) else np.asarray(stretches, float)
     network, first, rows, on_joints, apart = _Network(layout), 0, [], 0.0, 0.0
     for number, line in enumerate(lines_of(places)):

@@ -49,7 +49,9 @@ def as_toml(table):
     """A table of `damage.Wall.as_dict` as TOML, which `damage.wall.file` reads; without what is None."""
     records = {key: value for key, value in table.items() if isinstance(value, dict) or (
         isinstance(value, list | tuple) and value and isinstance(value[0], dict))}
-    parts = ["\n".join(_pairs({key: value for key, value in table.items() if key not in records and value != ()}))]
+    single = {key: value for key, value in table.items()
+              if key not in records and (value or not isinstance(value, tuple))}
+    parts = ["\n".join(_pairs(single))]
     for key, value in records.items():
         head, rows = (f"[{key}]", [value]) if isinstance(value, dict) else (f"[[{key}]]", value)
         parts += ["\n".join([head, *_pairs(row)]) for row in rows]
