@@ -1,4 +1,4 @@
-"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor (`damage.mechanics.scaling`).
+"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor (`damage.mechanics.bodies`).
 
 Bodies are eliminated in the order of minimum degree, ties by their rows.
 """
@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import diags
 
 from damage.law.modes import elastic_key, joint_stiffness, mass_vector
-from damage.mechanics.scaling import LOST
+from damage.mechanics.bodies import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 from damage.wall.soil import radiation_times
 

@@ -12,7 +12,8 @@ Time integration is by central differences: velocities at half steps, displaceme
 
 import numpy as np
 
-from damage.mechanics import bodies, contacts, interfaces
+from damage.mechanics import contacts, interfaces
+from damage.mechanics.bodies import SMALL, adapt, clear, move, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.eight import (
     add,
@@ -20,11 +21,9 @@ from damage.mechanics.eight import (
     bits,
     either,
     flags_of,
-    four,
     lane,
     lanes,
     load,
-    put_four,
     rows_of,
     store,
     table_width,
@@ -37,11 +36,10 @@ from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
 from damage.mechanics.loose import can_end, ends_too, find_loose_forces, hand_over
 from damage.mechanics.rows import (
     bearing_of,
+    bench_of,
     dashpots_last,
     dashpots_of,
     first_force,
-    force_of,
-    inverse_mass_of,
     keep_bearing,
     keep_dashpots,
     keep_motion,
@@ -50,7 +48,6 @@ from damage.mechanics.rows import (
     last_resultant,
     limits_of,
     line_of,
-    mass_of,
     place_of,
     pose_at,
     push,
@@ -59,38 +56,19 @@ from damage.mechanics.rows import (
     velocity_of,
 )
 from damage.mechanics.samples import observe
-from damage.mechanics.scaling import move_scaled, turn_far
-from damage.mechanics.strain import kinetic_of_modes, motion_at, move_modes, points_at_once, push_modes
+from damage.mechanics.strain import motion_at, points_at_once, push_modes
 from damage.mechanics.tables import (
-    ALPHA,
-    BASE_X,
-    BASE_Z,
-    COS1,
     DAMPED,
     DAMPING,
-    DRIVEN,
     ENDED,
     ENDING,
     FAILED,
     FRICTION,
     HAS_FAILED,
-    INPUT,
-    KINETIC,
     LARGEST_OPENING,
-    LOCAL,
-    PARTS,
-    PLACE,
-    PULL_Z,
-    RATE,
-    RIGID,
     ROTATION,
     ROW,
-    SIN,
     STEP,
-    SWEPT_X,
-    SWEPT_Z,
-    TAKEN,
-    VELOCITY,
     Bearing,
     X,
     Z,
@@ -183,171 +161,6 @@ def mark_used(n, tables, walls):
         tables.used[i] = bits(contacts.is_intact_spring(n, tables.states, i)) & walls != walls
 
 
-# --- motion of the bodies ---------------------------------------------------------------------------
-
-@compiled
-def move(n, tables, strain, matrix, controls, field, step):
-    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
-
-    matrix, controls, field: as of `run`; step: row of the field.
-    """
-    sums = tables.sums
-    for kind in range(SWEPT_X, KINETIC):
-        clear(n, sums, kind)
-    damped = set_bench(n, tables, controls, field, step)
-    if matrix is not None:
-        move_scaled(n, tables, matrix, strain, damped)
-    elif damped:
-        move_all(n, tables, strain, controls, True)
-    else:
-        move_all(n, tables, strain, controls, False)
-    for kind in range(SWEPT_X, KINETIC):
-        total(n, sums, kind)
-    for w in range(len(controls)):
-        dt = controls[w, 0]
-        swept = field[w, step, 0] * sums[SWEPT_X, 0, w] + field[w, step, 1] * sums[SWEPT_Z, 0, w]
-        tables.energy[0, INPUT, w] += (sums[DRIVEN, 0, w] - 0.5 * swept) * dt
-        tables.energy[0, DAMPING, w] += sums[TAKEN, 0, w] * dt
-
-
-@compiled
-def set_bench(n, tables, controls, field, step):
-    """Write the parameters of a step to the bench; returns whether mass-proportional or local damping acts."""
-    damped, bench = False, tables.bench
-    for w in range(len(controls)):
-        dt, local, rate = controls[w, 0], controls[w, 1], controls[w, 3] / controls[w, 0]
-        alpha = controls[w, 2] + tables.relaxation[0, 0, w]
-        damped |= alpha > 0.0 or local > 0.0
-        bench[0, BASE_X, w], bench[0, BASE_Z, w] = field[w, step, 0], field[w, step, 1]
-        bench[0, PULL_Z, w] = field[w, step, 1] + field[w, step, 2]
-        bench[0, STEP, w], bench[0, ALPHA, w], bench[0, LOCAL, w], bench[0, RATE, w] = dt, alpha, local, rate
-    return damped
-
-
-@inlined
-def move_all(n, tables, strain, controls, damped):
-    """`move_bodies`, of one wall without strain modes eight at once."""
-    if strain is None:
-        move_bodies(widest(n), tables, strain, controls, damped)
-    else:
-        move_bodies(n, tables, strain, controls, damped)
-
-
-@inlined
-def move_bodies(n, tables, strain, controls, damped):
-    """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have no strain modes."""
-    alike, bench, bench_of, sums, inertia = True, tables.bench, table_width(n), tables.sums, tables.inertia
-    dt = load(bench_of, bench, 0, STEP)
-    for w in range(len(controls)):
-        alike &= controls[w, 0] == controls[0, 0]
-    for b in range(0, len(tables.turning), rows_of(n)):
-        lost = zero(n)
-        x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
-        swept_x, driven_x, taken_x, vx = move_coordinate(n, inertia, b, X, bench, load(bench_of, bench, 0, BASE_X), fx,
-                                                         damped)
-        swept_z, driven_z, taken_z, vz = move_coordinate(n, inertia, b, Z, bench, load(bench_of, bench, 0, PULL_Z), fz,
-                                                         damped)
-        _, driven, taken, turning = move_coordinate(n, inertia, b, ROTATION, bench, zero(bench_of), moment, damped)
-        angle = rotation + dt * turning
-        cos1, sin = bodies.small_rotation(angle)
-        keep_coordinates(n, tables.bodies, tables.every, b, cos1, sin, x + dt * vx, z + dt * vz, angle)
-        far = bits(abs(angle) >= bodies.SMALL)
-        if far:
-            turn_far(n, tables.bodies, b, far, angle)
-        add_part(n, sums, SWEPT_X, b, swept_x)
-        add_part(n, sums, SWEPT_Z, b, swept_z)
-        add_part(n, sums, DRIVEN, b, driven_x + driven_z + driven)
-        if damped:
-            lost = taken_x + taken_z + taken
-        if strain is not None:
-            if alike:
-                lost = move_modes(n, tables.bodies, tables.inertia, bench, strain, controls[0, 0], b, lost, damped)
-            else:
-                lost = move_modes(n, tables.bodies, tables.inertia, bench, strain, dt, b, lost, damped)
-        add_part(n, sums, TAKEN, b, lost)
-
-
-@inlined
-def coordinates(n, places, every, b):
-    """x, z and rotation of body b, and the forces on these; every: numbers of all rows."""
-    if rows_of(n) == 1:
-        return (place_of(n, places, b, X), place_of(n, places, b, Z), place_of(n, places, b, ROTATION),
-                force_of(n, places, b, X), force_of(n, places, b, Z), force_of(n, places, b, ROTATION))
-    x, z = four(n, places, every, b, COS1)[2:]
-    rotation, fx, fz, moment = four(n, places, every, b, PLACE + ROTATION)
-    return x, z, rotation, fx, fz, moment
-
-
-@inlined
-def keep_coordinates(n, places, every, b, cos1, sin, x, z, rotation):
-    """Write cosine less one, sine and coordinates of body b, with forces that are zero."""
-    none = zero(n)
-    if rows_of(n) == 1:
-        for k in range(RIGID):
-            store(n, places, b, first_force(places) + k, none)
-        store(n, places, b, COS1, cos1)
-        store(n, places, b, SIN, sin)
-        store(n, places, b, PLACE + X, x)
-        store(n, places, b, PLACE + Z, z)
-        store(n, places, b, PLACE + ROTATION, rotation)
-    else:
-        put_four(n, places, every, b, COS1, (cos1, sin, x, z))
-        put_four(n, places, every, b, PLACE + ROTATION, (rotation, none, none, none))
-
-
-@inlined
-def move_coordinate(n, inertia, b, k, bench, backwards, force, damped):
-    """Advance the velocity of coordinate k of body b by a step.
-
-    backwards: acceleration of the field [m/s2].  Returns the sum of its momenta before and after [kg m/s], the powers
-    of its prescribed velocity and of its damping [W], and its velocity.
-    """
-    old, mass, free = velocity_of(n, inertia, b, k), mass_of(n, inertia, b, k), inverse_mass_of(n, inertia, b, k)
-    bench_of, rate, taken = table_width(n), bodies.acceleration(force, free, backwards), 0.0 * old
-    dt = load(bench_of, bench, 0, STEP)
-    if damped:
-        resistance = bodies.damping(old, rate, free, load(bench_of, bench, 0, ALPHA), load(bench_of, bench, 0, LOCAL))
-        rate = rate - resistance
-        taken = mass * resistance * (old + 0.5 * dt * rate)
-    new = old + dt * rate
-    store(n, inertia, b, VELOCITY + 3 * k, new)
-    return bodies.work_of_field(mass, free, old, new), bodies.power_of_drive(force, free, new), taken, new
-
-
-@inlined
-def clear(n, sums, kind):
-    """Set the partial sums of a kind to zero."""
-    for part in range(PARTS):
-        store(n, sums, kind, part, 0.0)
-
-
-@inlined
-def total(n, sums, kind):
-    """Sum of the partial sums, in their order, into the first of them."""
-    value = zero(n)
-    for part in range(PARTS):
-        value = value + load(n, sums, kind, part)
-    store(n, sums, kind, 0, value)
-
-
-@compiled
-def adapt(n, tables, strain, controls):
-    """Set the adaptive damping of the next step from the kinetic energy of this one."""
-    sums, inertia = tables.sums, tables.inertia
-    clear(n, sums, KINETIC)
-    for b in range(len(inertia)):
-        mass = mass_of(n, inertia, b, X), mass_of(n, inertia, b, Z), mass_of(n, inertia, b, ROTATION)
-        velocity = velocity_of(n, inertia, b, X), velocity_of(n, inertia, b, Z), velocity_of(n, inertia, b, ROTATION)
-        add_part(n, sums, KINETIC, b, bodies.kinetic_energy(mass, velocity))
-        if strain is not None:
-            add_part(n, sums, KINETIC, b, kinetic_of_modes(n, inertia, strain, b))
-    total(n, sums, KINETIC)
-    for w in range(len(controls)):
-        kinetic, relaxation = sums[KINETIC, 0, w], tables.relaxation
-        relaxation[0, 0, w] = bodies.adaptive_damping(kinetic, relaxation[0, 1, w], controls[w, 4], controls[w, 0])
-        relaxation[0, 1, w] = kinetic if controls[w, 4] > 0.0 else 0.0  # a wall that relaxes later begins without
-
-
 # --- forces -----------------------------------------------------------------------------------------
 
 @compiled
@@ -388,7 +201,8 @@ def hold_top(n, tables):
 
     The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip is friction.
     """
-    gravity = load(n, tables.bench, 0, PULL_Z) - load(n, tables.bench, 0, BASE_Z)
+    bench = bench_of(n, tables.bench, 0)
+    gravity = bench.pull_z - bench.base_z
     for b in range(len(tables.bearings)):
         stiffness, limit, play, weighs, slip, before = bearing_of(n, tables.bearings, b)
         trial = stiffness * (place_of(n, tables.bodies, b, X) - slip)
@@ -611,7 +425,7 @@ def with_wall(resultant, w, of_wall):
 def motion_before(n, tables, strain, p, row, motion, damped):
     """RelativeMotion of interface p of one wall in the last step, stored where the wall damps, else by velocities; the
     present one between deformable bricks."""
-    if damped and (load(n, tables.bench, 0, RATE) > 0.0 or len(tables.radiation) > 0):
+    if damped and (bench_of(n, tables.bench, 0).rate > 0.0 or len(tables.radiation) > 0):
         return last_motion(n, tables.last, row)
     if strain is not None:
         return motion
@@ -623,10 +437,10 @@ def motion_before(n, tables, strain, p, row, motion, damped):
 @compiled
 def pose_before(n, tables, b):
     """Pose of body b of one wall in the last step."""
-    places, inertia, dt = tables.bodies, tables.inertia, load(n, tables.bench, 0, STEP)
+    places, inertia, dt = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0).step
     angle = place_of(n, places, b, ROTATION) - dt * velocity_of(n, inertia, b, ROTATION)
-    if abs(angle) < bodies.SMALL:
-        cos1, sin = bodies.small_rotation(angle)
+    if abs(angle) < SMALL:
+        cos1, sin = small_rotation(angle)
     else:
         cos1, sin = np.cos(angle) - 1.0, np.sin(angle)
     return Pose(place_of(n, places, b, X) - dt * velocity_of(n, inertia, b, X),
@@ -645,12 +459,12 @@ def damp(n, tables, row, motion, resultant, changed, which):
     before = last_motion(n, tables.last, row)
     keep_motion(n, tables.last, row, which, motion)
     keep_resultant(n, tables.last, row, which, resultant)
-    bench_of = table_width(n)
-    viscous, work = interfaces.add_viscous(load(bench_of, tables.bench, 0, RATE), motion, before, resultant, changed)
+    bench = bench_of(table_width(n), tables.bench, 0)
+    viscous, work = interfaces.add_viscous(bench.rate, motion, before, resultant, changed)
     if len(tables.radiation) > 0:
         viscous, of_dashpots, more = interfaces.add_dashpots(
-            dashpots_of(n, tables.radiation, row), dashpots_last(n, tables.radiation, row),
-            load(bench_of, tables.bench, 0, STEP), motion, before, viscous, changed)
+            dashpots_of(n, tables.radiation, row), dashpots_last(n, tables.radiation, row), bench.step, motion, before,
+            viscous, changed)
         keep_dashpots(n, tables.radiation, row, which, of_dashpots)
         work = work + more
     add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))

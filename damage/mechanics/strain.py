@@ -5,12 +5,11 @@ and shear displacement by a unit of the mode.  Its mass, stiffness, damping and 
 together.  Theory: `damage.wall.strain`.
 """
 
-from damage.mechanics.bodies import acceleration, damping
 from damage.mechanics.compiled import inlined
-from damage.mechanics.eight import add, either, load, store, wall_of, zero
+from damage.mechanics.eight import add, either, wall_of, zero
 from damage.mechanics.interfaces import RelativeMotion
 from damage.mechanics.rows import first_force, force_of, inverse_mass_of, mass_of, place_of, velocity_of
-from damage.mechanics.tables import ALPHA, LOCAL, PLACE, RIGID, ROW, VELOCITY
+from damage.mechanics.tables import RIGID, ROW
 
 
 @inlined
@@ -46,54 +45,6 @@ def push_modes(n, bodies, strain, interface, i, resultant, which):
         k = first_force(bodies) + RIGID + m
         add(n, bodies, a, k, normal * shapes[at_a, 0, m] + shear * shapes[at_a, 1, m])
         add(n, bodies, b, k, -(normal * shapes[at_b, 0, m] + shear * shapes[at_b, 1, m]))
-
-
-@inlined
-def move_modes(n, bodies, inertia, bench, strain, dt, b, lost, damped):
-    """Advance velocities and amplitudes of all modes of body b by a step; returns `lost` plus the powers of their
-    damping [W].
-
-    dt: time step [s], a number where it is equal in all walls: the division in `advance_mode` is then one of numbers;
-    damped: whether the bench has damping.
-    """
-    one = wall_of(n, 0)  # masses are equal in all walls
-    for m in range(strain.shapes.shape[2]):
-        k, resistance = RIGID + m, zero(n)
-        old, place, free = velocity_of(n, inertia, b, k), place_of(n, bodies, b, k), inverse_mass_of(one, inertia, b, k)
-        rate = acceleration(force_of(n, bodies, b, k) - strain.stiffness[b, m] * place, free, 0.0)
-        if damped:
-            resistance = damping(old, rate, free, load(n, bench, 0, ALPHA), load(n, bench, 0, LOCAL))
-        place, new, power = advance_mode(place, old, rate, resistance, mass_of(one, inertia, b, k),
-                                         strain.damping[b, m], dt)
-        store(n, bodies, b, PLACE + k, place)
-        store(n, inertia, b, VELOCITY + 3 * k, new)
-        store(n, bodies, b, first_force(bodies) + k, 0.0)
-        lost = lost + power
-    return lost
-
-
-@inlined
-def advance_mode(place, old, rate, resistance, mass, damping, dt):
-    """Amplitude and velocity of a mode after a step, and the power of its damping [W].
-
-    The damping of the mode itself is implicit, so that it does not shorten the stable time step.  place, old:
-    amplitude, and velocity half a step ago; rate, resistance: its acceleration, and what other damping takes off it;
-    damping: of Strain [1/s].
-    """
-    half = 0.5 * dt * damping
-    new = ((1.0 - half) * old + dt * (rate - resistance)) * (1.0 / (1.0 + half))
-    middle = 0.5 * (old + new)
-    return place + dt * new, new, mass * (resistance + damping * middle) * middle
-
-
-@inlined
-def kinetic_of_modes(n, inertia, strain, b):
-    """Kinetic energy of the strain modes of body b [J]."""
-    energy = zero(n)
-    for k in range(RIGID, RIGID + strain.shapes.shape[2]):
-        velocity = velocity_of(n, inertia, b, k)
-        energy = energy + 0.5 * mass_of(wall_of(n, 0), inertia, b, k) * velocity * velocity
-    return energy
 
 
 @inlined
