@@ -76,8 +76,7 @@ def move(n, tables, strain, matrix, controls, field, step):
     matrix, controls, field: as of `damage.mechanics.step.run`; step: row of the field.
     """
     sums = tables.sums
-    for kind in range(SWEPT_X, KINETIC):
-        clear(n, sums, kind)
+    sums[SWEPT_X:KINETIC] = 0.0
     damped = set_bench(n, tables, controls, field, step)
     if matrix is not None:
         move_scaled(n, tables, matrix, strain, damped)
@@ -190,6 +189,15 @@ def small_rotation(angle):
     square = angle * angle
     return (-0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30))),
             angle * (1.0 - square * (1 / 6) * (1.0 - square * (1 / 20) * (1.0 - square * (1 / 42)))))
+
+
+@inlined
+def total(n, sums, kind):
+    """Sum of the partial sums, in their order, into the first of them."""
+    value = zero(n)
+    for part in range(PARTS):
+        value = value + load(n, sums, kind, part)
+    store(n, sums, kind, 0, value)
 
 
 # --- a coordinate -----------------------------------------------------------------------------------
@@ -342,7 +350,7 @@ def solve(n, matrix):
 def adapt(n, tables, strain, controls):
     """Set the adaptive damping of the next step from the kinetic energy of this one."""
     sums, inertia, relaxation = tables.sums, tables.inertia, tables.relaxation
-    clear(n, sums, KINETIC)
+    sums[KINETIC] = 0.0
     for b in range(len(inertia)):
         add_part(n, sums, KINETIC, b, kinetic_energy(
             n, inertia, b, velocity_of(n, inertia, b, X), velocity_of(n, inertia, b, Z),
@@ -407,21 +415,3 @@ def scaled_kinetic_energy(n, tables, matrix, strain):
                                  + z * (of[i, 3] * x + of[i, 4] * z + of[i, 5] * r)
                                  + r * (of[i, 6] * x + of[i, 7] * z + of[i, 8] * r))
     return energy
-
-
-# --- partial sums -----------------------------------------------------------------------------------
-
-@inlined
-def clear(n, sums, kind):
-    """Set the partial sums of a kind to zero."""
-    for part in range(PARTS):
-        store(n, sums, kind, part, 0.0)
-
-
-@inlined
-def total(n, sums, kind):
-    """Sum of the partial sums, in their order, into the first of them."""
-    value = zero(n)
-    for part in range(PARTS):
-        value = value + load(n, sums, kind, part)
-    store(n, sums, kind, 0, value)

@@ -324,14 +324,11 @@ def bound(n, tables, loose):
 @compiled
 def keep(loose):
     """Keep the list of pairs as the last one, chained by their first bodies, and empty it."""
-    for b in range(len(loose.first)):
-        loose.first[b] = -1
+    loose.first[:] = -1
     for row in range(loose.counts[PAIRS]):
         a = loose.pairs[row, 0]
         loose.kept_pairs[row, 0], loose.kept_pairs[row, 1] = a, loose.pairs[row, 1]
-        for k in range(2 * CORNERS):
-            for i in range(loose.springs.shape[2]):
-                loose.kept_springs[row, k, i] = loose.springs[row, k, i]
+        copy_springs(loose.springs, row, loose.kept_springs, row)
         loose.following[row] = loose.first[a]
         loose.first[a] = row
     loose.counts[PAIRS] = 0
@@ -365,10 +362,16 @@ def carry_over(loose, row):
         last = loose.following[last]
     if last < 0:
         return False
-    for k in range(2 * CORNERS):
-        for i in range(loose.springs.shape[2]):
-            loose.springs[row, k, i] = loose.kept_springs[last, k, i]
+    copy_springs(loose.kept_springs, last, loose.springs, row)
     return True
+
+
+@inlined
+def copy_springs(springs, row, others, other):
+    """Copy the springs of a pair to another row, one by one, since slices would have to be counted."""
+    for k in range(2 * CORNERS):
+        for i in range(springs.shape[2]):
+            others[other, k, i] = springs[row, k, i]
 
 
 @compiled

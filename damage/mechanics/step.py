@@ -13,7 +13,7 @@ Time integration is by central differences: velocities at half steps, displaceme
 import numpy as np
 
 from damage.mechanics import contacts, interfaces
-from damage.mechanics.bodies import SMALL, adapt, clear, move, set_bench, small_rotation, total
+from damage.mechanics.bodies import SMALL, adapt, move, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.eight import (
     add,
@@ -51,7 +51,6 @@ from damage.mechanics.rows import (
     place_of,
     pose_at,
     push,
-    push_at,
     springs_of,
     velocity_of,
 )
@@ -66,6 +65,8 @@ from damage.mechanics.tables import (
     FRICTION,
     HAS_FAILED,
     LARGEST_OPENING,
+    PLACE,
+    RIGID,
     ROTATION,
     ROW,
     STEP,
@@ -97,8 +98,8 @@ def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, end
     walls (bits) of which a sample is written there, all of them at the last; stiffness, samples, taken: as of
     `damage.mechanics.samples.observe`.
     """
-    damped = what == ADVANCE and (any_above_zero(controls, 3) or len(tables.radiation) > 0)
-    adaptive, turns, walls = any_above_zero(controls, 4), any_turns(n, tables), (1 << len(controls)) - 1
+    damped = what == ADVANCE and (controls[:, 3].any() or len(tables.radiation) > 0)
+    adaptive, turns, walls = controls[:, 4].any(), tables.turning[:, 0].any(), (1 << len(controls)) - 1
     step = k = ends[0] * 0  # of no literal type, for which numba would compile all of it once more
     if strain is not None:
         mark_used(n, tables, walls)
@@ -107,7 +108,8 @@ def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, end
         observe(n, tables, strain, loose, matrix, ending[0], stiffness, samples, taken)
         return
     if what == FIND_FORCES:
-        clear_forces(n, tables)
+        tables.bodies[:, first_force(tables.bodies):] = 0.0
+        tables.bench[0, STEP] = 0.0  # nothing has moved to these displacements
         all_forces(n, tables, law, strain, loose, clock, step, walls, ending[0], damped, turns, 0.0)
         return
     if damped:
@@ -125,33 +127,6 @@ def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, end
             if damped:
                 remember_last(n, tables, strain, which)
             k += 1
-
-
-@compiled
-def clear_forces(n, tables):
-    """Set the forces on all bodies to zero, before those at displacements to which nothing has moved."""
-    for b in range(len(tables.bodies)):
-        for k in range(tables.inertia.shape[1] // 3):
-            store(n, tables.bodies, b, first_force(tables.bodies) + k, 0.0)
-    store(n, tables.bench, 0, STEP, 0.0)
-
-
-@compiled
-def any_above_zero(controls, column):
-    """Whether a column of the controls, (walls, 5), is above zero for any wall."""
-    found = False
-    for w in range(len(controls)):
-        found |= controls[w, column] > 0.0
-    return found
-
-
-@compiled
-def any_turns(n, tables):
-    """Whether a rotational spring holds any body."""
-    found = False
-    for b in range(len(tables.turning)):
-        found |= bits(load(n, tables.turning, b, 0) > 0.0) > 0
-    return found
 
 
 @compiled
@@ -173,7 +148,7 @@ def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped
     bit; damped: whether interfaces damp; turns: whether bodies are held by rotational springs; since: time since the
     last forces [s], zero where nothing has moved.
     """
-    clear(n, tables.sums, DAMPED)
+    tables.sums[DAMPED] = 0.0
     singly, others = ending == walls, 1
     if strain is not None:
         singly = True
@@ -234,9 +209,9 @@ def forces_of_intact(n, tables, loose, ending, damped):
 
     n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall.
     """
-    everyone, any_other, places = (1 << lanes(n)) - 1, 0, tables.bodies
+    everyone, any_other = (1 << lanes(n)) - 1, 0
     for p in range(0, len(tables.others), rows_of(n)):
-        springs, first, second = springs_of(n, tables, p), tables.first, tables.second
+        springs = springs_of(n, tables, p)
         frame, motion = moved(n, tables, p)
         intact = interfaces.stays_intact(springs, limits_of(n, tables.limits, p), motion)
         if ending:
@@ -254,7 +229,7 @@ def forces_of_intact(n, tables, loose, ending, damped):
         if damped:
             changed = interfaces.change(resultant, last_resultant(n, tables.last, p))
             resultant = damp(n, tables, p, motion, resultant, changed, intact)
-        push_at(n, places, first, second, p, interfaces.forces_on_bodies(frame, resultant, motion), intact)
+        push(n, tables, p, interfaces.forces_on_bodies(frame, resultant, motion), intact, PLACE + RIGID)
     return any_other
 
 
@@ -300,15 +275,10 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
             start += size
         over = ends_now(n, tables, loose, p, clock, step, here, motion)
         if here & (ending | over):
-            read(n, tables, strain, interface, motion, flags_of(n, here & (ending | over)))
-        push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
-
-
-@inlined
-def read(n, tables, strain, interface, motion, which):
-    """Write the readings of all contact points of an interface in the walls `which` (flags)."""
-    for i in range(interface.start, interface.stop):
-        contacts.read(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion), which)
+            for i in range(interface.start, interface.stop):
+                at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
+                contacts.read(n, tables, i, at_point, flags_of(n, here & (ending | over)))
+        push(n, tables, p, interfaces.forces_on_bodies(frame, resultant, motion), lives, first_force(tables.bodies))
 
 
 @inlined
@@ -342,22 +312,17 @@ def fail(n, tables, p, w, failed):
 def let_go(n, tables, strain, loose, p, gone, motion):
     """Set the forces of interface p to zero, permanently, in those of the walls `gone` (bits) in which it is ENDING;
     its bodies become a loose pair where there are such."""
+    interface = tables.interfaces[p]
     for w in range(lanes(n)):
         one = wall_of(n, w)
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
             before = load(one, tables.energy, 0, FRICTION)
-            let_go_of(one, tables, strain, tables.interfaces[p], of_wall(motion, w))
+            for i in range(interface.start, interface.stop):
+                contacts.let_go(one, tables, i, motion_at(one, tables.bodies, strain, interface, i, of_wall(motion, w)))
+                tables.used[i] = 1
             fail(n, tables, p, w, ENDED)
             if loose is not None:
-                hand_over(n, tables, loose, tables.interfaces[p], load(one, tables.energy, 0, FRICTION) - before)
-
-
-@inlined
-def let_go_of(n, tables, strain, interface, motion):
-    """`damage.mechanics.contacts.let_go` of all contact points of an interface of one wall."""
-    for i in range(interface.start, interface.stop):
-        contacts.let_go(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion))
-        tables.used[i] = 1
+                hand_over(n, tables, loose, interface, load(one, tables.energy, 0, FRICTION) - before)
 
 
 @inlined
