@@ -291,7 +291,7 @@ def ends_now(n, tables, loose, p, clock, step, here, motion):
     failed = bits(load(n, tables.limits, p, HAS_FAILED) == FAILED) & here
     over = 0
     if failed:
-        over = failed & bits(interfaces.no_overlap(motion, interface.slide_least, interface.slide_most))
+        over = failed & bits((motion.shear <= interface.slide_least) | (motion.shear >= interface.slide_most))
     if loose is not None and over == 0 and ends_too(n, tables, loose, p, clock[0] + step, motion):
         over = 1
     if over:
