@@ -4,7 +4,6 @@ Bodies are eliminated in the order of minimum degree, ties by their rows.
 """
 
 import hashlib
-from collections import OrderedDict
 from heapq import heappop, heappush
 from itertools import pairwise
 
@@ -19,7 +18,7 @@ from damage.wall.soil import radiation_times
 MASSLESS = 1e-30
 """What stands for the mass of a coordinate without one, whose velocity is prescribed [kg or kg m2]."""
 _MOST_KEPT = 8
-_KEPT = OrderedDict()  # {key: ScaledMass}
+_KEPT = {}  # {key: ScaledMass}, the last used at the end
 
 
 def scaled_mass(layout, time_step, beta, held=()):
@@ -28,11 +27,9 @@ def scaled_mass(layout, time_step, beta, held=()):
     numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
     key = hashlib.sha256(b"|".join((*elastic_key(layout), damping, numbers.tobytes()))).digest()
-    if key not in _KEPT:
-        _KEPT[key] = ScaledMass(key, layout, time_step, beta, list(held))
-        if len(_KEPT) > _MOST_KEPT:
-            _KEPT.popitem(last=False)
-    _KEPT.move_to_end(key)
+    _KEPT[key] = _KEPT.pop(key, None) or ScaledMass(key, layout, time_step, beta, list(held))
+    if len(_KEPT) > _MOST_KEPT:
+        del _KEPT[next(iter(_KEPT))]
     return _KEPT[key]
 
 

@@ -404,10 +404,7 @@ def pose_before(n, tables, b):
     """Pose of body b of one wall in the last step."""
     places, inertia, dt = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0).step
     angle = place_of(n, places, b, ROTATION) - dt * velocity_of(n, inertia, b, ROTATION)
-    if abs(angle) < SMALL:
-        cos1, sin = small_rotation(angle)
-    else:
-        cos1, sin = np.cos(angle) - 1.0, np.sin(angle)
+    cos1, sin = small_rotation(angle) if abs(angle) < SMALL else (np.cos(angle) - 1.0, np.sin(angle))
     return Pose(place_of(n, places, b, X) - dt * velocity_of(n, inertia, b, X),
                 place_of(n, places, b, Z) - dt * velocity_of(n, inertia, b, Z), cos1, sin)
 

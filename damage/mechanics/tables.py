@@ -239,20 +239,15 @@ def join(members):
                       len(old.last), len(old.radiation), len(old.bearings), old.events.shape[1],
                       width=1 if len(members) == 1 else WIDTH)
     for w, (tables, lane) in enumerate(members):
-        copy_wall(tables, lane, new, w)
+        logged = {"n_events": 1, "events": int(tables.n_events[lane, 0]), "values": int(tables.n_events[lane, 0])}
+        for name, from_, to in zip(Tables._fields, tables, new):
+            if name in LOGS:
+                to[w, :logged[name]] = from_[lane, :logged[name]]  # its events as far as there are any
+            elif name not in SHARED + WORK:
+                rows = min(len(from_), len(to))
+                to[:rows, :, w] = from_[:rows, :, lane]
     copy_lines(new)
     return new
-
-
-def copy_wall(tables, lane, other, w):
-    """Copy wall `lane` of Tables to place w of others; its events as far as there are any."""
-    for name, from_, to in zip(Tables._fields, tables, other):
-        if name in LOGS:
-            count = len(from_[lane]) if name == "n_events" else min(int(tables.n_events[lane, 0]), from_.shape[1])
-            to[w, :count] = from_[lane, :count]
-        elif name not in SHARED + WORK:
-            rows = min(len(from_), len(to))
-            to[:rows, :, w] = from_[:rows, :, lane]
 
 
 def system_of(tables, w):
