@@ -275,7 +275,7 @@ def move_scaled(n, tables, matrix, strain, damped):
     find_rates(n, tables, matrix, strain, damped)
     for i in range(len(matrix.body)):
         b, first = matrix.body[i], matrix.first[i]
-        for k in range(coordinates_of(tables, first)):
+        for k in range(matrix.count[i]):
             c, rate, lost = first + k, load(n, room, i, k), load(n, room, i, LOST + k)
             swept, driven, taken, new = advance(n, tables.inertia, b, c, dt, rate, lost, force_of(n, places, b, c))
             if c in (X, Z):
@@ -288,12 +288,6 @@ def move_scaled(n, tables, matrix, strain, damped):
             put(n, tables, b, *coordinates(n, places, tables.every, b)[:3])
 
 
-@inlined
-def coordinates_of(tables, first):
-    """Number of coordinates of a node of the Matrix that begins with coordinate `first` of its body."""
-    return min(RIGID, tables.inertia.shape[1] // 3 - first)
-
-
 @compiled
 def find_rates(n, tables, matrix, strain, damped):
     """Write the rates of change of all velocities into the room, and behind them mass times deceleration by damping;
@@ -301,7 +295,7 @@ def find_rates(n, tables, matrix, strain, damped):
     places, inertia, room, bench = tables.bodies, tables.inertia, matrix.room, bench_of(n, tables.bench, 0)
     for i in range(len(matrix.body)):
         b = matrix.body[i]
-        for k in range(coordinates_of(tables, matrix.first[i])):
+        for k in range(matrix.count[i]):
             c, lost = matrix.first[i] + k, zero(n)
             old, mass, force = velocity_of(n, inertia, b, c), mass_of(n, inertia, b, c), force_of(n, places, b, c)
             if strain is not None and c >= RIGID:
@@ -394,13 +388,31 @@ def kinetic_of_modes(n, inertia, strain, b):
     return energy
 
 
+@inlined
+def energies_of_modes(n, bodies, inertia, strain, dt):
+    """Kinetic and elastic energy of all strain modes [J].
+
+    The velocities, known at half steps, are advanced to the time of the amplitudes.
+    """
+    kinetic, stored, one = zero(n), zero(n), wall_of(n, 0)
+    for b in range(len(strain.stiffness)):
+        for m in range(strain.shapes.shape[2]):
+            place, velocity = place_of(n, bodies, b, RIGID + m), velocity_of(n, inertia, b, RIGID + m)
+            rate = force_of(n, bodies, b, RIGID + m) - strain.stiffness[b, m] * place
+            rate = rate * inverse_mass_of(one, inertia, b, RIGID + m)
+            velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])
+            kinetic = kinetic + 0.5 * mass_of(one, inertia, b, RIGID + m) * velocity * velocity
+            stored = stored + 0.5 * strain.stiffness[b, m] * place * place
+    return kinetic, stored
+
+
 @compiled
 def scaled_kinetic_energy(n, tables, matrix, strain):
     """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step."""
     find_rates(n, tables, matrix, strain, False)
     room, half = matrix.room, 0.5 * bench_of(n, tables.bench, 0).step
     for i in range(len(matrix.body)):
-        for k in range(coordinates_of(tables, matrix.first[i])):
+        for k in range(matrix.count[i]):
             velocity = velocity_of(n, tables.inertia, matrix.body[i], matrix.first[i] + k)
             store(n, room, i, k, velocity + half * load(n, room, i, k))
     energy, lower, of, e = zero(n), matrix.lower, matrix.diagonal, ROW(0)

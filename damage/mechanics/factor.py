@@ -63,8 +63,10 @@ class ScaledMass:
         lower[np.searchsorted(known, (j * n + i)[i > j]), (3 * s + k)[i > j]] = whole.data[i > j]
         inverse = _factorise(start, below, known, lower.reshape(-1, 3, 3), diagonal.reshape(-1, 3, 3))
         order = [*order, *range(bodies, bodies + self._supports)]
-        return Matrix(np.repeat(order, nodes), np.tile(np.arange(nodes) * RIGID, len(order)), start.astype(ROW),
-                      below.astype(ROW), lower, diagonal, inverse.reshape(-1, 9), np.zeros((0, 0, 1)))
+        first = np.arange(0, size, RIGID)
+        return Matrix(np.repeat(order, nodes), np.tile(first, len(order)),
+                      np.tile(np.minimum(size - first, RIGID), len(order)), start.astype(ROW), below.astype(ROW), lower,
+                      diagonal, inverse.reshape(-1, 9), np.zeros((0, 0, 1)))
 
 
 def _scaled(layout, time_step, beta, held):

@@ -10,12 +10,11 @@ import numpy as np
 from damage.law.joint_law import elastic_energy
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.mechanics import contacts
-from damage.mechanics.bodies import kinetic_energy, scaled_kinetic_energy
+from damage.mechanics.bodies import energies_of_modes, kinetic_energy, scaled_kinetic_energy
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.loose import STORED
 from damage.mechanics.rows import bench_of, force_of, inverse_mass_of, mass_of, place_of, reading_of, velocity_of
-from damage.mechanics.strain import energies_of_modes
 from damage.mechanics.tables import ENDING, HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6

@@ -12,7 +12,7 @@ Time integration is by central differences: velocities at half steps, displaceme
 
 import numpy as np
 
-from damage.mechanics import contacts, interfaces
+from damage.mechanics import contacts, interfaces, rows
 from damage.mechanics.bodies import SMALL, adapt, move, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.eight import (
@@ -34,28 +34,7 @@ from damage.mechanics.eight import (
 )
 from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
 from damage.mechanics.loose import can_end, ends_too, find_loose_forces, hand_over
-from damage.mechanics.rows import (
-    bearing_of,
-    bench_of,
-    dashpots_last,
-    dashpots_of,
-    first_force,
-    keep_bearing,
-    keep_dashpots,
-    keep_motion,
-    keep_resultant,
-    last_motion,
-    last_resultant,
-    limits_of,
-    line_of,
-    place_of,
-    pose_at,
-    push,
-    springs_of,
-    velocity_of,
-)
 from damage.mechanics.samples import observe
-from damage.mechanics.strain import motion_at, points_at_once, push_modes
 from damage.mechanics.tables import (
     DAMPED,
     DAMPING,
@@ -108,7 +87,7 @@ def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, end
         observe(n, tables, strain, loose, matrix, ending[0], stiffness, samples, taken)
         return
     if what == FIND_FORCES:
-        tables.bodies[:, first_force(tables.bodies):] = 0.0
+        tables.bodies[:, rows.first_force(tables.bodies):] = 0.0
         tables.bench[0, STEP] = 0.0  # nothing has moved to these displacements
         all_forces(n, tables, law, strain, loose, clock, step, walls, ending[0], damped, turns, 0.0)
         return
@@ -159,8 +138,8 @@ def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped
     if turns:
         for b in range(len(tables.turning)):
             stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
-            moment = stiffness * (place_of(n, tables.bodies, b, ROTATION) - rest)
-            add(n, tables.bodies, b, first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
+            moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
+            add(n, tables.bodies, b, rows.first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
     if len(tables.bearings) > 0:
         hold_top(n, tables)
     if loose is not None:
@@ -176,19 +155,19 @@ def hold_top(n, tables):
 
     The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip is friction.
     """
-    bench = bench_of(n, tables.bench, 0)
+    bench = rows.bench_of(n, tables.bench, 0)
     gravity = bench.pull_z - bench.base_z
     for b in range(len(tables.bearings)):
-        stiffness, limit, play, weighs, slip, before = bearing_of(n, tables.bearings, b)
-        trial = stiffness * (place_of(n, tables.bodies, b, X) - slip)
+        stiffness, limit, play, weighs, slip, before = rows.bearing_of(n, tables.bearings, b)
+        trial = stiffness * (rows.place_of(n, tables.bodies, b, X) - slip)
         excess = either(trial > limit, trial - limit, either(trial < -limit, trial + limit, 0.0))
         slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
         slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
         force = trial - stiffness * (slipped - slip)
-        keep_bearing(n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force))
+        rows.keep_bearing(n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force))
         add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
-        add(n, tables.bodies, b, first_force(tables.bodies) + X, -force)
-        add(n, tables.bodies, b, first_force(tables.bodies) + Z, -weighs * gravity)
+        add(n, tables.bodies, b, rows.first_force(tables.bodies) + X, -force)
+        add(n, tables.bodies, b, rows.first_force(tables.bodies) + Z, -weighs * gravity)
 
 
 @compiled
@@ -211,9 +190,9 @@ def forces_of_intact(n, tables, loose, ending, damped):
     """
     everyone, any_other = (1 << lanes(n)) - 1, 0
     for p in range(0, len(tables.others), rows_of(n)):
-        springs = springs_of(n, tables, p)
+        springs = rows.springs_of(n, tables, p)
         frame, motion = moved(n, tables, p)
-        intact = interfaces.stays_intact(springs, limits_of(n, tables.limits, p), motion)
+        intact = interfaces.stays_intact(springs, rows.limits_of(n, tables.limits, p), motion)
         if ending:
             intact = intact & flags_of(n, everyone ^ ending)
         if loose is not None:
@@ -227,17 +206,17 @@ def forces_of_intact(n, tables, loose, ending, damped):
                 tables.others[p + k] = other >> k & 1
         resultant = interfaces.elastic_resultant(springs, motion)
         if damped:
-            changed = interfaces.change(resultant, last_resultant(n, tables.last, p))
+            changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, p))
             resultant = damp(n, tables, p, motion, resultant, changed, intact)
-        push(n, tables, p, interfaces.forces_on_bodies(frame, resultant, motion), intact, PLACE + RIGID)
+        rows.push(n, tables, p, interfaces.forces_on_bodies(frame, resultant, motion), intact, PLACE + RIGID)
     return any_other
 
 
 @inlined
 def moved(n, tables, p):
     """Frame and RelativeMotion of interface p, or of eight from there on."""
-    return interfaces.relative_motion(line_of(n, tables, p), pose_at(n, tables.bodies, tables.first, p),
-                                      pose_at(n, tables.bodies, tables.second, p))
+    return interfaces.relative_motion(rows.line_of(n, tables, p), rows.pose_at(n, tables.bodies, tables.first, p),
+                                      rows.pose_at(n, tables.bodies, tables.second, p))
 
 
 @compiled
@@ -278,7 +257,8 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
             for i in range(interface.start, interface.stop):
                 at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
                 contacts.read(n, tables, i, at_point, flags_of(n, here & (ending | over)))
-        push(n, tables, p, interfaces.forces_on_bodies(frame, resultant, motion), lives, first_force(tables.bodies))
+        forces = interfaces.forces_on_bodies(frame, resultant, motion)
+        rows.push(n, tables, p, forces, lives, rows.first_force(tables.bodies))
 
 
 @inlined
@@ -341,12 +321,13 @@ def forces_of_points(n, tables, law, strain, p, start, stop, clock, step, motion
         resultant, elastic = contacts.elastic_resultant(n, of_contacts, states, start, stop, motion, lives)
     beyond = here & ~bits(elastic)
     if beyond:
-        beyond &= ~bits(interfaces.stays_intact(springs_of(n, tables, p), limits_of(n, tables.limits, p), motion))
+        springs, limits = rows.springs_of(n, tables, p), rows.limits_of(n, tables.limits, p)
+        beyond &= ~bits(interfaces.stays_intact(springs, limits, motion))
     if strain is None or tables.used[start]:
         contacts.remember(n, of_contacts, states, start, stop, motion, flags_of(n, here & ~beyond))
     changed = resultant
     if damped:
-        changed = interfaces.change(resultant, last_resultant(n, tables.last, row))
+        changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, row))
     if beyond:
         resultant, changed = by_law(n, tables, law, strain, p, start, stop, clock, step, motion, beyond, damped,
                                     resultant, changed)
@@ -390,23 +371,23 @@ def with_wall(resultant, w, of_wall):
 def motion_before(n, tables, strain, p, row, motion, damped):
     """RelativeMotion of interface p of one wall in the last step, stored where the wall damps, else by velocities; the
     present one between deformable bricks."""
-    if damped and (bench_of(n, tables.bench, 0).rate > 0.0 or len(tables.radiation) > 0):
-        return last_motion(n, tables.last, row)
+    if damped and (rows.bench_of(n, tables.bench, 0).rate > 0.0 or len(tables.radiation) > 0):
+        return rows.last_motion(n, tables.last, row)
     if strain is not None:
         return motion
     interface = tables.interfaces[p]
-    return interfaces.relative_motion(line_of(n, tables, p), pose_before(n, tables, interface.a),
+    return interfaces.relative_motion(rows.line_of(n, tables, p), pose_before(n, tables, interface.a),
                                       pose_before(n, tables, interface.b))[1]
 
 
 @compiled
 def pose_before(n, tables, b):
     """Pose of body b of one wall in the last step."""
-    places, inertia, dt = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0).step
-    angle = place_of(n, places, b, ROTATION) - dt * velocity_of(n, inertia, b, ROTATION)
+    places, inertia, dt = tables.bodies, tables.inertia, rows.bench_of(n, tables.bench, 0).step
+    angle = rows.place_of(n, places, b, ROTATION) - dt * rows.velocity_of(n, inertia, b, ROTATION)
     cos1, sin = small_rotation(angle) if abs(angle) < SMALL else (np.cos(angle) - 1.0, np.sin(angle))
-    return Pose(place_of(n, places, b, X) - dt * velocity_of(n, inertia, b, X),
-                place_of(n, places, b, Z) - dt * velocity_of(n, inertia, b, Z), cos1, sin)
+    return Pose(rows.place_of(n, places, b, X) - dt * rows.velocity_of(n, inertia, b, X),
+                rows.place_of(n, places, b, Z) - dt * rows.velocity_of(n, inertia, b, Z), cos1, sin)
 
 
 # --- damping of interfaces --------------------------------------------------------------------------
@@ -418,16 +399,16 @@ def damp(n, tables, row, motion, resultant, changed, which):
 
     changed: change of the elastic resultant since the last step.
     """
-    before = last_motion(n, tables.last, row)
-    keep_motion(n, tables.last, row, which, motion)
-    keep_resultant(n, tables.last, row, which, resultant)
-    bench = bench_of(table_width(n), tables.bench, 0)
+    before = rows.last_motion(n, tables.last, row)
+    rows.keep_motion(n, tables.last, row, which, motion)
+    rows.keep_resultant(n, tables.last, row, which, resultant)
+    bench = rows.bench_of(table_width(n), tables.bench, 0)
     viscous, work = interfaces.add_viscous(bench.rate, motion, before, resultant, changed)
     if len(tables.radiation) > 0:
         viscous, of_dashpots, more = interfaces.add_dashpots(
-            dashpots_of(n, tables.radiation, row), dashpots_last(n, tables.radiation, row), bench.step, motion, before,
-            viscous, changed)
-        keep_dashpots(n, tables.radiation, row, which, of_dashpots)
+            rows.dashpots_of(n, tables.radiation, row), rows.dashpots_last(n, tables.radiation, row), bench.step,
+            motion, before, viscous, changed)
+        rows.keep_dashpots(n, tables.radiation, row, which, of_dashpots)
         work = work + more
     add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
     return viscous
@@ -443,7 +424,47 @@ def remember_last(n, tables, strain, which):
         start, size = ROW(interface.start), points_at_once(strain, interface)
         while start < interface.stop:
             here, row = motion_at(n, tables.bodies, strain, interface, start, motion), last_row(strain, p, start)
-            keep_motion(n, tables.last, row, asked, here)
-            keep_resultant(n, tables.last, row, asked, contacts.present_resultant(
+            rows.keep_motion(n, tables.last, row, asked, here)
+            rows.keep_resultant(n, tables.last, row, asked, contacts.present_resultant(
                 n, tables.contacts, tables.states, start, start + size, here))
             start += size
+
+
+# --- strain modes of deformable bricks ----------------------------------------------------------------
+# Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact forces on the opening
+# and shear displacement by a unit of the mode.  Its mass, stiffness, damping and shape are equal in all walls that step
+# together.  Theory: `damage.wall.strain`.
+
+@inlined
+def points_at_once(strain, interface):
+    """Number of contact points that share a RelativeMotion: all of an interface between rigid bricks, else one."""
+    if strain is None:
+        return ROW(interface.stop - interface.start)
+    return ROW(1)
+
+
+@inlined
+def motion_at(n, bodies, strain, interface, i, motion):
+    """RelativeMotion at contact i: that of the interface plus the displacements by the strain modes of both bricks."""
+    if strain is None:
+        return motion
+    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    opening, shear = zero(n), zero(n)
+    for m in range(shapes.shape[2]):
+        qa, qb = rows.place_of(n, bodies, a, RIGID + m), rows.place_of(n, bodies, b, RIGID + m)
+        opening = opening + (shapes[at_b, 0, m] * qb - shapes[at_a, 0, m] * qa)
+        shear = shear + (shapes[at_b, 1, m] * qb - shapes[at_a, 1, m] * qa)
+    return RelativeMotion(motion.opening + opening, motion.shear + shear, motion.rotation)
+
+
+@inlined
+def push_modes(n, bodies, strain, interface, i, resultant, which):
+    """Add a contact's Resultant to the generalized forces of both bricks' modes, in the walls `which` (flags)."""
+    if strain is None:
+        return
+    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    normal, shear = either(which, resultant.normal, 0.0), either(which, resultant.shear, 0.0)
+    for m in range(shapes.shape[2]):
+        k = rows.first_force(bodies) + RIGID + m
+        add(n, bodies, a, k, normal * shapes[at_a, 0, m] + shear * shapes[at_a, 1, m])
+        add(n, bodies, b, k, -(normal * shapes[at_b, 0, m] + shear * shapes[at_b, 1, m]))

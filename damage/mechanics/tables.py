@@ -301,13 +301,15 @@ class Matrix(NamedTuple):
     """Mass matrix of selective mass scaling as a block factor L D L', its nodes in the order of elimination; a node has
     three coordinates of a body.
 
-    body, first: (nodes,) row of its body and its first coordinate; start: (nodes + 1,) first block of each column of L;
-    below: (blocks,) node of each block's row; lower: (blocks, 9) these blocks; diagonal, inverse: (nodes, 9) blocks of
-    D, zero where massless and prescribed, and of its inverse; room: (nodes, 6, W) work array.
+    body, first, count: (nodes,) row of its body, the first of its coordinates and their number; start: (nodes + 1,)
+    first block of each column of L; below: (blocks,) node of each block's row; lower: (blocks, 9) these blocks;
+    diagonal, inverse: (nodes, 9) blocks of D, zero where massless and prescribed, and of its inverse; room: (nodes, 6,
+    W) work array.
     """
 
     body: np.ndarray
     first: np.ndarray
+    count: np.ndarray
     start: np.ndarray
     below: np.ndarray
     lower: np.ndarray
