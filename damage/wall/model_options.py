@@ -9,9 +9,6 @@ from damage.wall.lintels import KINDS_OF_LINTELS
 
 SOILS = (1e5, 1e12)
 """Least and largest modulus of subgrade reaction [N/m3]."""
-SOIL_VELOCITIES = (20, 2000)
-"""Least and largest shear-wave velocity of a soil [m/s]."""
-
 
 _KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
 """Of lintels that are whole by their name."""
@@ -62,7 +59,7 @@ class ModelOptions:
                                  help="soil: horizontal stiffness over the vertical one")
     footing: float = quantity("m", 0.01, 10, default=0.45, metavar="M", tag="footing-{footing:g}",
                               help="soil: width of the footing [m]")
-    soil_velocity: float = quantity("m/s", *SOIL_VELOCITIES, words=(0,), default=0.0, metavar="M_S",
+    soil_velocity: float = quantity("m/s", 20, 2000, words=(0,), default=0.0, metavar="M_S",
                                     tag="soil-velocity-{soil_velocity:g}", help="soil: shear-wave velocity, for "
                                     "radiation damping (reference solver); 0: none")
     fibres: int = quantity("1", 0, 64, whole=True, default=0, metavar="N", tag="fibres-{fibres}", help="number of "
