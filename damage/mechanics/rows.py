@@ -15,6 +15,7 @@ from damage.mechanics.tables import (
     PLACE,
     RADIATION,
     READINGS,
+    RIGID,
     ROTATION,
     STATES,
     STRENGTHS,
@@ -61,11 +62,10 @@ def pose_at(n, bodies, rows, p):
 
 
 @inlined
-def push(n, tables, p, forces, which, field):
-    """Add BodyForces of interface p, or of eight from there on, where `which` is; field: `first_force` of the bodies,
-    which a constant makes faster."""
+def push_at(n, bodies, first, second, p, forces, which):
+    """Add BodyForces to rigid bodies first[p] and second[p], or to eight of both from there on, where `which` is."""
     x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
-    add_three(n, tables.bodies, tables.first, tables.second, p, field, (x, z, either(which, forces.moment_a, 0.0)),
+    add_three(n, bodies, first, second, p, PLACE + RIGID, (x, z, either(which, forces.moment_a, 0.0)),
               (-x, -z, -either(which, forces.moment_b, 0.0)))
 
 
@@ -76,6 +76,14 @@ def push_body(n, bodies, b, x, z, moment):
     add(n, bodies, b, first + X, x)
     add(n, bodies, b, first + Z, z)
     add(n, bodies, b, first + ROTATION, moment)
+
+
+@inlined
+def push(n, bodies, interface, forces, which):
+    """Add BodyForces of an interface to the forces on its bodies in the walls `which` (flags)."""
+    x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
+    push_body(n, bodies, interface.a, x, z, either(which, forces.moment_a, 0.0))
+    push_body(n, bodies, interface.b, -x, -z, -either(which, forces.moment_b, 0.0))
 
 
 # --- coordinate k of body b: X, Z, ROTATION, then strain modes ---------------------------------------

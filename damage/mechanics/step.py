@@ -44,7 +44,6 @@ from damage.mechanics.tables import (
     FRICTION,
     HAS_FAILED,
     LARGEST_OPENING,
-    PLACE,
     RIGID,
     ROTATION,
     ROW,
@@ -208,7 +207,8 @@ def forces_of_intact(n, tables, loose, ending, damped):
         if damped:
             changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, p))
             resultant = damp(n, tables, p, motion, resultant, changed, intact)
-        rows.push(n, tables, p, interfaces.forces_on_bodies(frame, resultant, motion), intact, PLACE + RIGID)
+        forces = interfaces.forces_on_bodies(frame, resultant, motion)
+        rows.push_at(n, tables.bodies, tables.first, tables.second, p, forces, intact)
     return any_other
 
 
@@ -257,8 +257,7 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
             for i in range(interface.start, interface.stop):
                 at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
                 contacts.read(n, tables, i, at_point, flags_of(n, here & (ending | over)))
-        forces = interfaces.forces_on_bodies(frame, resultant, motion)
-        rows.push(n, tables, p, forces, lives, rows.first_force(tables.bodies))
+        rows.push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
 
 
 @inlined
