@@ -1,47 +1,186 @@
-"""Equations of motion of a body: central differences, and damping of its velocity.
+"""Motion of the bodies in a time step: central differences, damping of velocities, selective mass scaling.
 
-The generalized coordinates of a rigid body are its displacements along x and z and its rotation from x towards z.  All
-coordinates obey the same equation.  Where the inverse mass is zero, the velocity is prescribed.
+The generalized coordinates of a rigid body are its displacements along x and z and its rotation from x towards z; its
+strain modes are behind them.  All of them obey the same equation.  Where the inverse mass is zero, the velocity is
+prescribed.
 
-All functions accept the values of one body, or vectors of those of a body in eight walls (`damage.mechanics.eight`).
+Selective mass scaling has a constant matrix in place of the masses:
+
+    (M + dt^2/2 K0 + dt/2 C0) (v(t + dt/2) - v(t - dt/2)) = dt (f(u(t)) - M (g + a_base(t)))
+
+K0: stiffness of the intact wall; C0: its damping.  No frequency of a wall whose tangent stiffness is at most K0 exceeds
+sqrt(2) / dt.  The kinetic energy has the same matrix, by which the energy balance holds; input is work on M alone.
+The solution is by a block factor L D L' (`damage.mechanics.factor`), one order of operations for any width.
 """
 
-from damage.mechanics.compiled import inlined
-from damage.mechanics.eight import either
+import numpy as np
+
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.eight import (
+    add_part,
+    bits,
+    either,
+    four,
+    lane,
+    lanes,
+    load,
+    put_four,
+    rows_of,
+    store,
+    table_width,
+    wall_of,
+    widest,
+    zero,
+)
+from damage.mechanics.rows import (
+    bench_of,
+    first_force,
+    force_of,
+    inverse_mass_of,
+    keep_bench,
+    mass_of,
+    place_of,
+    velocity_of,
+)
+from damage.mechanics.tables import (
+    COS1,
+    DAMPING,
+    DRIVEN,
+    INPUT,
+    KINETIC,
+    PARTS,
+    PLACE,
+    RIGID,
+    ROTATION,
+    ROW,
+    SIN,
+    SWEPT_X,
+    SWEPT_Z,
+    TAKEN,
+    VELOCITY,
+    Bench,
+    X,
+    Z,
+)
 
 SMALL = 0.01
 """Angle [rad] below which sine and cosine are evaluated by their Taylor series."""
+LOST = 3
+"""First field of a Matrix's room with mass times deceleration by damping."""
 
 
-@inlined
-def acceleration(force, inverse_mass, field):
-    """Acceleration of a coordinate [m/s2 or rad/s2]: force over mass less `field`, zero where the velocity is
-    prescribed.  field: acceleration of the base plus gravity along the coordinate; both act against its direction."""
-    return either(inverse_mass > 0.0, force * inverse_mass - field, 0.0)
+@compiled
+def move(n, tables, strain, matrix, controls, field, step):
+    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
 
-
-@inlined
-def damping(velocity, rate, inverse_mass, alpha, local):
-    """Deceleration of a coordinate by damping [m/s2 or rad/s2]; zero where the velocity is prescribed.
-
-    alpha: mass-proportional damping [1/s]; local: Cundall's local damping [-], a share of |rate| against the velocity;
-    rate: acceleration without damping [m/s2 or rad/s2].
+    matrix, controls, field: as of `damage.mechanics.step.run`; step: row of the field.
     """
-    sign = either(velocity > 0.0, 1.0, either(velocity < 0.0, -1.0, 0.0))
-    return either(inverse_mass > 0.0, alpha * velocity + local * abs(rate) * sign, 0.0)
+    sums = tables.sums
+    sums[SWEPT_X:KINETIC] = 0.0
+    damped = set_bench(n, tables, controls, field, step)
+    if matrix is not None:
+        move_scaled(n, tables, matrix, strain, damped)
+    elif damped:
+        move_all(n, tables, strain, controls, True)
+    else:
+        move_all(n, tables, strain, controls, False)
+    for kind in range(SWEPT_X, KINETIC):
+        total(n, sums, kind)
+    for w in range(len(controls)):
+        dt = controls[w, 0]
+        swept = field[w, step, 0] * sums[SWEPT_X, 0, w] + field[w, step, 1] * sums[SWEPT_Z, 0, w]
+        tables.energy[0, INPUT, w] += (sums[DRIVEN, 0, w] - 0.5 * swept) * dt
+        tables.energy[0, DAMPING, w] += sums[TAKEN, 0, w] * dt
+
+
+@compiled
+def set_bench(n, tables, controls, field, step):
+    """Write the parameters of a step to the bench; returns whether mass-proportional or local damping acts."""
+    damped = False
+    for w in range(len(controls)):
+        dt, local, base_x, base_z = controls[w, 0], controls[w, 1], field[w, step, 0], field[w, step, 1]
+        alpha = controls[w, 2] + tables.relaxation[0, 0, w]
+        damped |= alpha > 0.0 or local > 0.0
+        keep_bench(wall_of(n, w), tables.bench, 0, True, Bench(
+            base_x, base_z, base_z + field[w, step, 2], dt, alpha, local, controls[w, 3] / dt))
+    return damped
 
 
 @inlined
-def work_of_field(mass, inverse_mass, old, new):
-    """Sum of the momenta before and after a step [kg m/s], with which the field does work; zero where the velocity is
-    prescribed.  old, new: velocities [m/s]."""
-    return either(inverse_mass > 0.0, mass * (old + new), 0.0)
+def move_all(n, tables, strain, controls, damped):
+    """`move_bodies`, of one wall without strain modes eight at once."""
+    if strain is None:
+        move_bodies(widest(n), tables, strain, controls, damped)
+    else:
+        move_bodies(n, tables, strain, controls, damped)
 
 
 @inlined
-def power_of_drive(force, inverse_mass, velocity):
-    """Power of a prescribed velocity against the force of the contact points [W]; zero where the coordinate is free."""
-    return -either(inverse_mass > 0.0, 0.0, force * velocity)
+def move_bodies(n, tables, strain, controls, damped):
+    """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have no strain modes."""
+    alike, sums, inertia = True, tables.sums, tables.inertia
+    bench = bench_of(table_width(n), tables.bench, 0)
+    for w in range(len(controls)):
+        alike &= controls[w, 0] == controls[0, 0]
+    for b in range(0, len(tables.turning), rows_of(n)):
+        lost = zero(n)
+        x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
+        swept_x, driven_x, taken_x, vx = move_coordinate(n, inertia, b, X, bench, bench.base_x, fx, damped)
+        swept_z, driven_z, taken_z, vz = move_coordinate(n, inertia, b, Z, bench, bench.pull_z, fz, damped)
+        _, driven, taken, turning = move_coordinate(n, inertia, b, ROTATION, bench, 0.0, moment, damped)
+        put(n, tables, b, x + bench.step * vx, z + bench.step * vz, rotation + bench.step * turning)
+        add_part(n, sums, SWEPT_X, b, swept_x)
+        add_part(n, sums, SWEPT_Z, b, swept_z)
+        add_part(n, sums, DRIVEN, b, driven_x + driven_z + driven)
+        if damped:
+            lost = taken_x + taken_z + taken
+        if strain is not None:
+            if alike:
+                lost = move_modes(n, tables, bench, strain, controls[0, 0], b, lost, damped)
+            else:
+                lost = move_modes(n, tables, bench, strain, bench.step, b, lost, damped)
+        add_part(n, sums, TAKEN, b, lost)
+
+
+@inlined
+def coordinates(n, places, every, b):
+    """x, z and rotation of body b, and the forces on these; every: numbers of all rows."""
+    if rows_of(n) == 1:
+        return (place_of(n, places, b, X), place_of(n, places, b, Z), place_of(n, places, b, ROTATION),
+                force_of(n, places, b, X), force_of(n, places, b, Z), force_of(n, places, b, ROTATION))
+    x, z = four(n, places, every, b, COS1)[2:]
+    rotation, fx, fz, moment = four(n, places, every, b, PLACE + ROTATION)
+    return x, z, rotation, fx, fz, moment
+
+
+@inlined
+def put(n, tables, b, x, z, angle):
+    """Write coordinates of body b, cosine less one and sine of its rotation, and forces that are zero."""
+    places, (cos1, sin), none = tables.bodies, small_rotation(angle), zero(n)
+    if rows_of(n) == 1:
+        for k in range(RIGID):
+            store(n, places, b, first_force(places) + k, none)
+        store(n, places, b, COS1, cos1)
+        store(n, places, b, SIN, sin)
+        store(n, places, b, PLACE + X, x)
+        store(n, places, b, PLACE + Z, z)
+        store(n, places, b, PLACE + ROTATION, angle)
+    else:
+        put_four(n, places, tables.every, b, COS1, (cos1, sin, x, z))
+        put_four(n, places, tables.every, b, PLACE + ROTATION, (angle, none, none, none))
+    far = bits(abs(angle) >= SMALL)
+    if far:
+        turn_far(n, places, b, far, angle)
+
+
+@compiled
+def turn_far(n, places, b, far, angle):
+    """Write cosine less one, and sine, of those rotations `far` (bits) of body b that are not small."""
+    for w in range(lanes(n)):
+        if far >> w & 1:
+            row = b + w if rows_of(n) > 1 else b
+            store(wall_of(n, w), places, row, COS1, np.cos(lane(angle, w)) - 1.0)
+            store(wall_of(n, w), places, row, SIN, np.sin(lane(angle, w)))
 
 
 @inlined
@@ -53,10 +192,170 @@ def small_rotation(angle):
 
 
 @inlined
-def kinetic_energy(mass, velocity):
-    """Kinetic energy of a rigid body [J]; mass, velocity: of its coordinates x, z and rotation."""
-    linear = velocity[0] * velocity[0] + velocity[1] * velocity[1]
-    return 0.5 * (mass[0] * linear + mass[2] * velocity[2] * velocity[2])
+def total(n, sums, kind):
+    """Sum of the partial sums, in their order, into the first of them."""
+    value = zero(n)
+    for part in range(PARTS):
+        value = value + load(n, sums, kind, part)
+    store(n, sums, kind, 0, value)
+
+
+# --- a coordinate -----------------------------------------------------------------------------------
+
+@inlined
+def move_coordinate(n, inertia, b, k, bench, field, force, damped):
+    """`advance` coordinate k of body b without mass scaling; field: as of `rates`."""
+    old, mass, free = velocity_of(n, inertia, b, k), mass_of(n, inertia, b, k), inverse_mass_of(n, inertia, b, k)
+    rate, resistance = rates(n, old, free, bench, field, force, damped)
+    return advance(n, inertia, b, k, bench.step, rate - resistance, mass * resistance, force)
+
+
+@inlined
+def rates(n, old, free, bench, field, force, damped):
+    """Acceleration of a coordinate without damping, and its deceleration by damping [m/s2 or rad/s2]; both zero where
+    its velocity is prescribed.
+
+    old: velocity; free: inverse mass; field: acceleration of the base plus gravity along the coordinate; both act
+    against its direction.  damped: whether the bench has damping: mass-proportional, and Cundall's local damping, a
+    share of |rate| against the velocity.
+    """
+    rate, resistance = either(free > 0.0, force * free - field, 0.0), zero(n)
+    if damped:
+        sign = either(old > 0.0, 1.0, either(old < 0.0, -1.0, 0.0))
+        resistance = either(free > 0.0, bench.alpha * old + bench.local * abs(rate) * sign, 0.0)
+    return rate, resistance
+
+
+@inlined
+def advance(n, inertia, b, k, dt, rate, lost, force):
+    """Advance the velocity of coordinate k of body b by a step; lost: mass times deceleration by damping [N or N m].
+
+    Returns the sum of its momenta before and after [kg m/s], with which the field does work, zero where the velocity is
+    prescribed; the powers of that against the force of the contact points, zero where it is free, and of the damping
+    [W]; and the velocity.
+    """
+    old, mass, free = velocity_of(n, inertia, b, k), mass_of(n, inertia, b, k), inverse_mass_of(n, inertia, b, k)
+    new = old + dt * rate
+    store(n, inertia, b, VELOCITY + 3 * k, new)
+    return (either(free > 0.0, mass * (old + new), 0.0), -either(free > 0.0, 0.0, force * new),
+            lost * (old + 0.5 * dt * rate), new)
+
+
+# --- strain modes: mode m of a body is its coordinate RIGID + m --------------------------------------
+
+@inlined
+def move_modes(n, tables, bench, strain, dt, b, lost, damped):
+    """Advance velocities and amplitudes of all modes of body b by a step; returns `lost` plus the powers of their
+    damping [W].
+
+    The damping of a mode itself is implicit, so that it does not shorten the stable time step.  dt: time step [s], a
+    number where it is equal in all walls: the division is then one of numbers; damped: as of `rates`.
+    """
+    places, inertia, one = tables.bodies, tables.inertia, wall_of(n, 0)  # masses are equal in all walls
+    for m in range(strain.shapes.shape[2]):
+        k, half = RIGID + m, 0.5 * dt * strain.damping[b, m]
+        old, place, free = velocity_of(n, inertia, b, k), place_of(n, places, b, k), inverse_mass_of(one, inertia, b, k)
+        force = force_of(n, places, b, k) - strain.stiffness[b, m] * place
+        rate, resistance = rates(n, old, free, bench, 0.0, force, damped)
+        new = ((1.0 - half) * old + dt * (rate - resistance)) * (1.0 / (1.0 + half))
+        middle = 0.5 * (old + new)
+        store(n, places, b, PLACE + k, place + dt * new)
+        store(n, inertia, b, VELOCITY + 3 * k, new)
+        store(n, places, b, first_force(places) + k, 0.0)
+        lost = lost + mass_of(one, inertia, b, k) * (resistance + strain.damping[b, m] * middle) * middle
+    return lost
+
+
+# --- selective mass scaling -------------------------------------------------------------------------
+
+@inlined
+def move_scaled(n, tables, matrix, strain, damped):
+    """Advance all bodies by a step with mass scaling; damped: as of `rates`."""
+    places, sums, room, dt = tables.bodies, tables.sums, matrix.room, bench_of(n, tables.bench, 0).step
+    find_rates(n, tables, matrix, strain, damped)
+    for i in range(len(matrix.body)):
+        b, first = matrix.body[i], matrix.first[i]
+        for k in range(matrix.count[i]):
+            c, rate, lost = first + k, load(n, room, i, k), load(n, room, i, LOST + k)
+            swept, driven, taken, new = advance(n, tables.inertia, b, c, dt, rate, lost, force_of(n, places, b, c))
+            if c in (X, Z):
+                add_part(n, sums, SWEPT_X + c, b, swept)
+            add_part(n, sums, DRIVEN, b, driven)
+            add_part(n, sums, TAKEN, b, taken)
+            store(n, places, b, PLACE + c, place_of(n, places, b, c) + dt * new)
+            store(n, places, b, first_force(places) + c, 0.0)
+        if first == 0:
+            put(n, tables, b, *coordinates(n, places, tables.every, b)[:3])
+
+
+@compiled
+def find_rates(n, tables, matrix, strain, damped):
+    """Write the rates of change of all velocities into the room, and behind them mass times deceleration by damping;
+    damped: as of `rates`."""
+    places, inertia, room, bench = tables.bodies, tables.inertia, matrix.room, bench_of(n, tables.bench, 0)
+    for i in range(len(matrix.body)):
+        b = matrix.body[i]
+        for k in range(matrix.count[i]):
+            c, lost = matrix.first[i] + k, zero(n)
+            old, mass, force = velocity_of(n, inertia, b, c), mass_of(n, inertia, b, c), force_of(n, places, b, c)
+            if strain is not None and c >= RIGID:
+                force = force - strain.stiffness[b, c - RIGID] * place_of(n, places, b, c)
+                lost = mass * (strain.damping[b, c - RIGID] * old)
+            field = bench.base_x if c == X else bench.pull_z if c == Z else zero(n)
+            rate, resistance = rates(n, old, inverse_mass_of(n, inertia, b, c), bench, field, force, damped)
+            lost = lost + mass * resistance
+            store(n, room, i, k, mass * rate - lost)
+            store(n, room, i, LOST + k, lost)
+    solve(n, matrix)
+
+
+@inlined
+def solve(n, matrix):
+    """Replace the first three fields of the room by the solution of L D L' x = them."""
+    room, lower, inverse, e, i = matrix.room, matrix.lower, matrix.inverse, ROW(0), ROW(len(matrix.body))
+    for node in range(len(matrix.body)):
+        x, z, r = load(n, room, node, 0), load(n, room, node, 1), load(n, room, node, 2)
+        while e < matrix.start[node + 1]:
+            for k in range(3):
+                store(n, room, matrix.below[e], k, load(n, room, matrix.below[e], k) - (
+                    lower[e, 3 * k] * x + lower[e, 3 * k + 1] * z + lower[e, 3 * k + 2] * r))
+            e += ROW(1)
+    while i > ROW(0):
+        i -= ROW(1)
+        x, z, r = load(n, room, i, 0), load(n, room, i, 1), load(n, room, i, 2)
+        u = inverse[i, 0] * x + inverse[i, 1] * z + inverse[i, 2] * r
+        v = inverse[i, 3] * x + inverse[i, 4] * z + inverse[i, 5] * r
+        w = inverse[i, 6] * x + inverse[i, 7] * z + inverse[i, 8] * r
+        while e > matrix.start[i]:
+            e -= ROW(1)
+            x, z, r = (load(n, room, matrix.below[e], 0), load(n, room, matrix.below[e], 1),
+                       load(n, room, matrix.below[e], 2))
+            u = u - (lower[e, 0] * x + lower[e, 3] * z + lower[e, 6] * r)
+            v = v - (lower[e, 1] * x + lower[e, 4] * z + lower[e, 7] * r)
+            w = w - (lower[e, 2] * x + lower[e, 5] * z + lower[e, 8] * r)
+        store(n, room, i, 0, u)
+        store(n, room, i, 1, v)
+        store(n, room, i, 2, w)
+
+
+# --- kinetic energy ---------------------------------------------------------------------------------
+
+@compiled
+def adapt(n, tables, strain, controls):
+    """Set the adaptive damping of the next step from the kinetic energy of this one."""
+    sums, inertia, relaxation = tables.sums, tables.inertia, tables.relaxation
+    sums[KINETIC] = 0.0
+    for b in range(len(inertia)):
+        add_part(n, sums, KINETIC, b, kinetic_energy(
+            n, inertia, b, velocity_of(n, inertia, b, X), velocity_of(n, inertia, b, Z),
+            velocity_of(n, inertia, b, ROTATION)))
+        if strain is not None:
+            add_part(n, sums, KINETIC, b, kinetic_of_modes(n, inertia, strain, b))
+    total(n, sums, KINETIC)
+    for w in range(len(controls)):
+        kinetic = sums[KINETIC, 0, w]
+        relaxation[0, 0, w] = adaptive_damping(kinetic, relaxation[0, 1, w], controls[w, 4], controls[w, 0])
+        relaxation[0, 1, w] = kinetic if controls[w, 4] > 0.0 else 0.0  # a wall that relaxes later begins without
 
 
 @inlined
@@ -70,3 +369,61 @@ def adaptive_damping(kinetic, last, share, dt):
         return 0.0
     # Limited to what stops every body in two steps, since the ratio is unbounded near rest.
     return min(share * abs(kinetic - last) / (dt * (kinetic + last)), 0.5 / dt)
+
+
+@inlined
+def kinetic_energy(n, inertia, b, x, z, rotation):
+    """Kinetic energy of the rigid motion of body b with these velocities [J]."""
+    linear = x * x + z * z
+    return 0.5 * (mass_of(n, inertia, b, X) * linear + mass_of(n, inertia, b, ROTATION) * rotation * rotation)
+
+
+@inlined
+def kinetic_of_modes(n, inertia, strain, b):
+    """Kinetic energy of the strain modes of body b [J]."""
+    energy = zero(n)
+    for k in range(RIGID, RIGID + strain.shapes.shape[2]):
+        velocity = velocity_of(n, inertia, b, k)
+        energy = energy + 0.5 * mass_of(wall_of(n, 0), inertia, b, k) * velocity * velocity
+    return energy
+
+
+@inlined
+def energies_of_modes(n, bodies, inertia, strain, dt):
+    """Kinetic and elastic energy of all strain modes [J].
+
+    The velocities, known at half steps, are advanced to the time of the amplitudes.
+    """
+    kinetic, stored, one = zero(n), zero(n), wall_of(n, 0)
+    for b in range(len(strain.stiffness)):
+        for m in range(strain.shapes.shape[2]):
+            place, velocity = place_of(n, bodies, b, RIGID + m), velocity_of(n, inertia, b, RIGID + m)
+            rate = force_of(n, bodies, b, RIGID + m) - strain.stiffness[b, m] * place
+            rate = rate * inverse_mass_of(one, inertia, b, RIGID + m)
+            velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])
+            kinetic = kinetic + 0.5 * mass_of(one, inertia, b, RIGID + m) * velocity * velocity
+            stored = stored + 0.5 * strain.stiffness[b, m] * place * place
+    return kinetic, stored
+
+
+@compiled
+def scaled_kinetic_energy(n, tables, matrix, strain):
+    """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step."""
+    find_rates(n, tables, matrix, strain, False)
+    room, half = matrix.room, 0.5 * bench_of(n, tables.bench, 0).step
+    for i in range(len(matrix.body)):
+        for k in range(matrix.count[i]):
+            velocity = velocity_of(n, tables.inertia, matrix.body[i], matrix.first[i] + k)
+            store(n, room, i, k, velocity + half * load(n, room, i, k))
+    energy, lower, of, e = zero(n), matrix.lower, matrix.diagonal, ROW(0)
+    for i in range(len(matrix.body)):
+        x, z, r = load(n, room, i, 0), load(n, room, i, 1), load(n, room, i, 2)
+        while e < matrix.start[i + 1]:
+            for k in range(3):
+                v = load(n, room, matrix.below[e], k)
+                x, z, r = x + lower[e, 3 * k] * v, z + lower[e, 3 * k + 1] * v, r + lower[e, 3 * k + 2] * v
+            e += ROW(1)
+        energy = energy + 0.5 * (x * (of[i, 0] * x + of[i, 1] * z + of[i, 2] * r)
+                                 + z * (of[i, 3] * x + of[i, 4] * z + of[i, 5] * r)
+                                 + r * (of[i, 6] * x + of[i, 7] * z + of[i, 8] * r))
+    return energy

@@ -11,18 +11,10 @@ import numpy as np
 
 from damage.law import joint_law
 from damage.law.joint_law import INTACT, LawParameters
+from damage.mechanics import rows
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, bits, either, load, store, store_where, zero
 from damage.mechanics.interfaces import Resultant
-from damage.mechanics.rows import (
-    keep_law_state,
-    keep_range,
-    keep_reading,
-    law_state,
-    range_now,
-    reading_of,
-    strengths_of,
-)
 from damage.mechanics.tables import FRACTURE, FRICTION, OPENED, SLIPPED, STATES, Reading
 
 NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(STATES.index, (
@@ -80,7 +72,7 @@ def elastic_resultant(n, contacts, states, start, stop, motion, which):
     their elastic range."""
     normal, shear, couple, elastic = zero(n), zero(n), zero(n), which
     for i in range(start, stop):
-        trial, left = elastic_trial(n, contacts, states, i, motion), range_now(n, states, i)
+        trial, left = elastic_trial(n, contacts, states, i, motion), rows.range_now(n, states, i)
         is_open = stays_open(n, states, i, trial.opening) & which
         if bits(is_open):
             store_where(n, states, i, SHEAR0, is_open, motion.shear)
@@ -99,7 +91,7 @@ def intact_resultant(n, contacts, states, i, motion, which):
     contact = contacts[i]
     # Adding zero, as the law adds closure and earlier force, turns -0 into +0: the bits stay equal.
     sigma = contact.kn * (motion.opening + contact.offset * motion.rotation + 0.0)
-    tau, left = contact.ks * motion.shear + 0.0, range_now(n, states, i)
+    tau, left = contact.ks * motion.shear + 0.0, rows.range_now(n, states, i)
     elastic = joint_law.stays_elastic(sigma, tau, left.tensile_strength, left.cohesion, left.friction)
     return Resultant(sigma, tau, sigma * contact.offset), elastic & which
 
@@ -107,7 +99,7 @@ def intact_resultant(n, contacts, states, i, motion, which):
 @inlined
 def is_intact_spring(n, states, i):
     """Whether the forces of contact point i follow from its displacements and stiffnesses alone."""
-    left = range_now(n, states, i)
+    left = rows.range_now(n, states, i)
     unloaded = (load(n, states, i, SHEAR_STRESS) == 0.0) & (load(n, states, i, SHEAR0) == 0.0)
     return unloaded & (load(n, states, i, IDLE) < 0.0) & (load(n, states, i, KAPPA) == 0.0) & (
         left.compressive_strength == np.inf)
@@ -118,7 +110,7 @@ def remember(n, contacts, states, start, stop, motion, which):
     """Store the forces of contact points that stayed elastic in the walls `which` (flags), for the work of slip and
     crushing in a later step."""
     for i in range(start, stop):
-        crushes = which & (range_now(n, states, i).compressive_strength < np.inf)
+        crushes = which & (rows.range_now(n, states, i).compressive_strength < np.inf)
         if bits(crushes):
             store_where(n, states, i, NORMAL_STRESS, crushes, elastic_trial(n, contacts, states, i, motion).sigma)
         moves = which & ((load(n, states, i, IDLE) >= 0.0) | (load(n, states, i, KAPPA) > 0.0))
@@ -176,15 +168,15 @@ def ask_law(n, contact, states, strengths, energy, i, opening, shear, material):
 
     opening, shear: displacements now [m].  Returns as `joint_law.advance`, with forces [N] and works [J].
     """
-    of = strengths_of(n, strengths, i)
+    of = rows.strengths_of(n, strengths, i)
     parameters = LawParameters(contact.kn, contact.ks, of.tensile_strength, of.cohesion, material, of.mode_i_energy,
                                of.mode_ii_energy, of.compressive_strength, of.crushing_energy)
-    old = law_state(n, states, i)
+    old = rows.law_state(n, states, i)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
     add(n, energy, 0, FRICTION, new.friction_work - old.friction_work)
     add(n, energy, 0, FRACTURE, new.fracture_work - old.fracture_work)
-    keep_law_state(n, states, i, True, new)
-    keep_range(n, states, i, True, joint_law.range_left(new, parameters))
+    rows.keep_law_state(n, states, i, True, new)
+    rows.keep_range(n, states, i, True, joint_law.range_left(new, parameters))
     if new.broken or new.kappa > 0.0:
         store(n, states, i, SHEAR0, shear)
     else:  # the shear force of an intact bond is measured from the undeformed wall
@@ -229,14 +221,15 @@ def let_go(n, tables, i, motion):
     The readings of that earlier step stay, except for the stresses.  By the trapezoidal rule of central differences, a
     force that vanishes in a step still does half of its work; the remaining elastic energy counts as friction.
     """
-    states, energy, contact, last = tables.states, tables.energy, tables.contacts[i], reading_of(n, tables.readings, i)
+    states, energy, contact = tables.states, tables.energy, tables.contacts[i]
+    last = rows.reading_of(n, tables.readings, i)
     sigma, tau, slid = last.sigma * contact.area, last.tau * contact.area, motion.shear - last.shear
     add(n, energy, 0, FRICTION, 0.5 * sigma * (
         motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)))
     add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
     store(n, states, i, NORMAL_STRESS, 0.0)
     store(n, states, i, SHEAR_STRESS, 0.0)
-    keep_reading(n, tables.readings, i, True, Reading(last.opening, last.shear, 0.0, 0.0))
+    rows.keep_reading(n, tables.readings, i, True, Reading(last.opening, last.shear, 0.0, 0.0))
 
 
 @inlined
@@ -247,5 +240,5 @@ def read(n, tables, i, motion, which):
     Called after its forces are known: it is then a spring about its new state.
     """
     trial, area = present_forces(n, tables.contacts, tables.states, i, motion), tables.contacts[i].area
-    keep_reading(n, tables.readings, i, which, Reading(trial.opening, motion.shear, trial.sigma / area,
-                                                       trial.tau / area))
+    rows.keep_reading(n, tables.readings, i, which, Reading(
+        trial.opening, motion.shear, trial.sigma / area, trial.tau / area))

@@ -21,7 +21,7 @@ import numpy as np
 from llvmlite import ir
 from numba import typeof, types
 from numba.core import cgutils, typing
-from numba.extending import lower_builtin, models, register_model, type_callable
+from numba.extending import lower_builtin, models, register_jitable, register_model, type_callable
 
 WIDTH = 8
 
@@ -89,11 +89,13 @@ def store(n, table, row, field, value):
         table[row, field, n.lane] = value
 
 
+@register_jitable
 def add(n, table, row, field, value):
     """Add a number, or a vector, to what the table has."""
     store(n, table, row, field, load(n, table, row, field) + value)
 
 
+@register_jitable
 def store_where(n, table, row, field, which, value):
     """Write a number where the flag `which` is set, or those of a vector where its flags are."""
     store(n, table, row, field, either(which, value, load(n, table, row, field)))
@@ -401,19 +403,6 @@ def _store(context, builder, signature, values):
     return _write(context, builder, signature, values, _value(context, builder, signature, values))
 
 
-@_compiles(add, lambda n, table, row, field, value: types.none)
-def _add(context, builder, signature, values):
-    old = _read(context, builder, signature, values)
-    return _write(context, builder, signature, values, builder.fadd(old, _value(context, builder, signature, values)))
-
-
-@_compiles(store_where, lambda n, table, row, field, which, value: types.none)
-def _store_where(context, builder, signature, values):
-    old = _read(context, builder, signature, values)
-    return _write(context, builder, signature, values,
-                  builder.select(values[4], _value(context, builder, signature, values), old))
-
-
 @_compiles(add_part, lambda n, sums, kind, row, value: types.none)
 def _add_part(context, builder, signature, values):
     n, kind, of_kind, of_row = signature.args[:4]
@@ -565,13 +554,8 @@ def _fields(context, builder, signature, values, places):
 
 def column(first, apart):
     """A function (n, table, row, k) that loads the field `first` + k `apart`."""
+    @register_jitable
     def read(n, table, row, k):
         return load(n, table, row, first + k * apart)
-
-    @_compiles(read, lambda n, table, row, k: _numbers(n))
-    def _read_one(context, builder, signature, values):
-        k = builder.mul(context.cast(builder, values[3], signature.args[3], types.intp), _LONG(apart))
-        of_field = typing.signature(types.none, *signature.args[:3], types.intp)
-        return _read(context, builder, of_field, [*values[:3], builder.add(k, _LONG(first))])
 
     return read

@@ -1,10 +1,9 @@
-"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor (`damage.mechanics.scaling`).
+"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor (`damage.mechanics.bodies`).
 
 Bodies are eliminated in the order of minimum degree, ties by their rows.
 """
 
 import hashlib
-from collections import OrderedDict
 from heapq import heappop, heappush
 from itertools import pairwise
 
@@ -12,14 +11,14 @@ import numpy as np
 from scipy.sparse import diags
 
 from damage.law.modes import elastic_key, joint_stiffness, mass_vector
-from damage.mechanics.scaling import LOST
+from damage.mechanics.bodies import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 from damage.wall.soil import radiation_times
 
 MASSLESS = 1e-30
 """What stands for the mass of a coordinate without one, whose velocity is prescribed [kg or kg m2]."""
 _MOST_KEPT = 8
-_KEPT = OrderedDict()  # {key: ScaledMass}
+_KEPT = {}  # {key: ScaledMass}, the last used at the end
 
 
 def scaled_mass(layout, time_step, beta, held=()):
@@ -28,11 +27,9 @@ def scaled_mass(layout, time_step, beta, held=()):
     numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
     key = hashlib.sha256(b"|".join((*elastic_key(layout), damping, numbers.tobytes()))).digest()
-    if key not in _KEPT:
-        _KEPT[key] = ScaledMass(key, layout, time_step, beta, list(held))
-        if len(_KEPT) > _MOST_KEPT:
-            _KEPT.popitem(last=False)
-    _KEPT.move_to_end(key)
+    _KEPT[key] = _KEPT.pop(key, None) or ScaledMass(key, layout, time_step, beta, list(held))
+    if len(_KEPT) > _MOST_KEPT:
+        del _KEPT[next(iter(_KEPT))]
     return _KEPT[key]
 
 
@@ -66,8 +63,10 @@ class ScaledMass:
         lower[np.searchsorted(known, (j * n + i)[i > j]), (3 * s + k)[i > j]] = whole.data[i > j]
         inverse = _factorise(start, below, known, lower.reshape(-1, 3, 3), diagonal.reshape(-1, 3, 3))
         order = [*order, *range(bodies, bodies + self._supports)]
-        return Matrix(np.repeat(order, nodes), np.tile(np.arange(nodes) * RIGID, len(order)), start.astype(ROW),
-                      below.astype(ROW), lower, diagonal, inverse.reshape(-1, 9), np.zeros((0, 0, 1)))
+        first = np.arange(0, size, RIGID)
+        return Matrix(np.repeat(order, nodes), np.tile(first, len(order)),
+                      np.tile(np.minimum(size - first, RIGID), len(order)), start.astype(ROW), below.astype(ROW), lower,
+                      diagonal, inverse.reshape(-1, 9), np.zeros((0, 0, 1)))
 
 
 def _scaled(layout, time_step, beta, held):

@@ -137,12 +137,6 @@ def stays_intact(springs, limits, motion):
 
 
 @inlined
-def no_overlap(motion, least, most):
-    """Whether the faces of an interface do not overlap; they do between the shear displacements least and most [m]."""
-    return (motion.shear <= least) | (motion.shear >= most)
-
-
-@inlined
 def elastic_resultant(springs, motion):
     """Resultant of an intact interface [N, N m]; springs: Springs; motion: RelativeMotion."""
     return Resultant(springs.kn * motion.opening + springs.kn_offset * motion.rotation, springs.ks * motion.shear,

@@ -143,28 +143,20 @@ def find_loose_forces(n, tables, loose, dt):
     if loose.counts[SEARCHES] + loose.counts[WANTED] > 0:
         if loose.counts[WANTED] > 0 or have_moved(n, tables, loose):
             search(n, tables, loose)
-        push_all(n, tables, loose, dt)
+        loose.energy[STORED] = 0.0
+        for row in range(loose.counts[PAIRS]):
+            for k in range(2 * CORNERS):
+                push_corner(n, tables, loose, row, k, dt)
 
 
 @compiled
-def push_all(n, tables, loose, dt):
-    """Forces of all pairs in the list."""
-    loose.energy[STORED] = 0.0
-    for row in range(loose.counts[PAIRS]):
-        a, b = loose.pairs[row, 0], loose.pairs[row, 1]
-        for k in range(2 * CORNERS):
-            p, c = (a, b) if k < CORNERS else (b, a)
-            push_corner(n, tables, loose, row, k, p, c, dt)
-
-
-@compiled
-def push_corner(n, tables, loose, row, k, p, c, dt):
-    """Forces between a corner of the core of body p, spring k of a pair, and the core of body c.
+def push_corner(n, tables, loose, row, k, dt):
+    """Forces between a corner of one core of a pair, that of its spring k, and the core of the other body.
 
     Friction and the dashpot take half of what they would at the force before, and half at the force now: so central
     differences do work on the bodies, and the balance is that of the elastic part.
     """
-    touch, springs = loose.touch, loose.springs
+    (p, c), touch, springs = bodies_of(loose, row, k), loose.touch, loose.springs
     near = nearest(n, tables, loose, p, c, k % CORNERS, 3.0 * touch.radius)
     if near.distance <= 0.0:
         loose.counts[INSIDE] += 1
@@ -185,7 +177,9 @@ def push_corner(n, tables, loose, row, k, p, c, dt):
     closing, sliding = (vx * near.nx + vz * near.nz) * dt, (vz * near.nx - vx * near.nz) * dt
     viscous = 0.0
     if depth > 0.0 and dt > 0.0:
-        viscous = max(-damping_of(n, tables, touch, p, c) * closing / dt, -touch.kn * depth)
+        inverse = inverse_mass_of(n, inertia, p, Z) + inverse_mass_of(n, inertia, c, Z)
+        viscosity = 2.0 * touch.damping * np.sqrt(touch.kn / inverse) if inverse > 0.0 else 0.0
+        viscous = max(-viscosity * closing / dt, -touch.kn * depth)
     normal = touch.kn * depth + viscous
     on_support = inverse_mass_of(n, inertia, p, Z) == 0.0 or inverse_mass_of(n, inertia, c, Z) == 0.0
     limit = (touch.support_friction if on_support else touch.friction) * normal / touch.ks
@@ -203,10 +197,10 @@ def push_corner(n, tables, loose, row, k, p, c, dt):
 
 
 @inlined
-def damping_of(n, tables, touch, p, c):
-    """Viscosity of a corner that touches [N s/m]: a share of the critical one of two bodies on its spring."""
-    inverse = inverse_mass_of(n, tables.inertia, p, Z) + inverse_mass_of(n, tables.inertia, c, Z)
-    return 2.0 * touch.damping * np.sqrt(touch.kn / inverse) if inverse > 0.0 else 0.0
+def bodies_of(loose, row, k):
+    """The body whose core has corner k of a pair, and the other body."""
+    a, b = loose.pairs[row, 0], loose.pairs[row, 1]
+    return (a, b) if k < CORNERS else (b, a)
 
 
 @inlined
@@ -260,20 +254,24 @@ def have_moved(n, tables, loose):
 @compiled
 def search(n, tables, loose):
     """List the pairs of bodies that are near each other and not jointed: sort by their left edges and sweep."""
-    order, bounds, counts = loose.order, loose.bounds, loose.counts
+    order, bounds, counts, inertia = loose.order, loose.bounds, loose.counts, tables.inertia
     counts[SEARCHES], counts[WANTED] = counts[SEARCHES] + 1, 0
     bound(n, tables, loose)
     sort(order, bounds)
     keep(loose)
     for k in range(len(order)):
         a = order[k]
-        mark_joined(n, tables, loose, a)
+        for j in range(loose.joints_start[a], loose.joints_start[a + 1]):
+            joint = loose.joints[j]
+            if load(n, tables.limits, joint, HAS_FAILED) != ENDED:
+                loose.joined[tables.first[joint]] = loose.joined[tables.second[joint]] = a
         for other in range(k + 1, len(order)):
             b = order[other]
             if bounds[b, 0] > bounds[a, 1]:
                 break
-            if bounds[b, 2] <= bounds[a, 3] and bounds[a, 2] <= bounds[b, 3] and can_touch(n, tables, loose, a, b):
-                list_pair(n, tables, loose, min(a, b), max(a, b))
+            is_free = inverse_mass_of(n, inertia, a, Z) + inverse_mass_of(n, inertia, b, Z) > 0.0
+            if bounds[b, 2] <= bounds[a, 3] and bounds[a, 2] <= bounds[b, 3] and loose.joined[b] != a and is_free:
+                list_pair(n, tables, loose, a, b)
 
 
 @inlined
@@ -285,22 +283,6 @@ def sort(order, bounds):
             order[place] = order[place - 1]
             place -= 1
         order[place] = one
-
-
-@inlined
-def mark_joined(n, tables, loose, a):
-    """Mark the bodies that are jointed to body a."""
-    for j in range(loose.joints_start[a], loose.joints_start[a + 1]):
-        interface = tables.interfaces[loose.joints[j]]
-        if load(n, tables.limits, loose.joints[j], HAS_FAILED) != ENDED:
-            loose.joined[interface.a] = loose.joined[interface.b] = a
-
-
-@inlined
-def can_touch(n, tables, loose, a, b):
-    """Whether body b is not jointed to body a, whose joints are marked, and one of them is free."""
-    inertia = tables.inertia
-    return loose.joined[b] != a and inverse_mass_of(n, inertia, a, Z) + inverse_mass_of(n, inertia, b, Z) > 0.0
 
 
 @compiled
@@ -324,14 +306,11 @@ def bound(n, tables, loose):
 @compiled
 def keep(loose):
     """Keep the list of pairs as the last one, chained by their first bodies, and empty it."""
-    for b in range(len(loose.first)):
-        loose.first[b] = -1
+    loose.first[:] = -1
     for row in range(loose.counts[PAIRS]):
         a = loose.pairs[row, 0]
         loose.kept_pairs[row, 0], loose.kept_pairs[row, 1] = a, loose.pairs[row, 1]
-        for k in range(2 * CORNERS):
-            for i in range(loose.springs.shape[2]):
-                loose.kept_springs[row, k, i] = loose.springs[row, k, i]
+        copy_springs(loose.springs, row, loose.kept_springs, row)
         loose.following[row] = loose.first[a]
         loose.first[a] = row
     loose.counts[PAIRS] = 0
@@ -347,13 +326,13 @@ def list_pair(n, tables, loose, a, b):
 
 @inlined
 def add_pair(loose, a, b):
-    """Row of a new pair; -1 where there is no room."""
+    """Row of a new pair, the lower body first; -1 where there is no room."""
     row = loose.counts[PAIRS]
     if row >= len(loose.pairs):
         loose.counts[FULL] += 1
         return -1
     loose.counts[PAIRS] = row + 1
-    loose.pairs[row, 0], loose.pairs[row, 1] = a, b
+    loose.pairs[row, 0], loose.pairs[row, 1] = min(a, b), max(a, b)
     return row
 
 
@@ -365,20 +344,27 @@ def carry_over(loose, row):
         last = loose.following[last]
     if last < 0:
         return False
-    for k in range(2 * CORNERS):
-        for i in range(loose.springs.shape[2]):
-            loose.springs[row, k, i] = loose.kept_springs[last, k, i]
+    copy_springs(loose.kept_springs, last, loose.springs, row)
     return True
+
+
+@inlined
+def copy_springs(springs, row, others, other):
+    """Copy the springs of a pair to another row, one by one, since slices would have to be counted."""
+    for k in range(2 * CORNERS):
+        for i in range(springs.shape[2]):
+            others[other, k, i] = springs[row, k, i]
 
 
 @compiled
 def meet(n, tables, loose, row, energy):
     """Start a loose pair whose overlapping corners store an energy [J], equal parts each; returns what they store: zero
     where none overlaps, at most that of an overlap of a radius in each."""
-    overlapping = 0
+    overlapping, wide = 0, 2.0 * loose.touch.radius
+    loose.springs[row] = 0.0
     for k in range(2 * CORNERS):
-        loose.springs[row, k, REST] = overlap_of(n, tables, loose, row, k)
-        loose.springs[row, k, TOUCHING] = loose.springs[row, k, SLIDE] = loose.springs[row, k, VISCOUS] = 0.0
+        p, c = bodies_of(loose, row, k)
+        loose.springs[row, k, REST] = max(wide - nearest(n, tables, loose, p, c, k % CORNERS, wide).distance, 0.0)
         overlapping += loose.springs[row, k, REST] > 0.0
     if overlapping == 0:
         return 0.0
@@ -387,16 +373,6 @@ def meet(n, tables, loose, row, energy):
         if loose.springs[row, k, REST] > 0.0:
             loose.springs[row, k, REST] -= depth
     return 0.5 * overlapping * loose.touch.kn * depth * depth
-
-
-@inlined
-def overlap_of(n, tables, loose, row, k):
-    """Overlap of a corner of a pair, zero where there is none [m]."""
-    p, c = loose.pairs[row, 0], loose.pairs[row, 1]
-    if k >= CORNERS:
-        p, c = c, p
-    return max(2.0 * loose.touch.radius - nearest(
-        n, tables, loose, p, c, k % CORNERS, 2.0 * loose.touch.radius).distance, 0.0)
 
 
 # --- joints that end --------------------------------------------------------------------------------
@@ -458,7 +434,6 @@ def hand_over(n, tables, loose, interface, energy):
     """
     if loose.counts[SEARCHES] == 0:
         loose.counts[WANTED] = 1
-    a, b = np.int64(interface.a), np.int64(interface.b)
-    row = add_pair(loose, min(a, b), max(a, b))
+    row = add_pair(loose, np.int64(interface.a), np.int64(interface.b))
     if row >= 0:
         add(n, tables.energy, 0, FRICTION, -meet(n, tables, loose, row, energy))

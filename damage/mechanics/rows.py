@@ -21,6 +21,7 @@ from damage.mechanics.tables import (
     STRENGTHS,
     VELOCITY,
     Bearing,
+    Bench,
     Reading,
     Strengths,
     X,
@@ -31,6 +32,7 @@ law_state, keep_law_state = reader(ContactState, STATES), writer(ContactState, S
 range_now, keep_range = reader(ElasticRange, STATES, "elastic_"), writer(ElasticRange, STATES, "elastic_")
 strengths_of = reader(Strengths, STRENGTHS)
 reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
+bench_of, keep_bench = reader(Bench, Bench._fields), writer(Bench, Bench._fields)
 bearing_of, keep_bearing = reader(Bearing, Bearing._fields), writer(Bearing, Bearing._fields)
 limits_of = reader(Limits, LIMITS)
 line_in, springs_in = reader(Line, LINES), reader(Springs, LINES)

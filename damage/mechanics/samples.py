@@ -10,13 +10,12 @@ import numpy as np
 from damage.law.joint_law import elastic_energy
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.mechanics import contacts
+from damage.mechanics.bodies import energies_of_modes, kinetic_energy, scaled_kinetic_energy
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.loose import STORED
-from damage.mechanics.rows import force_of, inverse_mass_of, mass_of, place_of, reading_of, velocity_of
-from damage.mechanics.scaling import scaled_kinetic_energy
-from damage.mechanics.strain import energies_of_modes
-from damage.mechanics.tables import BASE_X, ENDING, HAS_FAILED, INPUT, PULL_Z, RIGID, ROTATION, STEP, X
+from damage.mechanics.rows import bench_of, force_of, inverse_mass_of, mass_of, place_of, reading_of, velocity_of
+from damage.mechanics.tables import ENDING, HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6
 """Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks and of
@@ -76,12 +75,12 @@ def observe(n, tables, strain, loose, matrix, ending, stiffness, samples, taken)
     written, which grow.
     """
     observe_stored(n, tables, ending, stiffness, samples, taken)
-    bodies, inertia, bench = tables.bodies, tables.inertia, tables.bench
+    bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
     work, moving, elastic = input_of_half_a_step(n, bodies, inertia, bench), zero(n), zero(n)
     if strain is not None:
-        moving, elastic = energies_of_modes(n, bodies, inertia, strain, load(n, bench, 0, STEP))
+        moving, elastic = energies_of_modes(n, bodies, inertia, strain, bench.step)
     if matrix is None:
-        kinetic = kinetic_energy(n, bodies, inertia, bench)
+        kinetic = kinetic_energy_of(n, bodies, inertia, bench)
     else:
         kinetic, moving = scaled_kinetic_energy(n, tables, matrix, strain), zero(n)
     if loose is not None:
@@ -163,18 +162,15 @@ def observe_places(n, tables, samples, w, k):
 
 
 @inlined
-def kinetic_energy(n, bodies, inertia, bench):
+def kinetic_energy_of(n, bodies, inertia, bench):
     """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step."""
-    energy, half = zero(n), 0.5 * load(n, bench, 0, STEP)
+    energy, half = zero(n), 0.5 * bench.step
     for b in range(len(bodies)):
-        linear = zero(n)
-        for k in range(ROTATION):
-            velocity = half_step_on(n, bodies, inertia, b, k, load(n, bench, 0, BASE_X if k == X else PULL_Z), half)
-            linear = linear + velocity * velocity
-        rotating = velocity_of(n, inertia, b, ROTATION) + half * force_of(n, bodies, b, ROTATION) * inverse_mass_of(
+        x = half_step_on(n, bodies, inertia, b, X, bench.base_x, half)
+        z = half_step_on(n, bodies, inertia, b, Z, bench.pull_z, half)
+        rotation = velocity_of(n, inertia, b, ROTATION) + half * force_of(n, bodies, b, ROTATION) * inverse_mass_of(
             n, inertia, b, ROTATION)
-        energy = energy + 0.5 * (mass_of(n, inertia, b, X) * linear
-                                 + mass_of(n, inertia, b, ROTATION) * rotating * rotating)
+        energy = energy + kinetic_energy(n, inertia, b, x, z, rotation)
     return energy
 
 
@@ -197,7 +193,7 @@ def input_of_half_a_step(n, bodies, inertia, bench):
         for axis in range(RIGID):
             swept, velocity = zero(n), velocity_of(n, inertia, b, axis)
             if axis != ROTATION:
-                swept = mass_of(n, inertia, b, axis) * load(n, bench, 0, BASE_X + axis) * velocity
+                swept = mass_of(n, inertia, b, axis) * (bench.base_x if axis == X else bench.base_z) * velocity
             driven = force_of(n, bodies, b, axis) * velocity
             power = power + either(inverse_mass_of(n, inertia, b, axis) == 0.0, driven, swept)
-    return -0.5 * load(n, bench, 0, STEP) * power
+    return -0.5 * bench.step * power

@@ -12,7 +12,8 @@ Time integration is by central differences: velocities at half steps, displaceme
 
 import numpy as np
 
-from damage.mechanics import bodies, contacts, interfaces
+from damage.mechanics import contacts, interfaces, rows
+from damage.mechanics.bodies import SMALL, adapt, move, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.eight import (
     add,
@@ -20,11 +21,9 @@ from damage.mechanics.eight import (
     bits,
     either,
     flags_of,
-    four,
     lane,
     lanes,
     load,
-    put_four,
     rows_of,
     store,
     table_width,
@@ -35,62 +34,20 @@ from damage.mechanics.eight import (
 )
 from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
 from damage.mechanics.loose import can_end, ends_too, find_loose_forces, hand_over
-from damage.mechanics.rows import (
-    bearing_of,
-    dashpots_last,
-    dashpots_of,
-    first_force,
-    force_of,
-    inverse_mass_of,
-    keep_bearing,
-    keep_dashpots,
-    keep_motion,
-    keep_resultant,
-    last_motion,
-    last_resultant,
-    limits_of,
-    line_of,
-    mass_of,
-    place_of,
-    pose_at,
-    push,
-    push_at,
-    springs_of,
-    velocity_of,
-)
 from damage.mechanics.samples import observe
-from damage.mechanics.scaling import move_scaled, turn_far
-from damage.mechanics.strain import kinetic_of_modes, motion_at, move_modes, points_at_once, push_modes
 from damage.mechanics.tables import (
-    ALPHA,
-    BASE_X,
-    BASE_Z,
-    COS1,
     DAMPED,
     DAMPING,
-    DRIVEN,
     ENDED,
     ENDING,
     FAILED,
     FRICTION,
     HAS_FAILED,
-    INPUT,
-    KINETIC,
     LARGEST_OPENING,
-    LOCAL,
-    PARTS,
-    PLACE,
-    PULL_Z,
-    RATE,
     RIGID,
     ROTATION,
     ROW,
-    SIN,
     STEP,
-    SWEPT_X,
-    SWEPT_Z,
-    TAKEN,
-    VELOCITY,
     Bearing,
     X,
     Z,
@@ -119,8 +76,8 @@ def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, end
     walls (bits) of which a sample is written there, all of them at the last; stiffness, samples, taken: as of
     `damage.mechanics.samples.observe`.
     """
-    damped = what == ADVANCE and (any_above_zero(controls, 3) or len(tables.radiation) > 0)
-    adaptive, turns, walls = any_above_zero(controls, 4), any_turns(n, tables), (1 << len(controls)) - 1
+    damped = what == ADVANCE and (controls[:, 3].any() or len(tables.radiation) > 0)
+    adaptive, turns, walls = controls[:, 4].any(), tables.turning[:, 0].any(), (1 << len(controls)) - 1
     step = k = ends[0] * 0  # of no literal type, for which numba would compile all of it once more
     if strain is not None:
         mark_used(n, tables, walls)
@@ -129,7 +86,8 @@ def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, end
         observe(n, tables, strain, loose, matrix, ending[0], stiffness, samples, taken)
         return
     if what == FIND_FORCES:
-        clear_forces(n, tables)
+        tables.bodies[:, rows.first_force(tables.bodies):] = 0.0
+        tables.bench[0, STEP] = 0.0  # nothing has moved to these displacements
         all_forces(n, tables, law, strain, loose, clock, step, walls, ending[0], damped, turns, 0.0)
         return
     if damped:
@@ -150,202 +108,10 @@ def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, end
 
 
 @compiled
-def clear_forces(n, tables):
-    """Set the forces on all bodies to zero, before those at displacements to which nothing has moved."""
-    for b in range(len(tables.bodies)):
-        for k in range(tables.inertia.shape[1] // 3):
-            store(n, tables.bodies, b, first_force(tables.bodies) + k, 0.0)
-    store(n, tables.bench, 0, STEP, 0.0)
-
-
-@compiled
-def any_above_zero(controls, column):
-    """Whether a column of the controls, (walls, 5), is above zero for any wall."""
-    found = False
-    for w in range(len(controls)):
-        found |= controls[w, column] > 0.0
-    return found
-
-
-@compiled
-def any_turns(n, tables):
-    """Whether a rotational spring holds any body."""
-    found = False
-    for b in range(len(tables.turning)):
-        found |= bits(load(n, tables.turning, b, 0) > 0.0) > 0
-    return found
-
-
-@compiled
 def mark_used(n, tables, walls):
     """Mark the contact points that are no intact springs in any of the walls (bits)."""
     for i in range(len(tables.contacts)):
         tables.used[i] = bits(contacts.is_intact_spring(n, tables.states, i)) & walls != walls
-
-
-# --- motion of the bodies ---------------------------------------------------------------------------
-
-@compiled
-def move(n, tables, strain, matrix, controls, field, step):
-    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
-
-    matrix, controls, field: as of `run`; step: row of the field.
-    """
-    sums = tables.sums
-    for kind in range(SWEPT_X, KINETIC):
-        clear(n, sums, kind)
-    damped = set_bench(n, tables, controls, field, step)
-    if matrix is not None:
-        move_scaled(n, tables, matrix, strain, damped)
-    elif damped:
-        move_all(n, tables, strain, controls, True)
-    else:
-        move_all(n, tables, strain, controls, False)
-    for kind in range(SWEPT_X, KINETIC):
-        total(n, sums, kind)
-    for w in range(len(controls)):
-        dt = controls[w, 0]
-        swept = field[w, step, 0] * sums[SWEPT_X, 0, w] + field[w, step, 1] * sums[SWEPT_Z, 0, w]
-        tables.energy[0, INPUT, w] += (sums[DRIVEN, 0, w] - 0.5 * swept) * dt
-        tables.energy[0, DAMPING, w] += sums[TAKEN, 0, w] * dt
-
-
-@compiled
-def set_bench(n, tables, controls, field, step):
-    """Write the parameters of a step to the bench; returns whether mass-proportional or local damping acts."""
-    damped, bench = False, tables.bench
-    for w in range(len(controls)):
-        dt, local, rate = controls[w, 0], controls[w, 1], controls[w, 3] / controls[w, 0]
-        alpha = controls[w, 2] + tables.relaxation[0, 0, w]
-        damped |= alpha > 0.0 or local > 0.0
-        bench[0, BASE_X, w], bench[0, BASE_Z, w] = field[w, step, 0], field[w, step, 1]
-        bench[0, PULL_Z, w] = field[w, step, 1] + field[w, step, 2]
-        bench[0, STEP, w], bench[0, ALPHA, w], bench[0, LOCAL, w], bench[0, RATE, w] = dt, alpha, local, rate
-    return damped
-
-
-@inlined
-def move_all(n, tables, strain, controls, damped):
-    """`move_bodies`, of one wall without strain modes eight at once."""
-    if strain is None:
-        move_bodies(widest(n), tables, strain, controls, damped)
-    else:
-        move_bodies(n, tables, strain, controls, damped)
-
-
-@inlined
-def move_bodies(n, tables, strain, controls, damped):
-    """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have no strain modes."""
-    alike, bench, bench_of, sums, inertia = True, tables.bench, table_width(n), tables.sums, tables.inertia
-    dt = load(bench_of, bench, 0, STEP)
-    for w in range(len(controls)):
-        alike &= controls[w, 0] == controls[0, 0]
-    for b in range(0, len(tables.turning), rows_of(n)):
-        lost = zero(n)
-        x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
-        swept_x, driven_x, taken_x, vx = move_coordinate(n, inertia, b, X, bench, load(bench_of, bench, 0, BASE_X), fx,
-                                                         damped)
-        swept_z, driven_z, taken_z, vz = move_coordinate(n, inertia, b, Z, bench, load(bench_of, bench, 0, PULL_Z), fz,
-                                                         damped)
-        _, driven, taken, turning = move_coordinate(n, inertia, b, ROTATION, bench, zero(bench_of), moment, damped)
-        angle = rotation + dt * turning
-        cos1, sin = bodies.small_rotation(angle)
-        keep_coordinates(n, tables.bodies, tables.every, b, cos1, sin, x + dt * vx, z + dt * vz, angle)
-        far = bits(abs(angle) >= bodies.SMALL)
-        if far:
-            turn_far(n, tables.bodies, b, far, angle)
-        add_part(n, sums, SWEPT_X, b, swept_x)
-        add_part(n, sums, SWEPT_Z, b, swept_z)
-        add_part(n, sums, DRIVEN, b, driven_x + driven_z + driven)
-        if damped:
-            lost = taken_x + taken_z + taken
-        if strain is not None:
-            if alike:
-                lost = move_modes(n, tables.bodies, tables.inertia, bench, strain, controls[0, 0], b, lost, damped)
-            else:
-                lost = move_modes(n, tables.bodies, tables.inertia, bench, strain, dt, b, lost, damped)
-        add_part(n, sums, TAKEN, b, lost)
-
-
-@inlined
-def coordinates(n, places, every, b):
-    """x, z and rotation of body b, and the forces on these; every: numbers of all rows."""
-    if rows_of(n) == 1:
-        return (place_of(n, places, b, X), place_of(n, places, b, Z), place_of(n, places, b, ROTATION),
-                force_of(n, places, b, X), force_of(n, places, b, Z), force_of(n, places, b, ROTATION))
-    x, z = four(n, places, every, b, COS1)[2:]
-    rotation, fx, fz, moment = four(n, places, every, b, PLACE + ROTATION)
-    return x, z, rotation, fx, fz, moment
-
-
-@inlined
-def keep_coordinates(n, places, every, b, cos1, sin, x, z, rotation):
-    """Write cosine less one, sine and coordinates of body b, with forces that are zero."""
-    none = zero(n)
-    if rows_of(n) == 1:
-        for k in range(RIGID):
-            store(n, places, b, first_force(places) + k, none)
-        store(n, places, b, COS1, cos1)
-        store(n, places, b, SIN, sin)
-        store(n, places, b, PLACE + X, x)
-        store(n, places, b, PLACE + Z, z)
-        store(n, places, b, PLACE + ROTATION, rotation)
-    else:
-        put_four(n, places, every, b, COS1, (cos1, sin, x, z))
-        put_four(n, places, every, b, PLACE + ROTATION, (rotation, none, none, none))
-
-
-@inlined
-def move_coordinate(n, inertia, b, k, bench, backwards, force, damped):
-    """Advance the velocity of coordinate k of body b by a step.
-
-    backwards: acceleration of the field [m/s2].  Returns the sum of its momenta before and after [kg m/s], the powers
-    of its prescribed velocity and of its damping [W], and its velocity.
-    """
-    old, mass, free = velocity_of(n, inertia, b, k), mass_of(n, inertia, b, k), inverse_mass_of(n, inertia, b, k)
-    bench_of, rate, taken = table_width(n), bodies.acceleration(force, free, backwards), 0.0 * old
-    dt = load(bench_of, bench, 0, STEP)
-    if damped:
-        resistance = bodies.damping(old, rate, free, load(bench_of, bench, 0, ALPHA), load(bench_of, bench, 0, LOCAL))
-        rate = rate - resistance
-        taken = mass * resistance * (old + 0.5 * dt * rate)
-    new = old + dt * rate
-    store(n, inertia, b, VELOCITY + 3 * k, new)
-    return bodies.work_of_field(mass, free, old, new), bodies.power_of_drive(force, free, new), taken, new
-
-
-@inlined
-def clear(n, sums, kind):
-    """Set the partial sums of a kind to zero."""
-    for part in range(PARTS):
-        store(n, sums, kind, part, 0.0)
-
-
-@inlined
-def total(n, sums, kind):
-    """Sum of the partial sums, in their order, into the first of them."""
-    value = zero(n)
-    for part in range(PARTS):
-        value = value + load(n, sums, kind, part)
-    store(n, sums, kind, 0, value)
-
-
-@compiled
-def adapt(n, tables, strain, controls):
-    """Set the adaptive damping of the next step from the kinetic energy of this one."""
-    sums, inertia = tables.sums, tables.inertia
-    clear(n, sums, KINETIC)
-    for b in range(len(inertia)):
-        mass = mass_of(n, inertia, b, X), mass_of(n, inertia, b, Z), mass_of(n, inertia, b, ROTATION)
-        velocity = velocity_of(n, inertia, b, X), velocity_of(n, inertia, b, Z), velocity_of(n, inertia, b, ROTATION)
-        add_part(n, sums, KINETIC, b, bodies.kinetic_energy(mass, velocity))
-        if strain is not None:
-            add_part(n, sums, KINETIC, b, kinetic_of_modes(n, inertia, strain, b))
-    total(n, sums, KINETIC)
-    for w in range(len(controls)):
-        kinetic, relaxation = sums[KINETIC, 0, w], tables.relaxation
-        relaxation[0, 0, w] = bodies.adaptive_damping(kinetic, relaxation[0, 1, w], controls[w, 4], controls[w, 0])
-        relaxation[0, 1, w] = kinetic if controls[w, 4] > 0.0 else 0.0  # a wall that relaxes later begins without
 
 
 # --- forces -----------------------------------------------------------------------------------------
@@ -360,7 +126,7 @@ def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped
     bit; damped: whether interfaces damp; turns: whether bodies are held by rotational springs; since: time since the
     last forces [s], zero where nothing has moved.
     """
-    clear(n, tables.sums, DAMPED)
+    tables.sums[DAMPED] = 0.0
     singly, others = ending == walls, 1
     if strain is not None:
         singly = True
@@ -371,8 +137,8 @@ def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped
     if turns:
         for b in range(len(tables.turning)):
             stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
-            moment = stiffness * (place_of(n, tables.bodies, b, ROTATION) - rest)
-            add(n, tables.bodies, b, first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
+            moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
+            add(n, tables.bodies, b, rows.first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
     if len(tables.bearings) > 0:
         hold_top(n, tables)
     if loose is not None:
@@ -388,18 +154,19 @@ def hold_top(n, tables):
 
     The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip is friction.
     """
-    gravity = load(n, tables.bench, 0, PULL_Z) - load(n, tables.bench, 0, BASE_Z)
+    bench = rows.bench_of(n, tables.bench, 0)
+    gravity = bench.pull_z - bench.base_z
     for b in range(len(tables.bearings)):
-        stiffness, limit, play, weighs, slip, before = bearing_of(n, tables.bearings, b)
-        trial = stiffness * (place_of(n, tables.bodies, b, X) - slip)
+        stiffness, limit, play, weighs, slip, before = rows.bearing_of(n, tables.bearings, b)
+        trial = stiffness * (rows.place_of(n, tables.bodies, b, X) - slip)
         excess = either(trial > limit, trial - limit, either(trial < -limit, trial + limit, 0.0))
         slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
         slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
         force = trial - stiffness * (slipped - slip)
-        keep_bearing(n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force))
+        rows.keep_bearing(n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force))
         add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
-        add(n, tables.bodies, b, first_force(tables.bodies) + X, -force)
-        add(n, tables.bodies, b, first_force(tables.bodies) + Z, -weighs * gravity)
+        add(n, tables.bodies, b, rows.first_force(tables.bodies) + X, -force)
+        add(n, tables.bodies, b, rows.first_force(tables.bodies) + Z, -weighs * gravity)
 
 
 @compiled
@@ -420,11 +187,11 @@ def forces_of_intact(n, tables, loose, ending, damped):
 
     n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall.
     """
-    everyone, any_other, places = (1 << lanes(n)) - 1, 0, tables.bodies
+    everyone, any_other = (1 << lanes(n)) - 1, 0
     for p in range(0, len(tables.others), rows_of(n)):
-        springs, first, second = springs_of(n, tables, p), tables.first, tables.second
+        springs = rows.springs_of(n, tables, p)
         frame, motion = moved(n, tables, p)
-        intact = interfaces.stays_intact(springs, limits_of(n, tables.limits, p), motion)
+        intact = interfaces.stays_intact(springs, rows.limits_of(n, tables.limits, p), motion)
         if ending:
             intact = intact & flags_of(n, everyone ^ ending)
         if loose is not None:
@@ -438,17 +205,18 @@ def forces_of_intact(n, tables, loose, ending, damped):
                 tables.others[p + k] = other >> k & 1
         resultant = interfaces.elastic_resultant(springs, motion)
         if damped:
-            changed = interfaces.change(resultant, last_resultant(n, tables.last, p))
+            changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, p))
             resultant = damp(n, tables, p, motion, resultant, changed, intact)
-        push_at(n, places, first, second, p, interfaces.forces_on_bodies(frame, resultant, motion), intact)
+        forces = interfaces.forces_on_bodies(frame, resultant, motion)
+        rows.push_at(n, tables.bodies, tables.first, tables.second, p, forces, intact)
     return any_other
 
 
 @inlined
 def moved(n, tables, p):
     """Frame and RelativeMotion of interface p, or of eight from there on."""
-    return interfaces.relative_motion(line_of(n, tables, p), pose_at(n, tables.bodies, tables.first, p),
-                                      pose_at(n, tables.bodies, tables.second, p))
+    return interfaces.relative_motion(rows.line_of(n, tables, p), rows.pose_at(n, tables.bodies, tables.first, p),
+                                      rows.pose_at(n, tables.bodies, tables.second, p))
 
 
 @compiled
@@ -486,15 +254,10 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
             start += size
         over = ends_now(n, tables, loose, p, clock, step, here, motion)
         if here & (ending | over):
-            read(n, tables, strain, interface, motion, flags_of(n, here & (ending | over)))
-        push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
-
-
-@inlined
-def read(n, tables, strain, interface, motion, which):
-    """Write the readings of all contact points of an interface in the walls `which` (flags)."""
-    for i in range(interface.start, interface.stop):
-        contacts.read(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion), which)
+            for i in range(interface.start, interface.stop):
+                at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
+                contacts.read(n, tables, i, at_point, flags_of(n, here & (ending | over)))
+        rows.push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
 
 
 @inlined
@@ -507,7 +270,7 @@ def ends_now(n, tables, loose, p, clock, step, here, motion):
     failed = bits(load(n, tables.limits, p, HAS_FAILED) == FAILED) & here
     over = 0
     if failed:
-        over = failed & bits(interfaces.no_overlap(motion, interface.slide_least, interface.slide_most))
+        over = failed & bits((motion.shear <= interface.slide_least) | (motion.shear >= interface.slide_most))
     if loose is not None and over == 0 and ends_too(n, tables, loose, p, clock[0] + step, motion):
         over = 1
     if over:
@@ -528,22 +291,17 @@ def fail(n, tables, p, w, failed):
 def let_go(n, tables, strain, loose, p, gone, motion):
     """Set the forces of interface p to zero, permanently, in those of the walls `gone` (bits) in which it is ENDING;
     its bodies become a loose pair where there are such."""
+    interface = tables.interfaces[p]
     for w in range(lanes(n)):
         one = wall_of(n, w)
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
             before = load(one, tables.energy, 0, FRICTION)
-            let_go_of(one, tables, strain, tables.interfaces[p], of_wall(motion, w))
+            for i in range(interface.start, interface.stop):
+                contacts.let_go(one, tables, i, motion_at(one, tables.bodies, strain, interface, i, of_wall(motion, w)))
+                tables.used[i] = 1
             fail(n, tables, p, w, ENDED)
             if loose is not None:
-                hand_over(n, tables, loose, tables.interfaces[p], load(one, tables.energy, 0, FRICTION) - before)
-
-
-@inlined
-def let_go_of(n, tables, strain, interface, motion):
-    """`damage.mechanics.contacts.let_go` of all contact points of an interface of one wall."""
-    for i in range(interface.start, interface.stop):
-        contacts.let_go(n, tables, i, motion_at(n, tables.bodies, strain, interface, i, motion))
-        tables.used[i] = 1
+                hand_over(n, tables, loose, interface, load(one, tables.energy, 0, FRICTION) - before)
 
 
 @inlined
@@ -562,12 +320,13 @@ def forces_of_points(n, tables, law, strain, p, start, stop, clock, step, motion
         resultant, elastic = contacts.elastic_resultant(n, of_contacts, states, start, stop, motion, lives)
     beyond = here & ~bits(elastic)
     if beyond:
-        beyond &= ~bits(interfaces.stays_intact(springs_of(n, tables, p), limits_of(n, tables.limits, p), motion))
+        springs, limits = rows.springs_of(n, tables, p), rows.limits_of(n, tables.limits, p)
+        beyond &= ~bits(interfaces.stays_intact(springs, limits, motion))
     if strain is None or tables.used[start]:
         contacts.remember(n, of_contacts, states, start, stop, motion, flags_of(n, here & ~beyond))
     changed = resultant
     if damped:
-        changed = interfaces.change(resultant, last_resultant(n, tables.last, row))
+        changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, row))
     if beyond:
         resultant, changed = by_law(n, tables, law, strain, p, start, stop, clock, step, motion, beyond, damped,
                                     resultant, changed)
@@ -611,26 +370,23 @@ def with_wall(resultant, w, of_wall):
 def motion_before(n, tables, strain, p, row, motion, damped):
     """RelativeMotion of interface p of one wall in the last step, stored where the wall damps, else by velocities; the
     present one between deformable bricks."""
-    if damped and (load(n, tables.bench, 0, RATE) > 0.0 or len(tables.radiation) > 0):
-        return last_motion(n, tables.last, row)
+    if damped and (rows.bench_of(n, tables.bench, 0).rate > 0.0 or len(tables.radiation) > 0):
+        return rows.last_motion(n, tables.last, row)
     if strain is not None:
         return motion
     interface = tables.interfaces[p]
-    return interfaces.relative_motion(line_of(n, tables, p), pose_before(n, tables, interface.a),
+    return interfaces.relative_motion(rows.line_of(n, tables, p), pose_before(n, tables, interface.a),
                                       pose_before(n, tables, interface.b))[1]
 
 
 @compiled
 def pose_before(n, tables, b):
     """Pose of body b of one wall in the last step."""
-    places, inertia, dt = tables.bodies, tables.inertia, load(n, tables.bench, 0, STEP)
-    angle = place_of(n, places, b, ROTATION) - dt * velocity_of(n, inertia, b, ROTATION)
-    if abs(angle) < bodies.SMALL:
-        cos1, sin = bodies.small_rotation(angle)
-    else:
-        cos1, sin = np.cos(angle) - 1.0, np.sin(angle)
-    return Pose(place_of(n, places, b, X) - dt * velocity_of(n, inertia, b, X),
-                place_of(n, places, b, Z) - dt * velocity_of(n, inertia, b, Z), cos1, sin)
+    places, inertia, dt = tables.bodies, tables.inertia, rows.bench_of(n, tables.bench, 0).step
+    angle = rows.place_of(n, places, b, ROTATION) - dt * rows.velocity_of(n, inertia, b, ROTATION)
+    cos1, sin = small_rotation(angle) if abs(angle) < SMALL else (np.cos(angle) - 1.0, np.sin(angle))
+    return Pose(rows.place_of(n, places, b, X) - dt * rows.velocity_of(n, inertia, b, X),
+                rows.place_of(n, places, b, Z) - dt * rows.velocity_of(n, inertia, b, Z), cos1, sin)
 
 
 # --- damping of interfaces --------------------------------------------------------------------------
@@ -642,16 +398,16 @@ def damp(n, tables, row, motion, resultant, changed, which):
 
     changed: change of the elastic resultant since the last step.
     """
-    before = last_motion(n, tables.last, row)
-    keep_motion(n, tables.last, row, which, motion)
-    keep_resultant(n, tables.last, row, which, resultant)
-    bench_of = table_width(n)
-    viscous, work = interfaces.add_viscous(load(bench_of, tables.bench, 0, RATE), motion, before, resultant, changed)
+    before = rows.last_motion(n, tables.last, row)
+    rows.keep_motion(n, tables.last, row, which, motion)
+    rows.keep_resultant(n, tables.last, row, which, resultant)
+    bench = rows.bench_of(table_width(n), tables.bench, 0)
+    viscous, work = interfaces.add_viscous(bench.rate, motion, before, resultant, changed)
     if len(tables.radiation) > 0:
         viscous, of_dashpots, more = interfaces.add_dashpots(
-            dashpots_of(n, tables.radiation, row), dashpots_last(n, tables.radiation, row),
-            load(bench_of, tables.bench, 0, STEP), motion, before, viscous, changed)
-        keep_dashpots(n, tables.radiation, row, which, of_dashpots)
+            rows.dashpots_of(n, tables.radiation, row), rows.dashpots_last(n, tables.radiation, row), bench.step,
+            motion, before, viscous, changed)
+        rows.keep_dashpots(n, tables.radiation, row, which, of_dashpots)
         work = work + more
     add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
     return viscous
@@ -667,7 +423,47 @@ def remember_last(n, tables, strain, which):
         start, size = ROW(interface.start), points_at_once(strain, interface)
         while start < interface.stop:
             here, row = motion_at(n, tables.bodies, strain, interface, start, motion), last_row(strain, p, start)
-            keep_motion(n, tables.last, row, asked, here)
-            keep_resultant(n, tables.last, row, asked, contacts.present_resultant(
+            rows.keep_motion(n, tables.last, row, asked, here)
+            rows.keep_resultant(n, tables.last, row, asked, contacts.present_resultant(
                 n, tables.contacts, tables.states, start, start + size, here))
             start += size
+
+
+# --- strain modes of deformable bricks ----------------------------------------------------------------
+# Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact forces on the opening
+# and shear displacement by a unit of the mode.  Its mass, stiffness, damping and shape are equal in all walls that step
+# together.  Theory: `damage.wall.strain`.
+
+@inlined
+def points_at_once(strain, interface):
+    """Number of contact points that share a RelativeMotion: all of an interface between rigid bricks, else one."""
+    if strain is None:
+        return ROW(interface.stop - interface.start)
+    return ROW(1)
+
+
+@inlined
+def motion_at(n, bodies, strain, interface, i, motion):
+    """RelativeMotion at contact i: that of the interface plus the displacements by the strain modes of both bricks."""
+    if strain is None:
+        return motion
+    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    opening, shear = zero(n), zero(n)
+    for m in range(shapes.shape[2]):
+        qa, qb = rows.place_of(n, bodies, a, RIGID + m), rows.place_of(n, bodies, b, RIGID + m)
+        opening = opening + (shapes[at_b, 0, m] * qb - shapes[at_a, 0, m] * qa)
+        shear = shear + (shapes[at_b, 1, m] * qb - shapes[at_a, 1, m] * qa)
+    return RelativeMotion(motion.opening + opening, motion.shear + shear, motion.rotation)
+
+
+@inlined
+def push_modes(n, bodies, strain, interface, i, resultant, which):
+    """Add a contact's Resultant to the generalized forces of both bricks' modes, in the walls `which` (flags)."""
+    if strain is None:
+        return
+    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    normal, shear = either(which, resultant.normal, 0.0), either(which, resultant.shear, 0.0)
+    for m in range(shapes.shape[2]):
+        k = rows.first_force(bodies) + RIGID + m
+        add(n, bodies, a, k, normal * shapes[at_a, 0, m] + shear * shapes[at_a, 1, m])
+        add(n, bodies, b, k, -(normal * shapes[at_b, 0, m] + shear * shapes[at_b, 1, m]))

@@ -36,9 +36,23 @@ PARTS = 8
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC, DAMPED, SUMS = range(7)
 """Rows of `sums`: momenta along x and z, power of prescribed velocities, power of damping, kinetic energy, work of the
 damping of interfaces."""
-BASE_X, BASE_Z, PULL_Z, STEP, ALPHA, LOCAL, RATE, BENCH = range(8)
-"""Fields of the only row of `bench`: acceleration of the base along x and z, and with gravity along z [m/s2]; time step
-[s]; mass-proportional [1/s] and local damping [-]; stiffness-proportional damping over the time step [-]."""
+
+
+class Bench(NamedTuple):
+    """The only row of `bench`, parameters of a step: acceleration of the base along x and z, and with gravity along z
+    [m/s2]; time step [s]; mass-proportional [1/s] and local damping [-]; stiffness-proportional damping over the time
+    step [-]."""
+
+    base_x: float
+    base_z: float
+    pull_z: float
+    step: float
+    alpha: float
+    local: float
+    rate: float
+
+
+STEP = Bench._fields.index("step")
 
 
 class Bearing(NamedTuple):
@@ -195,14 +209,13 @@ def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots,
     return Tables(
         bodies=zeros(up(n_bodies), 2 + 2 * coordinates), inertia=by_columns(n_bodies, 3 * coordinates),
         interfaces=interfaces, limits=limits, contacts=contacts, strengths=zeros(c, len(STRENGTHS)),
-        states=zeros(c, len(STATES)),
-        readings=zeros(c, len(READINGS)), energy=zeros(1, 4), events=np.zeros((width, capacity, 3), np.int64),
-        values=np.zeros((width, capacity, 4)), n_events=np.zeros((width, 1), np.int64), relaxation=zeros(1, 2),
-        last=by_columns(n_last, len(LAST)), turning=zeros(n_bodies, 2),
-        bearings=zeros(n_bearings, len(Bearing._fields)), radiation=by_columns(n_dashpots, len(RADIATION)),
-        bench=zeros(1, BENCH), sums=zeros(SUMS, PARTS), others=np.zeros(p, np.uint8), used=np.zeros(c, np.uint8),
-        lines=aligned_zeros(blocks, len(LINES), 8), first=first, second=second,
-        every=np.arange(up(n_bodies), dtype=INDEX))
+        states=zeros(c, len(STATES)), readings=zeros(c, len(READINGS)), energy=zeros(1, 4),
+        events=np.zeros((width, capacity, 3), np.int64), values=np.zeros((width, capacity, 4)),
+        n_events=np.zeros((width, 1), np.int64), relaxation=zeros(1, 2), last=by_columns(n_last, len(LAST)),
+        turning=zeros(n_bodies, 2), bearings=zeros(n_bearings, len(Bearing._fields)),
+        radiation=by_columns(n_dashpots, len(RADIATION)), bench=zeros(1, len(Bench._fields)), sums=zeros(SUMS, PARTS),
+        others=np.zeros(p, np.uint8), used=np.zeros(c, np.uint8), lines=aligned_zeros(blocks, len(LINES), 8),
+        first=first, second=second, every=np.arange(up(n_bodies), dtype=INDEX))
 
 
 def copy_lines(tables):
@@ -226,20 +239,15 @@ def join(members):
                       len(old.last), len(old.radiation), len(old.bearings), old.events.shape[1],
                       width=1 if len(members) == 1 else WIDTH)
     for w, (tables, lane) in enumerate(members):
-        copy_wall(tables, lane, new, w)
+        logged = {"n_events": 1, "events": int(tables.n_events[lane, 0]), "values": int(tables.n_events[lane, 0])}
+        for name, from_, to in zip(Tables._fields, tables, new):
+            if name in LOGS:
+                to[w, :logged[name]] = from_[lane, :logged[name]]  # its events as far as there are any
+            elif name not in SHARED + WORK:
+                rows = min(len(from_), len(to))
+                to[:rows, :, w] = from_[:rows, :, lane]
     copy_lines(new)
     return new
-
-
-def copy_wall(tables, lane, other, w):
-    """Copy wall `lane` of Tables to place w of others; its events as far as there are any."""
-    for name, from_, to in zip(Tables._fields, tables, other):
-        if name in LOGS:
-            count = len(from_[lane]) if name == "n_events" else min(int(tables.n_events[lane, 0]), from_.shape[1])
-            to[w, :count] = from_[lane, :count]
-        elif name not in SHARED + WORK:
-            rows = min(len(from_), len(to))
-            to[:rows, :, w] = from_[:rows, :, lane]
 
 
 def system_of(tables, w):
@@ -293,13 +301,15 @@ class Matrix(NamedTuple):
     """Mass matrix of selective mass scaling as a block factor L D L', its nodes in the order of elimination; a node has
     three coordinates of a body.
 
-    body, first: (nodes,) row of its body and its first coordinate; start: (nodes + 1,) first block of each column of L;
-    below: (blocks,) node of each block's row; lower: (blocks, 9) these blocks; diagonal, inverse: (nodes, 9) blocks of
-    D, zero where massless and prescribed, and of its inverse; room: (nodes, 6, W) work array.
+    body, first, count: (nodes,) row of its body, the first of its coordinates and their number; start: (nodes + 1,)
+    first block of each column of L; below: (blocks,) node of each block's row; lower: (blocks, 9) these blocks;
+    diagonal, inverse: (nodes, 9) blocks of D, zero where massless and prescribed, and of its inverse; room: (nodes, 6,
+    W) work array.
     """
 
     body: np.ndarray
     first: np.ndarray
+    count: np.ndarray
     start: np.ndarray
     below: np.ndarray
     lower: np.ndarray

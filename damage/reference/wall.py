@@ -27,7 +27,7 @@ class ReferenceWall:
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
     damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide; scaled: selective mass
-    scaling (`damage.mechanics.scaling`) for this time step and beta, without local damping.  time_step, beta, alpha,
+    scaling (`damage.mechanics.bodies`) for this time step and beta, without local damping.  time_step, beta, alpha,
     `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
     changed at any time.
     with_stresses: whether samples hold the stresses of the joints.

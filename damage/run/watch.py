@@ -49,8 +49,7 @@ class Borne:
         bodies, contacts = layout.bodies, layout.contacts
         borne = np.flatnonzero((bodies.course >= 0) | np.isin(bodies.course, (ARCH_COURSE, LINTEL_COURSE)))
         x, z, below = bodies.x, bodies.z, [set() for _ in bodies.x]
-        for pair in np.column_stack([contacts.first, contacts.second])[~contacts.upright].tolist():
-            low, high = sorted(pair, key=lambda body: -np.inf if body < 0 else z[body])
+        for low, high in np.column_stack([contacts.first, contacts.second])[~contacts.upright].tolist():
             below[high].add(low)
         lies = np.array([brick for brick in range(layout.n_bricks) if below[brick]])
         for brick in [brick for brick in borne if not below[brick]]:

@@ -33,14 +33,8 @@ class Fibres:
 
     def mean(self, values):
         """Of values (..., n_fibres), by shares in each contact: (..., n_contacts)."""
-        return np.add.reduceat(self.share * values, self._first(), axis=-1)
-
-    def total(self, values):
-        """Sum of values (n_fibres,) in each contact: (n_contacts,)."""
-        return np.add.reduceat(values, self._first())
-
-    def _first(self):
-        return np.flatnonzero(np.append(True, self.last[:-1]))
+        first = np.flatnonzero(np.append(True, self.last[:-1]))
+        return np.add.reduceat(self.share * values, first, axis=-1)
 
 
 def split_into_fibres(joint, contacts, number):

@@ -11,6 +11,7 @@ match.  `damage.wall.plan` says what is built where; `damage.wall.contact_points
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -333,7 +334,7 @@ def _cell_breaks(plan, options):
         *brick, *(cuts_of(wall.brick, options.brick_cells, *brick) if options.brick_cells else ()))]
     edges = np.unique(np.round([*of_bricks, *(x for place in plan.lintels for x in place.edges)], 9))
     breaks = [edges[0]]
-    for left, right in zip(edges[:-1], edges[1:]):
+    for left, right in pairwise(edges):
         width = right - left
         if width < 1e-3:
             raise InputError(
@@ -346,13 +347,7 @@ def _cell_breaks(plan, options):
 
 def _make_cells(bodies, breaks):
     """Divide every body at the breaks inside it."""
-    body, left, right = [], [], []
-    for index in range(len(bodies)):
-        start = bodies.x[index] - bodies.length[index] / 2
-        end = bodies.x[index] + bodies.length[index] / 2
-        inside = breaks[(breaks > start + TINY) & (breaks < end - TINY)]
-        edges = [start, *inside, end]
-        body += [index] * (len(edges) - 1)
-        left += edges[:-1]
-        right += edges[1:]
-    return Cells(np.array(body), np.array(left), np.array(right))
+    ends = zip(bodies.x - bodies.length / 2, bodies.x + bodies.length / 2)
+    edges = [[start, *breaks[(breaks > start + TINY) & (breaks < end - TINY)], end] for start, end in ends]
+    cells = [(body, left, right) for body, of_body in enumerate(edges) for left, right in pairwise(of_body)]
+    return Cells(*map(np.array, zip(*cells)))

@@ -9,9 +9,6 @@ from damage.wall.lintels import KINDS_OF_LINTELS
 
 SOILS = (1e5, 1e12)
 """Least and largest modulus of subgrade reaction [N/m3]."""
-SOIL_VELOCITIES = (20, 2000)
-"""Least and largest shear-wave velocity of a soil [m/s]."""
-
 
 _KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
 """Of lintels that are whole by their name."""
@@ -21,7 +18,7 @@ _OF_SOIL = ("soil_shear", "footing", "soil_velocity")
 
 @dataclass(frozen=True)
 class ModelOptions:
-    """Modelling choices that the paper leaves open, the same in every solver.
+    """Modelling choices that the paper leaves open, the same in every solver; beside what their `help` says:
 
     lintel: "elastic" leaves every opening its own lintel (`damage.wall.lintels`); where it has none, the joints of all
         courses over it stay elastic.  In place of all lintels, "none" lets these joints break, a number keeps those of
@@ -29,25 +26,14 @@ class ModelOptions:
         "concrete", puts such lintels over all openings.
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
-    load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
-        or over its "piers" alone, which then have just that stress.
-    cells: contact points per half brick of a bed joint.
+    load: over the whole "length" the piers beside openings have more, over the "piers" alone just that stress.
     contacts: where the points of a bed joint lie: "interior" of the cells, at the "corners" (ends) of each overlap, or
         at the "gauss" points of two cells together; head joints have one at mid-height, one at each end, or two Gauss
         points.
-    strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
-        each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
-    supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
-    soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a word; soil_shear:
-        horizontal over vertical stiffness; footing: width over which they act [m]; soil_velocity: shear-wave velocity
-        [m/s] of a soil with radiation damping, 0 without.
-    fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
-        which YADE does not have: there 16.
-    bricks: "rigid", their compliance lumped into the joints, or "deformable" (`damage.wall.strain`), with polynomials
-        of brick_order 2 or 3 in plane "stress" or "strain", the mass of the strain modes times brick_mass, which
-        lengthens the time step by its root, and brick_damping of their critical damping.
-    brick_cells: a whole deformable brick is so many rigid cells, glued elastically (`damage.wall.split`); 0: strain
-        modes, which YADE does not have: there 4.
+    strength_cov: each joint between two bricks has one factor of mean 1 on tensile strength and cohesion.
+    soil: `damage.wall.soil`; [N/m3], as a word.
+    fibres: `damage.wall.fibres`.
+    bricks: `damage.wall.strain`; brick_cells: `damage.wall.split`.
     """
 
     lintel: str = text(default="elastic", metavar="elastic|none|N|KIND", tag="lintel-{lintel}", help=(
@@ -73,7 +59,7 @@ class ModelOptions:
                                  help="soil: horizontal stiffness over the vertical one")
     footing: float = quantity("m", 0.01, 10, default=0.45, metavar="M", tag="footing-{footing:g}",
                               help="soil: width of the footing [m]")
-    soil_velocity: float = quantity("m/s", *SOIL_VELOCITIES, words=(0,), default=0.0, metavar="M_S",
+    soil_velocity: float = quantity("m/s", 20, 2000, words=(0,), default=0.0, metavar="M_S",
                                     tag="soil-velocity-{soil_velocity:g}", help="soil: shear-wave velocity, for "
                                     "radiation damping (reference solver); 0: none")
     fibres: int = quantity("1", 0, 64, whole=True, default=0, metavar="N", tag="fibres-{fibres}", help="number of "
