@@ -138,7 +138,7 @@ def one_line_error(function, *arguments, **named):
     return message
 
 
-def refused_with(words, function, *arguments, **named):
+def refused_with(words, function, /, *arguments, **named):
     """The one line of the InputError that a call raises; these words, a regular expression, are found in it."""
     with pytest.raises(InputError, match=words) as caught:
         function(*arguments, **named)

@@ -357,9 +357,10 @@ class TestBadInput:
         assert not (tmp_path / "new" / "runs").exists()
 
     @pytest.mark.parametrize("out", ["file", "file/below"])
-    def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, error_of, out):
+    def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, capsys, out):
         (tmp_path / "file").write_text("mine")
-        said = error_of(*words(claimed.parent), "--out", tmp_path / out)
+        assert main([*words(claimed.parent), "--out", str(tmp_path / out)]) == 2
+        said = capsys.readouterr().err
         assert "is no folder; expected one" in said and "room" not in said and (tmp_path / "file").read_text() == "mine"
 
     def test_levels_of_a_part_of_the_wall_are_refused(self, claimed, tmp_path, capsys):

@@ -73,7 +73,8 @@ def test_a_name_that_would_lead_elsewhere_or_spoil_a_file_is_refused(column, nam
     table = pd.DataFrame({"run": ["r"], "point": ["p"], "wall": ["w"], column: [name]})
     said = f"summary.csv: {column} {name!r}: expected a name without slashes"
     assert said in one_line_error(columns.check_names, table, "summary.csv")
-    runs = {"strength_cov": [0.3], "strength_seed": [1], "pga_g": [0.1], "status": ["complete"],
+    runs = {"strength_cov": [0.3], "strength_seed": [1], "pga_g": [0.1], "status": ["complete"], "record": ["x"],
+            "collapsed_at_s": [""],
             **{level: [0.1] for level in LEVELS}}
     (tmp_path / "tables").mkdir()
     table.assign(**runs).to_csv(tmp_path / "tables" / "summary.csv", index=False)

@@ -201,4 +201,4 @@ def test_lost_points_and_unseen_bricks(rocking, tmp_path):
 ])
 def test_bad_fields_are_refused(text, complaint, rocking, tmp_path):
     path = written(tmp_path / "field.csv", text)
-    refused_with(complaint, measure, read_field(path), rocking[0])
+    refused_with(complaint, lambda: measure(read_field(path), rocking[0]))

@@ -18,7 +18,7 @@ from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
-from damage.mechanics import samples, step, tables
+from damage.mechanics import bodies, samples, step, tables
 from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
 from damage.mechanics.eight import (
     EIGHT,
@@ -494,8 +494,8 @@ def test_all_sources_of_compiled_code_are_in_the_digest():
 
 def test_a_function_that_is_no_entry_is_not_called_by_python():
     """It has no code for that: numba would call address zero."""
-    with pytest.raises(TypeError, match="any_above_zero is for compiled callers: expected one that is declared an ent"):
-        step.any_above_zero(np.zeros((1, 5)), 3)
+    with pytest.raises(TypeError, match="turn_far is for compiled callers: expected one that is declared an entry"):
+        bodies.turn_far(ONE, np.zeros((1, 40, 1)), 0, 1, 0.5)
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
@@ -510,16 +510,16 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
 
     def tried():
         """Where a function is cached, and whether the line was printed that the solver is compiled."""
-        program = ("from damage.mechanics import compiled, step;"
+        program = ("from damage.mechanics import bodies, compiled, eight;"
                    "import numba, numpy as np;"
-                   "step.any_above_zero.compile(tuple(map(numba.typeof, (np.zeros((1, 5)), 3))));"
+                   "bodies.turn_far.compile(tuple(map(numba.typeof, (eight.ONE, np.zeros((1, 40, 1)), 0, 1, 0.5))));"
                    "print(compiled.kept_in(), compiled.DIGEST, sep='\\n')")
         *said, folder, digest = run_command(sys.executable, "-c", program, cwd=tmp_path, check=True,
                                             env=env).stdout.splitlines()
         assert said in ([], [COMPILING])
         folder = Path(folder)
         assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "mechanics")
-        (index,) = folder.glob("step.any_above_zero-*.nbi")
+        (index,) = folder.glob("bodies.turn_far-*.nbi")
         assert digest in index.name  # and the machine code of other sources is deleted
         return index, bool(said)
 

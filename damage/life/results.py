@@ -161,7 +161,8 @@ def lives_of(folder, tables=()):
             found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point), note)
                       for number, record in there.items()]
             if note:
-                found += [Lives(point, draws, of_point(*one, point, draws, note), note) for one in more]
+                found += [Lives(point, draws, of_point(path, table, notes, point, draws, note), notes.get(point))
+                          for path, table, notes in more]
     if not any(len(one.table) for one in found):
         raise InputError(f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m damage "
                          "life makes it")
