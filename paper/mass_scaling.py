@@ -264,7 +264,7 @@ def falling():
 def skipped():
     """Print what events that leave a wall intact would have to share to need no steps: motions of lives that are equal,
     and the wall after such an event, BGAR at two factors, and before it."""
-    lives = pd.read_csv(REPOSITORY / "docs" / "tables" / "lives" / "lives.csv")
+    lives = pd.read_csv(REPOSITORY / "docs" / "tables" / "lives" / "lives.csv", comment="#")
     print_table("lives", "events", "different motions")
     for point, events in lives.groupby("point"):
         print_row(point, len(events), len(events.drop_duplicates(["record", "scale"])))
