@@ -312,7 +312,10 @@ class TestRuns:
             (tmp_path / name).write_text((folder / name).read_text().replace(str(folder), str(tmp_path)))
         assert "no life in it" in one_line_error(lives_of, tmp_path)
         (again,) = lives_of(tmp_path, [_written(one.table, tmp_path / "lives.csv")])
-        assert again.last.equals(one.last)
+        assert again.last.equals(one.last) and again.note is None  # of a table that names neither wall nor model
+        path, *_ = write_lives([one], tmp_path / "noted")
+        (again,) = lives_of(tmp_path, [path])
+        assert again.note == one.note is not None
 
 
 def _written(table, path):
