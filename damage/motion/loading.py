@@ -110,7 +110,10 @@ class Loading:
 
 @dataclass(frozen=True)
 class Harmonic(Loading):
-    """Horizontal base acceleration: a sine from zero, a whole number of cycles."""
+    """Horizontal base acceleration: a sine from zero, a whole number of cycles.
+
+    period_s [s]; amplitude_g [g]; cycles: how many.
+    """
 
     period_s: float = quantity("s", *PERIODS_S, (0.01, 10), "machines; a hundred times the period of a house's wall",
                                others={"ms": 1e-3}, called="harmonic period [s]")

@@ -49,6 +49,7 @@ class Borne:
         bodies, contacts = layout.bodies, layout.contacts
         borne = np.flatnonzero((bodies.course >= 0) | np.isin(bodies.course, (ARCH_COURSE, LINTEL_COURSE)))
         x, z, below = bodies.x, bodies.z, [set() for _ in bodies.x]
+        # The first body of a bed joint is the lower one.
         for low, high in np.column_stack([contacts.first, contacts.second])[~contacts.upright].tolist():
             below[high].add(low)
         lies = np.array([brick for brick in range(layout.n_bricks) if below[brick]])

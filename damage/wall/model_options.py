@@ -18,7 +18,7 @@ _OF_SOIL = ("soil_shear", "footing", "soil_velocity")
 
 @dataclass(frozen=True)
 class ModelOptions:
-    """Modelling choices that the paper leaves open, the same in every solver; beside what their `help` says:
+    """Modelling choices that the paper leaves open, the same in every solver.
 
     lintel: "elastic" leaves every opening its own lintel (`damage.wall.lintels`); where it has none, the joints of all
         courses over it stay elastic.  In place of all lintels, "none" lets these joints break, a number keeps those of
@@ -26,14 +26,25 @@ class ModelOptions:
         "concrete", puts such lintels over all openings.
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
-    load: over the whole "length" the piers beside openings have more, over the "piers" alone just that stress.
+    load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
+        or over its "piers" alone, which then have just that stress.
+    cells: contact points per half brick of a bed joint.
     contacts: where the points of a bed joint lie: "interior" of the cells, at the "corners" (ends) of each overlap, or
         at the "gauss" points of two cells together; head joints have one at mid-height, one at each end, or two Gauss
         points.
-    strength_cov: each joint between two bricks has one factor of mean 1 on tensile strength and cohesion.
-    soil: `damage.wall.soil`; [N/m3], as a word.
-    fibres: `damage.wall.fibres`.
-    bricks: `damage.wall.strain`; brick_cells: `damage.wall.split`.
+    strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
+        each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
+    supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
+    soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a word; soil_shear:
+        horizontal over vertical stiffness; footing: width over which they act [m]; soil_velocity: shear-wave velocity
+        [m/s] of a soil with radiation damping, 0 without.
+    fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
+        which YADE does not have: there 16.
+    bricks: "rigid", their compliance lumped into the joints, or "deformable" (`damage.wall.strain`), with polynomials
+        of brick_order 2 or 3 in plane "stress" or "strain", the mass of the strain modes times brick_mass, which
+        lengthens the time step by its root, and brick_damping of their critical damping.
+    brick_cells: a whole deformable brick is so many rigid cells, glued elastically (`damage.wall.split`); 0: strain
+        modes, which YADE does not have: there 4.
     """
 
     lintel: str = text(default="elastic", metavar="elastic|none|N|KIND", tag="lintel-{lintel}", help=(
