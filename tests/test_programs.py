@@ -265,8 +265,10 @@ def test_walls_that_soften_crush_or_are_held_are_refused(has, said, tmp_path):
 
 
 def test_the_command_writes_both(tmp_path, output_of, error_of):
-    files = [str(tmp_path / name) for name in ("squat.py", "squat.dat")]
-    assert output_of("export", "squat", "--opensees", files[0], "--3dec", files[1]).split() == files
+    both = "--opensees", tmp_path / "squat.py", "--3dec", tmp_path / "squat.dat"
+    assert "of glued parts" in error_of("export", "symmetric", "--lintel", "concrete", *both)
+    assert not any(tmp_path.iterdir())
+    assert output_of("export", "squat", *both).split() == [str(both[3]), str(both[1])]
     (tmp_path / "run.h5").touch()
     for source in (tmp_path / "run.h5", tmp_path):
         assert "expected a wall file" in error_of("export", source, "--opensees", tmp_path / "a.py")

@@ -156,12 +156,12 @@ def _export_wall(asked):
         raise InputError(f"export of {asked.source} for OpenSees or 3DEC: expected a wall file, or the name of a wall "
                          "that ships; give the wall that was run")
     layout = lay_out(plausible_wall(asked, asked.source), model_of(asked))
-    if asked.opensees:
-        print(write_opensees(layout, asked.opensees))
-    if asked.deck:
+    if asked.deck:  # first, since it refuses all that --opensees does, and more: then neither file is written
         path, said = write_3dec(layout, asked.deck)
         warn(*said)
         print(path)
+    if asked.opensees:
+        print(write_opensees(layout, asked.opensees))
 
 
 @command("compare a history with another, an ensemble, or the survey of a real wall", file_arg("first", "A.h5"),

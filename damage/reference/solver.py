@@ -24,7 +24,7 @@ LOOSE_TABLES = "bounds", "seen", "order", "pairs", "springs", "counts", "energy"
 class ReferenceSolver(ReferenceWall, Solver):
     """A ReferenceWall as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
 
-    stretch_samples = 28  # about two thousand steps
+    stretch_samples = 60  # half of what is stored at once (`damage.history.buffer.CHUNK`)
 
     @property
     def clock(self):
