@@ -9,7 +9,9 @@ bond is on the exponential envelope of `joint_law`, (S1) and (S2), of fracture e
 
     1/2 k_n sum a_i w_i^2 = G_I,    1/2 k_s sum a_i s_i^2 = G_II
 
-and fall to G_I, G_II as m grows.  Shares are such that the envelope's stress falls by f_t / m from break to break.
+and tend to G_I, G_II as m grows.  Shares are such that the envelope's stress has fallen by the share (i/m)^1.5 of the
+strength where fibre i breaks: equal falls would leave a tenth of the area after the first break, and the bond too weak
+at small openings.
 """
 
 from dataclasses import dataclass
@@ -41,8 +43,8 @@ def split_into_fibres(joint, contacts, number):
     """The Fibres of `Contacts` of a Joint that softens (damage.wall.contact_points); a contact that is elastic stays
     one, and so do bricks' cuts and contacts without bond.
 
-    number: of fibres in each contact of mortar.  Raises InputError for brittle joints, and for fracture energies so
-    low that the envelope snaps back, which no fibre can follow.
+    number: of fibres in each contact of mortar.  Raises InputError for brittle joints, for fracture energies so low
+    that the envelope snaps back, which no fibre can follow, and for too few fibres to hold them.
     """
     if not joint.softens:
         raise InputError(f"--fibres {number}: the joints are brittle; give Joint(mode_i_fracture_energy=..., "
@@ -68,19 +70,23 @@ def split_into_fibres(joint, contacts, number):
     shares[of_soft] = share.ravel()
     last[:-1] = contact[1:] != contact[:-1]
     for values, strength, ratio in zip(fibre_strengths, strengths, ductility):
-        values[of_soft] = (strength[:, None] * _growth(ratio, held, share)).ravel()
+        growth = _growth(ratio, held, share)
+        if np.any(np.sum(share * growth**2, axis=1) < 2 * ratio * (1 - 1e-6)):
+            raise InputError(f"--fibres {number}: expected enough to hold the fracture energies of both modes; give "
+                             "more, as 16, or leave --fibres out")
+        values[of_soft] = (strength[:, None] * growth).ravel()
     return Fibres(contact, shares, *fibre_strengths, last)
 
 
 def _held(ductility, number):
     """Share of the area that holds before each break, (n, number), for G k / f^2 (n,)."""
-    stress = 1 - np.arange(number) / number
+    stress = 1 - (np.arange(number) / number)**1.5
     return stress / (stress - ductility[:, None] * np.log(stress))
 
 
 def _growth(ductility, held, share):
     """Strengths of the fibres over the first one's (n, number), for G k / f^2 (n,): by bisection for G'."""
-    low, high = np.log(ductility), np.log(ductility) + 5.0
+    low, high = np.zeros(len(ductility)), np.log(ductility) + 5.0  # below G' = f^2 / k the envelope snaps back
     for _ in range(60):
         middle = (low + high) / 2
         growth = _on_the_envelope(np.exp(middle), held)
