@@ -281,9 +281,8 @@ def solvers():
     with TemporaryDirectory() as made:
         subprocess.run([*COMMAND, Path(__file__).with_name("spandrel_in_yade.py"), Path(made) / "yade.csv"], check=True,
                        env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
-        tables = [compared(Spandrel).assign(solver="reference", fibres=FIBRES),
-                  compared(Spandrel, 0).assign(solver="reference", fibres=0),
-                  pd.read_csv(Path(made) / "yade.csv").assign(solver="yade", fibres=FIBRES)]
+        tables = [compared(Spandrel, fibres).assign(solver="reference", fibres=fibres) for fibres in (FIBRES, 64, 0)]
+        tables.append(pd.read_csv(Path(made) / "yade.csv").assign(solver="yade", fibres=FIBRES))
     pd.concat(tables).to_csv(OUT / "repeated_solvers.csv", index=False, float_format="%.6g")
 
 
