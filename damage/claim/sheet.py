@@ -78,9 +78,17 @@ def _taken(numbers, say, shown):
                     farthest=shown(numbers["farthest"]),
                     fell=numbers["at_the_end"]["earthquakes"]["fell"],
                     fell_settled=numbers["at_the_end"]["both"]["fell"]),
+        *_windows(numbers["choices"].get("strong"), say, shown),
         say("widths_used"), say("detection", limit=shown(survey["detection_limit_mm"]),
                                 error=shown(survey["width_error_mm"])),
         say("offsets_yes" if survey["offsets_known"] else "offsets_no")]
+
+
+def _windows(strong, say, shown):
+    """What the windows of the records leave out, a list of sentences; strong: as of Choices, None where nothing."""
+    if not any(strong or ()):
+        return []
+    return [say("windows", first=shown(100 * strong[0]), last=shown(100 - 100 * strong[1]))]
 
 
 def _evidence(evidence, say):
