@@ -58,7 +58,7 @@ KINDS = {
 WEAKER = {"tensile_strength": 1e3, "cohesion": 1e3}
 MODES = {"bricks": "deformable", "contacts": "gauss", "brick_mass": 25.0}
 DEFORMABLE = {
-    "deformable": (WEAKER, {}, MODES), "deformable, parallel elements": (SOFT | WEAKER, {}, MODES | {"fibres": 4}),
+    "deformable": (WEAKER, {}, MODES), "deformable, parallel elements": (SOFT | WEAKER, {}, MODES | {"fibres": 8}),
     "deformable, softening": (SOFT | WEAKER, {}, MODES | {"brick_damping": 0.0}),
     "deformable, on damped soil": (WEAKER, {}, MODES | {"soil": 1e9, "soil_velocity": 100.0}),
     "deformable, softening and crushing, order 3": (
