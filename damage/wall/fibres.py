@@ -3,7 +3,7 @@
 With the brittle law in each fibre, in any solver, their sum softens: unloading goes to the origin, for those that
 hold are springs; friction adds up from those that slide.  It needs no softening law and is the check of it.
 
-Fibre i of m holds share a_i and breaks at the opening w_i and at the slip s_i of a contact without normal stress.
+Fibre i of m, from 0 on, holds share a_i and breaks at the opening w_i and at the slip s_i of a contact without normal stress.
 The first breaks at f_t / k_n and c / k_s, so that the peaks are those of the whole bond; just before each break the
 bond is on the exponential envelope of `joint_law`, (S1) and (S2), of fracture energies G' that are chosen such that
 
@@ -73,7 +73,7 @@ def split_into_fibres(joint, contacts, number):
         growth = _growth(ratio, held, share)
         if np.any(np.sum(share * growth**2, axis=1) < 2 * ratio * (1 - 1e-6)):
             raise InputError(f"--fibres {number}: expected enough to hold the fracture energies of both modes; give "
-                             "more, as 16, or leave --fibres out")
+                             "more, up to 64, or leave --fibres out")
         values[of_soft] = (strength[:, None] * growth).ravel()
     return Fibres(contact, shares, *fibre_strengths, last)
 
