@@ -5,7 +5,8 @@ hold are springs; friction adds up from those that slide.  It needs no softening
 
 Fibre i of m, from 0 on, holds share a_i and breaks at the opening w_i and at the slip s_i of a contact without normal
 stress.  The first breaks at f_t / k_n and c / k_s, so that the peaks are those of the whole bond; just before each
-break the bond is on the exponential envelope of `joint_law`, (S1) and (S2), of fracture energies G' that are chosen such that
+break the bond is on the exponential envelope of `joint_law`, (S1) and (S2), of fracture energies G' that are chosen
+such that
 
     1/2 k_n sum a_i w_i^2 = G_I,    1/2 k_s sum a_i s_i^2 = G_II
 
