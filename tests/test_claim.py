@@ -302,7 +302,7 @@ class TestSheet:
                 assert f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})" in page
         assert numbers["shaking"]["catalogue_ends"] == "2014-12-30"
         assert "<strong>The list of earthquakes ends on 2014-12-30." in page
-        assert "cut to 20 to 70 % of their Arias intensity" in page
+        assert "from 20 to 70 % of its Arias intensity is used" in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
         like = number("en", min(numbers["effective_draws"].values()))
         assert like != "0" and f"no answer: only {like} of the computed walls resemble" in describe(numbers)

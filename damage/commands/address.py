@@ -89,7 +89,7 @@ def _lives_options(within, strong):
                 "(default), or the spectral acceleration at 0.2 s that it implies"),
             arg("--strong", nargs=2, type=float, default=strong, metavar="SHARE", help="shares of the Arias "
                 "intensity that a record's window leaves out at its start and end (default "
-                f"{strong[0]:g} {strong[1]:g})")),
+                f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)")),
         group(
             "runs",
             arg("--rest", type=number_from(0, 100), default=0.2, metavar="S", help="free vibration after each event "

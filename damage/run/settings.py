@@ -78,8 +78,7 @@ class RunSettings:
     along which joints have no bond, or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
     life: what the events were drawn from (`damage.exposure.lives`), or None; event: the one event at an address whose
-    motion `loading` is, or None; rest_s: free vibration after each event [s], which ends with
-    a settling stage;
+    motion `loading` is, or None; rest_s: free vibration after each event [s], which ends with a settling stage;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); mass_scaling: None for what suits the wall (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
