@@ -4,25 +4,38 @@
     python3 benchmarks/same_bits.py run NEW             # in the new tree, on the same machine
     python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where a dataset differs
     python3 benchmarks/same_bits.py compare A.h5 B.h5 --tolerance 1e-12
+    python3 benchmarks/same_bits.py digests FOLDER      # of its histories, of YADE's, too
+    python3 benchmarks/same_bits.py renew               # the published digests; prints the runs that moved
+    python3 benchmarks/same_bits.py settings            # are they the same as other processors and libraries compute?
 
 What the second lacks is a difference; what it has more is listed and is none (the schema only adds).  The state that a
 run leaves for --continue is left out: its form belongs to a version.  Tables of members: but for columns of origin.
+`renew` writes `damage/data/bits/bits.csv` anew (`damage.reference.bits`): a commit that moves values names the runs in
+CHANGELOG.md.
+`settings` runs `check-bits --long` as if this processor had less, each with machine code of its own, minutes each.
 --tolerance: share of a dataset's largest value up to which floating-point values may differ; events still have to
 come in the same order.
 """
 
 import argparse
+import os
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import h5py
 import numpy as np
 import pandas as pd
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from damage.history.reader import read_history
+from damage.reference import bits
+
 BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
-SYMMETRIC, SMALL = "walls/symmetric.py", "benchmarks/small_wall.py"
+SYMMETRIC, SMALL = "walls/symmetric.py", "walls/variants/small.py"
 RUNS = {
     "harmonic": [SYMMETRIC, "--harmonic", "0.2", "0.05", "--rest", "0.5"],
     "record": [SYMMETRIC, "--record", BGAR, "--window", "17", "23", "--rest", "1"],
@@ -42,6 +55,18 @@ RUNS = {
     "deformable_members": [SMALL, "--harmonic", "0.06", "0.8", "--rest", "0.1", "--bricks", "deformable", "--members",
                            "3"],
 }
+NUMPY = "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL AVX512_SPR"
+SETTINGS = {
+    "as it comes": {},
+    "numba for Haswell": {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
+    "numba for any x86-64": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+    "numpy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": NUMPY},
+    "numpy without FMA": {"NPY_DISABLE_CPU_FEATURES": f"{NUMPY} AVX2 FMA3"},
+    "C library without FMA": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA"},
+    "OpenBLAS for Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+    "OpenBLAS for Nehalem": {"OPENBLAS_CORETYPE": "Nehalem"},
+}
+"""{name: environment} by which a program computes as other processors do; numpy says which features it knows."""
 ORIGIN = "commit", "model_digest", "measures_digest"
 IN_YADE = ("harmonic", "pushover", "sequence")
 
@@ -108,6 +133,27 @@ def compare(old, new, tolerance):
     return int(different)
 
 
+def renew():
+    """Write the published digests anew; prints what moved."""
+    found = bits.digests(bits.CASES)
+    moved = bits.differing(found)
+    bits.write_table(found)
+    print(*(f"{name}: {', '.join(quantities)}" for name, quantities in moved.items()), sep="\n")
+    print(f"{bits.TABLE}: {len(moved)} of {len(bits.CASES)} runs moved")
+
+
+def settings(python):
+    """Compare with the published digests in each of SETTINGS, by a Python; the exit status."""
+    worst = 0
+    for name, environment in SETTINGS.items():
+        with TemporaryDirectory() as cache:
+            done = subprocess.run([python, "-W", "ignore", "-m", "damage", "check-bits", "--long"], cwd=ROOT, text=True,
+                                  capture_output=True, env=os.environ | environment | {"NUMBA_CACHE_DIR": cache})
+        print(f"{name}: {(done.stdout.splitlines() or done.stderr.splitlines() or ['nothing'])[-1]}", flush=True)
+        worst = max(worst, done.returncode)
+    return worst
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
@@ -118,12 +164,23 @@ def main():
     comparing.add_argument("old", type=Path)
     comparing.add_argument("new", type=Path)
     comparing.add_argument("--tolerance", type=float, default=0.0)
+    digesting = commands.add_parser("digests")
+    digesting.add_argument("folder", type=Path)
+    commands.add_parser("renew")
+    commands.add_parser("settings").add_argument("--python", default=sys.executable, help="with other libraries")
     parsed = parser.parse_args()
     if parsed.command == "run":
         parsed.folder.mkdir(parents=True, exist_ok=True)
         run(parsed.folder, parsed.yade)
         return 0
-    return compare(parsed.old, parsed.new, parsed.tolerance)
+    if parsed.command == "digests":
+        for path in sorted(parsed.folder.glob("*.h5")):
+            for quantity, digest in bits.digests_of([read_history(path)]).items():
+                print(f"{path.stem},{quantity},{digest}")
+        return 0
+    if parsed.command == "settings":
+        return settings(parsed.python)
+    return renew() if parsed.command == "renew" else compare(parsed.old, parsed.new, parsed.tolerance)
 
 
 if __name__ == "__main__":

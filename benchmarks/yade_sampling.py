@@ -37,7 +37,7 @@ def prepare(folder):
     writer = HistoryWriter(folder / "samples.h5", layout, solver="yade", parameters={}, versions={})
     run = Run(layout, settings, solver, writer, lambda *_: True)
     take_turns([run.settle_under_gravity()])
-    run.start(modes.shape[0])
+    run.start()
     solver.damp()
     return run
 

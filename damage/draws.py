@@ -15,51 +15,65 @@ from damage.elementary import exp, log
 _LAYERS, _EDGE, _AREA = 256, 3.6541528853610087963519472518, 0.00492867323397465524494
 """Of the ziggurat: layers, where its tail begins, area of a layer."""
 _MANTISSA = 2.0**52
+_LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
+_BLOCK = 4096  # words at a time
 
 
 class Draws:
     """A stream of random numbers by a seed, an integer or a sequence of integers as of numpy.random.SeedSequence."""
 
     def __init__(self, seed):
-        self._bits, self._half = np.random.PCG64(seed), None
+        self._bits, self._half = np.random.PCG64(seed), np.zeros(0, np.uint64)
 
     def uniform(self, n):
         """Numbers (n,) from 0 to 1, below 1."""
         return (self._bits.random_raw(n) >> np.uint64(11)).astype(float) * 2.0**-53
 
-    def below(self, number):
-        """A whole number from 0 to number - 1, of a number up to 2**32."""
-        if number == 1:
-            return 0
-        product = self._of_32_bits() * number
-        while product % 2**32 < (2**32 - number) % number:
-            product = self._of_32_bits() * number
-        return product >> 32
+    def below(self, number, n):
+        """Whole numbers (n,) from 0 to number - 1, of a number up to 2**32."""
+        found = np.zeros(n if number == 1 else 0, np.uint64)
+        while len(found) < n:
+            product = self._of_32_bits(n - len(found)) * np.uint64(number)
+            found = np.append(found, product[product & _LOW >= np.uint64((2**32 - number) % number)] >> _HALF)
+        return found.astype(np.int64)
 
     def normal(self, n):
         """Numbers (n,) of mean 0 and standard deviation 1."""
-        return np.array([self._one_normal() for _ in range(n)])
+        parts = [np.zeros(0)]
+        while n > 0:
+            parts.append(self._normal(min(n, _BLOCK)))
+            n -= len(parts[-1])
+        return np.concatenate(parts)
 
-    def _of_32_bits(self):
-        if self._half is None:
-            word = int(self._bits.random_raw())
-            self._half = word >> 32
-            return word & 0xFFFFFFFF
-        half, self._half = self._half, None
-        return half
+    def _normal(self, n):
+        """Normal numbers, n or fewer: all that n words give, or those before a tail and one of the tail."""
+        words = self._bits.random_raw(n + 1).astype(np.int64)
+        layer, size, sign = words & 0xFF, words >> 9 & 0xFFFFFFFFFFFFF, 1 - 2 * (words >> 8 & 1)
+        x, kept = size * _WIDTHS[layer], size < _WHOLE[layer]
+        edge = np.flatnonzero(~kept[:n])  # whose next word decides
+        above, below = _HEIGHTS[layer[edge] - 1], _HEIGHTS[layer[edge]]
+        up = (words[edge + 1] >> 11 & 0x1FFFFFFFFFFFFF) * 2.0**-53
+        begin, end = 0, n
+        for k, under in zip(edge, (above - below) * up + below < exp(-0.5 * x[edge] * x[edge])):
+            if k < begin:  # it decided on the one before
+                continue
+            if layer[k] == 0:
+                end = k
+                break
+            kept[k], kept[k + 1], begin = under, False, k + 2
+        found = (sign * x)[:end][kept[:end]]
+        self._bits.advance((int(max(begin, end)) - len(words)) % 2**128)  # back to the first that is not used
+        if end == n:
+            return found
+        self._bits.random_raw()
+        return np.append(found, self._tail(size[end] >> 8 & 1))
 
-    def _one_normal(self):
-        while True:
-            word = int(self._bits.random_raw())
-            layer, negative, size = word & 0xFF, word >> 8 & 1, word >> 9 & 0xFFFFFFFFFFFFF
-            x = size * _WIDTHS[layer]
-            if size < _WHOLE[layer]:
-                return -x if negative else x
-            if layer == 0:
-                return self._tail(size >> 8 & 1)
-            above, below = _HEIGHTS[layer - 1], _HEIGHTS[layer]
-            if (above - below) * float(self.uniform(1)[0]) + below < float(exp(-0.5 * x * x)):
-                return -x if negative else x
+    def _of_32_bits(self, n):
+        """Numbers (n,) of the lower, then the upper halves of words; what is left of the last is the next one's."""
+        words = self._bits.random_raw((n - len(self._half) + 1) // 2)
+        halves = np.concatenate([self._half, np.column_stack([words & _LOW, words >> _HALF]).ravel()])
+        self._half = halves[n:]
+        return halves[:n]
 
     def _tail(self, negative):
         while True:
@@ -70,15 +84,16 @@ class Draws:
 
 
 def _ziggurat():
-    """Of every layer, lists: its width over 2**52, the size below which a point is inside the next layer, too, and the
-    density exp(-x^2 / 2) at its width.  Layer 0 is the base with the tail, the others grow from the top down."""
+    """Of every layer, arrays: its width over 2**52, the size below which a point is inside the next layer, too, and
+    the density exp(-x^2 / 2) at its width.  Layer 0 is the base with the tail, the others grow from the top down."""
     width, density = [_EDGE], [float(exp(-0.5 * _EDGE * _EDGE))]
     while len(width) < _LAYERS - 1:
         density.append(density[-1] + _AREA / width[-1])
         width.append(math.sqrt(-2.0 * float(log(density[-1]))))
     width, density = [_AREA / density[0], *reversed(width)], [1.0, *reversed(density)]
     inner = [_EDGE, 0.0, *width[1:-1]]
-    return ([w / _MANTISSA for w in width], [int(_MANTISSA * i / w) for i, w in zip(inner, width)], density)
+    whole = [int(_MANTISSA * i / w) for i, w in zip(inner, width)]
+    return np.array(width) / _MANTISSA, np.array(whole), np.array(density)
 
 
 _WIDTHS, _WHOLE, _HEIGHTS = _ziggurat()

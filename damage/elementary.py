@@ -98,6 +98,11 @@ def atan(x):
     return np.copysign(at[0] - ((t * (odd + even) - at[1]) - t), x)
 
 
+def hypot(x, z):
+    """Length of a vector (x, z) of usual size."""
+    return np.sqrt(x * x + z * z)
+
+
 @register_jitable
 def _reduced(x):
     """The nearest number of quarter turns to x [rad], and what is left of x in two parts."""

@@ -5,9 +5,8 @@ grids that are coarse beside the errors of libraries and fine beside what is kno
 
     accelerations of the base [m/s2]           ACCELERATION = 2**-24 (6e-8 m/s2)
     displacements of the ground, the top [m]   DISPLACEMENT = 2**-30 (1e-9 m)
-    strengths, stiffnesses, masses, friction   BITS = 26 significant bits (7e-9 of the value)
+    strengths, stiffnesses, masses, friction   BITS = 26 significant bits (1.5e-8 of the value)
     critical time step [s]                     down to three digits
-    shape of the first mode, as a velocity     MODE = 2**-13 of the largest
 
 A value next to an edge between two grid points can still go either way: the chance in a run is the error over the grid
 times the number of values.  docs/model/model.md states it for each kind of input.
@@ -17,7 +16,7 @@ from decimal import ROUND_FLOOR, Decimal
 
 import numpy as np
 
-ACCELERATION, DISPLACEMENT, MODE, BITS = 2.0**-24, 2.0**-30, 2.0**-13, 26
+ACCELERATION, DISPLACEMENT, BITS = 2.0**-24, 2.0**-30, 26
 _EDGE = 2.0**-20
 """Share by which a number may lie below one of three digits and still be taken for it."""
 
@@ -30,7 +29,7 @@ def to_bits(values):
 
 def to_grid(values, step):
     """Values, or a number, as multiples of a step that is a power of two."""
-    return np.rint(np.asarray(values, float) * (1.0 / step)) * step
+    return np.rint(np.asarray(values, float) * (1.0 / step)) * step + 0.0  # no negative zeros
 
 
 def down_to_three_digits(value):

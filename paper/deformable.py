@@ -106,7 +106,7 @@ def runs(folder):
     wall_file(folder / "softening.toml", softened(load_wall("symmetric"), "12.4/124"))
     missing = [name for name in RUNS if not (folder / f"{name}_seconds.json").is_file()]
     for more in ([], DEFORM) if missing else ():  # compiling does not count
-        simulate("benchmarks/small_wall.py", ["0.05", "0.01"], more, folder / "warm.h5")
+        simulate("walls/variants/small.py", ["0.05", "0.01"], more, folder / "warm.h5")
     for name in missing:
         _, joints, motion, options = RUNS[name]
         wall = folder / "softening.toml" if joints == "softening" else "walls/symmetric.py"

@@ -194,7 +194,7 @@ def shaken(case, wall, events, seed):
     step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     run = Watched(layout, settings, BACKEND.make(layout, step, settings), Buffer(layout), lambda *_: True)
     yield from run.settle_under_gravity()
-    run.start(modes.shape[0])
+    run.start()
     yield from run.run_all()
     return table_of(np.array(run.kept), run.collapsed_at_s)
 

@@ -23,7 +23,7 @@ from damage.wall.layout import lay_out
 from damage.wall.parameters import brick_of_masonry, softening_energies
 from paper.bench import HELD, REPOSITORY, print_row, print_table, print_tables
 
-SMALL_WALL = REPOSITORY / "benchmarks" / "small_wall.py"
+SMALL_WALL = REPOSITORY / "walls" / "variants" / "small.py"
 PUSHED = "squat_tested", "comp2_4"
 PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
 """Sarhosis et al. (2021), Table 1."""

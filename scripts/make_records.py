@@ -24,7 +24,7 @@ from synthetic import HUIZINGE, SEED, synthetic_record
 
 from damage.errors import InputError
 from damage.exposure.ground_motion import ZEERIJP
-from damage.exposure.places import rd_by_approximation
+from damage.exposure.places import to_rd
 from damage.files import write_text
 from damage.motion.formats import read_record, write_csv
 from damage.motion.intensity import pga_g, pgv_rotd100_m_s, response_spectrum, summary
@@ -93,7 +93,7 @@ def component_row(name, record, station_xml):
     """A row of components.csv: where a station is, and measures of the whole record, PGA as it is and the others after
     a band-pass."""
     latitude, longitude = (float(only_of(tag, station_xml)) for tag in ("Latitude", "Longitude"))
-    x_m, y_m = rd_by_approximation(latitude, longitude)
+    x_m, y_m = to_rd(latitude, longitude)
     start, end = WINDOWS_S.get(name) or (MARGIN_S, MARGIN_S + SHORTENED_S[name][1] - SHORTENED_S[name][0])
     measures = summary(band_passed(record, *BAND_HZ))
     return {"record": name, "station": name.split("_")[0], "latitude": latitude, "longitude": longitude,

@@ -10,8 +10,9 @@ from conftest import REPOSITORY, run_command
 
 # Rooms in the order of import: a room may import from those before it, not from one in its own line or after.
 ROOMS = [
-    ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.csv_table", "damage.fields",
-     "damage.memory", "damage.provenance", "damage.start", "damage.toml_file", "damage.version"),
+    ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.csv_table", "damage.draws",
+     "damage.elementary", "damage.fields", "damage.memory", "damage.provenance", "damage.rounded", "damage.start",
+     "damage.toml_file", "damage.version"),
     ("damage.index", "damage.wall", "damage.motion"),
     ("damage.law",),
     ("damage.history",),

@@ -245,7 +245,7 @@ def test_cracks_count_as_drawn(tmp_path):
 
 def test_cracks_beside_the_wall_are_one_line(tmp_path, error_of):
     path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "30.0,1"))
-    words = ["reference", "benchmarks/small_wall.py", "--cracked", path, "--out", tmp_path / "a.h5"]
+    words = ["reference", "walls/variants/small.py", "--cracked", path, "--out", tmp_path / "a.h5"]
     assert "100 % of the cracks' length" in error_of(*words)
     assert "0.00 of 0.34 m of its cracks run along joints" in error_of(*words, "--accept-implausible")
     assert not (tmp_path / "a.h5").exists()

@@ -18,7 +18,7 @@ from damage.run.before import read_earlier
 from damage.run.checkpoint import checkpoint_path, read_checkpoint
 from damage.wall.layout import lay_out
 
-SMALL = "benchmarks/small_wall.py"
+SMALL = "walls/variants/small.py"
 OFTEN = ("--checkpoint", "0.001")
 SHAKE = (SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.1", "--no-pictures", "--quiet")
 LOOSE = 0.4e-3  # opening [m] from which bricks collide in YADE

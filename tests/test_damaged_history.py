@@ -32,7 +32,7 @@ def files(tmp_path_factory):
     paths = {FINISHED: folder / "finished.h5", OLD: folder / "old.h5", KILLED: folder / "killed.h5"}
     with pytest.MonkeyPatch.context() as patch:
         copy_before_it_closes(patch, paths[KILLED])
-        damage.run(load_wall(REPOSITORY / "benchmarks" / "small_wall.py"), harmonic=(0.06, 0.6), cycles=2, rest=0.05,
+        damage.run(load_wall(REPOSITORY / "walls" / "variants" / "small.py"), harmonic=(0.06, 0.6), cycles=2, rest=0.05,
                    out=paths[FINISHED])
     paths[OLD].write_bytes(paths[FINISHED].read_bytes()[HEAD_BYTES:])  # addresses count from the superblock on
     with h5py.File(paths[OLD], "r+", libver="latest") as file:

@@ -32,6 +32,7 @@ from damage.run.opening import describe_brick
 from damage.run.options import parse_run
 from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
+from damage.wall.eigen import eigen
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -80,6 +81,44 @@ def test_modes_are_orthonormal_and_free_of_rigid_motion(order, number):
     assert_allclose(np.einsum("p,pcm,pcn->mn", mass, moved, moved), np.eye(number), atol=1e-12)
     rigid = np.stack([[0 * x + 1, 0 * x], [0 * x, 0 * x + 1], [-z, x]])
     assert_allclose(np.einsum("p,rcp,pcm->rm", mass, rigid, moved), 0, atol=1e-13)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("length", [LENGTH, 0.1])
+def test_modes_solve_the_eigenproblem_by_gauss_points(length, order):
+    """Stresses of modes times strains of modes, over the brick, are the squares of their frequencies."""
+    modes = brick_modes(BRICK, length, order, "strain")
+    place, weight = np.polynomial.legendre.leggauss(5)
+    x, z = (axis.ravel() for axis in np.meshgrid(place * length / 2, place * HEIGHT / 2))
+    volume, stress = np.outer(weight, weight).ravel() / 4 * length * HEIGHT * THICKNESS, modes.stress(x, z)
+    strain = np.einsum("ij,pjm->pim", np.linalg.inv(modes.elasticity), stress)
+    squares = np.einsum("p,pim,pin->mn", volume, stress, strain)
+    assert_allclose(squares, np.diag(modes.frequency**2), atol=1e-13 * modes.frequency[-1]**2)
+
+
+def test_equal_frequencies_of_a_square_brick_do_not_mix_their_modes():
+    """Each is odd or even along x and along z, and stays so where the last bits of moduli are others."""
+    square = replace(BRICK, length=0.2, height=0.2)
+    modes = brick_modes(square, 0.2, 3, "stress")
+    pairs = np.flatnonzero(np.isclose(modes.frequency[1:], modes.frequency[:-1], rtol=1e-12))
+    assert len(pairs) == 3
+    x, z = np.array([0.03, -0.07]), np.array([0.05, 0.02])
+    moved = modes.displacement(x, z)
+    for mirrored in (modes.displacement(-x, z), modes.displacement(x, -z)):
+        for one, other in zip(np.moveaxis(moved, 2, 0), np.moveaxis(mirrored, 2, 0)):
+            assert_allclose(other, one * np.sign((one * other)[0]), atol=1e-12)
+    nearly = replace(square, young_modulus=square.young_modulus * (1 + 1e-15))
+    assert_allclose(brick_modes(nearly, 0.2, 3, "stress").displacement(x, z), moved, atol=1e-11)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 12])
+def test_eigenvalues_are_those_of_lapack(n):
+    root = np.random.default_rng(n).normal(size=(n, n)) * 10.0**-np.arange(n)
+    for matrix in (root @ root.T, root[:, :1] @ root[:, :1].T, np.zeros((n, n))):
+        squares, vectors = eigen(matrix)
+        assert_allclose(np.sort(squares), np.linalg.eigvalsh(matrix), atol=1e-14 * np.abs(matrix).max())
+        assert_allclose(vectors.T @ vectors, np.eye(n), atol=1e-14)
+        assert_allclose((vectors * squares) @ vectors.T, matrix, atol=1e-14 * np.abs(matrix).max())
 
 
 @pytest.mark.parametrize(("plane", "normal", "ratio"), [("stress", 5.2e9 / (1 - 0.2037**2), 0.2037),

@@ -71,7 +71,7 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
     monkeypatch.chdir(REPOSITORY)
     paths = [tmp_path / name for name in ("a.h5", "b.h5")]
     for path in paths:
-        words = ["benchmarks/small_wall.py", "--harmonic", "0.06", "0.6", "--rest", "0", "--no-pictures"]
+        words = ["walls/variants/small.py", "--harmonic", "0.06", "0.6", "--rest", "0", "--no-pictures"]
         assert run_reference([*words, "--out", str(path)]) == 0
     first, second = map(contents, paths)
     assert first.keys() == second.keys() and len(first) > 50
@@ -87,7 +87,7 @@ def test_the_model_s_digest_is_of_all_modules_that_a_run_loads(tmp_path):
     program = ("import sys; from damage.reference.session import run_reference; "
                "assert run_reference(sys.argv[1:]) == 0; print(*(m for m in sys.modules if m.startswith('damage.')))")
     (tmp_path / "cracks.csv").write_text("crack,point,x_m,z_m,width_mm\na,1,0.0,0.15,0.1\na,2,0.4,0.15,0.1\n")
-    words = ["benchmarks/small_wall.py", "--address", "studies/addresses/garsthuizen.toml", "--life", "1", "--settle",
+    words = ["walls/variants/small.py", "--address", "studies/addresses/garsthuizen.toml", "--life", "1", "--settle",
              "hogging", "--distortion", "1/2000", "--cracked", str(tmp_path / "cracks.csv"), "--rest", "0",
              "--no-pictures", "--out", str(tmp_path / "a.h5")]
     done = run_command(sys.executable, "-c", program, *words, status=0)

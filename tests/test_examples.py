@@ -14,7 +14,7 @@ from examples.opened_length import opened_length
 from scripts.notebook import run_cells
 
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
-SMALL_WALL = REPOSITORY / "benchmarks" / "small_wall.py"
+SMALL_WALL = REPOSITORY / "walls" / "variants" / "small.py"
 
 
 def run_example(name, *words):

@@ -13,7 +13,7 @@ from conftest import ROOT, SHORT, disk, refused_with, run_command, without_progr
 import damage
 from damage.history.writer import check_output
 
-SMALL = "benchmarks/small_wall.py"
+SMALL = "walls/variants/small.py"
 SHAKEN = ["--harmonic", "0.06", "0.6", "--rest", "1", "--no-pictures"]
 
 

@@ -31,7 +31,7 @@ from damage.wall.model_options import ModelOptions
 BRICK = Brick(0.2, 0.1, 0.1)
 PIER = Wall("pier", 0.2, 1.0, precompression=0.5e6, brick=BRICK, joint=Joint(tensile_strength=1e6, cohesion=1e6))
 PANEL = Wall("panel", 0.6, 0.4, precompression=0.3e6, brick=BRICK)
-SMALL = REPOSITORY / "benchmarks" / "small_wall.py"
+SMALL = REPOSITORY / "walls" / "variants" / "small.py"
 NO_TENSION = Joint(2e10, 1e10, 1.2, 0.0, 1e7)
 
 

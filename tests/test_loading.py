@@ -48,6 +48,10 @@ class TestHarmonic:
         assert_allclose(load.base_acceleration(time_s)[:, 0], expected, rtol=0, atol=1e-14)
         assert_allclose(load.base_acceleration(time_s)[:, 1], 0.0, atol=0)
 
+    def test_peaks_and_zeros_are_exact(self):
+        found = Harmonic(0.25, 0.05).base_acceleration(np.arange(13) * 0.0625)[:, 0]
+        assert_allclose(found, 0.05 * GRAVITY * np.array([0, 1, 0, -1] * 3 + [0]), rtol=0, atol=0)
+
     def test_nothing_before_and_after(self):
         load = Harmonic(0.2, 0.05, cycles=2)
         assert load.duration_s == pytest.approx(0.4, rel=1e-15)  # one product
@@ -98,6 +102,15 @@ class TestRecorded:
         # two products of interpolation
         assert_allclose(load.base_acceleration([0.05, 0.15])[:, 0], [2.0, 2.5], rtol=1e-14)
         assert_allclose(load.base_acceleration([-1e-9, 0.2001]), np.zeros((2, 2)), atol=0)
+
+    def test_a_sample_is_met_at_times_that_are_off_by_rounding(self, bgar):
+        """The last one, too, which is zero just after it."""
+        load = Recorded(bgar)
+        for time_s in (np.nextafter(bgar.time_s, -1.0), bgar.time_s, np.nextafter(bgar.time_s, 100.0),
+                       np.arange(bgar.time_s.size) * 131 * load.preferred_step_s(0.005 / 131)):
+            assert np.array_equal(load.base_acceleration(time_s)[:, 0], bgar.acceleration_m_s2)
+        load = Recorded(Record("r", 0.1, [1.0, 3.0, 2.0]))
+        assert load.base_acceleration([-1e-9, 0.2 + 1e-9]).tolist() == [[0.0, 0.0], [0.0, 0.0]]
 
     @pytest.mark.parametrize("max_step_s", STEP_LIMITS_S)
     def test_no_peak_is_lost_at_the_preferred_step(self, bgar, max_step_s):
@@ -252,7 +265,13 @@ class TestTopDisplacement:
         turns = top[np.flatnonzero(np.diff(np.sign(np.diff(top))))]
         assert_allclose([turns.max(), turns.min()], [2.8e-3, -2.8e-3], rtol=1e-6)
         assert_allclose(self.LOAD.turning_points(self.HEIGHT), [2.8e-4, -2.8e-4, 2.8e-3, -2.8e-3, 0])
-        assert top[0] == 0 and abs(top[-1]) < 1e-15 and np.abs(top).max() <= 2.8e-3 * (1 + 1e-12)
+        assert top[0] == 0 and abs(top[-1]) < 1e-15
+        assert np.abs(top).max() <= self.LOAD.turning_points(self.HEIGHT).max() * (1 + 1e-12)
+
+    def test_the_last_bit_of_the_height_does_not_reach_the_top(self):
+        time_s = np.linspace(0, self.LOAD.length_s(self.HEIGHT), 1001)
+        top = [self.LOAD.top_displacement(time_s, height) for height in (self.HEIGHT, np.nextafter(self.HEIGHT, 3.0))]
+        assert np.array_equal(*top)
 
     def velocities(self, interval_s):
         n = math.ceil(self.LOAD.length_s(self.HEIGHT) / interval_s)

@@ -65,7 +65,7 @@ def test_a_studys_file_and_its_tables_are_read(old):
 def note_of_then(wall_text):
     """What version 0.1 noted of the second point of the study: a digest of its words and of its wall's file."""
     words = ["--harmonic", "0.06", "0.6", "--cycles", "1", "--rest", "0", "--strength-cov", "0.3"]
-    parts = ["benchmarks/small_wall.py", words, ["--strength-seed"], [hashlib.sha256(wall_text.encode()).hexdigest()]]
+    parts = ["walls/variants/small.py", words, ["--strength-seed"], [hashlib.sha256(wall_text.encode()).hexdigest()]]
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
@@ -73,7 +73,7 @@ def note_of_then(wall_text):
 def test_a_study_goes_on_with_what_is_there_and_says_so(old):
     before = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in (old / "out/runs").glob("*.h5")}
     # The wall's file names its lintel since, which was the only kind then: the note is made as if the file had always.
-    note, wall = old / "out/runs/.inputs/drawn_reference", (REPOSITORY / "benchmarks/small_wall.py").read_text()
+    note, wall = old / "out/runs/.inputs/drawn_reference", (REPOSITORY / "walls/variants/small.py").read_text()
     assert note.read_text() == note_of_then(wall.replace('        lintel="courses",\n', ""))
     note.write_text(note_of_then(wall))
     study = written(old / "study.toml", (old / "study.toml").read_text().replace("samples = 1", "samples = 2"))

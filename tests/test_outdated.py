@@ -333,12 +333,12 @@ STUDY = """
 name = "s"
 pictures = "none"
 [[grid]]
-wall = "benchmarks/small_wall.py"
+wall = "walls/variants/small.py"
 options = { harmonic = [0.06, "{g}"], rest = 0 }
 vary = { g = [0.1, 0.2, 0.3] }
 [[runs]]
 id = "drawn"
-wall = "benchmarks/small_wall.py"
+wall = "walls/variants/small.py"
 options = { harmonic = [0.06, 0.5], rest = 0, strength-cov = 0.3 }
 samples = 2
 """
@@ -350,8 +350,6 @@ def test_a_study_whose_model_changed_between_its_runs(tmp_path):
     repository = tmp_path / "repository"  # to be changed
     for name in ("damage", "walls", "yade_scripts", "studies"):
         shutil.copytree(REPOSITORY / name, repository / name)
-    (repository / "benchmarks").mkdir()
-    shutil.copy(REPOSITORY / "benchmarks" / "small_wall.py", repository / "benchmarks")
     study, runs = repository / "study.toml", repository / "out" / "runs"
 
     def batch(*words):

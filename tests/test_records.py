@@ -1,11 +1,13 @@
 """Ground-motion records and what prepares them: windows, alignment, baseline, filters."""
 
+import hashlib
 import math
 from dataclasses import FrozenInstanceError
 from itertools import product
 
 import numpy as np
 import pytest
+import scipy
 from conftest import one_line_error, refused_with
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,6 +15,9 @@ from numpy.testing import assert_allclose
 
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.record import (
+    FINER,
+    KAISER_BETA,
+    REACH,
     Record,
     aligned_with,
     band_passed,
@@ -22,6 +27,7 @@ from damage.motion.record import (
     whole_steps,
     windowed,
 )
+from damage.motion.samples import linear
 
 ROUND_OFF = 1e-12  # relative: a few operations in double precision on numbers of one size
 
@@ -122,6 +128,26 @@ class TestInterpolation:
         refused_with("100001 samples of 0.01 s to interpolate; expected up to 100000", interpolated, long)
         assert interpolated(long, (0.0, 10.0)).duration_s == pytest.approx(10.0)
 
+    @pytest.mark.parametrize("size", [3, 50, 2000])
+    def test_values_are_those_of_scipy(self, size):
+        """Within 1e-14 of the peak; shorter records than REACH are reflected again and again."""
+        record = Record("noise", 0.01, np.random.default_rng(5).normal(size=size))
+        window = scipy.signal.firwin(2 * REACH * FINER + 1, 1 / FINER, window=("kaiser", KAISER_BETA))
+        around = np.pad(record.acceleration_m_s2, REACH, mode="reflect", reflect_type="odd")
+        expected = scipy.signal.resample_poly(around, FINER, 1, window=window)[REACH * FINER:][:(size - 1) * FINER + 1]
+        found = interpolated(record).acceleration_m_s2
+        assert_allclose(found, expected, rtol=0, atol=1e-14 * np.abs(around).max())
+
+
+class TestLines:
+    def test_values_are_those_of_numpy(self):
+        """Outside and at the points to the bit."""
+        at, values = np.cumsum(np.random.default_rng(6).uniform(0.1, 2.0, (2, 30)), axis=1)
+        x = np.linspace(at[0] - 1, at[-1] + 1, 1001)
+        assert_allclose(linear(x, at, values), np.interp(x, at, values), rtol=1e-14)
+        assert np.array_equal(linear([at[0] - 1, *at, at[-1] + 1], at, values), [values[0], *values, values[-1]])
+        assert linear(0.5, (0.0, 1.0), (2.0, 4.0)) == 3.0
+
 
 class TestAlignment:
     def test_the_common_part_holds_the_same_instants(self):
@@ -140,6 +166,16 @@ class TestBaseline:
         left = baseline_corrected(Record("drift", 0.01, drift), order).acceleration_m_s2
         # round-off of a least-squares fit to values up to 10^order
         assert_allclose(left, 0.0, atol=1e-13 * 10**order)
+
+    @pytest.mark.parametrize("order", range(10))
+    def test_values_are_those_of_numpy(self, order):
+        """Within 1e-13 of the largest; ten samples have a polynomial of the order 9 through all."""
+        for size in (10, 3000):
+            record = Record("walk", 0.01, np.cumsum(np.random.default_rng(7).normal(size=size)))
+            fit = np.polynomial.Polynomial.fit(record.time_s, record.acceleration_m_s2, order)
+            assert_allclose(baseline_corrected(record, order).acceleration_m_s2,
+                            record.acceleration_m_s2 - fit(record.time_s),
+                            rtol=0, atol=1e-13 * np.abs(record.acceleration_m_s2).max())
 
     def test_a_higher_term_stays(self):
         time_s = np.arange(1001) * 0.01
@@ -166,6 +202,23 @@ class TestBandPass:
         found = self.amplitude_after(frequency_hz, order=order)
         # the mean over whole cycles is exact; the ringing of the ends has died to round-off
         assert_allclose(found, 1 / (1 + place**order), rtol=1e-10)
+
+    @pytest.mark.parametrize("order", [2, 4, 6, 8, 20])
+    @pytest.mark.parametrize("band_hz", [(0.1, 40.0), (0.5, 20.0), (2.0, 3.0), (0.05, 99.0)])
+    def test_values_are_those_of_scipy(self, order, band_hz):
+        """Within 1e-10 of the peak, to the last sample, of a record that begins and ends in full motion."""
+        record = Record("noise", 0.005, np.random.default_rng(8).normal(size=3000) + 2.0)
+        sections = scipy.signal.butter(order // 2, band_hz, "bandpass", fs=1 / record.time_step_s, output="sos")
+        expected = scipy.signal.sosfiltfilt(sections, record.acceleration_m_s2)
+        found = band_passed(record, *band_hz, order).acceleration_m_s2
+        assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(record.acceleration_m_s2).max())
+
+    @pytest.mark.parametrize("order", [2, 4, 20])
+    def test_the_shortest_record_is_longer_than_what_its_ends_are_continued_by(self, order):
+        record = Record("noise", 0.005, np.random.default_rng(9).normal(size=3 * order + 4))
+        assert np.isfinite(band_passed(record, 0.5, 20, order).acceleration_m_s2).all()
+        refused_with("samples are too few for a filter", band_passed, windowed(record, 0.0, 0.005 * (3 * order + 2)),
+                     0.5, 20, order)
 
     def test_no_delay(self):
         record = sine_record(3.0)
@@ -198,6 +251,17 @@ class TestWholeSteps:
         assert np.abs(fine).max() == pytest.approx(peak, rel=1e-10)
         missed = np.interp(np.arange(0, 6, 1.63e-5), record.time_s, record.acceleration_m_s2)
         assert np.abs(missed).max() < peak * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("prepared, start", [
+    (lambda record: interpolated(record, (17.0, 23.0)), "95b99cf4bc81"),
+    (lambda record: band_passed(record, 0.1, 40.0), "5aa156fd7444"),
+    (lambda record: band_passed(record, 0.5, 20.0, 6), "a8d437bc2abe"),
+    (lambda record: baseline_corrected(record, 9), "106235ec8f3b")], ids=["interpolated", "band", "band 6", "baseline"])
+def test_bits_are_the_same_on_every_machine(prepared, start):
+    """Of one record that ships, by the start of their SHA-256."""
+    samples = prepared(read_record(shipped_record_path())).acceleration_m_s2
+    assert hashlib.sha256(samples.astype("<f8").tobytes()).hexdigest()[:12] == start
 
 
 SINE = sine_record()

@@ -142,7 +142,7 @@ def run_through(tmp_path, at_once):
         run = Run(layout, settings, fake, writer, keep_going)
         (finished,) = take_turns([run.settle_under_gravity()])
         if finished:
-            run.start(np.ones((len(layout.bodies), 3)))
+            run.start()
             (finished,) = take_turns([run.run_all()])
         writer.finish("complete" if finished else "interrupted", run.collapsed_at_s)
         return finished, run, fake, read_history(path)

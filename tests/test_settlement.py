@@ -72,6 +72,19 @@ def test_neighbouring_supports_stay_connected():
         assert_allclose((moved[:, 1] + half)[:-1], (moved[:, 1] - half)[1:], atol=1e-6)
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+def test_last_bits_of_the_walls_lengths_do_not_reach_the_ground(profile):
+    """Nor does the rounding of a profile that is level: the rotation there is zero."""
+    settlement, below = Settlement(profile, 1 / 500), supports(7, 4.1)
+    off = Supports(*(np.nextafter(edges, 9.0) for edges in (below.left, below.right)))
+    time_s = np.linspace(0, 3, 301)
+    moved = settlement.displacement(time_s, below)
+    assert np.array_equal(moved, settlement.displacement(time_s, off))
+    assert profile != "knick" or not moved[:, :3].any()
+    level = Settlement("level.csv", None, (0.0, 1.7, 4.1), (-0.0123, -0.0123, -0.0123))
+    assert not level.displacement(time_s, below)[:, :, 2].any()
+
+
 def test_the_ground_begins_and_ends_at_rest_and_is_slow():
     settlement = Settlement("hogging", 1 / 100)
     time_s = settlement.moving_s(4.0)

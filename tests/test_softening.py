@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from pytest import approx
+from scipy.special import lambertw
 
 from damage import Joint, Wall, read_history
 from damage.errors import InputError
@@ -34,7 +35,7 @@ from damage.run.options import parse_run
 from damage.run.schedule import SOFTENING_STEP_FACTOR, STEP_FACTOR, choose_time_step
 from damage.run.session import Backend, run_session
 from damage.run.settings import SOFTENING_BETA_S, RunSettings
-from damage.wall.fibres import split_into_fibres
+from damage.wall.fibres import lambert, split_into_fibres
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -178,6 +179,10 @@ class TestFibres:
             per_contact = strengths[soft[fibres.contact]].reshape(-1, number)
             assert_allclose(per_contact[:, 0], intact[soft])
             assert np.all(np.diff(per_contact) > 0)
+
+    def test_lamberts_function_is_that_of_scipy(self):
+        y = np.append(0.0, 10.0**np.linspace(-20, 20, 401))
+        assert_allclose(lambert(y), lambertw(y).real, rtol=1e-15)
 
     def test_laws_that_parallel_elements_cannot_represent_are_refused(self):
         with pytest.raises(InputError, match="give higher ones"):

@@ -16,7 +16,7 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Opening, Wall
-from damage.wall.soil import radiation_times
+from damage.wall.soil import fastest_decay, radiation_times
 
 SOIL, FOOTING = 1e8, 0.4
 
@@ -98,6 +98,21 @@ def test_dashpots_of_the_soil_take_energy_as_by_the_closed_form():
     assert energy_error_of(history) < 1e-3
     expected = history.series["kinetic_energy_j"].iloc[0] * (1 - math.exp(2 * first.real * time_s[-1]))
     assert history.moving["damping_energy_j"].iloc[-1] == pytest.approx(expected, rel=0.03)
+
+
+def test_the_fastest_decay_is_that_of_the_stiffest_base_by_lapack():
+    layout = lay_out(Wall("w", 1.0, 0.6), ModelOptions(soil=SOIL, soil_velocity=100.0))
+    contacts, bodies, rates = layout.contacts, layout.bodies, []
+    for body in np.unique(contacts.second[contacts.first < 0]):
+        base = np.flatnonzero((contacts.first < 0) & (contacts.second == body))
+        x, z, none, one = contacts.x[base] - bodies.x[body], contacts.z[base] - bodies.z[body], 0 * base, 1 + 0 * base
+        damping = sum(time * ((moved * of[base] * contacts.area[base]) @ moved.T) for time, of, moved in zip(
+            radiation_times(layout.options), (contacts.normal_stiffness, contacts.shear_stiffness),
+            (np.stack([none, one, x]), np.stack([one, none, -z]))))
+        mass = np.sqrt([bodies.mass[body], bodies.mass[body], bodies.inertia[body]])
+        rates.append(np.linalg.eigvalsh(damping / np.outer(mass, mass)).max())
+    assert len(rates) > 3 and np.ptp(rates) > 0
+    assert fastest_decay(layout) == pytest.approx(max(rates), rel=1e-13)
 
 
 def test_the_base_lifts_off_at_the_exact_moment():

@@ -19,7 +19,7 @@ from small_history import make_history
 import damage
 from yade_scripts import COMMAND
 
-SMALL = "benchmarks/small_wall.py"
+SMALL = "walls/variants/small.py"
 DAMAGE = (sys.executable, "-m", "damage")
 ALL_BUT_20_MB = """
 import mmap, os, sys
@@ -58,7 +58,7 @@ def one_error(done, printed):
 @pytest.mark.parametrize("words", [
     "tables run {history} --out {out}/t", "tables summary {history} --out {out}/s.csv", "plot {history} --out {out}",
     "cracks {history} --export {out}/c.csv",
-    "modes benchmarks/small_wall.py --out {out}"], ids=lambda words: words.split("{")[0].strip())
+    "modes walls/variants/small.py --out {out}"], ids=lambda words: words.split("{")[0].strip())
 def test_a_file_that_cannot_be_written_whole_is_not_there(words, history, tmp_path):
     out = tmp_path / "out"
     words = words.format(history=history, out=out).split()

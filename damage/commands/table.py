@@ -71,6 +71,7 @@ GROUPS = {
     "first steps": {
         "demo": ("", "--out first --overwrite"),
         "new-wall": ("my_wall.py", "my_wall.py --from solid"),
+        "check-bits": ("", "harmonic softening", "--long"),
         "help": ()},
     "a wall": {
         "materials": ("", "--json > materials.json"),

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from damage.commands.table import JSON, WALL, command, out, output, save, show
-from damage.errors import InputError, warn
+from damage.errors import InputError, did_you_mean, warn
 from damage.files import json_text
 from damage.law.modes import natural_modes
 from damage.motion import intensity
@@ -112,6 +112,26 @@ def _demo(asked):
         print(f"no report: {missing_library(error) or error}")
     print("next: python3 -m damage new-wall my_wall.py, and its first lines say how to run it")
     return 0
+
+
+@command("does this machine compute the published histories, bit for bit? Runs of every kind, under a minute after the "
+         "first compilation; exit status 1 where one differs",
+         arg("runs", metavar="RUN", nargs="*", help="of these alone (default: all short ones)"),
+         flag("--long", "the longer runs, too"))
+def _check_bits(asked):
+    from damage.reference import bits
+
+    if unknown := sorted(set(asked.runs) - set(bits.CASES)):
+        raise InputError(f"run {unknown[0]}: expected one of {', '.join(bits.CASES)}"
+                         f"{did_you_mean(unknown[0], bits.CASES)}")
+    found = {}
+    for name in asked.runs or [name for name, case in bits.CASES.items() if asked.long or not case.is_long]:
+        one = bits.digests([name])
+        found |= one
+        different = bits.differing(one).get(name, [])
+        print(f"{name}: {'differs in ' + ', '.join(different) if different else 'equal'}", flush=True)
+    print(bits.verdict(found))
+    return int(bool(bits.differing(found)))
 
 
 @command("write a wall file to change: a copy of a wall that ships, under the name of the file; FILE.toml is data and "

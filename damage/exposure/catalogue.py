@@ -16,6 +16,7 @@ import pandas as pd
 
 from damage.checks import check_file
 from damage.csv_table import MOST_MB, MOST_ROWS, CsvTable, as_words
+from damage.elementary import hypot
 from damage.errors import InputError, some_of
 from damage.exposure.places import NETHERLANDS_DEG, NETHERLANDS_RD_M, to_rd, within
 from damage.files import DATA, text_lines, write_text
@@ -245,7 +246,7 @@ def _one_by_one(events):
         for place in reversed(range(len(kept))):
             other = kept[place]
             seconds = (one.time - other.time).total_seconds()
-            km = float(np.hypot(one.x_m - other.x_m, one.y_m - other.y_m)) / 1e3
+            km = float(hypot(one.x_m - other.x_m, one.y_m - other.y_m)) / 1e3
             most_s, most_km = ONE_EVENT[one.agency != other.agency]
             if seconds <= most_s and km <= most_km:
                 kept[place], goes = (one, other) if one.rank > other.rank else (other, one)
@@ -268,7 +269,7 @@ def _field():
 
 def from_field_km(x_m, y_m):
     """Distance of a place in RD [m] from the nearest epicentre of the Groningen field [km]."""
-    return float(np.hypot(*(_field() - (x_m, y_m)).T).min()) / 1e3
+    return float(hypot(*(_field() - (x_m, y_m)).T).min()) / 1e3
 
 
 def _lines(numbers):

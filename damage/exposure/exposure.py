@@ -9,6 +9,7 @@ import pandas as pd
 import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr
 
+from damage.elementary import hypot
 from damage.errors import InputError
 from damage.exposure.catalogue import Catalogue, from_field_km
 from damage.exposure.ground_motion import GroundMotionModel, checked_vs30
@@ -77,7 +78,7 @@ class Exposure:
     @cached_property
     def distance_km(self):
         """Epicentral distance of every event (n_events,) [km], in the plane of RD: its scale is within 1e-4 of 1."""
-        return np.hypot(self.catalogue.x_m - self.place.x_m, self.catalogue.y_m - self.place.y_m) / 1e3
+        return hypot(self.catalogue.x_m - self.place.x_m, self.catalogue.y_m - self.place.y_m) / 1e3
 
     @cached_property
     def median_mm_s(self):

@@ -68,11 +68,12 @@ class GroundMotionModel:
         """Probability of exceeding a PGV [mm/s], by its median."""
         return ndtr(-np.log(pgv_mm_s / median_mm_s) / self.deviations.sigma)
 
-    def draw(self, rng, draws, events, sites=1):
+    def draw(self, random, draws, events, sites=1):
         """Terms of ln PGV at random: (event, site, within-event), shapes (draws, events, 1), (draws, 1, sites) and
-        (draws, events, sites); their sum is what ln PGV deviates from its median.  rng: numpy's Generator."""
+        (draws, events, sites); their sum is what ln PGV deviates from its median.  random: damage.draws.Draws."""
         shapes = (draws, events, 1), (draws, 1, sites), (draws, events, sites)
-        return tuple(scale * rng.standard_normal(shape) for scale, shape in zip(self.deviations, shapes))
+        return tuple(scale * random.normal(math.prod(shape)).reshape(shape)
+                     for scale, shape in zip(self.deviations, shapes))
 
 
 def checked_vs30(vs30_m_s):

@@ -8,6 +8,9 @@ An address is a TOML file of the keys in KEYS:
 
 A life is drawn by its number: the same file and number give the same life, whatever else is drawn.  Lives of one number
 have the same terms of ln PGV at every address, component and threshold (common random numbers).
+
+PGV, factors and distortions are rounded (damage.rounded) before anything is chosen by them: no last bit decides on a
+record or an event.
 """
 
 import hashlib
@@ -18,7 +21,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage import draws
 from damage.checks import check_choice, check_range
+from damage.elementary import exp, log
 from damage.errors import InputError, did_you_mean
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import Exposure
@@ -30,6 +35,7 @@ from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Recorded
 from damage.motion.sequence import Event
 from damage.motion.settlement import DISTORTIONS, PROFILES, Settlement
+from damage.rounded import to_bits
 from damage.toml_file import toml_table, toml_text
 
 KEYS = {
@@ -123,11 +129,11 @@ class Draws:
     def pgv(self, number):
         """(PGV of every event (n_events,) [mm/s], shares (n_events,) that choose the components, signs (n_events,)) of
         a life by its number from 1."""
-        rng = np.random.default_rng([self.choices.seed, number])
+        random = draws.Draws([self.choices.seed, number])
         n_events = len(self.exposure.median_mm_s)
-        terms = self.exposure.model.draw(rng, 1, n_events)
-        share, sign = rng.random(n_events), rng.choice([-1.0, 1.0], n_events)
-        return self.exposure.median_mm_s * np.exp(sum(terms)[0, :, 0]), share, sign
+        event, site, within = self.exposure.model.draw(random, 1, n_events)
+        share, sign = random.uniform(n_events), 2.0 * random.below(2, n_events) - 1.0
+        return to_bits(self.exposure.median_mm_s * exp((event + site + within)[0, :, 0])), share, sign
 
     def events_of(self, number):
         """(identifiers, PGV [mm/s]) of the events of a life, by its number from 1, as `life` chooses them."""
@@ -145,9 +151,11 @@ class Draws:
         are apart from those of the motions."""
         if self.choices.settle is None:
             return None
-        rng = np.random.default_rng([self.choices.seed, number, _GROUND])
-        profile = self.choices.settle[int(rng.integers(len(self.choices.settle)))]
-        return Settlement(profile, float(np.exp(rng.uniform(*np.log(self.choices.distortion)))))
+        random = draws.Draws([self.choices.seed, number, _GROUND])
+        profile = self.choices.settle[random.below(len(self.choices.settle), 1)[0]]
+        low, high = log(self.choices.distortion)
+        drawn = to_bits(exp(low + (high - low) * random.uniform(1)[0]))
+        return Settlement(profile, float(np.clip(drawn, *self.choices.distortion)))
 
     def largest(self, numbers):
         """Largest PGV of each of these lives, (n,) [mm/s]."""
@@ -177,7 +185,7 @@ class Draws:
                              "python3 -m damage exposure, or give a later catalogue")
         k = max(found, key=self.exposure.median_mm_s.__getitem__)
         if number is None:
-            return self._table([(k, self.exposure.median_mm_s[k], 1.0, None)])
+            return self._table([(k, to_bits(self.exposure.median_mm_s[k]), 1.0, None)])
         pgv, share, sign = self.pgv(number)
         return self._table([(k, pgv[k], sign[k], share[k])])
 
@@ -190,7 +198,7 @@ class Draws:
         events, rows = self.exposure.catalogue, []
         for k, pgv, sign, share in motions:
             fit, factor = self._fitting(pgv)
-            which = int(np.argmin(np.abs(np.log(factor)))) if share is None else int(share * len(fit))
+            which = int(np.argmin(to_bits(np.maximum(factor, 1 / factor)))) if share is None else int(share * len(fit))
             row = next(self.components.iloc[[fit[which]]].itertuples())
             rows.append([f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k], pgv,
                          row.record, sign * factor[which], row.start_s, row.end_s])
@@ -199,7 +207,7 @@ class Draws:
     @cached_property
     def components(self):
         """The components that may be used, with their windows: a DataFrame."""
-        table = pd.read_csv(COMPONENTS, comment="#")
+        table = pd.read_csv(COMPONENTS, comment="#", float_precision="round_trip")
         table = table[table["epicentral_km"] <= self.choices.within_km].reset_index(drop=True)
         if self.choices.strong is not None:
             windows = [strong_window(row.record, row.start_s, row.end_s, self.choices.strong)
@@ -216,11 +224,11 @@ class Draws:
         if self.choices.scale_to == "pgv":
             return pgv
         sa = self.components["sa_0.2_s_g"].to_numpy()
-        return sa / np.exp(np.mean(np.log(sa / pgv)))
+        return sa / exp(np.mean(log(sa / pgv)))
 
     def _fitting(self, pgv_mm_s):
         """Indices and factors of `components` that may be scaled to a PGV."""
-        factor = pgv_mm_s / self._unit_pgv
+        factor = to_bits(pgv_mm_s / self._unit_pgv)
         fit = np.flatnonzero((factor >= FACTORS[0]) & (factor <= FACTORS[1]))
         if len(fit) == 0:
             raise InputError(f"no suitable record for a PGV of {pgv_mm_s:.3g} mm/s: expected a component within "

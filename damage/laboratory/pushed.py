@@ -74,7 +74,7 @@ class LaboratoryTest:
 
 def read_test(specimen):
     """The LaboratoryTest of that name."""
-    table = pd.read_csv(TESTS).set_index("Specimen")
+    table = pd.read_csv(TESTS, float_precision="round_trip").set_index("Specimen")
     if specimen not in table.index:
         raise InputError(f"no test {specimen}; expected one of {', '.join(table.index)}")
     row = table.loc[specimen]

@@ -33,8 +33,10 @@ The functions are scalar and without side effects; they run as plain Python or c
 import math
 from typing import NamedTuple
 
-import numpy as np
 from numba.extending import register_jitable
+
+from damage.elementary import exp, tan
+from damage.rounded import to_bits
 
 INTACT, TENSION, SHEAR = 0, 1, 2
 """Results of `advance`: no failure in the step, failure of the bond in tension, or in shear."""
@@ -53,7 +55,7 @@ class Material(NamedTuple):
 
 def material_of(joint):
     """The Material of a damage.wall.parameters.Joint."""
-    return Material(float(np.tan(joint.friction_angle)))
+    return Material(float(to_bits(tan(joint.friction_angle))))
 
 
 class LawParameters(NamedTuple):
@@ -137,7 +139,8 @@ def strength_left(broken, parameters, kappa=0.0):
         return 0.0, 0.0
     if kappa == 0.0:
         return parameters.tensile_strength, parameters.cohesion
-    return parameters.tensile_strength * math.exp(-kappa), parameters.cohesion * math.exp(-kappa)
+    share = exp(-kappa)
+    return parameters.tensile_strength * share, parameters.cohesion * share
 
 
 @register_jitable
@@ -152,7 +155,7 @@ def crushing_strength_left(closure, parameters):
     strength = parameters.compressive_strength
     if closure == 0.0 or parameters.crushing_energy == 0.0:
         return strength
-    return strength * math.exp(-strength * closure / parameters.crushing_energy)
+    return strength * exp(-strength * closure / parameters.crushing_energy)
 
 
 @register_jitable
@@ -270,7 +273,7 @@ def break_or_slide(opening, sigma, trial, state, parameters):
             fracture_work += elastic_energy(sigma, trial, kn, ks)
             return ContactState(0.0, 0.0, slip, True, True, friction_work, fracture_work, kappa, gap), SHEAR
         broken, event = True, SHEAR
-        fracture_work += 0.5 * (abs(trial) - limit) ** 2 / ks
+        fracture_work += 0.5 * (abs(trial) - limit) * (abs(trial) - limit) / ks
         friction_work += limit * (abs(trial) - limit) / ks
     else:
         # Trapezoidal rule over the step, which is the work of central differences on the bodies: the limit changes
@@ -296,21 +299,21 @@ def soften(opening, trial, state, parameters):
     rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy
     kappa = state.kappa
     for _ in range(200):
-        sigma, gap, tau = on_the_envelope(math.exp(-kappa), opening, trial, state.gap, parameters)
+        sigma, gap, tau = on_the_envelope(exp(-kappa), opening, trial, state.gap, parameters)
         grown = state.kappa + rate_i * (gap - state.gap) + rate_ii * (abs(trial) - tau) / ks
         done = abs(grown - kappa) <= 1e-13 * (1.0 + kappa)
         kappa = grown
         if done:
             break
 
-    share, event = math.exp(-kappa), INTACT
+    share, event = exp(-kappa), INTACT
     if share <= GONE:
         event = SHEAR if rate_ii * (abs(trial) - tau) / ks > rate_i * (gap - state.gap) else TENSION
         share = 0.0
     sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
     slid = (abs(trial) - tau) / ks
     fracture_work, slip, at_limit = state.fracture_work, state.slip, state.at_limit
-    old_share = math.exp(-state.kappa)
+    old_share = exp(-state.kappa)
     if opening > 0.0:  # work of the decrease of the secant stiffness
         strength = old_share * parameters.tensile_strength
         old, new = tension_stiffness(strength, state.gap, kn), sigma / opening

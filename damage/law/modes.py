@@ -10,23 +10,30 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_matrix, diags
-from scipy.sparse.linalg import eigsh, splu
+from scipy.sparse.linalg import eigsh
 
 from damage.errors import InputError
+from damage.law.blocks import factorised, sum_of_products
+from damage.rounded import down_to_three_digits, to_bits
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE
 from damage.wall.restraints import top_of
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
-_MOST_KEPT = 4
-_KEPT = {}  # {all that modes depend on: Modes}
+_OF_HIGHEST = 1e-9
+"""Tolerance of the highest squared frequency, which is rounded to three digits."""
+_MOST_ITERATIONS, _CONVERGED = 1000, 1e-10
+"""Of the first mode: the error falls by the ratio of the two lowest squared frequencies each time."""
+_MOST_KEPT = 8
+_KEPT = {}  # {all that modes or static displacements depend on: these}
 
 
 @dataclass(frozen=True)
 class Modes:
     """period_s (n_modes,), longest first; shape (n_modes, n_bodies, coordinates) in [m, m, rad, m sqrt(kg) ...],
-    scaled to a mean top-course displacement of 1 m where that is not zero; critical_time_step_s."""
+    scaled to a mean top-course displacement of 1 m, or, where that is zero, to a largest one of 1 m;
+    critical_time_step_s.  All are rounded (`damage.rounded`), so that the last bits of libraries end here."""
 
     period_s: np.ndarray
     shape: np.ndarray
@@ -39,56 +46,65 @@ def contact_normals(contacts):
     return np.column_stack([head, ~head]).astype(float)
 
 
-def kinematic_matrix(layout, directions):
-    """Sparse (n_contacts, coordinates n_bodies): relative displacement of second to first along `directions`, which
-    are the normals or the tangents where bricks deform."""
+def kinematic_rows(layout, directions):
+    """What a unit of each coordinate of the first and the second body of each contact adds to the relative displacement
+    of second to first along `directions`, (2, n_contacts, coordinates); zero on the ground.  Directions are the normals
+    or the tangents where bricks deform."""
     contacts, bodies, strain = layout.contacts, layout.bodies, layout.strain
     coordinates = 3 + (strain.n_modes if strain else 0)
-    rows, columns, values = [], [], []
-    for body, shape, sign in ((contacts.second, strain and strain.second, 1.0),
-                              (contacts.first, strain and strain.first, -1.0)):
+    found = np.zeros((2, len(contacts), coordinates))
+    across = np.any(directions * contact_normals(contacts), axis=1)
+    for rows, body, shape, sign in ((found[0], contacts.first, strain and strain.first, -1.0),
+                                    (found[1], contacts.second, strain and strain.second, 1.0)):
         moving = np.flatnonzero(body >= 0)
         index = body[moving]
         rx, rz = contacts.x[moving] - bodies.x[index], contacts.z[moving] - bodies.z[index]
         dx, dz = directions[moving].T
         by_modes = () if strain is None else np.where(
-            np.any(directions * contact_normals(contacts), axis=1)[moving, None],
-            strain.shapes[shape[moving], 0], strain.shapes[shape[moving], 1]).T
-        for dof, value in enumerate((dx, dz, dz * rx - dx * rz, *by_modes)):
-            rows.append(moving)
-            columns.append(coordinates * index + dof)
-            values.append(sign * value)
-    return coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-                      shape=(len(contacts), coordinates * len(bodies))).tocsr()
+            across[moving, None], strain.shapes[shape[moving], 0], strain.shapes[shape[moving], 1]).T
+        rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *by_modes])
+    return found
+
+
+def kinematic_matrix(layout, directions):
+    """Sparse (n_contacts, coordinates n_bodies) of `kinematic_rows`."""
+    rows, contacts = kinematic_rows(layout, directions), layout.contacts
+    size, ends = rows.shape[2], np.stack([contacts.first, contacts.second])
+    side, contact, coordinate = np.nonzero(rows)
+    return coo_matrix((rows[side, contact, coordinate], (contact, size * ends[side, contact] + coordinate)),
+                      shape=(len(contacts), size * len(layout.bodies))).tocsr()
 
 
 def joint_stiffness(layout, factors=(1.0, 1.0)):
-    """Sparse stiffness of all contact points [N/m, N, N m], times factors across and along each."""
+    """Stiffness of all contact points [N/m, N, N m], times factors across and along each, as Blocks."""
     contacts = layout.contacts
-    normals = contact_normals(contacts)
-    across = kinematic_matrix(layout, normals)
-    along = kinematic_matrix(layout, normals[:, ::-1])
-    return (across.T @ diags(factors[0] * (contacts.normal_stiffness * contacts.area)) @ across
-            + along.T @ diags(factors[1] * (contacts.shear_stiffness * contacts.area)) @ along)
+    normals, ends = contact_normals(contacts), np.stack([contacts.first, contacts.second])
+    rows = [kinematic_rows(layout, directions) for directions in (normals, normals[:, ::-1])]
+    weights = [factor * (stiffness * contacts.area) for factor, stiffness in zip(
+        factors, (contacts.normal_stiffness, contacts.shear_stiffness))]
+    return sum_of_products(len(layout.bodies), np.hstack([ends, ends]), np.hstack(rows), np.hstack(weights))
 
 
 def stiffness_matrix(layout):
     """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]."""
-    joints = joint_stiffness(layout)
+    return _stiffness(layout, True).sparse()
+
+
+def _stiffness(layout, free, massless=0.0):
+    """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on the diagonal."""
+    joints, own = joint_stiffness(layout), np.zeros((len(layout.bodies), 3))
+    free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
     if layout.wall.restraints:
         top = top_of(layout.wall)
-        joints = joints + _of_bearing(layout, top.at_rest if top and top.stiffness else 0.0)
-    if layout.strain is None:
-        return joints
-    return joints + diags(np.hstack([np.zeros((len(layout.bodies), 3)), layout.strain.stiffness]).ravel())
+        own[:, 0] = _of_bearing(layout, top.at_rest if top and top.stiffness else 0.0)
+    if layout.strain is not None:
+        own = np.hstack([own, layout.strain.stiffness])
+    return joints.bounded(free, np.where(free, own, massless))
 
 
 def _of_bearing(layout, stiffness):
-    """Diagonal matrix of a stiffness against the horizontal motion of the beam of a restraint [N/m]."""
-    coordinates = 3 + (layout.strain.n_modes if layout.strain else 0)
-    values = np.zeros((len(layout.bodies), coordinates))
-    values[layout.bodies.course == CAP_COURSE, 0] = stiffness
-    return diags(values.ravel())
+    """Stiffness against the horizontal motion of each body (n_bodies,), which the beam of a restraint has [N/m]."""
+    return np.where(layout.bodies.course == CAP_COURSE, stiffness, 0.0)
 
 
 def mass_vector(layout):
@@ -100,13 +116,17 @@ def mass_vector(layout):
 
 
 def static_displacement(layout):
-    """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its weight, linear."""
-    mass = mass_vector(layout)
-    free, weight = mass > 0, np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
-    weight[:, 1] = -GRAVITY * layout.weighing
-    moved = np.zeros(len(mass))
-    moved[free] = splu(stiffness_matrix(layout).tocsc()[free][:, free]).solve(weight.ravel()[free])
-    return moved.reshape(weight.shape)
+    """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its weight, linear;
+    those of the last walls are kept."""
+    return _kept(_static_displacement, layout, layout.weighing.tobytes())
+
+
+def _static_displacement(layout, weighing):
+    # Joints carry differences of displacements, which rounding would spoil: the bits have to be those of the solution.
+    free = mass_vector(layout).reshape(len(layout.bodies), -1) > 0
+    weight = np.zeros(free.shape)
+    weight[:, 1] = -GRAVITY * np.frombuffer(weighing)
+    return factorised(_stiffness(layout, free, massless=1.0)).solve(np.where(free, weight, 0.0))
 
 
 def elastic_key(layout):
@@ -125,12 +145,17 @@ def natural_modes(layout, n_modes=6):
     Those of the last walls are kept: members of an ensemble differ by their strengths alone, which modes do not know.
     Raises InputError of a wall that has none in the numbers of this machine.
     """
-    asked = n_modes, layout.wall.restraints, *elastic_key(layout)
-    if asked not in _KEPT:
+    return _kept(_natural_modes, layout, n_modes)
+
+
+def _kept(function, layout, argument):
+    """A copy of what a function returns for this argument and a layout as stiff and as heavy."""
+    key = function, argument, layout.wall.restraints, *elastic_key(layout)
+    if key not in _KEPT:
         while len(_KEPT) >= _MOST_KEPT:
             del _KEPT[next(iter(_KEPT))]
-        _KEPT[asked] = _natural_modes(layout, n_modes)
-    return deepcopy(_KEPT[asked])
+        _KEPT[key] = function(layout, argument)
+    return deepcopy(_KEPT[key])
 
 
 def _natural_modes(layout, n_modes):
@@ -142,12 +167,14 @@ def _natural_modes(layout, n_modes):
         stiffness = stiffness[free][:, free]
     matrix = stiffest = (diags(scale) @ stiffness @ diags(scale)).tocsc()
     if top and top.stiffness and not top.at_rest:  # beyond its play
-        stiffest = matrix + diags(_of_bearing(layout, top.stiffness).diagonal()[free] * scale**2)
+        own = np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
+        own[:, 0] = _of_bearing(layout, top.stiffness)
+        stiffest = matrix + diags(own.ravel()[free] * scale**2)
     start = np.ones(matrix.shape[0])  # a fixed start makes the result the same every time
     n_modes = min(n_modes, matrix.shape[0] - 2)
     try:
         values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
-        highest = eigsh(stiffest, k=1, which="LA", return_eigenvectors=False, tol=1e-6, v0=start)[0]
+        highest = eigsh(stiffest, k=1, which="LA", return_eigenvectors=False, tol=_OF_HIGHEST, v0=start)[0]
     except (ArithmeticError, RuntimeError, ValueError) as error:  # ARPACK's and SuperLU's
         if "alloc" in str(error).lower():
             raise MemoryError(f"for the modes of {layout.n_bricks} bricks") from error
@@ -157,11 +184,30 @@ def _natural_modes(layout, n_modes):
     order = np.argsort(values)
     shapes = np.zeros((n_modes, len(mass)))
     shapes[:, free] = (vectors * scale[:, None]).T[order]
-    shapes = shapes.reshape(n_modes, len(layout.bodies), -1)
-    top = shapes[:, layout.drift_bodies, 0].mean(axis=1)
-    largest = np.abs(shapes[:, :, :2]).max(axis=(1, 2))
-    shapes /= np.where(np.abs(top) > 1e-6 * largest, top, largest)[:, None, None]
-    return Modes(2 * np.pi / np.sqrt(values[order]), shapes, float(2 / np.sqrt(highest)))
+    return Modes(to_bits(2 * np.pi / np.sqrt(values[order])),
+                 np.stack([_scaled(shape, layout.drift_bodies) for shape in shapes.reshape(
+                     n_modes, len(layout.bodies), -1)]),
+                 down_to_three_digits(2 / np.sqrt(highest)))
+
+
+def first_mode(layout):
+    """Shape (n_bodies, coordinates) of the mode of the longest period, scaled as of Modes, by inverse iteration: free
+    vibration begins with it, so that its bits are those of sums and products alone."""
+    mass = mass_vector(layout).reshape(len(layout.bodies), -1)
+    factor, shape = factorised(_stiffness(layout, mass > 0, massless=1.0)), np.zeros(mass.shape)
+    shape[:, 0] = 1.0
+    for _ in range(_MOST_ITERATIONS):
+        before, shape = shape, _scaled(factor.solve(mass * shape), layout.drift_bodies)
+        if np.abs(shape - before).max() <= _CONVERGED * np.abs(shape).max():
+            break
+    return shape
+
+
+def _scaled(shape, drift_bodies):
+    """The shape (n_bodies, coordinates) of a mode as of Modes."""
+    sizes, top = np.abs(shape[:, :2]), shape[drift_bodies, 0].mean()
+    large = shape[:, :2][sizes >= sizes.max() / 2]  # the sign is that of the first one, so that no tie decides
+    return shape / (top if np.abs(top) > 1e-6 * sizes.max() else np.copysign(sizes.max(), large[0]))
 
 
 def _no_modes(layout, problem):

@@ -175,7 +175,7 @@ def _read_csv(path):
         warnings.simplefilter("error", pd.errors.ParserWarning)  # that cells of longer rows were dropped
         try:
             return pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS, low_memory=False,
-                               index_col=False)
+                               index_col=False, float_precision="round_trip")
         except pd.errors.ParserWarning:
             raise ValueError("a row has more cells than the header") from None
 

@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 
 from damage.checks import check_positive
+from damage.elementary import hypot
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
 from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, psi
 from damage.units import MILLIMETRE
@@ -71,7 +72,7 @@ def _on_joints(number, stretch, ends, tolerance):
     """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs along."""
     low, high = ends[:, 0], ends[:, 1]
     whole = stretch[1] - stretch[0]
-    length = float(np.hypot(*whole))
+    length = float(hypot(*whole))
     n_pieces = max(1, int(np.ceil(length / PIECE)))
     middle = stretch[0] + whole * ((np.arange(n_pieces) + 0.5) / n_pieces)[:, None]
     best = np.concatenate([_nearest(part, whole / length, low, high, tolerance)
@@ -96,7 +97,7 @@ def _nearest(middle, along, low, high, tolerance):
     is_head = (high - low)[near, 1] > (high - low)[near, 0]
     sine = along[np.where(is_head, 0, 1)]
     apart = np.maximum(np.maximum(low[near] - middle[:, None], middle[:, None] - high[near]), 0)
-    cost = np.hypot(apart[..., 0], apart[..., 1]) / tolerance + sine**2
+    cost = hypot(apart[..., 0], apart[..., 1]) / tolerance + sine**2
     best = np.argmin(cost, axis=1)
     return np.where(cost[np.arange(len(middle)), best] >= 1, -1, near[best])
 

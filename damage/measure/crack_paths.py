@@ -21,6 +21,7 @@ import pandas as pd
 import scipy  # sparse.csgraph where it is used: it starts slowly
 
 from damage.checks import check_positive
+from damage.elementary import hypot
 from damage.measure.cracks import ends_of
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
@@ -95,7 +96,7 @@ def crack_paths(stretches, layout, tolerance=None):
     empty = pd.DataFrame({"line": [0], "joint": [0], "stretch": [0], "across": [0.0]}).iloc[:0]
     table = pd.concat([one for one in rows if len(one)] or [empty], ignore_index=True)
     table["length_m"] = network.length[table["joint"]]
-    drawn_m = float(np.hypot(*(places[:, 1] - places[:, 0]).T).sum())
+    drawn_m = float(hypot(*(places[:, 1] - places[:, 0]).T).sum())
     return CrackPaths(table.drop_duplicates(["line", "joint"], ignore_index=True), drawn_m, on_joints, float(apart))
 
 
@@ -159,7 +160,7 @@ class _Network:
         tolerance [m]."""
         covered = 0.0
         for start, end in drawn if len(joint) else ():
-            length = float(np.hypot(*(end - start)))
+            length = float(hypot(*(end - start)))
             n = max(1, int(np.ceil(length / _SAMPLE)))
             middle = start + (end - start) * ((np.arange(n) + 0.5) / n)[:, np.newaxis]
             near = _in_chunks(lambda points: _distances(points, self.ends[joint]).min(axis=1), middle) \
@@ -171,7 +172,7 @@ class _Network:
         """The parts of a polyline (n, 2) [m] that lie in bodies, or within a margin [m] of one: a list of polylines."""
         pieces, goes_on = [], False
         for start, end in pairwise(line):
-            n = max(1, int(np.ceil(np.hypot(*(end - start)) / _SAMPLE)))
+            n = max(1, int(np.ceil(hypot(*(end - start)) / _SAMPLE)))
             points = start + (end - start) * (np.arange(n + 1) / n)[:, np.newaxis]
             inside = self._has(points, margin)
             edges = np.flatnonzero(np.diff(np.concatenate([[0], inside, [0]])))
@@ -220,6 +221,6 @@ class _Network:
         one, other = near[here[inside] % n], near[there[inside] % n]
         joint = np.array([self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int)
         travel = self.corners[other] - self.corners[one]
-        travel = travel / np.hypot(*travel.T)[:, np.newaxis]
+        travel = travel / hypot(*travel.T)[:, np.newaxis]
         along = (line[1:] - line[:-1])[here[inside] // n]
-        return joint, (along * travel).sum(axis=1) / np.hypot(*along.T)
+        return joint, (along * travel).sum(axis=1) / hypot(*along.T)

@@ -13,8 +13,7 @@ sqrt(2) / dt.  The kinetic energy has the same matrix, by which the energy balan
 The solution is by a block factor L D L' (`damage.mechanics.factor`), one order of operations for any width.
 """
 
-import numpy as np
-
+from damage.elementary import cos, sin
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import (
     add_part,
@@ -156,17 +155,17 @@ def coordinates(n, places, every, b):
 @inlined
 def put(n, tables, b, x, z, angle):
     """Write coordinates of body b, cosine less one and sine of its rotation, and forces that are zero."""
-    places, (cos1, sin), none = tables.bodies, small_rotation(angle), zero(n)
+    places, (cos1, sine), none = tables.bodies, small_rotation(angle), zero(n)
     if rows_of(n) == 1:
         for k in range(RIGID):
             store(n, places, b, first_force(places) + k, none)
         store(n, places, b, COS1, cos1)
-        store(n, places, b, SIN, sin)
+        store(n, places, b, SIN, sine)
         store(n, places, b, PLACE + X, x)
         store(n, places, b, PLACE + Z, z)
         store(n, places, b, PLACE + ROTATION, angle)
     else:
-        put_four(n, places, tables.every, b, COS1, (cos1, sin, x, z))
+        put_four(n, places, tables.every, b, COS1, (cos1, sine, x, z))
         put_four(n, places, tables.every, b, PLACE + ROTATION, (angle, none, none, none))
     far = bits(abs(angle) >= SMALL)
     if far:
@@ -179,8 +178,8 @@ def turn_far(n, places, b, far, angle):
     for w in range(lanes(n)):
         if far >> w & 1:
             row = b + w if rows_of(n) > 1 else b
-            store(wall_of(n, w), places, row, COS1, np.cos(lane(angle, w)) - 1.0)
-            store(wall_of(n, w), places, row, SIN, np.sin(lane(angle, w)))
+            store(wall_of(n, w), places, row, COS1, cos(lane(angle, w)) - 1.0)
+            store(wall_of(n, w), places, row, SIN, sin(lane(angle, w)))
 
 
 @inlined

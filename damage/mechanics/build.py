@@ -18,6 +18,7 @@ from damage.mechanics.tables import (
     system_of,
     table,
 )
+from damage.rounded import to_bits
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE, CUT, rows
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
@@ -139,12 +140,12 @@ def _set_strengths(strengths, layout, row, share):
     contacts, joint, bonds = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
     area = contacts.area[row] * share
     mode_i, mode_ii = (0.0, 0.0) if layout.fibres or not joint.softens else (
-        np.where((contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, energy)
+        np.where((contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, to_bits(energy))
         for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy))
     for name, values in (("tensile_strength", bonds.tensile_strength), ("cohesion", bonds.cohesion),
                          ("mode_i_energy", mode_i), ("mode_ii_energy", mode_ii),
                          ("compressive_strength", contacts.compressive_strength[row]),
-                         ("crushing_energy", joint.compressive_fracture_energy or 0.0)):
+                         ("crushing_energy", to_bits(joint.compressive_fracture_energy or 0.0))):
         strengths[name] = values * area
 
 

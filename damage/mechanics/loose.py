@@ -105,7 +105,8 @@ class Loose(NamedTuple):
 
 def stiffness_for(mass, time_step):
     """Stiffness of a corner that suits a time step [N/m]; mass: of the lightest body [kg]."""
-    return mass * (STEP_SHARE / time_step)**2
+    rate = STEP_SHARE / time_step
+    return mass * (rate * rate)
 
 
 def make_loose(touch, cores, first, second):
@@ -115,8 +116,9 @@ def make_loose(touch, cores, first, second):
     ends = np.concatenate([first, second]).astype(np.int64)
     by_body = np.argsort(ends, kind="stable")
     return Loose(
-        touch=touch, cores=cores, bounds=np.zeros((n, 4)), seen=np.zeros((n, 3)), order=np.argsort(cores[:, CENTRE_X]),
-        pairs=np.zeros((room, 2), np.int64), springs=np.zeros((room, 2 * CORNERS, 4)),
+        touch=touch, cores=cores, bounds=np.zeros((n, 4)), seen=np.zeros((n, 3)),
+        order=np.argsort(cores[:, CENTRE_X], kind="stable"), pairs=np.zeros((room, 2), np.int64),
+        springs=np.zeros((room, 2 * CORNERS, 4)),
         kept_pairs=np.zeros((room, 2), np.int64), kept_springs=np.zeros((room, 2 * CORNERS, 4)),
         first=np.zeros(n, np.int64), following=np.zeros(room, np.int64),
         joints=by_body % max(len(first), 1), joints_start=np.searchsorted(ends[by_body], np.arange(n + 1)),

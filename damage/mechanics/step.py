@@ -12,6 +12,7 @@ Time integration is by central differences: velocities at half steps, displaceme
 
 import numpy as np
 
+from damage.elementary import cos, sin
 from damage.mechanics import contacts, interfaces, rows
 from damage.mechanics.bodies import SMALL, adapt, move, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
@@ -384,9 +385,9 @@ def pose_before(n, tables, b):
     """Pose of body b of one wall in the last step."""
     places, inertia, dt = tables.bodies, tables.inertia, rows.bench_of(n, tables.bench, 0).step
     angle = rows.place_of(n, places, b, ROTATION) - dt * rows.velocity_of(n, inertia, b, ROTATION)
-    cos1, sin = small_rotation(angle) if abs(angle) < SMALL else (np.cos(angle) - 1.0, np.sin(angle))
+    cos1, sine = small_rotation(angle) if abs(angle) < SMALL else (cos(angle) - 1.0, sin(angle))
     return Pose(rows.place_of(n, places, b, X) - dt * rows.velocity_of(n, inertia, b, X),
-                rows.place_of(n, places, b, Z) - dt * rows.velocity_of(n, inertia, b, Z), cos1, sin)
+                rows.place_of(n, places, b, Z) - dt * rows.velocity_of(n, inertia, b, Z), cos1, sine)
 
 
 # --- damping of interfaces --------------------------------------------------------------------------

@@ -15,11 +15,14 @@ from typing import ClassVar
 import numpy as np
 
 from damage.checks import check_positive, check_range, record_from
+from damage.elementary import sin_of_turns
 from damage.errors import InputError
 from damage.fields import check_fields, choice, plausible, quantity, text
 from damage.motion import record as prepare
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.record import Record
+from damage.motion.samples import at_times, linear
+from damage.rounded import to_bits
 from damage.units import GRAVITY
 
 
@@ -159,15 +162,17 @@ class Harmonic(Loading):
         if samples * self.cycles >= prepare.MOST_SAMPLES // 2:
             return None
         time_s = np.arange(samples * self.cycles + 1) * (self.period_s / samples)
-        sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
-        return Record(self.name, self.period_s / samples, sine)
+        return Record(self.name, self.period_s / samples, self._sine(time_s))
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
-        sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
         driven = (time_s >= 0) & (time_s <= self.duration_s)
-        return np.column_stack((np.where(driven, sine, 0.0), np.zeros_like(time_s)))
+        return np.column_stack((np.where(driven, self._sine(time_s), 0.0), np.zeros_like(time_s)))
+
+    def _sine(self, time_s) -> np.ndarray:
+        """Acceleration (n,) [m/s2] of the sine without its ends at times (n,) [s]."""
+        return self.amplitude_g * GRAVITY * sin_of_turns(time_s / self.period_s)
 
     def as_dict(self) -> dict:
         return {"kind": "harmonic", "name": self.name, "period_s": float(self.period_s),
@@ -284,7 +289,7 @@ class Recorded(Loading):
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         acceleration = np.zeros((time_s.size, 2))
         for column, part in enumerate(self.motion):
-            acceleration[:, column] = np.interp(time_s, part.time_s, part.acceleration_m_s2, left=0.0, right=0.0)
+            acceleration[:, column] = at_times(time_s, part.time_step_s, part.acceleration_m_s2)
         return acceleration
 
     def as_dict(self) -> dict:
@@ -434,7 +439,7 @@ class TopDisplacement(Loading):
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
-        amplitudes = np.array(self.amplitudes_pct) / 100 * height
+        amplitudes = to_bits(np.array(self.amplitudes_pct) / 100 * height)
         if self.cycles == 0:
             return amplitudes[:1]
         return np.append(np.outer(amplitudes, np.tile([1.0, -1.0], self.cycles)), 0.0)
@@ -450,7 +455,7 @@ class TopDisplacement(Loading):
         def area(until_s):
             until_s = np.maximum(until_s, 0.0)
             knot = np.searchsorted(times, until_s, side="right") - 1
-            there = np.interp(until_s, times, points)
+            there = linear(until_s, times, points)
             return areas[knot] + (points[knot] + there) / 2 * (until_s - times[knot])
 
         time_s = np.asarray(time_s, dtype=np.float64)

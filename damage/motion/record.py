@@ -5,10 +5,10 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
-import scipy  # signal where it is used: half a second
 
 from damage.checks import check_positive, check_range
 from damage.errors import InputError
+from damage.motion import samples
 
 TIME_STEPS_S = 1e-5, 1.0
 MOST_SAMPLES, HIGHEST_M_S2, MOST_SCALE = 10**6, 1e5, 1e3
@@ -104,9 +104,8 @@ def interpolated(record: Record, window_s: tuple[float, float] | None = None) ->
     if (last - first) * FINER >= MOST_SAMPLES:
         raise InputError(f"{record.name}: {last - first + 1} samples of {record.time_step_s:g} s to interpolate; "
                          f"expected up to {MOST_SAMPLES // FINER}, give a --window")
-    lowpass = scipy.signal.firwin(2 * REACH * FINER + 1, 1 / FINER, window=("kaiser", KAISER_BETA))
-    around = np.pad(record.acceleration_m_s2, REACH, mode="reflect", reflect_type="odd")[first : last + 2 * REACH + 1]
-    fine = scipy.signal.resample_poly(around, FINER, 1, window=lowpass)[REACH * FINER :][: (last - first) * FINER + 1]
+    around = samples.continued(record.acceleration_m_s2, REACH)[first : last + 2 * REACH + 1]
+    fine = samples.finer(around, FINER, REACH, KAISER_BETA)
     return replace(_cut(record, first, fine), time_step_s=record.time_step_s / FINER)
 
 
@@ -174,8 +173,7 @@ def baseline_corrected(record: Record, order: int = 1) -> Record:
     if order not in range(min(10, record.acceleration_m_s2.size)):
         raise InputError(f"baseline order {order!r} for {record.acceleration_m_s2.size} samples;"
                          " expected a whole number from 0 to 9 and below the number of samples")
-    fit = np.polynomial.Polynomial.fit(record.time_s, record.acceleration_m_s2, int(order))
-    return replace(record, acceleration_m_s2=record.acceleration_m_s2 - fit(record.time_s))
+    return replace(record, acceleration_m_s2=samples.without_polynomial(record.acceleration_m_s2, int(order)))
 
 
 def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -> Record:
@@ -190,12 +188,12 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
                          f" Hz, half the sampling rate of {record.name}")
     if order not in range(2, 21, 2):
         raise InputError(f"filter order {order!r}; expected 2, 4, ... 20: two passes share it")
-    sos = scipy.signal.butter(int(order) // 2, (low_hz, high_hz), "bandpass", fs=rate_hz, output="sos")
-    try:
-        filtered = scipy.signal.sosfiltfilt(sos, record.acceleration_m_s2)
-    except ValueError as error:
+    edge = 3 * (int(order) + 1)
+    if record.acceleration_m_s2.size <= edge:
         raise InputError(f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
-                         f" order {order}; expected a longer record") from error
+                         f" order {order}; expected a longer record")
+    corners = low_hz * record.time_step_s, high_hz * record.time_step_s
+    filtered = samples.band_passed(record.acceleration_m_s2, corners, int(order) // 2, edge)
     return replace(record, acceleration_m_s2=filtered)
 
 

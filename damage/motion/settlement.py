@@ -8,8 +8,11 @@ import numpy as np
 
 from damage.checks import check_range
 from damage.csv_table import CsvTable
+from damage.elementary import atan, sin, sin_of_turns
 from damage.errors import InputError, warn
 from damage.motion.loading import mean_velocities
+from damage.motion.samples import linear
+from damage.rounded import DISPLACEMENT, to_bits, to_grid
 
 PROFILES = ("hogging", "sagging", "tilt", "knick")
 DISTORTIONS = (1e-7, 0.02)
@@ -72,26 +75,33 @@ class Settlement:
         """Final vertical displacement (n,) [m] at x (n,) [m] of a wall of this length [m]."""
         x, half = np.asarray(x, float), length / 2
         if self.x_m:
-            return np.interp(x, self.x_m, self.uz_m)
+            return linear(x, self.x_m, self.uz_m)
         if self.profile == "tilt":
-            return -x * math.sin(self.distortion)
+            return -x * sin(self.distortion)
         if self.profile == "knick":
             return -self.distortion * np.maximum(x - half, 0.0)
-        deflection = self.distortion * half * (1 - (x / half - 1)**2)
+        from_middle = x / half - 1
+        deflection = self.distortion * half * (1 - from_middle * from_middle)
         return deflection - self.distortion * half if self.profile == "hogging" else -deflection
 
     def displacement(self, time_s, supports):
         """Displacement of damage.wall.layout.Supports (n, n_supports, 3) [m, m, rad] at times (n,) [s] since its
-        begin; each support follows the chord of the profile over its part of the base."""
+        begin; each support follows the chord of the profile over its part of the base.
+
+        Where each one goes is rounded once (`damage.rounded`), so that the last bits of the wall's lengths do not reach
+        a run: displacements, and angles as those over a metre, to DISPLACEMENT."""
         left, right, length = supports.left, supports.right, supports.right[-1]
         time_s = np.clip(np.asarray(time_s, float) / self.moving_s(length), 0.0, 1.0)
-        share = ((1 - np.cos(math.pi * time_s)) / 2)[:, np.newaxis]
+        root = sin_of_turns(time_s / 4)[:, np.newaxis]
+        share = root * root  # (1 - cos(pi time_s)) / 2
         if self.profile == "tilt" and not self.x_m:
-            angle, x = -self.distortion * share, supports.x
-            return np.stack([x * -2 * np.sin(angle / 2)**2, x * np.sin(angle), angle + 0 * x], axis=-1)
+            angle, x = -to_bits(self.distortion) * share, to_grid(supports.x, DISPLACEMENT)
+            half = sin(angle / 2)
+            return np.stack([x * -2 * (half * half), x * sin(angle), angle + 0 * x], axis=-1)
         ends = self.vertical(left, length), self.vertical(right, length)
-        up, chord = (ends[0] + ends[1]) / 2, (ends[1] - ends[0]) / (right - left)
-        return np.stack([0 * share * up, share * up, share * np.arctan(chord)], axis=-1)
+        up = to_grid((ends[0] + ends[1]) / 2, DISPLACEMENT)
+        angle = to_grid(atan((ends[1] - ends[0]) / (right - left)), DISPLACEMENT)
+        return np.stack([0 * share * up, share * up, share * angle], axis=-1)
 
     def velocities(self, interval_s, n, supports):
         """Velocities of Supports in the first n intervals (n, n_supports, 3) [m/s, m/s, rad/s]."""
@@ -100,7 +110,7 @@ class Settlement:
     def moving_s(self, length):
         """Time for which the ground below a wall of this length [m] moves [s]: at most at FASTEST_M_S."""
         largest = np.abs(self.vertical(self.x_m or np.array([0, length / 2, length]), length)).max()
-        return max(SHORTEST_S, math.pi / 2 * float(largest) / FASTEST_M_S)
+        return max(SHORTEST_S, float(to_bits(math.pi / 2 * largest / FASTEST_M_S)))
 
 
 def _check_points(profile, x, up):
@@ -139,7 +149,7 @@ def _of_levels(table, x, height):
     day_of = np.array([_day(table, *one) if dated else date.min for one in enumerate(table.words("date"))])
     days = sorted(set(day_of))
     first, last = (_rising(table, x, height, np.flatnonzero(day_of == day)) for day in (days[0], days[-1]))
-    up = last[1] - (np.interp(last[0], *first) if len(days) > 1 else 0.0)
+    up = last[1] - (linear(last[0], *first) if len(days) > 1 else 0.0)
     if len(days) > 1 and (last[0][0] < first[0][0] - END_M or last[0][-1] > first[0][-1] + END_M):
         raise InputError(f"{table.path}: levels of {days[-1]} from x = {last[0][0]:g} to {last[0][-1]:g} m, of "
                          f"{days[0]} from {first[0][0]:g} to {first[0][-1]:g} m; expected the same places; give those")

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.elementary import hypot
 from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
 from damage.mechanics.loose import LARGEST, PAIRS
@@ -110,10 +111,10 @@ class ReferenceSolver(ReferenceWall, Solver):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]: work of the push that
         did not enter the wall."""
         stiffness, rest = self.system.turning[:displacement.shape[1]].T
-        return 0.5 * ((displacement[..., RIGID - 1] - rest)**2 @ stiffness) if stiffness.any() else 0.0
+        return 0.5 * np.sum((displacement[..., RIGID - 1] - rest)**2 * stiffness, axis=-1) if stiffness.any() else 0.0
 
     def forces(self):
-        return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]
+        return self.force[:len(self.layout.bodies)], hypot(*self.stresses) * self.system.contacts["area"]
 
     def largest_overlap_m(self):
         return None if self.loose is None else (self.loose.energy[LARGEST], 2 * self.loose.touch.radius)

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from damage.elementary import sin
 from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.law.joint_law import material_of
@@ -69,7 +70,7 @@ class ReferenceWall:
         bodies = slice(len(self.layout.bodies))
         self.system.place[bodies, :RIGID] = values
         angle = self.system.place[bodies, ROTATION]
-        self.system.trig[bodies, 0], self.system.trig[bodies, 1] = -2 * np.sin(angle / 2)**2, np.sin(angle)
+        self.system.trig[bodies, 0], self.system.trig[bodies, 1] = -2 * sin(angle / 2)**2, sin(angle)
 
     @property
     def velocity(self):
@@ -257,7 +258,7 @@ class ReferenceWall:
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
         old, mass = self.system.velocity[self._held, X], self.layout.bodies.mass[self._held]
-        self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity**2 - old**2))
+        self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity * velocity - old * old))
         self._prescribe((self._held, X), velocity)
 
     def move_supports(self, velocity):

@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 
+from damage.draws import Draws
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
+from damage.law.modes import first_mode, mass_vector
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.motion.loading import mean_velocities
@@ -69,8 +71,8 @@ class Run:
         self._balance_j, self._damped_j = state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
         if settings.perturb_m > 0 and state is None and resumed is None:
-            random = np.random.default_rng(settings.seed)
-            solver.shift(random.normal(0, settings.perturb_m, (len(layout.bodies), 2)))
+            normal = Draws(settings.seed).normal(2 * len(layout.bodies))
+            solver.shift(settings.perturb_m * normal.reshape(-1, 2))
 
     @property
     def time(self):
@@ -141,17 +143,16 @@ class Run:
                 return True
         return False
 
-    def start(self, first_mode):
+    def start(self):
         """The end of the static stage.  The ground begins to settle or, at time zero, the base motion starts, the top
-        is taken hold of, or the wall is kicked into its first mode.
-
-        first_mode: shape (n_bodies, 3), 1 at the top.
-        """
+        is taken hold of, or the wall is kicked into its first mode."""
         solver, drive, settlement = self.solver, self.settings.loading.drive, self.settings.settlement
         self.base = schedule.base_acceleration(self.settings, self.stages, solver.time_step)
-        self._modal_velocity = drive.first_mode_m_s * first_mode
+        speed = drive.first_mode_m_s
+        self._modal_velocity = speed * first_mode(self.layout) if speed else \
+            np.zeros_like(mass_vector(self.layout)).reshape(len(self.layout.bodies), -1)
         if self._state is None:
-            solver.set_velocities(0 * first_mode if settlement else self._modal_velocity)
+            solver.set_velocities(0 * self._modal_velocity if settlement else self._modal_velocity)
         solver.start(self.base, np.array([GRAVITY]))
         if self._state is not None:
             solver.resume(self._state)
@@ -422,7 +423,8 @@ class Run:
 
     def _snapshot(self, time_s, now, motion, k):
         """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of sample k."""
-        stress = () if self._stress is None else (np.einsum("bpsm,bm->bps", self._stress, now.strain[k]),)
+        stress = () if self._stress is None else (
+            np.sum(self._stress * now.strain[k][:, np.newaxis, np.newaxis], axis=-1),)
         return time_s, motion[k], *stress
 
     def _energies(self, now, motion):
@@ -431,7 +433,7 @@ class Run:
         zero, mass = self._zero, self.layout.weighing
         energies = {
             "kinetic_energy_j": now.kinetic_j, "elastic_energy_j": now.elastic_j - zero.elastic_j,
-            "gravity_energy_j": GRAVITY * np.array([mass @ one[:, 1] for one in motion]),
+            "gravity_energy_j": GRAVITY * np.add.reduce(motion[:, :, 1] * mass, axis=1),
             "friction_energy_j": now.friction_j - zero.friction_j,
             "fracture_energy_j": now.fracture_j - zero.fracture_j,
         }

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.rounded import ACCELERATION, to_grid
 from damage.run.settings import (
     LOCAL_DAMPING,
     LONGEST_S,
@@ -51,7 +52,7 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
     xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
     """
     xi = (settings.beta_s or 0.0) / critical_s + (settings.alpha_1_s + decay_1_s) * critical_s / 4
-    limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
+    limit = critical_s * min(np.sqrt(1 + xi * xi) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
     if settings.time_step_s is None:
         factor = SOFTENING_STEP_FACTOR if softens else STEP_FACTOR
         return settings.loading.preferred_step_s(min(factor * critical_s, 0.85 * limit))
@@ -173,7 +174,7 @@ def base_acceleration(settings, schedule, time_step):
     """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2) [m/s2], up to the
     last motion's end; none where the base is not accelerated.
 
-    Each event is its motion times its factor.
+    Each event is its motion times its factor, rounded (`damage.rounded`).
     """
     if settings.loading.drive.base is None:
         return NO_MOTION
@@ -182,5 +183,5 @@ def base_acceleration(settings, schedule, time_step):
     base = np.zeros((max(map(sum, zip(starts, lengths))), 2))
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
         factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
-        base[start:start + n_steps] = factor * once
+        base[start:start + n_steps] = to_grid(factor * once, ACCELERATION)
     return base

@@ -389,7 +389,7 @@ def _simulate(prepared, keep_going, settled):
         prepared.backend.begins(run)
         finished = yield from run.settle_under_gravity()
         if finished:
-            run.start(prepared.modes.shape[0])
+            run.start()
             finished = yield from run.run_all()
         keep_going(run, run.duration_s)  # nothing is left of one that ended early
         if run.fall:

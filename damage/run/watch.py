@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.elementary import hypot, sin
 from damage.errors import InputError, RunError
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.law.states import ENDED
@@ -67,7 +68,7 @@ class Borne:
     def largest_drop(self, motion):
         """By how much a brick has moved down from all that bore it (n,) [m]; motion: (n, n_bodies, 3) [m, m, rad]."""
         z, rotation = np.ascontiguousarray(motion.T[1:])  # rows of a body, which reduceat takes whole
-        drop = z[self._low] + np.sin(rotation)[self._low] * self._arm[:, np.newaxis] - z[self._brick]
+        drop = z[self._low] + sin(rotation)[self._low] * self._arm[:, np.newaxis] - z[self._brick]
         return np.minimum.reduceat(drop, self._start).max(axis=0, initial=0.0)
 
 
@@ -94,7 +95,7 @@ def have_left(layout, motion, joints, state):
     joined, of_joints = number_of(both.ravel()), both[:, :layout.n_joints][:, joints]
     for k in np.flatnonzero(ended.any(axis=1)):
         loose = number_of(of_joints[:, ended[k]].ravel()) == joined
-        far = np.hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
+        far = hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
         found[k] = np.any((loose & far)[:layout.n_bricks])
     return found
 
@@ -108,8 +109,8 @@ def fastest_fallen(layout, motion, before, interval_s):
     moved = (motion - before)[:layout.n_bricks]
     moved[:, 2] = np.remainder(moved[:, 2] + np.pi, 2 * np.pi) - np.pi  # YADE's rotations are those within half a turn
     moved = np.abs(moved) / interval_s
-    speed = np.hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length[:layout.n_bricks] / 2
-    away = np.hypot(motion[:, 0], motion[:, 1])[:layout.n_bricks] > layout.bodies.height[:layout.n_bricks] / 2
+    speed = hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length[:layout.n_bricks] / 2
+    away = hypot(motion[:, 0], motion[:, 1])[:layout.n_bricks] > layout.bodies.height[:layout.n_bricks] / 2
     return float(np.max(speed[away], initial=0.0))
 
 
@@ -119,8 +120,8 @@ def unbalanced_force(layout, on_bodies, in_contacts):
     on_bodies: forces of the contacts, (n_bodies, 3) [N, N, N m]; in_contacts: (n_contacts,) [N].
     """
     held = layout.held
-    resultant = np.hypot(np.where(held[:, 0], 0.0, on_bodies[:, 0]),
-                         np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass))
+    resultant = hypot(np.where(held[:, 0], 0.0, on_bodies[:, 0]),
+                      np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass))
     least = 1e-9 * GRAVITY * layout.bodies.mass.mean()  # bricks in flight: a number all the same, fit for a history
     return float(resultant.mean() / max(in_contacts.mean(), least))
 
@@ -137,7 +138,7 @@ class MaterialPoints:
             np.abs(z[:, None] - bodies.z) <= bodies.height / 2 + _TINY)
         for place, found in zip(places, inside):
             if not found.any():
-                near = int(np.argmin(np.hypot(bodies.x - place[0], bodies.z - place[1])))
+                near = int(np.argmin(hypot(bodies.x - place[0], bodies.z - place[1])))
                 raise InputError(f"--point {place[0]:g} {place[1]:g}: no brick is there; expected x and z in the "
                                  f"undeformed wall [m]; the nearest brick has its centre at {bodies.x[near]:.4g} "
                                  f"{bodies.z[near]:.4g}")
@@ -153,7 +154,7 @@ class MaterialPoints:
         ux, uz, turn = np.moveaxis(displacement[:, self.bodies], 2, 0)
         x, z = self._arms
         if strain is not None:
-            more = np.einsum("pam,npm->npa", self._shapes, strain[:, self.bodies])
+            more = np.sum(self._shapes * strain[:, self.bodies, np.newaxis], axis=-1)  # (n, n_points, 2)
             x, z = x + more[..., 0], z + more[..., 1]
         moved = np.stack(rigid_displacement(ux, uz, turn, x, z), axis=2)
         return moved if strain is None else moved + more
@@ -167,8 +168,8 @@ class BaseMotion:
         self._rows = np.flatnonzero(bodies.course == 0)
         x = bodies.x[self._rows]
         weight = bodies.length[self._rows] / bodies.length[self._rows].sum()
-        arm = x - weight @ x
-        self._mean, self._slope = weight, weight * arm / max(weight @ arm**2, 1e-12)
+        arm = x - np.sum(weight * x)
+        self._mean, self._slope = weight, weight * arm / max(np.sum(weight * arm**2), 1e-12)
         self._up = layout.drift_height - float(bodies.z[self._rows].mean())
 
     def of(self, motion):
@@ -187,4 +188,4 @@ class BaseMotion:
     def at_top(self, motion):
         """Horizontal displacement (n,) [m] of the wall's top by this rigid motion."""
         translation, rotation = self.of(motion)
-        return translation - np.sin(rotation) * self._up
+        return translation - sin(rotation) * self._up

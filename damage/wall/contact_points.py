@@ -16,6 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from damage.draws import Draws
+from damage.elementary import exp, log
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, SIDE_COURSE, TINY, contact_stiffness
 from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
 from damage.wall.restraints import top_of
@@ -217,6 +219,6 @@ def _strength_factors(first, second, variation, seed):
     if variation == 0:
         return np.ones(len(first))
     joints, number = np.unique(np.column_stack([np.maximum(first, GROUND), second]), axis=0, return_inverse=True)
-    spread = np.sqrt(np.log1p(variation**2))
-    normal = np.random.default_rng(seed).standard_normal(len(joints))
-    return np.exp(spread * normal - spread**2 / 2)[number]
+    spread = np.sqrt(log(1.0 + variation * variation))
+    normal = Draws(seed).normal(len(joints))
+    return exp(spread * normal - spread * spread / 2)[number.ravel()]  # a column in numpy 2.0

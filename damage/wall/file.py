@@ -22,7 +22,6 @@
     side = "left"
 """
 
-import math
 import re
 import runpy
 import traceback
@@ -31,6 +30,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from damage.checks import check_path, check_range
+from damage.elementary import atan
 from damage.errors import InputError, did_you_mean
 from damage.files import shipped_files
 from damage.toml_file import DRAFT, read_toml
@@ -157,7 +157,8 @@ def _joint(table):
     if "friction_angle" in table:
         raise InputError("[joint] has friction and friction_angle: expected one of them; leave one out")
     check_range("[joint] friction", table[FRICTION], 0, 100)
-    return {key: one for key, one in table.items() if key != FRICTION} | {"friction_angle": math.atan(table[FRICTION])}
+    angle = float(atan(table[FRICTION]))
+    return {key: one for key, one in table.items() if key != FRICTION} | {"friction_angle": angle}
 
 
 def _masonry(given):

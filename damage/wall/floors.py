@@ -135,6 +135,6 @@ def _shares(x, length, left, right):
     start, end = np.maximum(x - length / 2, left), np.minimum(x + length / 2, right)
     covered = np.maximum(end - start, 0.0)
     share = covered / covered.sum()
-    middle, away = share @ x, share @ ((start + end) / 2 - x)
-    spread = share @ (x - middle)**2
+    middle, away = np.sum(share * x), np.sum(share * ((start + end) / 2 - x))
+    spread = np.sum(share * (x - middle)**2)
     return share * (1 + away / spread * (x - middle)) if spread > TINY**2 else share

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from damage.elementary import hypot
 from damage.wall.kinds import CAP_COURSE, KINDS, LINTEL_COURSE, SIDE_COURSE, SLAB_COURSE, TINY, rows
 from damage.wall.kinematics import rigid_displacement
 
@@ -109,7 +110,7 @@ def joint_gaps(joints, bodies, motion, supports=AT_REST):
     middle = tributary_ends(joints).mean(axis=1, keepdims=True)
     first, second = (displaced(bodies, motion, joints[name].to_numpy(), middle, supports=supports)[:, 0]
                      for name in ("first_body", "second_body"))
-    return np.hypot(*(second - first).T)
+    return hypot(*(second - first).T)
 
 
 def tributary_ends(joints):

@@ -6,6 +6,7 @@ shear are measured along the joint's axes turned by the mean rotation of the two
 
 import numpy as np
 
+from damage.elementary import cos, sin
 from damage.wall.kinds import rows
 
 CORNER_RADIUS = 0.01
@@ -17,8 +18,8 @@ def rigid_displacement(ux, uz, turn, x, z):
 
     ux, uz [m], turn [rad, x towards z]: of the body's centre; x, z [m]: of the points from the centre at rest.
     """
-    cos, sin = np.cos(turn) - 1, np.sin(turn)
-    return ux + cos * x - sin * z, uz + sin * x + cos * z
+    less, along = cos(turn) - 1, sin(turn)
+    return ux + less * x - along * z, uz + along * x + less * z
 
 
 def slide_limits(first, second, upright, bodies):
@@ -56,13 +57,11 @@ class ContactKinematics:
         the same of the supports, None where they rest.
         """
         moved = np.vstack([motion, self.at_rest if supports is None else supports])
-        # Copies, row by row: where an output happens to lie right behind a strided input numpy takes another cosine,
-        # which may differ in its last bit, and two runs of one command would not be the same.
-        motions = [np.array(moved[end[select]].T, order="C") for end in self.ends]
+        motions = [moved[end[select]].T for end in self.ends]
         first, second = (rigid_displacement(*of, rx[select], rz[select]) for of, (rx, rz) in zip(motions, self.arms))
         dx, dz = second[0] - first[0], second[1] - first[1]
         turn = (motions[0][2] + motions[1][2]) / 2
-        cos, sin = np.cos(turn), np.sin(turn)
-        along_x, along_z = cos * dx + sin * dz, cos * dz - sin * dx
+        across, along = cos(turn), sin(turn)
+        along_x, along_z = across * dx + along * dz, across * dz - along * dx
         head = self.head[select]
         return np.where(head, along_x, along_z), np.where(head, along_z, along_x)

@@ -8,6 +8,7 @@ support k is body `damage.wall.kinds.GROUND - k` of contact points, and in table
 match.  `damage.wall.plan` says what is built where; `damage.wall.contact_points` places the contact points.
 """
 
+import math
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -16,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from damage.errors import InputError
+from damage.rounded import to_bits
 from damage.units import GRAVITY
 from damage.wall.contact_points import PLACES, Contacts, make_contacts, scattered, segments_of
 from damage.wall.fibres import Fibres, split_into_fibres
@@ -198,8 +200,19 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     layout = on_soil(layout)
     if layout.strain is None and (wall.brick.splits or options.brick_cells):
         layout = cut_bricks(layout)
+    layout = _rounded(layout)
     return replace(layout, fibres=split_into_fibres(wall.joint, layout.contacts, options.fibres)
                    if options.fibres else None)
+
+
+def _rounded(layout):
+    """The Layout with masses, stiffnesses and strengths of fewer bits (`damage.rounded`)."""
+    def of(table, *names):
+        return replace(table, **{name: to_bits(getattr(table, name)) for name in names})
+
+    return replace(layout, bodies=of(layout.bodies, "mass", "inertia"), contacts=of(
+        layout.contacts, "normal_stiffness", "shear_stiffness", "tensile_strength", "cohesion",
+        "compressive_strength"))
 
 
 @lru_cache(maxsize=4)
@@ -227,7 +240,7 @@ def _lay_out_alike(wall, options):
 
 def _length(spans):
     """Length of all spans (left, right) together [m]."""
-    return sum(right - left for left, right in spans)
+    return math.fsum(right - left for left, right in spans)
 
 
 def _top_mass(plan, options):
@@ -246,7 +259,7 @@ def _make_bodies(plan, options):
     mass[behind:] = np.array([mass_per_length(brick, place) for place in parts]) * length[behind:]
     course[behind:] = [ARCH_COURSE if place.lintel.kind == "arch" else LINTEL_COURSE for place in parts]
     bodies = with_timber_floors(plan, Bodies(plan.ends.mean(axis=0), (first + last + 1) / 2 * brick.height, length,
-                                             height, mass, mass * (length**2 + height**2) / 12, course))
+                                             height, mass, mass * (length * length + height * height) / 12, course))
     if plan.wall.restraints:
         return _with_restraints(plan, options, bodies, top_mass)
     if top_mass and options.top == "uniform":
@@ -296,7 +309,7 @@ def _with_caps(plan, options, bodies, top_mass):
 
 def _joined(bodies, x, z, length, height, mass, course):
     """Bodies, and behind them blocks with I = m (w^2 + h^2) / 12."""
-    inertia = mass * (length**2 + height**2) / 12
+    inertia = mass * (length * length + height * height) / 12
     added = np.broadcast_arrays(*map(np.atleast_1d, (x, z, length, height, mass, inertia, course)))
     return Bodies(*map(np.append, vars(bodies).values(), added))
 

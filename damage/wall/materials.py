@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 from damage.checks import check_number, check_range
+from damage.elementary import atan, tan
 from damage.errors import InputError, did_you_mean
 from damage.wall.parameters import Joint, brick_of_masonry
 
@@ -37,7 +38,7 @@ class Material(NamedTuple):
 MATERIALS = {
     "sarhosis-2021": Material("the paper's calcium silicate brickwork, brittle; its modulus follows from joints of "
                               "12e11 Pa/m and bricks of 5.2 GPa, 0.075 m high", 4.916e9, 0.21e6, 0.24e6,
-                              math.tan(math.radians(32)), None, None, _PAPER),
+                              float(tan(math.radians(32.0))), None, None, _PAPER),
     "calcium-silicate": Material("solid calcium silicate bricks, general-purpose mortar of 7.2 MPa; modulus of wallets",
                                  3256e6, None, 0.21e6, 0.42, None, None, _CALCIUM_SILICATE),
     "clay": Material("solid clay bricks, general-purpose mortar of 4.1 MPa; modulus of wallets, twice that of the "
@@ -95,7 +96,7 @@ def masonry(material, brick_format, *, mortar=_MORTAR, wythes=1, density=1900.0,
     check_number("wythes", wythes, "a whole number from 1 to 6", lambda value: value in range(1, 7))
     given = {name: getattr(found, name) for name in (
         "tensile_strength", "cohesion", "mode_i_fracture_energy", "mode_ii_fracture_energy")}
-    given["friction_angle"] = math.atan(found.friction)
+    given["friction_angle"] = float(atan(found.friction))
     unknown = sorted(set(joint) - set(Joint.__dataclass_fields__))
     if unknown:
         raise InputError(f"masonry({unknown[0]}=...): expected a field of Joint{did_you_mean(unknown[0], given)}")

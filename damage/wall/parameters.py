@@ -9,6 +9,7 @@ import math
 from dataclasses import asdict, dataclass, field, replace
 
 from damage.checks import check_range, record_from
+from damage.elementary import power, tan
 from damage.errors import InputError
 from damage.fields import MODULI, MOST_BRICKS, check_fields, choice, implausible_fields, quantity
 from damage.units import GRAVITY
@@ -156,7 +157,7 @@ def _check_fracture_energies(joint):
     if (given[0] > 0) != (given[1] > 0):
         raise InputError(f"Joint with fracture energies {given[0]:g} and {given[1]:g} J/m2 in modes I and II: expected "
                          "both above zero, or neither for a brittle bond; give the other, about ten times in mode II")
-    apex = joint.tensile_strength * math.tan(joint.friction_angle)
+    apex = joint.tensile_strength * tan(joint.friction_angle)
     if given[0] > 0 and not (joint.tensile_strength > 0 and 0 < joint.cohesion >= apex):
         raise InputError(f"Joint with fracture energies, tensile strength {joint.tensile_strength:g} and cohesion "
                          f"{joint.cohesion:g} Pa: expected both above zero, and no tension beyond cohesion / "
@@ -171,7 +172,7 @@ def softening_energies(tensile_strength):
     >>> {name: round(value, 1) for name, value in softening_energies(0.18375e6).items()}
     {'mode_i_fracture_energy': 12.4, 'mode_ii_fracture_energy': 124.1}
     """
-    energy = 25.0 * (2e-6 * tensile_strength) ** 0.7
+    energy = 25.0 * float(power(2e-6 * tensile_strength, 0.7))
     return {"mode_i_fracture_energy": energy, "mode_ii_fracture_energy": 10 * energy}
 
 
@@ -188,7 +189,7 @@ def crushing_energy(compressive_strength):
     strength = compressive_strength / 1e6
     if strength < 12:
         return 1.6 * 1e3 * strength
-    return 1e3 * (0.33 * strength if strength > 80 else 15 + 0.43 * strength - 0.0036 * strength**2)
+    return 1e3 * (0.33 * strength if strength > 80 else 15 + 0.43 * strength - 0.0036 * strength * strength)
 
 
 def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):

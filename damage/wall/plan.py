@@ -6,6 +6,7 @@ course ends at the nearest quarter of a brick of the bond, inwards where two are
 given.  Parts shorter than half a brick are not built.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, pairwise
@@ -111,7 +112,7 @@ def plan_of(wall, options=None):
                    for parts, offset in zip(runs, offsets))
     least = wall.length / 2 - TINY
     drift_course = max((course for course, parts in enumerate(outlined)
-                        if sum(right - left for left, right in parts) > least), default=0)
+                        if math.fsum(right - left for left, right in parts) > least), default=0)
     if top_of(wall):
         drift_course = wall.courses // 2
     return Plan(wall, openings, floors, lintels, runs, bricks, _find_piers(wall.length, openings), drift_course)

@@ -106,7 +106,7 @@ def _parts(old, cuts, n_bricks):
         length, mass = old.length[brick] * share, old.mass[brick] * share
         parts = {"x": old.x[brick] + old.length[brick] * (np.cumsum(share) - share / 2 - 0.5), "z": old.z[brick],
                  "length": length, "height": old.height[brick], "mass": mass,
-                 "inertia": mass * (length**2 + old.height[brick]**2) / 12, "course": old.course[brick]}
+                 "inertia": mass * (length**2 + np.square(old.height[brick])) / 12, "course": old.course[brick]}
         for name, column in parts.items():
             values[name][brick], *others = np.broadcast_to(column, len(length))
             added[name] += others

@@ -10,45 +10,49 @@ Whole polynomial spaces alone bend as bricks do in a bond: constant strain, and 
 walls several times too stiff.
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import eigh
 
 from damage.errors import InputError
-
-RIGID_MODES = 3
+from damage.rounded import to_bits
+from damage.wall.eigen import eigen, rotate
 
 
 @dataclass(frozen=True)
 class BrickModes:
     """Strain modes of a brick of a length and height [m].
 
-    powers: (n, 2) of x and z in each polynomial; frequency: (n_modes,) [rad/s]; coefficients: (2, n, n_modes) of the
-    displacement along x and z [1/sqrt(kg)], in coordinates that go from -1 to 1; elasticity: (3, 3) stress by strain
-    [Pa].
+    degrees: (n, 2) along x and z of each product of Legendre polynomials; frequency: (n_modes,) [rad/s]; coefficients:
+    (2, n, n_modes) of the displacement along x and z [1/sqrt(kg)], in coordinates that go from -1 to 1; elasticity:
+    (3, 3) stress by strain [Pa].
     """
 
     length: float
     height: float
-    powers: np.ndarray
+    degrees: np.ndarray
     frequency: np.ndarray
     coefficients: np.ndarray
     elasticity: np.ndarray
 
     def displacement(self, x, z):
         """Along x and z by a unit of each mode, (n, 2, n_modes) [1/sqrt(kg)], at points (n,) [m] from the centre."""
-        terms, _, _ = _polynomials(self.powers, 2 * x / self.length, 2 * z / self.height)
-        return np.einsum("pi,cim->pcm", terms, self.coefficients)
+        terms, _, _ = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
+        return self._sum(terms)
 
     def stress(self, x, z):
         """Normal stress along x and z, tension positive, and shear stress by a unit of each mode, (n, 3, n_modes)
         [Pa/(m sqrt(kg))], at points x, z (n,) [m] from the centre."""
-        _, along_x, along_z = _polynomials(self.powers, 2 * x / self.length, 2 * z / self.height)
-        dx, dz = (np.einsum("pi,cim->cpm", 2 / size * terms, self.coefficients)
-                  for size, terms in ((self.length, along_x), (self.height, along_z)))
-        return np.einsum("ij,jpm->pim", self.elasticity, np.stack([dx[0], dz[1], dz[0] + dx[1]]))
+        _, along_x, along_z = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
+        dx, dz = self._sum(2 / self.length * along_x), self._sum(2 / self.height * along_z)
+        strain = dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]
+        return np.stack([sum(modulus * of for modulus, of in zip(row, strain)) for row in self.elasticity], axis=1)
+
+    def _sum(self, terms):
+        """Of terms (n_points, n) by the coefficients: (n_points, 2, n_modes)."""
+        return sum(terms[:, k, None, None] * self.coefficients[:, k] for k in range(len(self.degrees)))
 
 
 @dataclass(frozen=True)
@@ -77,22 +81,43 @@ class Strain:
 @lru_cache(maxsize=64)
 def brick_modes(brick, length, order, plane):
     """BrickModes of a damage.wall.parameters.Brick cut to a length [m]; order: of the polynomials; plane: "stress" or
-    "strain"."""
-    powers = np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)])
-    elasticity, n = elasticity_of(brick, plane), len(powers)
-    place, weight = np.polynomial.legendre.leggauss(order + 1)  # exact of the products of two polynomials
-    x, z = (axis.ravel() for axis in np.meshgrid(place, place))
-    volume = np.outer(weight, weight).ravel() * length * brick.height * brick.thickness / 4
-    terms, along_x, along_z = _polynomials(powers, x, z)
-    strains = np.zeros((len(x), 3, 2 * n))
-    strains[:, 0, :n] = strains[:, 2, n:] = 2 / length * along_x
-    strains[:, 1, n:] = strains[:, 2, :n] = 2 / brick.height * along_z
-    mass = np.kron(np.eye(2), np.einsum("p,pi,pj->ij", brick.density * volume, terms, terms))
-    stiffness = np.einsum("p,psi,st,ptj->ij", volume, strains, elasticity, strains)
-    squares, vectors = (found[..., RIGID_MODES:] for found in eigh(stiffness, mass))
-    largest = np.take_along_axis(vectors, np.abs(vectors).argmax(axis=0)[None], axis=0)
-    return BrickModes(length, brick.height, powers, np.sqrt(squares),
-                      (vectors * np.sign(largest)).reshape(2, n, -1), elasticity)
+    "strain".
+
+    Modes are odd or even in x and in z: each of the four classes has its own problem, so that equal frequencies of a
+    square brick belong to different ones and their modes are none of any mixture.
+    """
+    degrees, height = np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)]), brick.height
+    elasticity, n = elasticity_of(brick, plane), len(degrees)
+    matrix, density = _stiffness(degrees, length, height, elasticity), to_bits(brick.density)
+    matrix /= density
+    # Rigid are the constants, and what the linear terms make of the brick's rotation; beside that they make a shear.
+    constant, along_z, along_x = 0, 1, n + order + 1
+    diagonal = math.sqrt(length * length + height * height)
+    turn = along_z, along_x, length / diagonal, height / diagonal
+    rotate(matrix, *turn)
+    rotate(matrix.T, *turn)
+    parity = (np.vstack([degrees, degrees + 1]) % 2).tolist()
+    strains = [k for k in range(2 * n) if k not in (constant, n + constant, along_x)]
+    squares, vectors = [], []
+    for of in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        own = [k for k in strains if tuple(parity[k]) == of]
+        found, of_own = eigen(matrix[np.ix_(own, own)])
+        whole = np.zeros((2 * n, len(own)))
+        whole[own] = of_own
+        whole[along_x], whole[along_z] = turn[3] * whole[along_z], turn[2] * whole[along_z]
+        squares.append(found)
+        vectors.append(whole)
+    frequency, vectors = np.sqrt(np.concatenate(squares)), np.hstack(vectors)
+    order = np.argsort(to_bits(frequency), kind="stable")  # of equal ones by their classes
+    mass = density * length * height * brick.thickness
+    vectors = np.stack([_with_sign(vector) for vector in vectors.T[order]], axis=1) / math.sqrt(mass)
+    return BrickModes(length, height, degrees, frequency[order], vectors.reshape(2, n, -1), elasticity)
+
+
+def _with_sign(vector):
+    """A vector, or its negative: the first element of at least half the largest is positive, so that no tie decides."""
+    size = np.abs(vector)
+    return vector * np.sign(vector[np.argmax(size >= size.max() / 2)])
 
 
 def stress_by_modes(layout):
@@ -115,14 +140,14 @@ def modes_of(layout, brick):
 def elasticity_of(brick, plane):
     """Stress by strain (3, 3) [Pa]: sigma_x, sigma_z, tau of epsilon_x, epsilon_z, gamma, in plane "stress" or
     "strain".  Raises InputError where the moduli are of no isotropic material."""
-    young, shear = brick.young_modulus, brick.shear_modulus
+    young, shear = to_bits(brick.young_modulus), to_bits(brick.shear_modulus)
     poisson = young / (2 * shear) - 1
     most = 1.0 if plane == "stress" else 0.5
     if not -1 < poisson < most:
         raise InputError(f"--bricks deformable: moduli of {young:g} and {shear:g} Pa make Poisson's ratio E / 2 G - 1 "
                          f"= {poisson:.3g}: expected less than {most:g} in plane {plane}; correct Brick.shear_modulus")
     ratio = poisson if plane == "stress" else poisson / (1 - poisson)
-    normal = (young if plane == "stress" else young / (1 - poisson**2)) / (1 - ratio**2)
+    normal = (young if plane == "stress" else young / (1 - poisson * poisson)) / (1 - ratio * ratio)
     return np.array([[normal, ratio * normal, 0.0], [ratio * normal, normal, 0.0], [0.0, 0.0, shear]])
 
 
@@ -137,7 +162,7 @@ def strain_of(brick, options, bodies, contacts, n_bricks):
     frequency[:n_bricks] = [of.frequency for of in modes]
     own_mass = brick.density * brick.thickness * bodies.length * bodies.height
     # Where the top course carries mass, all of a brick is heavier alike: the modes stay, at lower frequencies.
-    mass = np.where(frequency > 0, options.brick_mass * (bodies.mass / own_mass)[:, None], 0.0)
+    mass = np.where(frequency > 0, options.brick_mass * to_bits(bodies.mass / own_mass)[:, None], 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         damping = np.where(mass > 0, 2 * options.brick_damping * frequency / np.sqrt(mass), 0.0)
     shapes, (first, second) = _shapes(modes, bodies, contacts)
@@ -162,8 +187,38 @@ def _shapes(modes, bodies, contacts):
     return np.array(shapes), sides
 
 
-def _polynomials(powers, x, z):
-    """Polynomials (n_points, n) at points of -1 to 1, and their derivatives by these coordinates."""
-    x, z = np.asarray(x)[:, None], np.asarray(z)[:, None]
-    i, j = powers.T
-    return (x**i * z**j, i * x**np.maximum(i - 1, 0) * z**j, j * x**i * z**np.maximum(j - 1, 0))
+def _stiffness(degrees, length, height, elasticity):
+    """Stiffness (2 n, 2 n) of a brick over its volume [Pa/m2]: twice the mean energy of displacements along x, then
+    along z, by products of polynomials p of these degrees, sqrt(2 k + 1) times Legendre's, the mean of whose squares
+    is 1.  That of p_i' p_k' is half of m (m + 1) sqrt(2 i + 1) sqrt(2 k + 1), m the lower degree, where both are odd or
+    even; that of p_i' p_k is the root where i > k and one of them is odd, the other even."""
+    size = np.arange(degrees.max() + 1)
+    root, low = np.sqrt((2.0 * size + 1) * (2.0 * size[:, None] + 1)), np.minimum(size, size[:, None])
+    alike = (size + size[:, None]) % 2 == 0
+    same, once = np.eye(len(size)), np.where(~alike & (size[:, None] > size), root, 0.0)
+    twice = np.where(alike, root * (low * (low + 1) / 2), 0.0)
+    i, j = (degree[:, None] for degree in degrees.T)
+    k, m = degrees.T
+    per_x, per_z, shear = 2 / length, 2 / height, elasticity[2, 2]
+    along_x, along_z = per_x * per_x * (twice[i, k] * same[j, m]), per_z * per_z * (same[i, k] * twice[j, m])
+    mixed = per_x * per_z * (elasticity[0, 1] * (once[i, k] * once[m, j]) + shear * (once[k, i] * once[j, m]))
+    return np.block([[elasticity[0, 0] * along_x + shear * along_z, mixed],
+                     [mixed.T, elasticity[1, 1] * along_z + shear * along_x]])
+
+
+def _polynomials(degrees, x, z):
+    """Products of polynomials as of `_stiffness`, (n_points, n), at points of -1 to 1, and their derivatives by these
+    coordinates."""
+    (of_x, slope_x), (of_z, slope_z) = (_legendre(np.asarray(place, float), degrees.max()) for place in (x, z))
+    i, j = degrees.T
+    return tuple((one[i] * other[j]).T for one, other in ((of_x, of_z), (slope_x, of_z), (of_x, slope_z)))
+
+
+def _legendre(x, most):
+    """Legendre polynomials up to a degree at points (n,), times sqrt(2 k + 1), and their slopes: (degrees, n) each."""
+    values, slopes = [np.ones(len(x)), x], [np.zeros(len(x)), np.ones(len(x))]
+    for k in range(1, most):
+        values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
+        slopes.append((2 * k + 1) * values[k] + slopes[k - 1])
+    root = np.sqrt(2.0 * np.arange(most + 1) + 1)[:, None]
+    return root * np.array(values[:most + 1]), root * np.array(slopes[:most + 1])

@@ -81,12 +81,13 @@ def _shipped(pattern):
 
 @cache
 def _run(folder):
-    return damage.run(load_wall(REPOSITORY / "benchmarks" / "small_wall.py"), harmonic=(0.06, 0.6), cycles=2, rest=0.05)
+    return damage.run(load_wall(REPOSITORY / "walls" / "variants" / "small.py"), harmonic=(0.06, 0.6), cycles=2,
+                      rest=0.05)
 
 
 @cache
 def _layout():
-    return lay_out(load_wall(REPOSITORY / "benchmarks" / "small_wall.py"))
+    return lay_out(load_wall(REPOSITORY / "walls" / "variants" / "small.py"))
 
 
 @cache

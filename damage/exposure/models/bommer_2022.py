@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from damage.elementary import exp, log
 from damage.exposure.ground_motion import GroundMotionModel
 
 DEPTH_KM = 3.0
@@ -39,8 +40,8 @@ class Model(GroundMotionModel):
         """As of GroundMotionModel; hypocentral distances with DEPTH_KM."""
         c1, c2, c3, c4, c5, c6, c7, c8 = (self.values[name] for name in _COLUMNS[:8])
         magnitude, epicentral_km = np.asarray(magnitude, float), np.asarray(epicentral_km, float)
-        distance_km = np.sqrt(epicentral_km**2 + DEPTH_KM**2 + np.exp(2 * (c6 + c7 * magnitude)))
-        ln_cm_s = (c1 + c2 * magnitude + c3 * np.log(np.minimum(distance_km, NEAR_KM))
-                   + c4 * np.log(np.clip(distance_km, NEAR_KM, FAR_KM) / NEAR_KM)
-                   + c5 * np.log(np.maximum(distance_km, FAR_KM) / FAR_KM) + c8 * np.log(vs30_m_s / REFERENCE_M_S))
-        return 10.0 * np.exp(ln_cm_s)
+        distance_km = np.sqrt(epicentral_km * epicentral_km + DEPTH_KM * DEPTH_KM + exp(2 * (c6 + c7 * magnitude)))
+        ln_cm_s = (c1 + c2 * magnitude + c3 * log(np.minimum(distance_km, NEAR_KM))
+                   + c4 * log(np.clip(distance_km, NEAR_KM, FAR_KM) / NEAR_KM)
+                   + c5 * log(np.maximum(distance_km, FAR_KM) / FAR_KM) + c8 * log(vs30_m_s / REFERENCE_M_S))
+        return 10.0 * exp(ln_cm_s)

@@ -1,13 +1,13 @@
 """A wall of 5 by 8 bricks with a window, for checks that should take seconds.
 
-    python3 -m damage reference benchmarks/small_wall.py --harmonic 0.1 0.4 --sequence 1,0.6
-    yade benchmarks/small_wall.py --harmonic 0.1 0.4 --sequence 1,0.6
+    python3 -m damage reference walls/variants/small.py --harmonic 0.1 0.4 --sequence 1,0.6
+    yade walls/variants/small.py --harmonic 0.1 0.4 --sequence 1,0.6
 """
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))  # YADE does not look here by itself
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))  # YADE does not look here by itself
 
 from damage import Brick, Joint, Opening, Wall
 

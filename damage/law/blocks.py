@@ -1,0 +1,185 @@
+"""Symmetric matrices of a wall by blocks, one for each pair of bodies that contact points join, and their factor.
+
+Sums and products are made one by one in one order, so that matrices, factors and solutions have the same bits on every
+machine; those of sparse libraries have not.  Bodies are eliminated in the order of minimum degree, ties by their rows.
+"""
+
+from heapq import heappop, heappush
+from itertools import pairwise, starmap
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_matrix
+
+SIZE = 3
+"""Coordinates of a node, of which a body has as many as it needs."""
+
+
+class Blocks(NamedTuple):
+    """Lower triangle of a symmetric matrix: row, column: (n,) bodies of each block, rising by rows and in these by
+    columns, all of the diagonal among them; values: (n, coordinates, coordinates)."""
+
+    row: np.ndarray
+    column: np.ndarray
+    values: np.ndarray
+
+    def bounded(self, free, own):
+        """These with `own` on the diagonal, where coordinates that are not free, bool (n_bodies, coordinates), are
+        coupled to no other."""
+        values = self.values * free[self.row][:, :, None] * free[self.column][:, None, :]
+        at = np.arange(free.shape[1])
+        values[np.flatnonzero(self.row == self.column)[:, None], at, at] += own
+        return self._replace(values=values)
+
+    def sparse(self):
+        """The whole matrix, sparse and compressed by rows."""
+        size = self.values.shape[1]
+        block, k, m = np.nonzero(self.values)
+        value, i, j = self.values[block, k, m], size * self.row[block] + k, size * self.column[block] + m
+        above = self.row[block] != self.column[block]
+        n = size * int(np.sum(self.row == self.column))
+        return coo_matrix((np.append(value, value[above]), (np.append(i, j[above]), np.append(j, i[above]))),
+                          shape=(n, n)).tocsr()
+
+
+def sum_of_products(n_bodies, bodies, rows, weights):
+    """Blocks of the sum of w b b' over vectors b of the coordinates of two bodies each.
+
+    bodies: (2, n), two different ones, or one and a negative number; rows: (2, n, coordinates) of b; weights: w (n,).
+    """
+    turned = bodies[0] < bodies[1]
+    (high, low), (of_high, of_low) = (np.where(turned if part.ndim == 2 else turned[:, None], part[::-1], part)
+                                      for part in (bodies, rows))
+    both = np.flatnonzero(low >= 0)
+    i, j = np.concatenate([high, low[both], high[both]]), np.concatenate([high, low[both], low[both]])
+    left, right, weights = (np.concatenate(parts) for parts in (
+        (of_high, of_low[both], of_high[both]), (of_high, of_low[both], of_low[both]),
+        (weights, weights[both], weights[both])))
+    number, place = np.unique(np.append(np.arange(n_bodies) * (n_bodies + 1), i * n_bodies + j), return_inverse=True)
+    place, size = place[n_bodies:], rows.shape[2]
+    values = np.zeros((len(number), size, size))
+    for k in range(size):
+        for m in range(size):
+            values[:, k, m] = np.bincount(place, weights * (left[:, k] * right[:, m]), len(number))
+    return Blocks(*np.divmod(number, n_bodies), values)
+
+
+class Factor(NamedTuple):
+    """L D L' of Blocks, a body's coordinates in nodes of SIZE, in the order of elimination.
+
+    order: (n_bodies,); per_body: number of nodes of each; start: (nodes + 1,) first block of each column of L; below:
+    (n,) node of each block's row; lower: (n, SIZE, SIZE) these blocks; diagonal, inverse: (nodes, SIZE, SIZE) of D and
+    of its inverse.
+    """
+
+    order: np.ndarray
+    per_body: int
+    start: np.ndarray
+    below: np.ndarray
+    lower: np.ndarray
+    diagonal: np.ndarray
+    inverse: np.ndarray
+
+    def solve(self, right):
+        """The solution (n_bodies, coordinates) for such a right side."""
+        size = right.shape[1]
+        x = np.zeros((len(right), SIZE * self.per_body))
+        x[:, :size] = right[self.order]
+        x, spans = x.reshape(-1, SIZE), list(starmap(slice, pairwise(self.start.tolist())))
+        for node, span in enumerate(spans):
+            x[self.below[span]] -= _times(self.lower[span], x[node])
+        x, lower = _times(self.inverse, x[:, None]), self.lower.swapaxes(1, 2)
+        for node, span in zip(reversed(range(len(spans))), reversed(spans)):
+            x[node] -= np.add.reduce(_times(lower[span], x[self.below[span]][:, None]), axis=0)
+        found = np.empty(right.shape)
+        found[self.order] = x.reshape(len(right), -1)[:, :size]
+        return found
+
+
+def factorised(blocks):
+    """The Factor of positive definite Blocks."""
+    size, places = blocks.values.shape[1], np.empty(blocks.row[-1] + 1, int)
+    nodes = -(-size // SIZE)
+    coupled = np.any(blocks.values, axis=(1, 2))
+    row, column, values = blocks.row[coupled], blocks.column[coupled], blocks.values[coupled]
+    order, columns = _elimination(list(zip(row.tolist(), column.tolist())), len(places))
+    places[order] = np.arange(len(order))
+    start, below = _structure(places, columns, nodes)
+    n = nodes * len(order)
+    padded = np.zeros((len(values), SIZE * nodes, SIZE * nodes))
+    padded[:, range(size, SIZE * nodes), range(size, SIZE * nodes)] = row[:, None] == column[:, None]
+    padded[:, :size, :size] = values
+    padded = np.where((places[row] < places[column])[:, None, None], padded.swapaxes(1, 2), padded)
+    parts = padded.reshape(-1, nodes, SIZE, nodes, SIZE).swapaxes(2, 3)
+    i, j = (nodes * pick(places[row], places[column])[:, None, None] + at for pick, at in (
+        (np.maximum, np.arange(nodes)[:, None]), (np.minimum, np.arange(nodes))))
+    i, j = np.broadcast_arrays(i, j)
+    lower, diagonal = np.zeros((len(below), SIZE, SIZE)), np.empty((n, SIZE, SIZE))
+    diagonal[i[i == j]] = parts[i == j]
+    known = np.repeat(np.arange(n), np.diff(start)) * n + below  # rising
+    lower[np.searchsorted(known, (j * n + i)[i > j])] = parts[i > j]
+    inverse = _factorise(start, below, known, lower, diagonal)
+    return Factor(np.array(order), nodes, start, below, lower, diagonal, inverse)
+
+
+def _elimination(pairs, n):
+    """Bodies in the order of minimum degree, and those that the column of L of each of them reaches; pairs: (body,
+    body) that are coupled."""
+    left = {body: set() for body in range(n)}
+    for a, b in pairs:
+        left[a] |= {b} - {a}
+        left[b] |= {a} - {b}
+    heap, order, columns = sorted((len(of), body) for body, of in left.items()), [], []
+    while heap:
+        degree, body = heappop(heap)
+        if body in left and degree == len(left[body]):
+            of = left.pop(body)
+            for other in of:
+                left[other] = (left[other] | of) - {body, other}
+                heappush(heap, (len(left[other]), other))
+            order.append(body)
+            columns.append(of)
+    return order, columns
+
+
+def _structure(places, columns, nodes):
+    """`start` and `below` of a Factor whose bodies, at these places in the order, have so many nodes each."""
+    below = []
+    for place, of in enumerate(columns):
+        others = [nodes * other + k for other in sorted(places[list(of)].tolist()) for k in range(nodes)]
+        below += [[*range(nodes * place + k + 1, nodes * (place + 1)), *others] for k in range(nodes)]
+    return np.cumsum([0, *map(len, below)]), np.array([row for rows in below for row in rows], int)
+
+
+def _factorise(start, below, known, lower, diagonal):
+    """Replace the blocks of a symmetric positive definite matrix by those of L D L', as of Factor; returns the inverse
+    blocks of D.  known: column times rows plus row of each block of L, rising."""
+    inverse = np.empty_like(diagonal)
+    for i, (first, stop) in enumerate(pairwise(start.tolist())):
+        a, b, c = diagonal[i]
+        cofactors = np.array([_cross(b, c), _cross(c, a), _cross(a, b)])
+        inverse[i] = cofactors / (a[0] * cofactors[0, 0] + a[1] * cofactors[0, 1] + a[2] * cofactors[0, 2])
+        column, rows = lower[first:stop].reshape(-1, SIZE), below[first:stop]
+        over = _product(column, inverse[i])
+        change = _product(over, column.T).reshape(len(rows), SIZE, len(rows), SIZE)
+        under, upper = np.tril_indices(len(rows), -1)
+        lower[np.searchsorted(known, rows[upper] * len(diagonal) + rows[under])] -= change[under, :, upper]
+        each = np.arange(len(rows))
+        diagonal[rows] -= change[each, :, each]
+        lower[first:stop] = over.reshape(-1, SIZE, SIZE)
+    return inverse
+
+
+def _cross(a, b):
+    return a[[1, 2, 0]] * b[[2, 0, 1]] - a[[2, 0, 1]] * b[[1, 2, 0]]
+
+
+def _product(left, right):
+    """Product of matrices (n, SIZE) and (SIZE, m)."""
+    return left[:, :1] * right[0] + left[:, 1:2] * right[1] + left[:, 2:] * right[2]
+
+
+def _times(blocks, vectors):
+    """Products of blocks (n, SIZE, SIZE) and vectors (SIZE,), or (n, 1, SIZE): (n, SIZE)."""
+    terms = blocks * vectors
+    return terms[..., 0] + terms[..., 1] + terms[..., 2]
