@@ -29,6 +29,7 @@ _CENTRES = ((7 / 16, 0.0, 0.0, 0.0), (11 / 16, 0.5, 4.63647609000806093515e-01, 
 """Up to which argument, and around which one, a series is used for `atan`; the function there, in two parts."""
 _RIGHT_ANGLE = 1.57079632679489655800e00, 6.12323399573676603587e-17
 _SQRT_HALF = 0.7071067811865476
+_PART = 1024  # values
 
 
 @register_jitable
@@ -101,6 +102,13 @@ def atan(x):
 def hypot(x, z):
     """Length of a vector (x, z) of usual size."""
     return np.sqrt(x * x + z * z)
+
+
+def total(values):
+    """Sum of values (..., n) along the last axis.  numpy's own takes long rows in parts whose size depends on its
+    version."""
+    parts = np.add.reduceat(values, np.arange(0, values.shape[-1], _PART), axis=-1)
+    return np.add.reduce(parts, axis=-1)
 
 
 @register_jitable

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.elementary import hypot
+from damage.elementary import hypot, total
 from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
 from damage.mechanics.loose import LARGEST, PAIRS
@@ -97,7 +97,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         stress = np.moveaxis(self.of_joints(samples.stress[rows]), 1, 2) if self.with_stresses else None
         return Instants(clock, moved[:, :n, :RIGID], moved[:, n:, :RIGID], samples.support_force[rows], joints,
                         contacts, np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1)[rows] + totals[:, ELASTIC] + self._in_bearing(),
+                        total(samples.stored)[rows] + totals[:, ELASTIC] + self._in_bearing(),
                         totals[:, KINETIC + 1] - self._in_springs(moved[:, :n]), *totals[:, KINETIC + 2:ELASTIC].T,
                         strain, stress)
 

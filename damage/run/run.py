@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from damage.draws import Draws
+from damage.elementary import total
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.law.modes import first_mode, mass_vector
@@ -433,7 +434,7 @@ class Run:
         zero, mass = self._zero, self.layout.weighing
         energies = {
             "kinetic_energy_j": now.kinetic_j, "elastic_energy_j": now.elastic_j - zero.elastic_j,
-            "gravity_energy_j": GRAVITY * np.add.reduce(motion[:, :, 1] * mass, axis=1),
+            "gravity_energy_j": GRAVITY * total(motion[:, :, 1] * mass),
             "friction_energy_j": now.friction_j - zero.friction_j,
             "fracture_energy_j": now.fracture_j - zero.fracture_j,
         }
