@@ -131,6 +131,7 @@ show_first_result() {
     echo "first result, by the reference solver; YADE's runs follow"
     PYTHONSAFEPATH=1 "$PYTHON" -m damage reference "$root/walls/symmetric.py" --harmonic 0.2 0.05 --rest 1 --out "$history" --overwrite ||
         [ $? -ne 130 ] || exit 130
+    PYTHONSAFEPATH=1 "$PYTHON" -m damage check-bits harmonic | tail -n 1 || [ "${PIPESTATUS[0]}" -ne 130 ] || exit 130
 }
 if [[ $study == quick && $solver != reference && ${#flags[@]} -eq 0 && ${#more[@]} -eq 0 ]]; then
     show_first_result

@@ -40,13 +40,15 @@ def test_all_quantities_of_all_runs_are_published():
 
 def test_the_command_says_which_runs_differ(monkeypatch, capsys):
     found = bits.published()
-    assert bits.verdict(found) == f"this machine computes the published histories, bit for bit ({len(bits.CASES)} runs)"
+    n = len(bits.CASES)
+    assert bits.verdict(found) == f"published histories: {n} of {n} have the same bits on this machine"
     found["free", "drift"] = "0" * bits.DIGITS
     assert bits.differing(found) == {"free": ["drift"]}
     for made_by, words in (("abc changed", "files differ from"), ("unknown", "may have been changed"),
                            ("abc", "please report")):
         monkeypatch.setattr(bits, "commit", lambda made_by=made_by: made_by)
-        assert bits.verdict(found).startswith(f"1 of {len(bits.CASES)} runs differ from the published ones (free): ")
+        assert bits.verdict(found).startswith(
+            f"published histories: {n - 1} of {n} have the same bits on this machine, others not (free): ")
         assert words in bits.verdict(found)
 
 
@@ -141,4 +143,4 @@ def test_histories_follow_what_is_visible_alone():
 def test_the_command(damage_command):
     done = damage_command("check-bits", "free", status=0)
     assert done.stdout.splitlines()[-2:] == [
-        "free: equal", "this machine computes the published histories, bit for bit (1 runs)"]
+        "free: equal", "published histories: 1 of 1 have the same bits on this machine"]

@@ -139,15 +139,17 @@ def differing(found):
 
 
 def verdict(found):
-    """One line: whether this machine computes the published histories; found: of `digests`."""
+    """One line: how many runs have the published bits on this machine, and what may be the cause where some have not;
+    found: of `digests`."""
     runs, different = {name for name, _ in found}, differing(found)
+    line = f"published histories: {len(runs) - len(different)} of {len(runs)} have the same bits on this machine"
     if not different:
-        return f"this machine computes the published histories, bit for bit ({len(runs)} runs)"
+        return line
     made_by = commit()
     why = ("files differ from those of the last commit, which may be the cause" if "changed" in made_by else
            "the program may have been changed" if made_by == UNKNOWN else
            "the program is as committed: please report this machine and its versions (python3 -m damage info of a run)")
-    return f"{len(different)} of {len(runs)} runs differ from the published ones ({', '.join(different)}): {why}"
+    return f"{line}, others not ({', '.join(different)}): {why}"
 
 
 def write_table(found):
