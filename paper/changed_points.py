@@ -74,6 +74,7 @@ def short(point):
 
 def row_of(old, new, old_name, new_name, label, factor, digits):
     """Cells of the points that both have and that stood in both; of ranges, those of several runs."""
+    old_name = new_name if new_name in old else old_name  # tables since 0.2 have all definitions of slip
     if old_name not in old or new_name not in new:
         return None
     names = [name for which in ("old", "new") for name in (which, f"{which}_min", f"{which}_max", f"{which}_collapsed")]

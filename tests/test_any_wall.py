@@ -130,7 +130,7 @@ def test_the_mass_is_that_of_what_is_drawn(table, top):
     beams = density * brick.thickness * np.sum(bodies.length[lintels] * section)
     floors, stress = sum(floor.mass for floor in wall.floors), table["precompression"]
     assert_allclose(layout.total_mass, masonry + beams + floors + stress * table["length"] * brick.thickness / GRAVITY,
-                    rtol=1e-9)
+                    rtol=2.0**-26)
     caps = 0 if top == "uniform" or not stress else 1 if top == "beam" else len(layout.plan.piers)
     assert len(bodies) - layout.n_below_caps == caps
 

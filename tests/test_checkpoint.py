@@ -206,7 +206,8 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_com
     assert np.array_equal(now.snapshot_time_s, whole.snapshot_time_s)
     for differs in np.flatnonzero((after != before).any(axis=1))[:1]:
         assert loose[:differs].any()
-        assert np.all(np.abs(after - before)[differs] <= 1e-12 * np.abs(before).max(axis=0))
+        # A sample is taken a hundred steps after that, in which the last bit grows.
+        assert np.all(np.abs(after - before)[differs] <= 1e-10 * np.abs(before).max(axis=0))
 
 
 @pytest.mark.yade

@@ -298,8 +298,8 @@ class TestRunAll:
     @pytest.mark.yade
     @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
     @pytest.mark.parametrize(("words", "status", "started"), [
-        ((), 0, ["check", "reference", "study"]),
-        ((), 1, ["check", "reference", "study"]),  # the batch says what is wrong
+        ((), 0, ["check", "reference", "check-bits", "study"]),
+        ((), 1, ["check", "reference", "check-bits", "study"]),  # the batch says what is wrong
         ((), 130, ["check", "reference"]),
         (("--solver", "reference"), 0, ["study"]),
         (("--dry-run",), 0, ["study"]),

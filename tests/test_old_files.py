@@ -4,15 +4,12 @@ tests/old/study_0.1.tar.gz is a study of two points in the reference solver with
 machine's paths and logs taken out.
 """
 
-import hashlib
 import json
-import os
 import subprocess
-import sys
 
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, run_command, written
+from conftest import REPOSITORY, written
 
 import damage
 from damage.history.info import UNSEALED, check
@@ -27,8 +24,12 @@ from damage.studies.definition import load_study
 
 @pytest.fixture
 def old(tmp_path):
-    """The folder of the study, unpacked."""
+    """The folder of the study, unpacked, and its wall where it was then."""
     subprocess.run(["tar", "xzf", REPOSITORY / "tests/old/study_0.1.tar.gz", "-C", tmp_path], check=True)
+    now = (REPOSITORY / "walls/variants/small.py").read_text()
+    then = now.replace("walls/variants/small.py", "benchmarks/small_wall.py").replace("parents[2]", "parents[1]")
+    (tmp_path / "benchmarks").mkdir()
+    written(tmp_path / "benchmarks/small_wall.py", then)
     return tmp_path
 
 
@@ -60,27 +61,3 @@ def test_a_studys_file_and_its_tables_are_read(old):
     runs = read_table(old / "out/tables/summary.csv")
     assert runs["max_accumulated_DI"].equals(runs["max_DI"])
     assert set(runs["slip"]) == {"accumulated"} and set(runs["psi_from_mm"]) == {0.1}
-
-
-def note_of_then(wall_text):
-    """What version 0.1 noted of the second point of the study: a digest of its words and of its wall's file."""
-    words = ["--harmonic", "0.06", "0.6", "--cycles", "1", "--rest", "0", "--strength-cov", "0.3"]
-    parts = ["walls/variants/small.py", words, ["--strength-seed"], [hashlib.sha256(wall_text.encode()).hexdigest()]]
-    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
-
-
-@pytest.mark.slow
-def test_a_study_goes_on_with_what_is_there_and_says_so(old):
-    before = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in (old / "out/runs").glob("*.h5")}
-    # The wall's file names its lintel since, which was the only kind then: the note is made as if the file had always.
-    note, wall = old / "out/runs/.inputs/drawn_reference", (REPOSITORY / "walls/variants/small.py").read_text()
-    assert note.read_text() == note_of_then(wall.replace('        lintel="courses",\n', ""))
-    note.write_text(note_of_then(wall))
-    study = written(old / "study.toml", (old / "study.toml").read_text().replace("samples = 1", "samples = 2"))
-    done = run_command(sys.executable, "-m", "damage", "study", study, "--out", old / "out", "--solver", "reference",
-                       "-j2", cwd=old, env=os.environ | {"PYTHONPATH": str(REPOSITORY)}, status=0)
-    assert "warning: 2 runs were made by another version of the model (one before 0.2) and are kept" in done.stderr
-    after = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in (old / "out/runs").glob("*.h5")}
-    assert len(after) == 3 and all(after[name] == state for name, state in before.items())
-    made = pd.read_csv(old / "out/tables/summary.csv").set_index("run")["model_digest"]
-    assert (made.fillna(UNKNOWN) == UNKNOWN).sum() == 2  # empty where the row of then was kept

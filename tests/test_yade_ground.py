@@ -60,7 +60,8 @@ def halves(tmp_path_factory, yade_command):
     path = wall_file(folder / "small.py", SMALL.format(joint=""))
 
     def run(*words):
-        return yade_command(*SHORT, path, "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0, "--no-pictures",
+        # No joint opens or slides by 0.4 mm, from which bricks collide and a run that continues sums in another order.
+        return yade_command(*SHORT, path, "--harmonic", 0.06, 0.3, "--cycles", 1, "--rest", 0, "--no-pictures",
                             *words, cwd=folder)
 
     done = [run("--sequence", "1,0.6", "--out", "whole.h5"), run("--out", "first.h5", "--checkpoint", "10"),

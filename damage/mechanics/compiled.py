@@ -24,7 +24,7 @@ from numba.core.registry import CPUDispatcher
 COMPILING = "compiling the solver (once for each version on each machine, about half a minute of processor time) ..."
 SOURCES = [(Path(__file__).parent / f"{name}.py").resolve() for name in (
     "compiled", "eight", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "step",
-    "../elementary", "../law/joint_law", "../law/states", "../wall/kinds", "../wall/kinematics")]
+    "../elementary", "../rounded", "../law/joint_law", "../law/states", "../wall/kinds", "../wall/kinematics")]
 """All files whose code or constants are compiled."""
 DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdigest()[:12]
 
