@@ -1,8 +1,11 @@
 """Claims: twins are the bits of single runs, but-for by hand, weights, refusals, and the sheet in two languages."""
 
 import json
+import os
 import re
 import string
+import subprocess
+import sys
 import zipfile
 from dataclasses import replace
 from hashlib import sha256
@@ -411,6 +414,26 @@ class TestBadInput:
     def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, error_of, more, said):
         assert said in error_of(*words(claimed.parent), *more, "--out", tmp_path / "new")
         assert not (tmp_path / "new" / "runs").exists()
+
+    @pytest.mark.parametrize("more, status", [
+        (["--distortion", "1/500"], 2), (["--at", "52.09", "5.12"], 2), (["--cracks", "far.csv"], 2), ([], -15)])
+    def test_a_sheet_of_former_inputs_does_not_stay(self, claimed, tmp_path, more, status):
+        """Of a command that is refused, or that is stopped as soon as it begins."""
+        (out := tmp_path / "out").mkdir()
+        for name in ("claim.html", "claim.json"):
+            written(out / name, "of the former house")
+        written(tmp_path / "far.csv", CRACKS.replace("0.16,0.075,", "9,0,"))
+        process = subprocess.Popen([sys.executable, "-m", "damage", *words(claimed.parent, draws=200), "--out", out,
+                                    *more], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        with process:
+            if status < 0:
+                process.stdout.readline()
+                process.terminate()
+            process.stdout.read()
+        assert process.returncode in ((status,) if status > 0 else (status, 130, 143))
+        assert not (out / "claim.html").exists() and not (out / "claim.json").exists()
+        assert {(out / f"former-claim.{end}").read_text() for end in ("html", "json")} == {"of the former house"}
 
     @pytest.mark.parametrize("out", ["file", "file/below"])
     def test_a_file_in_the_place_of_the_folder_is_refused(self, claimed, tmp_path, capsys, out):
