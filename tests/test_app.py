@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import re
 import socket
 import subprocess
@@ -345,7 +346,8 @@ def test_runs_do_not_start_where_a_link_leads_out_of_the_folder(client, tmp_path
     link = tmp_path / "out" / name
     link.parent.mkdir(parents=True, exist_ok=True)
     link.symlink_to(tmp_path)
-    assert refused(client, "start", **START) == f"{name} is a link; expected a file of this claim; delete it"
+    assert refused(client, "start", **START) == (
+        f"{name} is a link, a pipe or a device; expected a file of this claim; delete it")
 
 
 START = {"latitude": 53.36786, "longitude": 6.71359, "settle": None, "distortion": None, "draws": 2, "language": "en"}
@@ -464,6 +466,12 @@ def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatc
     [(address, file, text, mode)] = opened
     assert address.startswith("file:///") and "token" not in address and mode == 0o600
     assert re.search(r'content="0; url=http://127\.0\.0\.1:\d+/\w{16}/\?token=[\w-]{40,}"', text) and not file.exists()
+
+
+def test_a_pipe_is_not_opened(client, tmp_path):
+    """It would keep the page waiting."""
+    os.mkfifo(tmp_path / "out" / "house.toml")
+    assert "house.toml is a link, a pipe or a device" in refused(client, "front", text=FRONT)
 
 
 def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):

@@ -59,10 +59,12 @@ class Desk:
         self.job = None
 
     def path(self, name):
-        """The path of a file of the claim; InputError where a link leads out of the folder."""
+        """The path of a file or folder of the claim; InputError where a link leads out of it, or a pipe would keep who
+        opens it waiting."""
         path = self.out / name
-        if path.is_symlink() or not path.resolve().is_relative_to(self.out):
-            raise InputError(f"{name} is a link; expected a file of this claim; delete it")
+        if path.is_symlink() or not path.resolve().is_relative_to(self.out) or (
+                path.exists() and not path.is_file() and not path.is_dir()):
+            raise InputError(f"{name} is a link, a pipe or a device; expected a file of this claim; delete it")
         return path
 
     # --- address and front -----------------------------------------------------------------------------
