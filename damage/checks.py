@@ -13,8 +13,16 @@ from damage.errors import InputError
 
 def check_number(what, value, wanted="a finite number", fits=lambda value: True):
     """Raise InputError unless `value` is a finite number that `fits`; what: its name; wanted: what fits, in words."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value) or not fits(value):
+    if isinstance(value, bool) or not isinstance(value, Real) or not is_finite(value) or not fits(value):
         raise InputError(f"{what} = {value!r}: expected {wanted}; correct it")
+
+
+def is_finite(value):
+    """Whether a number is finite, and no whole number beyond all others."""
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def check_positive(what, value):

@@ -8,7 +8,7 @@ import math
 from dataclasses import MISSING, field, fields
 from typing import NamedTuple
 
-from damage.checks import check_choice, check_not_negative, check_range, check_whole
+from damage.checks import check_choice, check_not_negative, check_range, check_whole, is_finite
 from damage.errors import InputError
 
 MOST_BRICKS = 20_000
@@ -124,7 +124,7 @@ def message_of(name, value, of):
 
 def _meant(value, of):
     """The end of a message about a value: in which units it would be plausible by a Range, or nothing."""
-    if of is None or isinstance(value, bool) or not isinstance(value, int | float):
+    if of is None or isinstance(value, bool) or not isinstance(value, int | float) or not is_finite(value):
         return ""
     meant = [f"{short(value)} {other} is {_in_si(value, size)}{' ' * bool(of.unit)}{of.unit}"
              for other, size in of.others.items() if of.least <= abs(value) * size <= of.most]

@@ -26,8 +26,8 @@ DECIDES_NOTHING = {
 MEASURES = ("units.py", "index.py", "history/moments.py", "history/reader.py", "history/schema.py",
             "motion/intensity.py", "wall/geometry.py", *(f"measure/{name}.py" for name in (
                 "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joint_stress", "joints",
-                "limits", "pushed", "summary", "tables")))
-"""What of the package makes the numbers of tables out of a history."""
+                "kept", "limits", "pushed", "summary", "tables")))
+"""What of the package makes the numbers of tables, and patterns at rest, out of a history."""
 _SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"
 
@@ -116,8 +116,8 @@ def _imported(path):
 
 @cache
 def measures_digest():
-    """Twelve hexadecimal digits of the code of index and measures; comments, docstrings and the words of columns do not
-    count."""
+    """Twelve hexadecimal digits of the code of index, measures and patterns at rest; comments, docstrings and the words
+    of columns do not count."""
     return _digest_of([HERE / name for name in MEASURES])
 
 

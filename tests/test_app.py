@@ -2,12 +2,15 @@
 
 import io
 import json
+import os
 import re
 import socket
 import subprocess
 import sys
 import time
 from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
@@ -19,7 +22,7 @@ from PIL import Image
 from damage.__main__ import main
 from damage.app.desk import Desk, words
 from damage.app.photo import MARGIN_M, cleaned, homography, rectified
-from damage.app.server import HEADER, PAGE, make_app
+from damage.app.server import HEADER, PAGE, make_app, serve
 from damage.motion.settlement import PROFILES
 
 PORT, TOKEN, ROOT = 8765, "a token of the test", "/room"
@@ -66,7 +69,7 @@ def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
 def client(app):
     """A client that has the token, as the page has it."""
     client = app.test_client()
-    assert client.get(f"{ROOT}/?token={TOKEN}", headers={"Host": HERE}).status_code == 302
+    assert client.get(f"{ROOT}/?token={TOKEN}", headers={"Host": HERE}).status_code == 200
     return client
 
 
@@ -96,7 +99,7 @@ def refused(client, name, **given):
 def test_the_token_leaves_the_address_and_becomes_a_strict_cookie(app):
     client = app.test_client()
     answer = client.get(f"{ROOT}/?token={TOKEN}", headers={"Host": HERE})
-    assert answer.status_code == 302 and TOKEN not in answer.headers["Location"]
+    assert answer.headers["Refresh"] == f"0; url={ROOT}/?language=en" and TOKEN not in answer.text
     cookie = answer.headers["Set-Cookie"]
     assert all(word in cookie for word in ("HttpOnly", "SameSite=Strict", f"Path={ROOT}/"))
     answer = client.get(f"{ROOT}/", headers={"Host": HERE})
@@ -121,6 +124,44 @@ def test_strangers_requests_are_refused(client, headers):
     """Another name for this machine, another page in the same browser, a page of another port, all with the cookie."""
     assert call(client, "stop", {}, **headers)[0] == 403
     assert call(client, "stop", {})[0] == 200
+
+
+def test_a_file_on_this_machine_may_lead_to_the_page_by_the_token_alone(app):
+    """Browsers call that cross-site, and such a redirection would be without the cookie."""
+    from_file = {"Host": HERE, "Sec-Fetch-Site": "cross-site"}
+    assert app.test_client().get(f"{ROOT}/?token={TOKEN}", headers=from_file).status_code == 200
+    assert app.test_client().get(f"{ROOT}/?token=wrong", headers=from_file).status_code == 403
+    assert app.test_client().get(f"{ROOT}/?token={TOKEN}",
+                                 headers=from_file | {"Host": "attacker.example"}).status_code == 403
+
+
+def test_the_port_that_browsers_leave_out_is_accepted_without_it(tmp_path):
+    client = make_app(tmp_path / "out", 80, TOKEN, ROOT).test_client()
+    for host in ("127.0.0.1", "localhost", "127.0.0.1:80"):
+        assert client.get(f"{ROOT}/?token={TOKEN}", headers={"Host": host}).status_code == 200
+        assert call(client, "stop", {}, Host=host, Origin=f"http://{host}")[0] == 200
+    assert client.get(f"{ROOT}/?token={TOKEN}", headers={"Host": "attacker.example"}).status_code == 403
+
+
+def test_a_port_that_is_taken_is_refused(tmp_path, error_of):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        said = error_of("app", "--no-browser", "--port", port, "--out", tmp_path / "o")
+    assert f"--port {port}: Address already in use; expected a port that nothing else has" in said
+
+
+BODIES = {
+    "not UTF-8": b'{"text": "\xff"}', "UTF-16": '{"text": "x"}'.encode("utf-16"), "cut": b'{"text": ',
+    "list": b"[]", "number": b"1", "null": b"null", "deep": b"[" * 100_000, "deep object": b'{"text":' * 50_000,
+    "half a surrogate": b'{"text": "\\ud800"}', "half a surrogate as a name": b'{"\\ud800": 1}',
+    "missing": b"{}", "more": b'{"text": "x", "more": 1}', "digits": b'{"text": ' + b"9" * 5000 + b"}"}
+
+
+@pytest.mark.parametrize("name", ["front", "levels", "start", "survey", "stop"])
+@pytest.mark.parametrize("body", [one for one in BODIES if one != "missing"])
+def test_a_body_that_no_page_sends_is_one_line(client, name, body):
+    status, answer = call(client, name, BODIES[body], **{"Content-Type": "application/json"})
+    assert status == 400 and set(answer) == {"error"} and "expected" in answer["error"] and "\n" not in answer["error"]
 
 
 def test_what_is_no_call_of_the_page_is_refused(client):
@@ -174,6 +215,22 @@ def png_that_claims(width, height):
     parts = [(b"IHDR", head), (b"IDAT", zlib.compress(b"\0" * 100)), (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in parts)
+
+
+def with_scans(photo, more):
+    """A JPEG with its last scan so many times more."""
+    last = photo[photo.rindex(b"\xff\xda"):-2]
+    return photo[:-2] + more * last + photo[-2:]
+
+
+def test_a_photograph_of_many_scans_is_refused_and_their_bytes_elsewhere_are_not_counted():
+    """Each takes time for all pixels: 200 of 50 million hold a processor for seconds."""
+    file = io.BytesIO()
+    Image.new("RGB", (400, 300), (90, 120, 40)).save(file, "JPEG", progressive=True, comment=b"\xff\xda" * 100)
+    photo = file.getvalue()
+    assert cleaned(photo) == cleaned(photo + b"\xff\xda" * 100) == cleaned(with_scans(photo, 20))
+    refused_with("more than 32 scans; expected fewer", cleaned, with_scans(photo, 30))
+    refused_with("more than 32 scans; expected fewer", cleaned, with_scans(photo, 100_000))
 
 
 @pytest.mark.parametrize("data, said", [
@@ -238,7 +295,10 @@ def drawn(*cracks):
     ("survey", drawn(CRACK | {"points": [[0.02, 0.1]]}), "2 to 500"),
     ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"), ("survey", drawn(1), "crack 1: expected"),
     ("survey", drawn(CRACK) | {"limit_mm": 0}, r"detection limit \[mm\]"),
-    ("survey", drawn() | {"cracks": {}}, "up to 500 cracks"),
+    ("survey", drawn() | {"cracks": {}}, "up to 500 cracks"), ("survey", drawn(CRACK) | {"error_mm": 10**400}, "error"),
+    ("survey", drawn(CRACK | {"points": [[10**400, 0.1], [0.3, 0.3]]}), "crack 1"),
+    ("front", {"text": FRONT.replace("1.125", "9" * 400)}, "length"),
+    ("address", {"latitude": 53, "longitude": -10**400}, "longitude"),
     ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),
     ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"), ("front", {"text": 3}, "characters of TOML"),
     ("front", {"text": "import os"}, "the front"), ("levels", {"text": "x,z\n1,1\n"}, "no column x_m"),
@@ -254,6 +314,17 @@ def test_what_the_page_cannot_do_is_one_line(client, tmp_path, name, given, said
     assert (tmp_path / "out/house.toml").read_text() == FRONT
 
 
+def test_what_is_refused_leaves_what_was_accepted(client, tmp_path):
+    done(client, "front", text=FRONT)
+    done(client, "survey", **drawn(CRACK))
+    done(client, "levels", text="x_m,height_m\n0,0.5\n1.1,0.498\n")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert "the survey" in refused(client, "survey", **drawn(CRACK | {"points": [[5, 5], [9, 9]]}))
+    assert "the file of levels" in refused(client, "levels", text="x_m,height_m\n0,0.5\n0.2,0.498\n")
+    assert "the front" in refused(client, "front", text="length = ")
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
 def test_levels_are_a_profile(client):
     done(client, "front", text=FRONT)
     found = done(client, "levels", text="x_m,height_m\n0,0.5\n1.1,0.498\n")
@@ -265,6 +336,142 @@ def test_a_link_out_of_the_folder_is_not_followed(client, tmp_path):
     (tmp_path / "out/photo.jpg").symlink_to(other)
     status, answer = call(client, "photograph", exif_photo())
     assert status == 200 and "photo.jpg is a link" in answer["error"] and other.read_text() == "kept"
+
+
+@pytest.mark.parametrize("name", ["claim/patterns", "claim/runs", "claim/tables/a.csv", "claim/.cache", "claim.log"])
+def test_runs_do_not_start_where_a_link_leads_out_of_the_folder(client, tmp_path, monkeypatch, name):
+    """In a folder that was sent."""
+    monkeypatch.setattr("damage.app.desk.subprocess.Popen", None)
+    ready_to_start(client)
+    link = tmp_path / "out" / name
+    link.parent.mkdir(parents=True, exist_ok=True)
+    link.symlink_to(tmp_path)
+    assert refused(client, "start", **START) == (
+        f"{name} is a link, a pipe or a device; expected a file of this claim; delete it")
+
+
+START = {"latitude": 53.36786, "longitude": 6.71359, "settle": None, "distortion": None, "draws": 2, "language": "en"}
+
+
+def ready_to_start(client):
+    done(client, "front", text=FRONT)
+    done(client, "survey", **drawn(CRACK))
+
+
+class Ended:
+    """In place of the process of a claim: one that ended with an error, or that runs."""
+
+    pid, status, given = 2**30, 2, None
+
+    def __init__(self, words, **given):
+        Ended.given = given
+
+    def poll(self):
+        return Ended.status
+
+
+def test_the_sheet_of_other_inputs_is_not_offered(client, tmp_path, monkeypatch):
+    """Another front or survey, a run that is refused, that fails or that is stopped: the former one has another name;
+    what is sent once more changes nothing."""
+    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    ready_to_start(client)
+    (folder := tmp_path / "out/claim").mkdir()
+
+    def offered(name, given):
+        for one in ("claim.html", "claim.json"):
+            written(folder / one, "of the former house")
+        call(client, name, given)
+        there = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()["sheet"] is not None
+        shown = client.get(f"{ROOT}/files/claim/claim.html", headers={"Host": HERE}).status_code == 200
+        assert there == shown == (folder / "claim.json").exists()
+        assert there or (folder / "former-claim.html").read_text() == "of the former house"
+        return there
+
+    assert offered("front", {"text": FRONT}) and offered("survey", drawn(CRACK))
+    assert offered("front", {"text": "length ="}) and offered("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}))
+    assert not offered("front", {"text": FRONT + "\n"})
+    assert not offered("survey", drawn(CRACK | {"width_mm": 0.5}))
+    assert not offered("levels", {"text": "x_m,height_m\n0,0.5\n1.1,0.498\n"})
+    assert not offered("start", START) and not offered("start", START | {"latitude": 52.0, "longitude": 5.0})
+
+
+def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypatch):
+    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr(Ended, "status", None)
+    ready_to_start(client)
+    done(client, "start", **START)
+    for name, given in (("front", {"text": FRONT + "\n"}), ("survey", drawn(CRACK | {"width_mm": 0.5})),
+                        ("levels", {"text": "x_m,height_m\n0,0.5\n1.1,0.498\n"})):
+        assert "cannot change while the computation runs" in refused(client, name, **given)
+    assert (tmp_path / "out/house.toml").read_text() == FRONT
+    monkeypatch.setattr(Ended, "status", 0)
+
+
+@pytest.mark.parametrize("change, said", [
+    ({"front": FRONT + "length = 2"}, "the front was changed since it was sent"),
+    ({"survey": drawn(CRACK, CRACK)}, "the survey that is drawn was changed since it was sent"),
+    ({"survey": drawn(CRACK | {"width_mm": 0.5})}, "the survey that is drawn was changed since it was sent"),
+    ({"survey": drawn(CRACK) | {"limit_mm": 0.2}}, "the survey that is drawn was changed since it was sent"),
+    ({"survey": []}, "expected cracks, areas"), ({"levels": "x_m,height_m\n"}, "the table of levels was changed")])
+def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, change, said):
+    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    ready_to_start(client)
+    levels = "x_m,height_m\n0,0.5\n1.1,0.498\n"
+    done(client, "levels", text=levels)
+    shown = {"front": FRONT, "levels": levels, "survey": drawn(CRACK)}
+    assert said in refused(client, "start", **START | {"settle": "levels"}, shown=shown | change)
+    done(client, "start", **START | {"settle": "levels"}, shown=shown)
+    done(client, "start", **START, shown=shown | {"levels": "not used"})
+
+
+def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
+    """Whole numbers, areas whose corners were given the other way round."""
+    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    done(client, "front", text=FRONT)
+    done(client, "survey", **drawn(CRACK | {"width_mm": 5}, CRACK | {"offset": "yes"}) | {
+        "areas": [[[1.1, 0.1], [0.8, 0.5]]], "limit_mm": 1})
+    state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
+    survey = state["drawn"] | {"areas": [[area[:2], area[2:]] for area in state["drawn"]["areas"]]}
+    done(client, "start", **START, shown={"front": state["house"], "levels": "", "survey": survey})
+
+
+def test_modules_of_the_working_folder_are_not_run(tmp_path, monkeypatch):
+    """A folder that was sent has a damage.py."""
+    written(tmp_path / "damage.py", f"open({str(tmp_path / 'ran')!r}, 'w')")
+    monkeypatch.chdir(tmp_path)
+    desk = Desk(tmp_path / "out")
+    desk.front(FRONT)
+    desk.survey([CRACK], [], 0.1, 0.05)
+    desk.start(**START | {"latitude": 53.3, "draws": 200})
+    until = time.monotonic() + 120
+    while desk.running and not any("expected: 400 runs" in line for line in desk.progress()["lines"]):
+        assert time.monotonic() < until
+        time.sleep(0.2)
+    lines = desk.stop()["lines"]
+    assert not (tmp_path / "ran").exists() and any("expected: 400 runs" in line for line in lines), lines
+
+
+def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatch):
+    """It has a file that its owner alone can read."""
+    opened = []
+
+    def see(address):
+        file = Path(unquote(urlsplit(address).path))
+        opened.append((address, file, file.read_text(), file.stat().st_mode & 0o777))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("webbrowser.open", see)
+    with pytest.raises(KeyboardInterrupt):
+        serve(tmp_path / "out")
+    [(address, file, text, mode)] = opened
+    assert address.startswith("file:///") and "token" not in address and mode == 0o600
+    assert re.search(r'content="0; url=http://127\.0\.0\.1:\d+/\w{16}/\?token=[\w-]{40,}"', text) and not file.exists()
+
+
+def test_a_pipe_is_not_opened(client, tmp_path):
+    """It would keep the page waiting."""
+    os.mkfifo(tmp_path / "out" / "house.toml")
+    assert "house.toml is a link, a pipe or a device" in refused(client, "front", text=FRONT)
 
 
 def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):

@@ -19,7 +19,7 @@ from test_app import FRONT, exif_photo
 
 from benchmarks.report_in_browser import screenshot
 from damage.app.desk import words
-from damage.app.server import make_app
+from damage.app.server import DOOR, make_app
 
 pytestmark = IN_BROWSER
 TOKEN, ROOT = "a token of the test", "/room"
@@ -195,6 +195,33 @@ def contrast(driver, element):
     ground = driver.find_element("tag name", "body").value_of_css_property("background-color")
     lights = sorted(map(luminance, (element.value_of_css_property("color"), ground)))
     return (lights[1] + 0.05) / (lights[0] + 0.05)
+
+
+def test_a_crack_that_was_not_sent_is_said_and_nothing_starts(page):
+    driver, app = page
+    write(driver, "front-text", FRONT)
+    press(driver, "use-front", "said-front")
+    for across, up in ((0.12, 0.3), (0.35, 0.6)):
+        click_at(driver, "front", across, up)
+    press(driver, "put-on-joints", "said-cracks")
+    write(driver, "latitude", "53.36786")
+    write(driver, "longitude", "6.71359")
+    for across, up in ((0.15, 0.3), (0.3, 0.6)):
+        click_at(driver, "front", across, up)
+    assert "the survey that is drawn was changed since it was sent" in press(driver, "start", "said-compute")
+    assert app.desk.job is None
+    driver.get_log("browser")
+
+
+def test_a_file_leads_to_the_page(page, tmp_path):
+    """As the program opens it: the browser's command line is without the token."""
+    driver, app = page
+    driver.delete_all_cookies()
+    driver.get(written(tmp_path / "open.html", DOOR.format(app.address)).as_uri())
+    WebDriverWait(driver, 20).until(lambda driver: driver.title == WORDS["title"]["en"])
+    ready(driver)
+    assert TOKEN not in driver.current_url
+    silent(driver)
 
 
 def test_dutch_and_what_was_drawn_stays(page):

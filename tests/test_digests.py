@@ -121,7 +121,7 @@ def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypa
 
 
 def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
-    """What `summary_row` imports counts in it or is named here, with why it need not."""
+    """What `summary_row` and patterns at rest import counts in it or is named here, with why it need not."""
     elsewhere = {
         "checks": "refuses", "csv_table": "reads, writes", "errors": "words", "files": "reads, writes",
         "version": "words", "provenance": "digests", "law/states": "names",
@@ -132,7 +132,7 @@ def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
                 f"wall/{name}" for name in (
                 "floors", "kinds", "kinematics", "lintels", "model_options", "parameters", "plan", "restraints"))),
             "of the model's digest")}
-    modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles"}
+    modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles", "measure/kept"}
     while left:
         found.add(name := left.pop())
         imported = modules[f"damage.{name.replace('/', '.')}"] - {"damage"}
@@ -152,6 +152,16 @@ def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
     index.write_text(text.replace('"""The damage index', '"""Of the damage index'))
     assert measures_digest.__wrapped__() == measures_digest()
     index.write_text(text.replace("DRIFT_LIMIT = 0.02", "DRIFT_LIMIT = 0.01"))
+    assert measures_digest.__wrapped__() != measures_digest()
+
+
+def test_the_digest_of_measures_follows_the_patterns_at_rest(tmp_path, monkeypatch):
+    """A claim's draws of two versions are not mixed."""
+    package = tmp_path / "damage"
+    shutil.copytree(REPOSITORY / "damage", package)
+    monkeypatch.setattr("damage.provenance.HERE", package)
+    written(package / "measure" / "kept.py", (package / "measure" / "kept.py").read_text().replace(
+        "opening, offset = active.opening_m[samples]", "opening, offset = 10 * active.opening_m[samples]"))
     assert measures_digest.__wrapped__() != measures_digest()
 
 

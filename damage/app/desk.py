@@ -12,7 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from damage.app.photo import cleaned, rectified
+from damage.batch.folder import environment, open_log
 from damage.checks import check_choice, check_range, check_whole
+from damage.claim.sheet import NUMBERS, SHEET, set_aside
 from damage.errors import InputError, heard
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure, strongest
@@ -33,8 +35,8 @@ HOUSE, PHOTO, STRAIGHT, SURVEY, LEVELS, LOG = (
     "house.toml", "photo.jpg", "straight.jpg", "survey.csv", "levels.csv", "claim.log")
 RESULTS = "claim"
 """Folder of the runs, below --out."""
-SHOWN = {PHOTO: "image/jpeg", STRAIGHT: "image/jpeg", f"{RESULTS}/claim.html": "text/html; charset=utf-8",
-         f"{RESULTS}/claim.json": "application/json", SURVEY: "text/csv; charset=utf-8"}
+SHOWN = {PHOTO: "image/jpeg", STRAIGHT: "image/jpeg", f"{RESULTS}/{SHEET}": "text/html; charset=utf-8",
+         f"{RESULTS}/{NUMBERS}": "application/json", SURVEY: "text/csv; charset=utf-8"}
 """{file that the page may show: its type}."""
 MOST_TEXT, MOST_LINES, MOST_POINTS = 200_000, 500, 500
 """Characters of a text that is typed; cracks and areas of a survey; points of each."""
@@ -57,10 +59,12 @@ class Desk:
         self.job = None
 
     def path(self, name):
-        """The path of a file of the claim; InputError where a link leads out of the folder."""
+        """The path of a file or folder of the claim; InputError where a link leads out of it, or a pipe would keep who
+        opens it waiting."""
         path = self.out / name
-        if path.is_symlink() or not path.resolve().is_relative_to(self.out):
-            raise InputError(f"{name} is a link; expected a file of this claim; delete it")
+        if path.is_symlink() or not path.resolve().is_relative_to(self.out) or (
+                path.exists() and not path.is_file() and not path.is_dir()):
+            raise InputError(f"{name} is a link, a pipe or a device; expected a file of this claim; delete it")
         return path
 
     # --- address and front -----------------------------------------------------------------------------
@@ -82,16 +86,26 @@ class Desk:
         """The front that a text in TOML describes: its size, bricks and joints, to be drawn."""
         if not isinstance(text, str) or len(text) > MOST_TEXT:
             raise InputError(f"the front: expected up to {MOST_TEXT} characters of TOML; shorten it")
-        trial = self.path("house.new.toml")
+        return _drawn(self._keep(HOUSE, "the front", text, _laid_out))
+
+    def _keep(self, name, what, text, read):
+        """What read(path) makes of a text, which is kept in a file of the claim if it is accepted; of another text than
+        the one before the sheet is set aside."""
+        if self.running:
+            raise InputError(f"{what} cannot change while the computation runs; expected it before; stop it first")
+        path = self.path(name)
+        trial = self.path(name.replace(".", ".new."))
         try:
             write_text(trial, text)
-            layout = _laid_out(trial)
-            os.replace(trial, self.path(HOUSE))
+            found = read(trial)
+            if not path.exists() or path.read_bytes() != trial.read_bytes():
+                set_aside(self.path(RESULTS))
+            os.replace(trial, path)
         except InputError as error:
-            raise InputError(str(error).replace(str(trial), "the front")) from error
+            raise InputError(str(error).replace(str(trial), what).replace(trial.name, what)) from error
         finally:
             trial.unlink(missing_ok=True)
-        return _drawn(layout)
+        return found
 
     def layout(self):
         """The Layout of the front that was given; InputError before that."""
@@ -127,28 +141,38 @@ class Desk:
         cracks: [{"points": [[x, z], ...], "width_mm", "offset"}]; areas: [[x, z, x, z], ...] without a crack [m].
         """
         layout = self.layout()
-        path = self.path(SURVEY)
-        write_text(path, _as_csv(cracks, areas, limit_mm, error_mm))
-        found = read_survey(path, layout)
+        found = self._keep(SURVEY, "the survey", _as_csv(cracks, areas, limit_mm, error_mm),
+                           lambda path: read_survey(path, layout))
         ends = tributary_ends(joint_table(layout))[found.table["joint"]]
-        return found.as_dict() | {"joints": np.round(ends.reshape(-1, 4), 4).tolist()}
+        return found.as_dict() | {"file": SURVEY, "joints": np.round(ends.reshape(-1, 4), 4).tolist()}
 
     def levels(self, text):
         """Keep levels of a course, text in CSV; their profile."""
         if not isinstance(text, str) or len(text) > MOST_TEXT:
             raise InputError(f"levels: expected up to {MOST_TEXT} characters of CSV; shorten it")
-        path = write_text(self.path(LEVELS), text)
-        with heard() as notes:
+        length = self.layout().wall.length
+
+        def read(path):
             profile = read_profile(path)
-        profile.check_length(self.layout().wall.length)
+            profile.check_length(length)
+            return profile
+
+        with heard() as notes:
+            profile = self._keep(LEVELS, "the file of levels", text, read)
         return {"x_m": list(profile.x_m), "uz_m": list(profile.uz_m), "notes": list(map(str, notes))}
 
     # --- runs ------------------------------------------------------------------------------------------
 
-    def start(self, latitude, longitude, settle, distortion, draws, language):
-        """Begin, or continue, the runs of the claim: `python3 -m damage claim` in a process of its own."""
+    def start(self, latitude, longitude, settle, distortion, draws, language, shown=None):
+        """Begin, or continue, the runs of the claim: `python3 -m damage claim` in a process of its own.
+
+        shown: what the page shows now, {"front", "levels": texts, "survey": arguments of `survey`}; None where nothing
+        is to be compared with what was sent.
+        """
         if self.running:
             raise InputError("the computation is running already; stop it first")
+        set_aside(self.path(RESULTS))
+        self._check_no_links()
         self.address(latitude, longitude)
         check_choice("language", language, LANGUAGES)
         words = [str(self._given(HOUSE, "the front")), "--at", repr(float(latitude)), repr(float(longitude)),
@@ -157,10 +181,31 @@ class Desk:
         if draws is not None:
             check_whole("draws", draws, 2, 10000)
             words += ["--draws", str(draws)]
-        with open(self.path(LOG), "wb") as log:
+        if shown is not None:
+            self._check_sent(shown, settle)
+        with open_log(self.path(LOG)) as log:
             self.job = subprocess.Popen([sys.executable, "-m", "damage", "claim", *words], stdin=subprocess.DEVNULL,
-                                        stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
+                                        stdout=log, stderr=subprocess.STDOUT, start_new_session=True, env=environment())
         return self.progress()
+
+    def _check_no_links(self):
+        """InputError where a link lies in the folder, which may have been sent: runs would write elsewhere through
+        it."""
+        for folder, folders, files in os.walk(self.out):
+            for path in (Path(folder, name) for name in (*folders, *files)):
+                self.path(path.relative_to(self.out))
+
+    def _check_sent(self, shown, settle):
+        """InputError where the page shows another front, survey or levels than it sent: they would not be in the
+        run."""
+        if not isinstance(shown, dict) or set(shown) != {"front", "survey", "levels"}:
+            raise InputError("what the page shows: expected front, survey and levels; load the page again")
+        parts = [(HOUSE, "the front", shown["front"]), (SURVEY, "the survey that is drawn", _as_csv(**_parts(shown)))]
+        parts += [(LEVELS, "the table of levels", shown["levels"])] * (settle == "levels")
+        for name, what, text in parts:
+            if self.path(name).read_text(encoding="utf-8") != text:
+                raise InputError(f"{what} was changed since it was sent and would not be in the run; expected it as it "
+                                 "was sent; send it by its button, or take the change back")
 
     def _settled(self, settle, distortion):
         if settle == "levels":
@@ -182,7 +227,7 @@ class Desk:
         lines = text.replace("\r", "\n").split("\n")
         return {"running": self.running, "status": status,
                 "lines": [line.replace(str(self.out) + os.sep, "") for line in lines if line.strip()][-TAIL:],
-                "sheet": f"{RESULTS}/claim.html" if self.path(f"{RESULTS}/claim.html").exists() else None}
+                "sheet": f"{RESULTS}/{SHEET}" if self.path(f"{RESULTS}/{SHEET}").exists() else None}
 
     def stop(self):
         """Interrupt the runs; they continue from there when they are started again."""
@@ -228,6 +273,15 @@ def _redrawn(pattern):
             "error_mm": round(1e3 * pattern.width_error_m, 6)}
 
 
+def _parts(shown):
+    """The arguments of `Desk.survey` that the page shows; InputError for anything else."""
+    names = "cracks", "areas", "limit_mm", "error_mm"
+    survey = shown["survey"]
+    if not isinstance(survey, dict) or set(survey) != set(names):
+        raise InputError(f"the survey that is drawn: expected {', '.join(names)}; load the page again")
+    return survey
+
+
 def _points(what, points, least, most):
     """An array (n, 2) of points from the page; InputError for anything else."""
     if not isinstance(points, list) or not least <= len(points) <= most:
@@ -250,16 +304,16 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
     file = io.StringIO()
     writer = csv.DictWriter(file, names, restval="", lineterminator="\n")
     writer.writeheader()
-    accuracy = {"detection_limit_mm": limit_mm, "width_error_mm": error_mm}
+    accuracy = {"detection_limit_mm": float(limit_mm), "width_error_mm": float(error_mm)}
     for number, crack in enumerate(cracks, start=1):
         points = _points(f"crack {number}", crack.get("points") if isinstance(crack, dict) else None, 2, MOST_POINTS)
         check_range(f"width of crack {number} [mm]", crack.get("width_mm"), 0.001, 1000)
         check_choice(f"offset of crack {number}", crack.get("offset"), ("yes", "no", "unknown"))
         for k, (x, z) in enumerate(points, start=1):
-            sizes = {"width_mm": crack["width_mm"], "offset": crack["offset"]} if k < len(points) else {}
+            sizes = {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]} if k < len(points) else {}
             writer.writerow({"crack": number, "point": k, "x_m": round(x, 4), "z_m": round(z, 4), **sizes, **accuracy})
     for number, area in enumerate(areas, start=1):
-        corners = _points(f"area {number}", area, 2, 2)
+        corners = np.sort(_points(f"area {number}", area, 2, 2), axis=0)
         for k, (x, z) in enumerate(corners, start=1):
             writer.writerow({"crack": f"area{number}", "point": k, "x_m": round(x, 4), "z_m": round(z, 4),
                              "mode": "none", **accuracy})

@@ -1,6 +1,7 @@
 """Photographs that someone uploads: checked, without their metadata, and seen straight from the front."""
 
 import io
+import re
 import warnings
 
 import numpy as np
@@ -9,6 +10,8 @@ from damage.errors import InputError
 
 MOST_BYTES, MOST_PIXELS, LONGEST_PX = 20_000_000, 50_000_000, 4000
 """What an upload may have; longer sides are made smaller."""
+MOST_SCANS = 32
+"""Of a JPEG: a progressive one has some ten, and each takes time for all of its pixels."""
 FORMATS = "JPEG", "PNG"
 MARGIN_M = 0.1
 """How much is shown around the wall [m]."""
@@ -26,6 +29,8 @@ def cleaned(data):
     if len(data) > MOST_BYTES:
         raise InputError(f"the photograph has {len(data) / 1e6:.3g} MB; expected up to {MOST_BYTES / 1e6:g}; make it "
                          "smaller")
+    if _scans(data) > MOST_SCANS:
+        raise InputError(f"the photograph has more than {MOST_SCANS} scans; expected fewer; save it as another JPEG")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -43,6 +48,20 @@ def cleaned(data):
         raise InputError(f"the photograph cannot be read; expected {' or '.join(FORMATS)}; save it as such") from error
     upright.thumbnail((LONGEST_PX, LONGEST_PX))
     return _as_jpeg(Image.frombytes("RGB", upright.size, upright.tobytes()))  # pixels alone
+
+
+_MARKER = re.compile(rb"\xff([^\x00\x01\xd0-\xd8\xff])")  # but for those without a length
+_END, _SCAN = 0xD9, 0xDA
+
+
+def _scans(data):
+    """Number of scans in the bytes of a JPEG, up to the end of the picture; further ones than MOST_SCANS are not
+    counted."""
+    place, scans = 0, 0
+    while scans <= MOST_SCANS and (found := _MARKER.search(data, place)) and found[1][0] != _END:
+        scans += found[1][0] == _SCAN
+        place = found.end() + max(2, int.from_bytes(data[found.end():found.end() + 2], "big"))
+    return scans
 
 
 def _as_jpeg(picture):

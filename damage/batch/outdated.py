@@ -161,7 +161,7 @@ class Results:
     def is_whole(self, task):
         """Whether all that a run leaves is there, its record included."""
         if task.name not in self.records.runs or (task.kept and task.name not in self.histories) or (
-                task.patterns and not task.pattern.is_file()):
+                task.patterns and not (task.pattern.is_file() and "patterns" in self.records.runs[task.name])):
             return False
         return task.number > 1 or all((self.folder / "tables" / f"{task.name}_{table}.csv").is_file()
                                       for table in FIRST_TABLES)

@@ -126,11 +126,10 @@ def conclude(task, kept=None):
             raise InputError(f"the history is marked {history.status}; expected complete; run the study again")
         if task.kept and path == task.part:
             os.replace(path, task.history)
-        if task.patterns:
-            write_patterns(patterns_of(history), task.pattern)
+        seals = {"patterns": write_patterns(patterns_of(history), task.pattern)} if task.patterns else {}
         if task.number == 1:
             write_run_tables(history, task.folder / "tables" / task.name)
-        return EXIT_OK, record_of(history, task.name, task.point.point)
+        return EXIT_OK, record_of(history, task.name, task.point.point) | seals
     except (InputError, OSError) as error:
         remedy = f"; delete {task.history}" if task.history.is_file() else ""
         print(f"error: {task.name}: {error}{remedy}", file=sys.stderr, flush=True)

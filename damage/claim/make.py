@@ -8,7 +8,7 @@ import numpy as np
 from damage.batch.folder import ROOT
 from damage.claim.answer import LEAST_DRAWS, reasons
 from damage.claim.numbers import draws_needed, enough, lacks_draws, numbers_of
-from damage.claim.sheet import in_words, sheet
+from damage.claim.sheet import NUMBERS, SHEET, in_words, sheet
 from damage.claim.twins import BOTH, DRAWN, read_twins, write_twins
 from damage.errors import warn
 from damage.exposure.exposure import Exposure
@@ -27,7 +27,6 @@ from damage.wall.model_options import ModelOptions
 
 STEPS = 96, 192, 400
 """Numbers of draws after which the intervals are looked at: the first is what an interval of ±10 of 100 takes."""
-NUMBERS, SHEET = "claim.json", "claim.html"
 
 
 @dataclass(frozen=True)

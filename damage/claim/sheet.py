@@ -1,6 +1,9 @@
 """The sheet of a claim: one A4 page of HTML, in English or Dutch, of the numbers of `damage.claim.numbers`."""
 
+import os
+from contextlib import suppress
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from markupsafe import Markup
@@ -13,11 +16,21 @@ from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
+NUMBERS, SHEET, FORMER = "claim.json", "claim.html", "former-"
+"""Files of the numbers and the sheet; what their names begin with once they are of an earlier command."""
 MARGIN_MM, THINNEST_MM, DRAWN_MM = 60, 10, 40
 """Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and what 1 mm adds."""
 _LIMITS = {"draws": LEAST_DRAWS, "strange": 100 * STRANGEST, "off_joints": 100 * MOST_OFF_JOINTS,
            "small": THRESHOLD / MILLIMETRE}
 _PERCENT = "strange", "off_joints"
+
+
+def set_aside(out):
+    """Rename the sheet and the numbers of an earlier command in a folder, so that those of this one are not there
+    before it has made them, whatever ends it."""
+    for name in (SHEET, NUMBERS):
+        with suppress(OSError):
+            os.replace(Path(out) / name, Path(out) / f"{FORMER}{name}")
 
 
 def sheet(numbers, wall, survey, twins, language, json_name):

@@ -142,7 +142,9 @@ def _claim(asked):
     import os
 
     from damage.claim.make import Claim, make_claim
+    from damage.claim.sheet import set_aside
 
+    set_aside(asked.out)
     if asked.levels and (asked.settle or asked.distortion):
         raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; "
                          "leave the other out")

@@ -2,7 +2,8 @@
 
 A line of a run is written as soon as the run has ended: {"run": its name, "inputs": key of what it was made from,
 "intact": whether no joint broke or reached its limit, "row": that of the summary, with the digests of the model and of
-the measures, "cycles" and "shocks": the rows of these tables, "sha256": a checksum of all this}.  A line of a point is
+the measures, "cycles" and "shocks": the rows of these tables, "patterns": SHA-256 of its patterns at rest, where these
+are kept, "sha256": a checksum of all this}.  A line of a point is
 {"point": its name with the solver, "inputs": key, "of": its inputs (`damage.studies.inputs.as_json`), "sha256"}.  The
 last good line counts.  A line that a kill tore is none, and neither is one that was changed since.
 

@@ -238,10 +238,12 @@ function changed() {
 by("finish").addEventListener("click", finish);
 by("undo").addEventListener("click", undo);
 
+const survey = () => ({ cracks, areas: areas.map(([x, z, right, top]) => [[x, z], [right, top]]),
+  limit_mm: field("limit"), error_mm: field("error") });
+
 by("put-on-joints").addEventListener("click", async () => {
   finish();
-  const found = await ask("survey", { cracks, areas: areas.map(([x, z, right, top]) => [[x, z], [right, top]]),
-    limit_mm: field("limit"), error_mm: field("error") }, "said-cracks");
+  const found = await ask("survey", survey(), "said-cracks");
   if (!found) return;
   joints = found.joints;
   say("said-cracks", fill("share", { share: shown(100 * found.share_on_joints, 3), length: shown(found.crack_length_m, 3),
@@ -318,10 +320,12 @@ async function compute(name, given) {
 }
 
 by("start").addEventListener("click", () => {
+  finish();
   const settle = by("settle").value || null;
   compute("start", { latitude: field("latitude"), longitude: field("longitude"), settle,
     distortion: settle && settle !== "levels" ? 1 / field("distortion") : null, draws: field("draws"),
-    language: document.documentElement.lang });
+    language: document.documentElement.lang,
+    shown: { front: by("front-text").value, levels: by("levels-text").value, survey: survey() } });
 });
 by("stop").addEventListener("click", () => compute("stop", {}));
 
