@@ -29,7 +29,7 @@ from damage.measure.warnings import energy_warnings
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
-from damage.motion.plausible import faint_warnings
+from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
@@ -328,6 +328,8 @@ def _warn_of(backend, settings, wall, time_step, critical_s):
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
+    for text in dict.fromkeys(text for event in settings.recorded for text in record_warnings(event.loading)):
+        warn(text, code="record")
     if isinstance(settings.loading, Recorded) and not settings.events:
         warn(*end_warnings(settings.loading.applied()), code="end_velocity")
     if wall.joint.softens:
