@@ -66,7 +66,7 @@ def faint_warnings(peak_g):
 
 
 MOST_OFFSET, OFFSET_S = 0.1, 1.0
-"""Mean of a record's first part [s], as a share of its peak, above which its zero is off; shipped records have 0.005."""
+"""Mean of a record's first part [s], as a share of its peak, above which zero is off; real ones have up to 0.015."""
 
 
 def offset_warnings(record):
@@ -78,8 +78,8 @@ def offset_warnings(record):
     mean, peak = float(np.mean(a[:max(1, round(OFFSET_S / record.time_step_s))])), float(np.abs(a).max())
     if abs(mean) <= MOST_OFFSET * peak:
         return []
-    return [f"{record.name}: the mean of the first {OFFSET_S:g} s is {mean:.3g} m/s2, {100 * abs(mean) / peak:.0f} % of "
-            "the peak, expected zero: an instrument's offset, which makes PGA and PGV too large; give --baseline 0"]
+    return [f"{record.name}: the mean of the first {OFFSET_S:g} s is {mean:.3g} m/s2, {100 * abs(mean) / peak:.0f} % "
+            "of the peak, expected zero: an instrument's offset, which makes PGA and PGV too large; give --baseline 0"]
 
 
 _NEIGHBOURS, SPIKE = 4, 5.0
@@ -88,8 +88,8 @@ tried, with half of the peak or more, is up to 2.6 times."""
 
 
 def spike_warnings(record):
-    """Warning of a Record with a sample far from its neighbours and from the rest, which no ground motion has: a list of
-    lines.  One further such sample may be beside it."""
+    """Warning of a Record with a sample far from its neighbours and from the rest, which no ground motion has: a list
+    of lines.  One further such sample may be beside it."""
     a, size = record.acceleration_m_s2, np.abs(record.acceleration_m_s2)
     padded = np.pad(a, _NEIGHBOURS, mode="reflect")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1)
@@ -103,9 +103,10 @@ def spike_warnings(record):
         return []
     k = found[np.argmax(size[found])]
     more = f", and {found.size - 1} more like it" if found.size > 1 else ""
-    return [f"{record.name}: sample {k} (from 0) at {k * record.time_step_s:g} s is {a[k]:.4g} m/s2{more}; expected about "
-            f"{round(middle[candidates == k][0], 4) + 0.0:.3g} as its neighbours, and up to {rest.max(initial=0.0):.3g} as all others: a "
-            "spike, or a number for a missing sample; correct it in the file"]
+    near = round(middle[candidates == k][0], 4) + 0.0
+    return [f"{record.name}: sample {k} (from 0) at {k * record.time_step_s:g} s is {a[k]:.4g} m/s2{more}; expected "
+            f"about {near:.3g} as its neighbours, and up to {rest.max(initial=0.0):.3g} as all others: a spike, or a "
+            "number for a missing sample; correct it in the file"]
 
 
 def record_warnings(loading):
