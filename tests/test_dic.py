@@ -191,6 +191,11 @@ def test_lost_points_and_unseen_bricks(rocking, tmp_path):
     assert report(levels, layout)["unseen_m"] == pytest.approx(layout.contacts.length[:layout.n_joints][hidden].sum())
 
 
+def test_a_field_of_a_spreadsheet_with_decimal_commas(tmp_path):
+    (field,) = read_field(written(tmp_path / "field.csv", "x_m;z_m;ux_m;uz_m;\n0,1;0,2;-0,0005;1,5E-04;\n"))
+    assert field.points.tolist() == [[0.1, 0.2]] and field.displacement.tolist() == [[-5e-4, 1.5e-4]]
+
+
 @pytest.mark.parametrize("text, complaint", [
     ("x_m,z_m,ux_m\n0,0,0\n", "no column uz_m"), ("x_m,z_m,ux_m,uz_m\n0,,0,0\n", "line 2: no place"),
     ("x_m,z_m,ux_m,uz_m\n0,0,0,\n", "line 2: one displacement of two"),

@@ -1,6 +1,7 @@
 """Surveys: straight lines on stepped paths, what a survey says of itself, its distance from simulated patterns."""
 
 import json
+import re
 import tracemalloc
 
 import numpy as np
@@ -141,6 +142,29 @@ def test_new_columns_are_read_and_written_back(tmp_path):
 def test_a_survey_without_a_crack(tmp_path):
     found = survey(tmp_path, *AREAS)
     assert (found.share_on_joints, found.count, found.psi) == (1.0, 0, 0.0) and not found.opening_m.any()
+
+
+@pytest.mark.parametrize("text", [
+    "crack;point;x_m;z_m;width_mm;;\nA;1;0;0,15;0,4;;\nA;2;0,45;0,15;;;\n",
+    'crack,point,x_m,z_m,width_mm\nA,1,0,"0,15","0,4"\nA,2,"0,45","0,15",\n',
+    "crack\tpoint\tx_m\tz_m\twidth_mm\nA\t1\t0\t0.15\t0.4\nA\t2\t0.45\t0.15\t\n"])
+def test_spreadsheets_of_other_countries_are_read(tmp_path, text):
+    found = read_survey(written(tmp_path / "survey.csv", text), LAYOUT).as_dict()
+    assert (found["crack_length_m"], found["max_width_mm"]) == pytest.approx((0.45, 0.4))
+
+
+@pytest.mark.parametrize("text, said", [
+    ("crack,point,x_m,z_m,width_mm\nA,1,0,0.15,0,4\nA,2,0.45,0.15,\n",
+     "line 2: 6 cells, the header has 5: expected as many; decimal commas need semicolons"),
+    ("crack;point;x_m;z_m;width_mm\nA;1;0;0,15;0.4\nA;2;0,45;0,15;\n",
+     "line 2: a number with a decimal point in a file with decimal commas"),
+    ('crack,point,x_m,z_m,width_mm\nA,1,0,"1,250","0,4"\nA,2,1,"1,250",\n',
+     "line 2: z_m has a number in quotes whose comma may be of decimals or of thousands"),
+    *((f"crack,point,x_m,z_m,width_mm\nA,1,0,0.15,{width}\nA,2,0.45,0.15,\n",
+       f"line 2: width_mm = '{width}': expected a finite number, or nothing where it is unknown; of a bound or a range")
+      for width in ("<0.1", "0.1-0.3", "0.1 \N{EN DASH} 0.3", "~0.2"))])
+def test_what_may_be_two_numbers_is_refused(tmp_path, text, said):
+    refused_with(re.escape(said), read_survey, written(tmp_path / "survey.csv", text), LAYOUT)
 
 
 BAD = {
