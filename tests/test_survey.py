@@ -176,6 +176,11 @@ BAD = {
     "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"),
                            "line 2: offset = no with mode = shear"),
     "no-limit": (line(0, 0.15, 0.45, 0.15, limit=0), "line 2: detection_limit_mm is zero; expected the width"),
+    "limit-above": (line(0, 0.15, 0.45, 0.15, 0.4, limit=5), "detection_limit_mm = 5, but the widest crack has 0.4 mm"),
+    "metres-wide": (line(0, 0.15, 0.45, 0.15, 9999), "a crack of 9999 mm; expected widths of up to 1000 mm"),
+    "there-twice": ((*line(0, 0.15, 0.45, 0.15), *line(0.45, 0.15, 0, 0.15, crack="B")),
+                    r"the part of crack B from \(0.45, 0.15\) to \(0, 0.15\) m is there twice"),
+    "crack-in-area": ((*line(0, 0.975, 0.45, 0.975), *AREAS), "0.45 m of cracks lie in areas of mode none"),
     "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm is negative"),
 }
 
@@ -183,6 +188,18 @@ BAD = {
 @pytest.mark.parametrize("rows, said", BAD.values(), ids=BAD)
 def test_bad_surveys_are_one_line(tmp_path, rows, said):
     refused_with(said, survey, tmp_path, *rows)
+
+
+@pytest.mark.parametrize("rows, said", [
+    (line(0, 0.15, 0.45, 0.15, 0.0004, limit=""), "the widest crack has 0.0004 mm: expected 0.01 to 200 mm; correct the"),
+    (line(0, 0.15, 0.45, 0.15, 300), "the widest crack has 300 mm: expected 0.01 to 200 mm"),
+    ((*line(0, 0.15, 0.45, 0.15), *line(0, 0.3, 0.45, 0.3, 0.05, crack="B")),
+     "cracks of 0.05 mm, but a detection limit of 0.1 mm"),
+    (line(0, 0.15, 0.45, 0.15, error=50), "widths have an error of 50 mm, as much as the widest crack")])
+def test_what_is_doubtful_of_a_survey_is_in_its_notes(tmp_path, rows, said):
+    assert any(note.startswith(said) for note in survey(tmp_path, *rows).notes)
+    plain = survey(tmp_path, *line(0, 0.15, 0.45, 0.15), *line(0, 0.825, 0.45, 0.825, crack="B"), *AREAS)
+    assert [note for note in plain.notes if "looked at" not in note and "width alone" not in note] == []
 
 
 # --- beside a simulated pattern ------------------------------------------------------------------------
