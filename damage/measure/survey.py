@@ -147,8 +147,8 @@ def _refuse_contradictions(pattern, file, wall):
                          "expected each part of a crack once, leave one out")
     inside = float(length @ _share_in(ends, pattern.clear))
     if inside > wall.wall.brick.length / 2:
-        raise InputError(f"{file}: {inside:.2f} m of cracks lie in areas of mode none, which have no crack; expected areas "
-                         "beside the cracks, make them smaller or leave them out")
+        raise InputError(f"{file}: {inside:.2f} m of cracks lie in areas of mode none, which have no crack; expected "
+                         "areas beside the cracks, make them smaller or leave them out")
 
 
 def _share_in(ends, areas):
