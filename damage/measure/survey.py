@@ -199,8 +199,8 @@ def _assumed(pattern, known):
         yield (f"cracks of {below.min() / MILLIMETRE:.3g} mm, but a detection limit of {known[0] / MILLIMETRE:.3g} mm: "
                "cracks of a run as narrow as these are taken as not seen")
     if 0 < widths.max(initial=0.0) <= known[1]:
-        yield (f"widths have an error of {known[1] / MILLIMETRE:.3g} mm, as much as the widest crack: patterns without a "
-               "crack are as near to the survey as those with it")
+        yield (f"widths have an error of {known[1] / MILLIMETRE:.3g} mm, as much as the widest crack: patterns without "
+               "a crack are as near to the survey as those with it")
     alone = pattern.stretches["opening_m"].isna().to_numpy()
     if alone.any():
         yield (f"{pattern.length_m[alone].sum():.2f} m of cracks give their width alone: all of it is taken as opening "
