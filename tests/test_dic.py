@@ -9,11 +9,11 @@ from conftest import refused_with, run_here, wall_file, written
 from damage.__main__ import main
 from damage.laboratory.dic import (
     Field,
-    _points_of_bricks,
     brick_motions,
     field_warnings,
     measure,
     patterns_of_fields,
+    points_of_bricks,
     read_field,
     report,
     rigid_motion,
@@ -114,7 +114,7 @@ def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsy
     layout, field = half_moved(tmp_path, noise)
     lost = np.arange(len(field.points)) % 20 == 0
     stuck = Field(1, 0.0, field.points, np.where(lost[:, np.newaxis], 0.0, field.displacement))
-    inside = [k for _, points in _points_of_bricks(field.points, layout, 0.01) for k in points]
+    inside = [k for _, points in points_of_bricks(field.points, layout, 0.01) for k in points]
     moving = np.isin(np.arange(len(lost)), inside) & lost & (field.points[:, 1] > 0.225)
     assert stuck_points(stuck, layout).tolist() == np.flatnonzero(moving).tolist() and moving.sum() > 10
     write_field(tmp_path / "field.csv", [stuck])

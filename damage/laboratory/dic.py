@@ -132,7 +132,7 @@ def relative_to_base(field, margin=MARGIN):
     return field.displacement - mean + turned(arm, -turn)
 
 
-def _points_of_bricks(points, layout, margin):
+def points_of_bricks(points, layout, margin):
     """Yield (brick, indices of the points (n, 2) that lie so far inside its edges [m])."""
     bodies, order = layout.bodies, np.argsort(points[:, 1])
     x, z = points[order].T
@@ -148,7 +148,7 @@ def brick_motions(field, layout, margin=MARGIN):
     displacement = relative_to_base(field, margin)
     motion, n_points = np.full((n, 3), np.nan), np.zeros(n, int)
     centre, spread, squares = np.zeros((n, 2)), np.ones(n), 0.0
-    for brick, inside in _points_of_bricks(field.points, layout, margin):
+    for brick, inside in points_of_bricks(field.points, layout, margin):
         n_points[brick] = len(inside)
         if n_points[brick] < LEAST_POINTS:
             continue
@@ -220,7 +220,7 @@ def field_warnings(fields, measured, layout, margin=MARGIN):
 def stuck_points(field, layout, margin=MARGIN):
     """Indices of points whose displacement is zero, while that of their brick by its other points is not."""
     zero, found = ~field.displacement.any(axis=1), [np.zeros(0, int)]
-    for _, inside in _points_of_bricks(field.points, layout, margin):
+    for _, inside in points_of_bricks(field.points, layout, margin):
         still, others = inside[zero[inside]], inside[~zero[inside]]
         if len(still) == 0 or len(others) < LEAST_POINTS:
             continue

@@ -23,7 +23,7 @@ _DRAWN = ("loading", "sequence", "events", "life", "seed")
 _ROUNDED = 1e-7  # of nine digits
 _DRAWN_COLUMNS = {"id": "other events", "time_utc": "another time", "magnitude": "another magnitude",
                   "place": "another place", "pgv_mm_s": "another PGV", "record": "another record",
-                  "scale": "another scale"}
+                  "scale": "another scale", "largest_mm_s": "another largest PGV"}
 """Columns that follow from the draws: {name: what is said where it differs}."""
 _LOWEST = {"life": 1, "event": 0, "seed": 0, "newly_failed": 0, **dict.fromkeys(
     ("pgv_mm_s", "largest_mm_s", "max_psi", "psi", "max_DI", "DI", "crack_width_mm", "offset_after_mm"), 0.0)}
@@ -121,18 +121,15 @@ def _problem(events, draws, life):
     drawn, fell = draws.life(life), events["fell"]
     if len(events) < len(drawn) and not (len(events) and fell.iloc[-1]):
         return f"{len(events)} of {len(drawn)} events of a wall that stands"
-    if len(events) > len(drawn):
-        return "other events"
-    if fell.iloc[:-1].any():
+    if fell.iloc[:-1].any() and len(events) <= len(drawn):
         return "an event after the wall fell"
-    for name, said in _DRAWN_COLUMNS.items():
-        if not _equal(events[name], drawn[name].iloc[:len(events)]):
-            return said
-    return None if _equal(events["largest_mm_s"], np.repeat(draws.largest([life]), len(events))) else "another largest PGV"
+    drawn = drawn.assign(largest_mm_s=draws.largest([life])[0]).iloc[:len(events)]
+    return next((said for name, said in _DRAWN_COLUMNS.items() if not _equal(events[name], drawn[name])), None)
 
 
 def _equal(one, other):
     """Whether two columns have the same words, or the same numbers as far as a table has them."""
     if pd.api.types.is_numeric_dtype(other):
-        return np.allclose(pd.to_numeric(one, errors="coerce"), other, rtol=_ROUNDED, atol=0.0)
+        one = pd.to_numeric(one, errors="coerce")
+        return len(one) == len(other) and np.allclose(one, other, rtol=_ROUNDED, atol=0.0)
     return list(one.fillna("").astype(str)) == list(other.astype(str))
