@@ -3,6 +3,9 @@
 A spreadsheet takes a cell that begins with = + - @ or a tab for a formula and may execute it, whoever wrote it: a place
 of somebody's catalogue, the name of a record.  Tables are written with an apostrophe before such words (`as_words`), as
 OWASP advises on CSV injection, and read without it (`from_words`).
+
+Spreadsheets of many countries write semicolons or tabulators between cells and commas in numbers, and empty columns at
+the end: these are read.  A number that may be one of two is refused.
 """
 
 import csv
@@ -20,6 +23,12 @@ MOST_MB, MOST_ROWS, MOST_LEVELS = 50, 500_000, 1000
 """Size of a file, its rows, its load levels: what is read in seconds and in less than a gigabyte."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
+_COMMA, _POINT = (re.compile(rf"[-+]?\d*{mark}\d+(?:[eE][-+]?\d+)?") for mark in (",", r"\."))
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
+_NO_NUMBER = re.compile(r"[<>~\u2264\u2265\u2248]|[\d.,]+ *[-\u2013\u2026] *\d")
+"""How a cell begins that is a bound or a range."""
+_ONE_NUMBER = ("; of a bound or a range give one number, the best estimate (how far widths of a survey may be off is "
+               "width_error_mm)")
 
 
 def as_words(table):
@@ -62,38 +71,52 @@ class CsvTable:
         if not kept:
             raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
         try:
-            self._read(csv.reader(lines[k] for k in kept), np.array(kept) + 1, required, optional)
+            header = lines[kept[0]]
+            mark = max(",;\t", key=header.count)
+            self._read(csv.reader((lines[k] for k in kept), delimiter=mark), np.array(kept) + 1, required, optional)
         except csv.Error as error:
             raise InputError(f"{path} cannot be read as CSV ({error}); expected commas between short cells") from error
         if len(self.text) == 0:
             raise InputError(f"{path} has a header and no row: expected at least one; add some")
+        self._take_decimal_commas(mark)
 
     def _read(self, reader, numbers, required, optional):
         """Take the header and the rows; numbers: of the lines that the csv.reader is given."""
-        names = [cell.strip() for cell in next(reader)]
+        names = _filled([cell.strip() for cell in next(reader)], 0)
         self._check_header(names, numbers[0], required, optional)
         rows, ends = [], []
         for row in reader:
             ends.append(numbers[reader.line_num - 1])  # a cell in quotes may reach over several
-            if len(row) != len(names):
-                raise InputError(f"{self.path} line {ends[-1]}: {len(row)} cells, the header has {len(names)}: "
-                                 "expected as many")
-            rows.append([cell.strip() for cell in row])
+            rows.append(_filled([cell.strip() for cell in row], len(names)))
+            if (n := len(rows[-1])) != len(names):
+                more = "; decimal commas need semicolons between cells" if n > len(names) else ""
+                raise InputError(f"{self.path} line {ends[-1]}: {n} cells, the header has {len(names)}: expected as "
+                                 f"many{more}")
         self.text = pd.DataFrame(rows, columns=names, dtype=object)
         self.line = np.array(ends, int)
 
     def _check_header(self, names, line, required, optional):
         missing = [name for name in required if name not in names]
         unknown = [name for name in names if name not in (*required, *optional)]
-        if missing and len(names) == 1 and (other := re.search(r"[;\t]", names[0])):
-            mark = "semicolons" if other[0] == ";" else "tabulators"
-            raise InputError(f"{self.path} line {line}: {mark} between the columns; expected commas, and numbers "
-                             "with decimal points; save it as such CSV")
         if missing or unknown or len(set(names)) < len(names):
             wrong = (f"no column {', '.join(missing)}" if missing else
                      f"unknown column {', '.join(map(repr, unknown))}" if unknown else "a column twice")
             raise InputError(f"{self.path} line {line}: {wrong}; expected {', '.join(required)}"
                              + (f" and any of {', '.join(optional)}" if optional else ""))
+
+    def _take_decimal_commas(self, mark):
+        """Write numbers with a decimal point; mark: between the cells.  Refuses what may be a comma of thousands."""
+        with_commas = [name for name in self.text if any(map(_COMMA.fullmatch, self.text[name]))]
+        if not with_commas:
+            return
+        points = [[bool(_POINT.fullmatch(cell)) for cell in self.text[name]] for name in self.text]
+        self.refuse(np.any(points, axis=0), "a number with a decimal point in a file with decimal commas; expected one "
+                                            "of them, and nothing between thousands")
+        for name in with_commas:
+            thousands = [mark == "," and bool(_THOUSANDS.fullmatch(cell)) for cell in self.text[name]]
+            self.refuse(thousands, f"{name} has a number in quotes whose comma may be of decimals or of thousands; "
+                        "expected a decimal point")
+            self.text[name] = [cell.replace(",", ".") if _COMMA.fullmatch(cell) else cell for cell in self.text[name]]
 
     def __len__(self):
         return len(self.text)
@@ -110,8 +133,10 @@ class CsvTable:
         values = np.array([float(word) if is_number else np.nan for word, is_number in zip(words, valid)])
         bad = (words != "").to_numpy() & ~np.isfinite(values)
         if bad.any():
-            raise self.error(int(np.argmax(bad)), f"{name} = {words[int(np.argmax(bad))]!r}: expected a finite "
-                                                  "number, or nothing where it is unknown")
+            row = int(np.argmax(bad))
+            one = _ONE_NUMBER if _NO_NUMBER.match(words[row]) else ""
+            raise self.error(row, f"{name} = {words[row]!r}: expected a finite number, or nothing where it is unknown"
+                                  f"{one}")
         return values
 
     def refuse_beyond(self, **bounds):
@@ -135,6 +160,13 @@ class CsvTable:
         """Raise `error` of the first row where `wrong`, (n_rows,) bool, if there is one."""
         if np.any(wrong):
             raise self.error(int(np.argmax(wrong)), problem)
+
+
+def _filled(cells, least):
+    """Cells without empty ones at the end, beyond so many."""
+    while len(cells) > least and not cells[-1]:
+        cells = cells[:-1]
+    return cells
 
 
 def _lines(path):

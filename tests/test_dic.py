@@ -6,14 +6,18 @@ import numpy as np
 import pytest
 from conftest import refused_with, run_here, wall_file, written
 
+from damage.__main__ import main
 from damage.laboratory.dic import (
     Field,
     brick_motions,
+    field_warnings,
     measure,
     patterns_of_fields,
+    points_of_bricks,
     read_field,
     report,
     rigid_motion,
+    stuck_points,
     turned,
 )
 from damage.measure.crack_file import read_cracks
@@ -86,6 +90,40 @@ def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
     assert level["DI_slip" if upwards else "DI_open"] == (0, 0)
     assert (level["cracks"], level["crack_length_m"]) == (1, pytest.approx(0.9))
     assert set(pattern.stretches["mode"]) == {"tension" if upwards else "shear"}
+
+
+def half_moved(tmp_path, noise=NOISE):
+    """A wall whose upper half has moved 0.5 mm up: its Layout and a Field."""
+    layout = lay_out(load_wall(wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32))))
+    motion = np.zeros((len(layout.bodies), 3))
+    motion[layout.bodies.z > 0.225, 1] = 0.5e-3
+    return layout, sampled_field(layout, motion, noise=noise, drift_ratio=0.0)
+
+
+def test_a_field_whose_z_points_down_is_named(tmp_path):
+    layout, field = half_moved(tmp_path)
+    assert field_warnings([field], measure([field], layout), layout) == []
+    down = Field(1, 0.0, field.points * (1, -1) + (0, 0.45), field.displacement * (1, -1))
+    (said,) = field_warnings([down], measure([down], layout), layout)
+    assert "the lowest course moves by 0.5 mm, the top one by 0" in said and "z up from a base at rest" in said
+
+
+@pytest.mark.parametrize("noise", [NOISE, 0.0])
+def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsys):
+    """Not those of the half at rest, and not a point about which a brick turns."""
+    layout, field = half_moved(tmp_path, noise)
+    lost = np.arange(len(field.points)) % 20 == 0
+    stuck = Field(1, 0.0, field.points, np.where(lost[:, np.newaxis], 0.0, field.displacement))
+    inside = [k for _, points in points_of_bricks(field.points, layout, 0.01) for k in points]
+    moving = np.isin(np.arange(len(lost)), inside) & lost & (field.points[:, 1] > 0.225)
+    assert stuck_points(stuck, layout).tolist() == np.flatnonzero(moving).tolist() and moving.sum() > 10
+    write_field(tmp_path / "field.csv", [stuck])
+    assert main(["cracks", "--dic", str(tmp_path / "field.csv"), "--wall", str(tmp_path / "panel.py")]) == 0
+    said = capsys.readouterr().err
+    assert f"{moving.sum()} of {len(lost)} points, at x, z = (" in said and "where the correlation failed" in said
+    middle = field.points[inside[0]]  # of rotation
+    turning = Field(1, 0.0, field.points, turned(field.points - middle, 1e-3))
+    assert len(stuck_points(turning, layout)) == 0
 
 
 def test_noise_is_estimated_and_its_deviation_foretold(rocking):
@@ -191,11 +229,17 @@ def test_lost_points_and_unseen_bricks(rocking, tmp_path):
     assert report(levels, layout)["unseen_m"] == pytest.approx(layout.contacts.length[:layout.n_joints][hidden].sum())
 
 
+def test_a_field_of_a_spreadsheet_with_decimal_commas(tmp_path):
+    (field,) = read_field(written(tmp_path / "field.csv", "x_m;z_m;ux_m;uz_m;\n0,1;0,2;-0,0005;1,5E-04;\n"))
+    assert field.points.tolist() == [[0.1, 0.2]] and field.displacement.tolist() == [[-5e-4, 1.5e-4]]
+
+
 @pytest.mark.parametrize("text, complaint", [
     ("x_m,z_m,ux_m\n0,0,0\n", "no column uz_m"), ("x_m,z_m,ux_m,uz_m\n0,,0,0\n", "line 2: no place"),
     ("x_m,z_m,ux_m,uz_m\n0,0,0,\n", "line 2: one displacement of two"),
     ("load_level,x_m,z_m,ux_m,uz_m\n,0,0,0,0\n", "line 2: no load_level"),
     ("x_m,z_m,ux_m,uz_m\n1,1,0,up\n", "line 2: uz_m = 'up'"),
+    ("x_m,z_m,ux_m,uz_m\n0,0,0.2,0.1\n0,0.1,0.2,0.75\n", "line 3: uz_m is beyond 0.5; expected less, look at the unit"),
     ("x_m,z_m,ux_m,uz_m\n10,10,0,0\n", "no brick of wall panel has 4 points"),
     ("drift_pct,x_m,z_m,ux_m,uz_m\n0,0,0,0,0\n1,0,0,0,0\n", "load level 1 has 2 values of drift_pct"),
 ])

@@ -231,6 +231,29 @@ class TestCatalogue:
         path = written(tmp_path / "events.txt", self.ALL + self.FIRST + line + "\n")
         assert list(read_catalogue(path).id) == ["a1", "b9"]
 
+    KNMI = "YYMMDD,TIME,LOCATION,LAT,LON,DEPTH,MAG,EVALMODE\n20180108,140052.16,Zeerijp,53.363,6.751,3.0,3.4,manual\n"
+
+    @pytest.mark.parametrize("line, time", [
+        ("20221008,014259.72,Wirdum,53.318,6.773,3.0,3.1,manual", "2022-10-08 01:42:59.720000+00:00"),
+        ("20221008,259.72,Wirdum,53.318,6.773,3.0,3.1,manual", "2022-10-08 00:02:59.720000+00:00"),
+        ("20221008,000300,Wirdum,53.318,6.773,3.0,3.1,manual", "2022-10-08 00:03:00+00:00")])
+    def test_knmi_s_list_of_the_country_is_read_as_it_is(self, tmp_path, line, time):
+        """Also where a spreadsheet took the first zeros off; an event in the sea is left out and named."""
+        path = written(tmp_path / "all_induced.csv", self.KNMI + line + "\n20190101,000001,Sea,54.2,4.1,3.0,2,manual\n")
+        found = read_catalogue(path)
+        assert [str(one) for one in found.time] == ["2018-01-08 14:00:52.160000+00:00", time]
+        assert list(found.place) == ["Zeerijp", "Wirdum"] and list(found.magnitude) == [3.4, 3.1]
+        assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
+        (note,) = found.notes
+        assert note.endswith("left out as outside the Netherlands: line 4")
+
+    @pytest.mark.parametrize("line, message", [
+        ("180108,140052.16,Z,53.363,6.751,3.0,3.4,manual", "line 3: expected a date YYYYMMDD and a time HHMMSS.ss"),
+        ("20180108,14:00:52,Z,53.363,6.751,3.0,3.4,manual", "line 3: expected a date YYYYMMDD"),
+        ("20180108,990052,Z,53.363,6.751,3.0,3.4,manual", "line 3: time '20180108T99:00:52'")])
+    def test_other_dates_and_times_in_knmi_s_list(self, tmp_path, line, message):
+        assert message in one_line_error(read_catalogue, written(tmp_path / "all_induced.csv", self.KNMI + line + "\n"))
+
     def test_depths_in_csv(self, tmp_path):
         path = tmp_path / "events.csv"
         path.write_text("date_utc,time_utc,magnitude,latitude,longitude,depth_km\n2018-01-08,14:00:52,3.4,53.363,6.751,3\n"
@@ -385,6 +408,11 @@ class TestCommand:
                 "'+1+cmd", "'-2+3", "'@SUM(A1)", "'t Zandt", "-5", "'=HYPERLINK(\"x\")"]
         assert list(from_words(table)["place"][[0, 3]]) == ["+1+cmd", "'t Zandt"]
 
+    @pytest.mark.parametrize("words", [("53,36786", "6,71359"), ("53.36786,", "6.71359")])
+    def test_degrees_as_others_write_them(self, output_of, words):
+        """Elsewhere a comma may be of thousands."""
+        assert output_of("exposure", "--at", *words) == output_of("exposure", "--at", *GARSTHUIZEN)
+
     def test_text(self, output_of):
         said = output_of("exposure", "--at", *GARSTHUIZEN)
         assert "largest median 19.61 mm/s; 74.09 mm/s" in said and "Westeremden" in said
@@ -396,6 +424,7 @@ class TestCommand:
         (["--at", "53.3", "6.7", "--catalogue", "no.csv"], "no.csv"),
         (["--at", "53.3", "6.7", "--component", "ROT"], "component = 'ROT'"),
         (["--at", "53.3", "6.7", "--vs30", "nan"], "--vs30"),
+        (["--rd", "245,789", "598263"], "245,789: expected metres with a decimal point and nothing between thousands"),
     ])
     def test_bad_input_is_one_line(self, error_of, words, message):
         said = error_of("exposure", *words)

@@ -61,6 +61,16 @@ class TestCsv:
         assert record.time_step_s == 0.01
         assert_allclose(record.acceleration_m_s2, [0.125, -0.25], rtol=ROUND_OFF)
 
+    @pytest.mark.parametrize("text", [
+        '"time_s","acc_gal"\n"0.00","12.5"\n"0.01","-25"\n', '"time_s","acc_gal"\n"0,00","12,5"\n"0,01","-25"\n',
+        'time_s;acc_gal\n"0,00";"12,5"\n"0,01";"-25"\n', "time_s,acc_gal,\n0,12.5,\n0.01,-25,\n",
+        "time_s;acc_gal;;\n0;12,5;;\n0,01;-25;;\n", "time_s,acc_gal\n0,12.5,\n0.01,-25,\n",
+        "time_s\tacc_gal\t\n0\t12,5\t\n0,01\t-25\t\n"])
+    def test_quotes_and_empty_columns_of_spreadsheets(self, tmp_path, text):
+        record = read_record(write(tmp_path, text, "motion.txt"))
+        assert record.time_step_s == 0.01
+        assert_allclose(record.acceleration_m_s2, [0.125, -0.25], rtol=ROUND_OFF)
+
     def test_an_exponent_that_is_not_in_utf_8_is_one(self, tmp_path):
         path = written(tmp_path / "motion.csv", "time [s];acc [cm/s²]\n0;1\n0,01;2\n".encode("latin-1"))
         assert_allclose(read_record(path).acceleration_m_s2, [0.01, 0.02], rtol=ROUND_OFF)

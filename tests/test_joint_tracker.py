@@ -59,7 +59,7 @@ def test_the_shear_that_a_joint_holds_when_it_opens_is_dissipated_once():
     """Broken in shear under 0.1 MPa it holds tau = 0.1 tan phi MPa, whose elastic energy is tau^2 / 2 k_s an area."""
     layout = lay_out(Wall("small", 0.45, 0.15))
     tracker, contacts = JointTracker(layout, 1e-4), layout.contacts
-    stiffness, tau = contacts.shear_stiffness[0], 0.1e6 * tracker.friction
+    stiffness, tau = contacts.shear_stiffness[0], 0.1e6 * tracker.friction[0]
     tracker.breaks(0, "shear", -0.1e6, 0.3e6)
     before = tracker.friction_energy
     list(tracker.sample(np.array([0]), np.array([1e-5]), np.array([0.3e6 / stiffness]), np.zeros(1)))
@@ -146,7 +146,7 @@ def test_fibres_that_slide_out_and_back_and_open_are_one_dry_joint():
 def test_a_fibre_that_breaks_beside_others_makes_their_stresses_one():
     """Two dry halves, one at rest and one at its limit: what the mean holds less than both counts as friction."""
     tracker, pressure = frayed([(0.0, 0.0)])[2], 1e5
-    ks, area, limit = tracker.shear_stiffness[0], tracker.area[0], pressure * tracker.friction
+    ks, area, limit = tracker.shear_stiffness[0], tracker.area[0], pressure * tracker.friction[0]
     sigma, tau = -pressure, limit + 2e5
     tracker.fibre_breaks(0, "tension", 1e5, 0.0, 0.5, False)
     before = tracker.friction_energy

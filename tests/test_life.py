@@ -318,7 +318,14 @@ class TestRuns:
             "an event is missing": table.drop(table.index[several][:1]),
             "psi = nan": table.assign(psi=table["psi"].where(~first)), "psi = -1": table.assign(psi=-1.0),
             "DI = 1.5": table.assign(DI=1.5), "no column psi": table.drop(columns="psi"),
-            "life = 0": table.assign(life=table["life"] - 1)}
+            "life = 0": table.assign(life=table["life"] - 1), "time_utc = 'abcd'; expected such": table.assign(
+                time_utc=table["time_utc"].where(~first, "abcd")),
+            "another time": table.assign(time_utc="2099-01-01T00:00:00"), "another scale": table.assign(scale=-55.0),
+            "another magnitude": table.assign(magnitude=table["magnitude"] + 1), "another largest PGV": table.assign(
+                largest_mm_s=0.001), "another record": table.assign(record="BGAR_HGZ"),
+            "fell = 'yes'; expected True or False": table.assign(fell=table["fell"].astype(str).where(~first, "yes")),
+            "fell = 1; expected True or False": table.assign(fell=1),
+            "an event after the wall fell": table.assign(fell=table["fell"] | (table["event"] == 1))}
         for said, faulty in faults.items():
             changed.write_text(faulty if isinstance(faulty, str) else faulty.to_csv(index=False))
             assert said in one_line_error(lives_of, folder, [changed])

@@ -193,6 +193,7 @@ class TestRecords:
         ('"max_DI": 0.', '"max_DI": 7.', "its checksum is wrong"),
         ('"intact": false', '"intact": true', "its checksum is wrong"),
         ('"run": "b"', '"run": "c"', "its checksum is wrong"),
+        ('"sha256": ', '"was": ', "it has no checksum"),
         ('{"run"', '{{"run"', "it is no JSON"),
         ('"row": {', '"other": {', "it lacks one of run, intact, row, cycles, shocks"),
     ])
@@ -214,13 +215,15 @@ class TestRecords:
         ("max_DI", 1.0, True), ("max_DI", 7.95, False), ("residual_accumulated_DI_slip", -0.1, False),
         ("max_slip_mm", -1e-9, False), ("residual_drift_ratio", -0.5, True), ("input_energy_j", float("inf"), False),
         ("period_s", float("nan"), True), ("collapsed_at_s", None, True)])
-    def test_a_record_without_a_checksum_is_believed_if_its_numbers_can_be(self, name, value, good, tmp_path):
+    def test_an_older_record_without_a_checksum_is_believed_if_its_numbers_can_be(self, name, value, good, tmp_path):
         one = record("a", tmp_path)
+        older = tmp_path / "shards" / "a.rows"
+        older.parent.mkdir()
         assert name in one["row"]
         for changed, right in ((one | {"row": one["row"] | {name: value}}, good),
                                (one | {"cycles": [{"max_DI": value if name == "max_DI" else 0.5}]},
                                 good or name != "max_DI")):
-            (tmp_path / NAME).write_text(json.dumps(changed) + "\n")
+            older.write_text(json.dumps(changed) + "\n")
             found = read_records(tmp_path)
             assert (len(found.runs), len(found.faults)) == ((1, 0) if right else (0, 1))
 

@@ -6,13 +6,17 @@ import os
 import re
 import subprocess
 import sys
+from collections import namedtuple
 
 import pytest
-from conftest import REPOSITORY, run_command, written
+from conftest import REPOSITORY, one_line_error, run_command, written
 from numpy.testing import assert_allclose
 from test_guides import clone  # noqa: F401
 
 from damage.law.joint_law import Material
+from damage.wall.parameters import Joint
+from yade_scripts import joint_tracker
+from yade_scripts.joint_tracker import check_law
 
 SHORT_STAGES = """#!{python}
 import runpy, sys
@@ -61,12 +65,15 @@ def walked(clone, yade_command):  # noqa: F811
                                "NUMBA_DISABLE_JIT": "1"})
     assert done.returncode == 0, done.stdout + done.stderr
     read = run_command(sys.executable, "-c", READ, cwd=clone, check=True)
-    return done.stdout, *json.loads(read.stdout)
+    tracker = clone / "yade_scripts" / "joint_tracker.py"
+    tracker.write_text(tracker.read_text().replace('"friction_kept",', ""))
+    refused = run_command(str(clone / "yade"), "-n", "kept.py", "--pushover", "0.12", cwd=clone)
+    return done.stdout, *json.loads(read.stdout), refused
 
 
 @pytest.mark.yade
 def test_both_solvers_end_with_the_friction_that_is_kept(walked):
-    printed, reference, yade = walked
+    printed, reference, yade, _ = walked
     assert "verdict: within the tolerances" in printed
     by_hand = KEPT * math.tan(math.radians(32)) * reference["weight_n"]
     assert_allclose([reference["shear_n"], yade["shear_n"]], by_hand, rtol=5e-3)
@@ -75,3 +82,21 @@ def test_both_solvers_end_with_the_friction_that_is_kept(walked):
     assert f"{by_hand / 1e3:.2f} kN" in (REPOSITORY / "CONTRIBUTING.md").read_text()
     # A bond fails by its cohesion and all of its friction: only what slides has less.
     assert_allclose(reference["cohesion_pa"], 0.24e6, rtol=0.05)
+
+
+@pytest.mark.yade
+def test_yade_refuses_a_law_that_it_is_not_said_to_follow(walked):
+    refused = walked[-1]
+    assert refused.returncode == 2 and "Traceback" not in refused.stderr
+    assert "joint law with friction_kept = 0.8: expected 1.0, as YADE's joints do not follow it" in refused.stderr
+
+
+def test_yade_knows_every_number_of_today_s_law(monkeypatch):
+    """One of a law that softens in another way, of the Material alone, is refused."""
+    check_law(Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0, compressive_strength=1e7,
+                    compressive_fracture_energy=1e4, friction_angle=0.5))
+    softer = namedtuple("Material", ["friction", "softening_power"], defaults=[1.0])
+    monkeypatch.setattr(joint_tracker, "material_of", lambda joint: softer(0.6))
+    check_law(Joint())
+    monkeypatch.setattr(joint_tracker, "material_of", lambda joint: softer(0.6, 2.0))
+    assert "joint law with softening_power = 2.0: expected 1.0" in one_line_error(check_law, Joint())

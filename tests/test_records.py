@@ -2,18 +2,21 @@
 
 import hashlib
 import math
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from itertools import product
 
 import numpy as np
 import pytest
 import scipy
-from conftest import one_line_error, refused_with
+from conftest import one_line_error, refused_with, wall_file
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from damage.motion.formats import read_record, shipped_record_path
+from damage.__main__ import main
+from damage.motion.formats import read_record, shipped_record_path, shipped_records, write_csv
+from damage.motion.loading import Recorded
+from damage.motion.plausible import record_warnings
 from damage.motion.record import (
     FINER,
     KAISER_BETA,
@@ -57,6 +60,46 @@ class TestRecord:
         assert Record("r", 1.0, [0, 1], "2018-01-08T15:00:00+01:00").start_utc == (
             "2018-01-08T14:00:00.000000Z"
         )
+
+
+class TestOffsetsAndSpikes:
+    """A motion about another value than zero, samples that are none: named, with what to do; nothing else is."""
+
+    def test_an_offset_is_named_until_the_baseline_is_taken_off(self):
+        moved = Record("moved", 0.005, sine_record().acceleration_m_s2 + 0.2)
+        loading = Recorded(moved, window_s=(3.0, 8.0))
+        (said,) = record_warnings(loading)
+        assert "moved: the mean of the first 1 s is 0.2 m/s2, 17 % of the peak" in said and "--baseline 0" in said
+        assert record_warnings(replace(loading, baseline_order=0)) == []
+
+    @pytest.mark.parametrize("samples, said", [
+        ({1500: -9.99}, "sample 1500 (from 0) at 7.5 s is -9.99 m/s2; expected about "),
+        ({1500: -9.99, 1501: -9.99, 3000: -9.99}, "-9.99 m/s2, and 2 more like it; expected about"),
+        ({0: 4.0}, "sample 0 (from 0) at 0 s is 4 m/s2")])
+    def test_a_sample_that_no_motion_has(self, samples, said):
+        motion = sine_record().acceleration_m_s2.copy()
+        motion[list(samples)] = list(samples.values())
+        assert any(said in one for one in record_warnings(Recorded(Record("r", 0.005, motion))))
+        quiet = Record("quiet", 0.005, np.zeros(motion.size))
+        assert any(said in one for one in record_warnings(Recorded(quiet, across=Record("r", 0.005, motion))))
+
+    def test_a_run_and_the_command_say_it(self, tmp_path, capsys):
+        motion = sine_record(5.0, duration_s=2.0).acceleration_m_s2 + np.where(np.arange(401) == 300, -3.99, 0.5)
+        path = write_csv(Record("r", 0.005, motion), tmp_path / "r.csv")
+        assert main(["record", str(path)]) == 0
+        said = capsys.readouterr().err
+        assert "sample 300 (from 0) at 1.5 s" in said and "an instrument's offset" in said
+        assert "the base still moves" in said
+        wall = wall_file(tmp_path / "w.py", "Wall('w', 0.45, 0.15)")
+        assert main(["reference", str(wall), "--record", str(path), "--out", str(tmp_path / "h.h5"), "--rest", "0",
+                     "--no-pictures"]) == 0
+        said = capsys.readouterr().err
+        assert "sample 300 (from 0) at 1.5 s" in said and "an instrument's offset" in said
+
+    def test_no_record_that_ships_is_doubtful(self):
+        paths = [path for path in shipped_records().values() if path.suffix == ".csv"]
+        assert len(paths) >= 30
+        assert [said for path in paths for said in record_warnings(Recorded(read_record(path)))] == []
 
 
 class TestScaling:

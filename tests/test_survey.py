@@ -1,6 +1,7 @@
 """Surveys: straight lines on stepped paths, what a survey says of itself, its distance from simulated patterns."""
 
 import json
+import re
 import tracemalloc
 
 import numpy as np
@@ -143,6 +144,29 @@ def test_a_survey_without_a_crack(tmp_path):
     assert (found.share_on_joints, found.count, found.psi) == (1.0, 0, 0.0) and not found.opening_m.any()
 
 
+@pytest.mark.parametrize("text", [
+    "crack;point;x_m;z_m;width_mm;;\nA;1;0;0,15;0,4;;\nA;2;0,45;0,15;;;\n",
+    'crack,point,x_m,z_m,width_mm\nA,1,0,"0,15","0,4"\nA,2,"0,45","0,15",\n',
+    "crack\tpoint\tx_m\tz_m\twidth_mm\nA\t1\t0\t0.15\t0.4\nA\t2\t0.45\t0.15\t\n"])
+def test_spreadsheets_of_other_countries_are_read(tmp_path, text):
+    found = read_survey(written(tmp_path / "survey.csv", text), LAYOUT).as_dict()
+    assert (found["crack_length_m"], found["max_width_mm"]) == pytest.approx((0.45, 0.4))
+
+
+@pytest.mark.parametrize("text, said", [
+    ("crack,point,x_m,z_m,width_mm\nA,1,0,0.15,0,4\nA,2,0.45,0.15,\n",
+     "line 2: 6 cells, the header has 5: expected as many; decimal commas need semicolons"),
+    ("crack;point;x_m;z_m;width_mm\nA;1;0;0,15;0.4\nA;2;0,45;0,15;\n",
+     "line 2: a number with a decimal point in a file with decimal commas"),
+    ('crack,point,x_m,z_m,width_mm\nA,1,0,"1,250","0,4"\nA,2,1,"1,250",\n',
+     "line 2: z_m has a number in quotes whose comma may be of decimals or of thousands"),
+    *((f"crack,point,x_m,z_m,width_mm\nA,1,0,0.15,{width}\nA,2,0.45,0.15,\n",
+       f"line 2: width_mm = '{width}': expected a finite number, or nothing where it is unknown; of a bound or a range")
+      for width in ("<0.1", "0.1-0.3", "0.1 \N{EN DASH} 0.3", "~0.2"))])
+def test_what_may_be_two_numbers_is_refused(tmp_path, text, said):
+    refused_with(re.escape(said), read_survey, written(tmp_path / "survey.csv", text), LAYOUT)
+
+
 BAD = {
     "one-corner": (AREAS[:1], "line 2: mode = 'none': expected two rows an area"),
     "no-height": ((AREAS[0], "area,2,2.25,0.9,,none,,,"), "line 3: an area without a crack that has no width"),
@@ -152,6 +176,11 @@ BAD = {
     "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"),
                            "line 2: offset = no with mode = shear"),
     "no-limit": (line(0, 0.15, 0.45, 0.15, limit=0), "line 2: detection_limit_mm is zero; expected the width"),
+    "limit-above": (line(0, 0.15, 0.45, 0.15, 0.4, limit=5), "detection_limit_mm = 5, but the widest crack has 0.4 mm"),
+    "metres-wide": (line(0, 0.15, 0.45, 0.15, 9999), "a crack of 9999 mm; expected widths of up to 1000 mm"),
+    "there-twice": ((*line(0, 0.15, 0.45, 0.15), *line(0.45, 0.15, 0, 0.15, crack="B")),
+                    r"the part of crack B from \(0.45, 0.15\) to \(0, 0.15\) m is there twice"),
+    "crack-in-area": ((*line(0, 0.975, 0.45, 0.975), *AREAS), "0.45 m of cracks lie in areas of mode none"),
     "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm is negative"),
 }
 
@@ -159,6 +188,18 @@ BAD = {
 @pytest.mark.parametrize("rows, said", BAD.values(), ids=BAD)
 def test_bad_surveys_are_one_line(tmp_path, rows, said):
     refused_with(said, survey, tmp_path, *rows)
+
+
+@pytest.mark.parametrize("rows, said", [
+    (line(0, 0.15, 0.45, 0.15, 0.0004, limit=""), "the widest crack has 0.0004 mm: expected 0.01 to 200 mm; correct"),
+    (line(0, 0.15, 0.45, 0.15, 300), "the widest crack has 300 mm: expected 0.01 to 200 mm"),
+    ((*line(0, 0.15, 0.45, 0.15), *line(0, 0.3, 0.45, 0.3, 0.05, crack="B")),
+     "cracks of 0.05 mm, but a detection limit of 0.1 mm"),
+    (line(0, 0.15, 0.45, 0.15, error=50), "widths have an error of 50 mm, as much as the widest crack")])
+def test_what_is_doubtful_of_a_survey_is_in_its_notes(tmp_path, rows, said):
+    assert any(note.startswith(said) for note in survey(tmp_path, *rows).notes)
+    plain = survey(tmp_path, *line(0, 0.15, 0.45, 0.15), *line(0, 0.825, 0.45, 0.825, crack="B"), *AREAS)
+    assert [note for note in plain.notes if "looked at" not in note and "width alone" not in note] == []
 
 
 # --- beside a simulated pattern ------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 formats that are not read.  One Ricker pulse of 0.15 g and 4 Hz, whose PGA and PGV are known, is written in each way."""
 
 import json
+import re
 
 import conftest
 import numpy as np
@@ -29,6 +30,24 @@ PULSE_G = 0.15 * (1 - 2 * PHASE) * np.exp(-PHASE)
 PULSE_GAL = 981 * PULSE_G
 PULSE_PGV_CM_S = 5.0155
 HEAD = "PEER\nQuake, Station, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
+K_NET = """Origin Time       1996/08/11 03:12:00
+Lat.              38.920
+Long.             140.630
+Depth. (km)       7
+Mag.              5.9
+Station Code      AKT013
+Station Lat.      39.6069
+Station Long.     140.3213
+Station Height(m) 34
+Record Time       1996/08/11 03:12:39
+Sampling Freq(Hz) 200Hz
+Duration Time(s)  2
+Dir.              E-W
+Scale Factor      2000(gal)/8388608
+Max. Acc. (gal)   147.15
+Last Correction   1996/08/11 03:00:00
+Memo.             made up
+"""
 COUNTS = "NPTS= 400, DT= .0050 SEC\n"
 
 
@@ -297,6 +316,19 @@ class TestOtherFormats:
         path.write_bytes(begins)
         message = one_line_error(read_record, path)
         assert f"its format is {name}, which is not read" in message and "own-record.md" in message
+
+    def test_k_net_by_the_guides_recipe_keeps_no_offset(self, tmp_path, monkeypatch):
+        pytest.importorskip("obspy")
+        counts = np.round(PULSE_GAL * 8388608 / 2000).astype(int) - 18000
+        head = [line[:18].ljust(18) + line[18:] for line in K_NET.splitlines()]
+        written(tmp_path, "\n".join([*head, *("".join(map("{:9d}".format, counts[k:k + 8]))
+                                              for k in range(0, 400, 8))]) + "\n", "FILE")
+        guide = (REPOSITORY / "docs/guides/own-record.md").read_text()
+        recipe = re.search(r"^```\n(trace = obspy.read.*?)^```$", guide, re.MULTILINE | re.DOTALL)[1]
+        monkeypatch.chdir(tmp_path)
+        exec(f"import numpy, obspy\n{recipe}", {})
+        record = read_record("record.csv")
+        assert (pga_g(record), pgv_cm_s(record)) == pytest.approx((0.15, PULSE_PGV_CM_S), rel=2e-3)
 
     def test_what_is_read_is_not_foreign(self):
         assert not any(map(foreign, (b"# time_s,acc_g\n", b"0.0 0.1\n", HEAD.encode(), b"acc_g\n", b"-0.5 0.2\n")))

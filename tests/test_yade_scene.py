@@ -4,6 +4,7 @@ The guide for YADE users, with engines, the prompt, O.save and O.load, is follow
 """
 
 import json
+import math
 
 import pytest
 from conftest import REPOSITORY, written
@@ -69,7 +70,15 @@ def opened():
     return found | {{"replaced": said(scene.solver.advance, 1)}}
 
 
-run_and_leave(lambda: print(json.dumps([refusals(), opened()])))
+def slippery():  # half of the friction, set for each bond of a wall that is pushed until it slides
+    scene = open_scene(Wall("low", 0.45, 0.15, precompression=0.3e6), pushover=0.12, boundary="fixed")
+    for bond in scene.solver.model.physics:
+        bond.tanFrictionAngle *= 0.5
+    series = scene.finish().series
+    return {{"shear": float(series["base_shear_n"].iloc[-20:].mean()), "load": scene.layout.total_mass * 9.81}}
+
+
+run_and_leave(lambda: print(json.dumps([refusals(), opened(), slippery()])))
 """
 
 
@@ -81,7 +90,7 @@ def found(tmp_path_factory, yade_command):
 
 
 def test_engines_and_bodies_that_would_vanish_are_refused_by_name(found):
-    refused, _ = found
+    refused, *_ = found
     for case, engine in (("given", "NewtonIntegrator"), ("changed", "NewtonIntegrator(newton)"),
                          ("appended", "GlobalStiffnessTimeStepper(second)")):
         assert refused[case].startswith(f"the engine {engine}: the wall's own replaces it"), case
@@ -91,7 +100,7 @@ def test_engines_and_bodies_that_would_vanish_are_refused_by_name(found):
 
 
 def test_an_open_scene_is_weightless_then_carries_its_weight(found):
-    _, scene = found
+    _, scene, _ = found
     assert scene["weightless"] < 1e-6 * scene["weight"]
     assert_allclose(scene["ground"], [-scene["weight"], 0.0], atol=1e-6 * scene["weight"])
     assert scene["steps"] == [10, 10]
@@ -100,6 +109,11 @@ def test_an_open_scene_is_weightless_then_carries_its_weight(found):
 
 
 def test_a_scene_finishes_its_run_once_and_not_in_another_scene(found):
-    _, scene = found
+    _, scene, _ = found
     assert scene["status"] == "complete" and scene["samples"] > 200
     assert "open it anew" in scene["again"] and "the wall's scene was replaced" in scene["replaced"]
+
+
+def test_friction_that_a_script_sets_for_bonds_stays_when_they_fail(found):
+    *_, slid = found
+    assert_allclose(slid["shear"], 0.5 * math.tan(math.radians(32)) * slid["load"], rtol=5e-3)

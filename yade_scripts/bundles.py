@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from yade import O, Vector3
 
-from damage.law.joint_law import friction_left, material_of, stays_elastic
+from damage.law.joint_law import stays_elastic
 
 
 class Broken(NamedTuple):
@@ -36,7 +36,6 @@ class Bundles:
         self._weakest = np.flatnonzero(np.append(True, self.fibres.last[:-1]))
         self._end = np.flatnonzero(self.fibres.last) + 1
         self._area, self._normal, self._shear = contacts.area, contacts.normal_stiffness, contacts.shear_stiffness
-        self._friction = friction_left(False, material_of(model.layout.wall.joint))
 
     def held(self, joint):
         """Share of the area of a contact point that is intact [-]."""
@@ -52,7 +51,7 @@ class Bundles:
         broken = self._weakest_of(joint, sigma, tau)
         failed, area, last = sum(one.share for one in broken), self._area[joint], broken[-1].last
         pressed = min(sigma, 0.0)
-        rubs = math.copysign(min(abs(tau), -pressed * self._friction), tau)
+        rubs = math.copysign(min(abs(tau), -pressed * bond.phys.tanFrictionAngle), tau)
         bears = self._force(joint, bond.geom, failed * area * pressed, failed * area * rubs)
         held = 0.0 if last else self.held(joint)
         bears += self._force(joint, bond.geom, held * area * sigma, held * area * tau)
@@ -74,7 +73,8 @@ class Bundles:
             if broken[-1].last:
                 return broken
             self._weakest[joint] = row = row + 1
-            if stays_elastic(sigma, tau, fibres.tensile_strength[row], fibres.cohesion[row], self._friction):
+            friction = self.model.physics[joint].tanFrictionAngle
+            if stays_elastic(sigma, tau, fibres.tensile_strength[row], fibres.cohesion[row], friction):
                 return broken
 
     def _bond_again(self, joint, bond, held, sigma, tau):

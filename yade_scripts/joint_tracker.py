@@ -7,17 +7,39 @@ or closes.  A joint ends where its faces cease to overlap or, with new contacts,
 corners at all of its contact points; it then keeps its state.
 """
 
+from dataclasses import fields
+
 import numpy as np
 
+from damage.errors import InputError
 from damage.law.joint_law import friction_left, material_of
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 
+FOLLOWED = {
+    "friction",
+    "normal_stiffness", "shear_stiffness", "friction_angle", "tensile_strength", "cohesion", "mode_i_fracture_energy",
+    "mode_ii_fracture_energy", "compressive_strength", "compressive_fracture_energy"}
+"""Fields of Joint and of the law's Material that walls in YADE follow."""
 _SLIDES = 1e-7  # [m], plastic slip between two samples from which the joint counts as sliding
 
 
+def check_law(joint):
+    """Raise InputError of a damage.wall.parameters.Joint with a number that YADE's joints do not follow: they would have
+    the law without it."""
+    material = material_of(joint)
+    defaults = type(material)._field_defaults
+    given = [(one.name, getattr(joint, one.name), one.default) for one in fields(joint)]
+    given += [(name, getattr(material, name), defaults.get(name)) for name in material._fields]
+    for name, value, default in given:
+        if name not in FOLLOWED and value != default:
+            raise InputError(f"joint law with {name} = {value!r}: expected {default!r}, as YADE's joints do not follow "
+                             "it; use the reference solver, python3 -m damage reference, or let yade_scripts follow it "
+                             "and name it in FOLLOWED of yade_scripts/joint_tracker.py (CONTRIBUTING.md)")
+
+
 class JointTracker:
-    """State of all joints, arrays (n_joints,): opening, slip, offset [m]; broken (failed), at_limit, crushed, ended;
+    """State of all joints, arrays (n_joints,): friction of a failed one [-]; opening, slip, offset [m]; broken (failed), at_limit, crushed, ended;
     dry: failed share of the area [-].  With parallel elements opening, slip and offset are means by shares; broken and
     at_limit are those of the last element.
 
@@ -27,7 +49,7 @@ class JointTracker:
 
     def __init__(self, layout, threshold, new_contacts=False):
         n, contacts = layout.n_joints, layout.contacts
-        self.friction = friction_left(True, material_of(layout.wall.joint))
+        self.friction = np.full(n, friction_left(True, material_of(layout.wall.joint)))
         self.area = contacts.area[:n]
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]
@@ -56,7 +78,7 @@ class JointTracker:
         if self._open[joint]:
             self.fracture_energy += 0.5 * (sigma**2 / kn + tau**2 / ks) * area
         else:
-            residual = -sigma * self.friction
+            residual = -sigma * self.friction[joint]
             self.fracture_energy += 0.5 * (abs(tau) - residual) ** 2 / ks * area
             self._stress[joint] = residual
         self.at_limit[joint] |= kind == "shear" and last
@@ -116,7 +138,7 @@ class JointTracker:
         opens = is_open & ~self._open[joints]
         held = np.where(opens, self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints]), 0.0)
         self.friction_energy += float(np.sum(held * area))
-        limit = -opening * self.normal_stiffness[joints] * self.friction
+        limit = -opening * self.normal_stiffness[joints] * self.friction[joints]
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
         self.at_limit[joints] |= (slides | (np.abs(increment) > _SLIDES)) & self.broken[joints]
         self.slip[joints] += self.dry[joints] * increment

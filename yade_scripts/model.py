@@ -68,7 +68,10 @@ class YadeWall:
         self.bonded, self.frayed = np.ones(len(bonds), dtype=bool), {}
         self.tips, self.faces = parts.tips, parts.faces
         self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
-        self.friction = friction_left(True, material_of(layout.wall.joint))
+        material = material_of(layout.wall.joint)
+        intact, self._kept = friction_left(False, material), 1.0  # share of its friction that a bond leaves
+        if intact:
+            self._kept = friction_left(True, material) / intact
         self._material, self.work = parts.tip, work
         # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
         self.handed = np.where(layout.contacts.upright, -1.0, 1.0)
@@ -85,6 +88,11 @@ class YadeWall:
         self._corner_depth = max(corner_depth, inset)  # of the faces' overlap [m], from which corners touch
         self.corners = set()  # ids of the spheres in the bricks' corners
 
+    def friction_of(self, joint):
+        """Coefficient of friction of a dry joint, or of the one that a bond leaves, which a script may have set."""
+        phys = self.physics[joint]
+        return phys.tanFrictionAngle * self._kept if self.bonded[joint] else phys.tangensOfFrictionAngle
+
     def loosen(self, joint):
         """Replace a failed bond by a tip on a face, with the shear force of the bond after its failure."""
         bond, tip = self.bonds[joint], self.tips[joint]
@@ -95,7 +103,7 @@ class YadeWall:
         contact = self._touch(joint, *stiffness)
         contact.phys.shearForce = shear
         self._put(joint, contact)
-        self.work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
+        self.work.add(contact, self.friction_of(joint) * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
 
     def fray(self, joint):
         """Add a dry contact without stiffness beside a bond, for its failed parallel elements."""
@@ -171,7 +179,7 @@ class YadeWall:
         self._tip_of[joint] = point
         contact = utils.createInteraction(self.faces[tip.face], point)
         contact.phys.kn, contact.phys.ks = normal_stiffness, shear_stiffness
-        contact.phys.tangensOfFrictionAngle = self.friction
+        contact.phys.tangensOfFrictionAngle = self.friction_of(joint)
         return contact
 
     def arm(self):

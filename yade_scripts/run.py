@@ -119,7 +119,10 @@ def open_wall(wall, engines, options):
     return open_scene(_backend(engines_beside(engines)), settings, file, load_wall(file) if file else wall)
 
 
-def _check(settings):
+def _check(settings, wall):
+    from yade_scripts.joint_tracker import check_law
+
+    check_law(wall.joint)
     for option, given in (("--soil-velocity", settings.model.soil_velocity), ("--beta", settings.beta_s)):
         if given:
             raise InputError(f"{option} {given:g}: YADE's joint law has no viscous damping; leave it out, or use the "

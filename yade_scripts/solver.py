@@ -242,6 +242,7 @@ class YadeSolver(Solver):
                 self._fray(joint, opening, slip, sigma, tau)
                 continue
             kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
+            tracker.friction[joint] = self.model.friction_of(joint)
             tracker.breaks(joint, kind, sigma, tau)
             self.model.loosen(joint)
             self._events.append((self.clock, int(joint), kind, sigma, tau))
@@ -254,6 +255,7 @@ class YadeSolver(Solver):
             one = np.array([joint])
             self._log_passings(tracker.sample(one, np.array([opening]), np.array([slip]), scene.shear_stresses(one)))
         for share, kind, last in scene.give_way(joint, sigma, tau):
+            tracker.friction[joint] = self.model.friction_of(joint)
             tracker.fibre_breaks(joint, kind, sigma, tau, share, last)
             if last:
                 self._events.append((self.clock, int(joint), kind, sigma, tau))

@@ -1,5 +1,7 @@
 """Commands about an address: its earthquakes, and lives of walls there."""
 
+import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -14,17 +16,32 @@ from damage.exposure.places import at, at_rd
 from damage.files import is_there, write_text
 from damage.run.options import arg, file_arg, file_path, flag, group, number_from
 
+
+def _degrees(word):
+    """Degrees, which may have a decimal comma, and a comma behind them."""
+    return float(re.sub(r"^(-?\d+),(\d+)$", r"\1.\2", word.removesuffix(",")))
+
+
+def _metres(word):
+    try:
+        return float(word)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{word}: expected metres with a decimal point and nothing between thousands; "
+                                         "correct it") from None
+
+
+_degrees.__name__ = "float"  # for what argparse says of a word that is none
 _ADDRESS = (
     group("address",
-          arg("--at", nargs=2, type=float, metavar=("LAT", "LON"), help="the address, degrees in WGS84"),
-          arg("--rd", nargs=2, type=float, metavar=("X", "Y"), help="instead: metres in the Dutch grid (EPSG:28992)"),
+          arg("--at", nargs=2, type=_degrees, metavar=("LAT", "LON"), help="the address, degrees in WGS84"),
+          arg("--rd", nargs=2, type=_metres, metavar=("X", "Y"), help="instead: metres in the Dutch grid (EPSG:28992)"),
           arg("--vs30", type=float, default=200.0, metavar="M_S", help="mean shear-wave velocity of the upper 30 m "
                "(default 200)")),
     group("earthquakes and ground motion",
           arg("--from", dest="first", type=int, metavar="YEAR", help="first year (default: the catalogue's)"),
           arg("--to", dest="last", type=int, metavar="YEAR", help="last year (default: the catalogue's)"),
-          file_arg("--catalogue", "FILE", "events: CSV, or the text of an FDSN event service (default: KNMI's list for "
-                "the field, 1991-12 to 2022-01, which ships)"),
+          file_arg("--catalogue", "FILE", "events: CSV, KNMI's all_induced.csv, or the text of an FDSN event service "
+                   "(default: KNMI's list for the field, 1991-12 to 2022-01, which ships)"),
           arg("--component", metavar="LRG|GEO|MAX", help="larger of both horizontal components (default), their "
                "geometric mean, or the largest in any direction"),
           arg("--model", default="bommer-2022", metavar="NAME", help="ground-motion model (default bommer-2022)")))
@@ -55,7 +72,7 @@ def _exposure(asked):
 
 @command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has later; "
          "the file is text, of https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
-         file_arg("later", "FILE", "text of an FDSN event service, or CSV"),
+         file_arg("later", "FILE", "text of an FDSN event service, CSV, or KNMI's all_induced.csv"),
          file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
          out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"))
 def _catalogue(asked):

@@ -9,7 +9,13 @@ from damage.files import json_text
 from damage.law.modes import natural_modes
 from damage.motion import intensity
 from damage.motion.loading import PERIODS_S
-from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
+from damage.motion.plausible import (
+    faint_warnings,
+    implausible_motion,
+    implausible_peak,
+    implausible_velocity,
+    record_warnings,
+)
 from damage.provenance import shown_path
 from damage.run.options import (
     ACCEPTING,
@@ -160,7 +166,7 @@ def _record(asked):
     found = intensity.motion_summary(loading, asked.period)
     warn(*implausible_motion(loading), *filter(None, (
         implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))),
-         *faint_warnings(found["pga_g"]))
+         *faint_warnings(found["pga_g"]), *record_warnings(loading), *intensity.end_warnings(loading.applied()))
     if asked.plot:
         from damage.draw.motion import motion_picture
         from damage.draw.style import save_picture

@@ -1,4 +1,5 @@
-"""Earthquake catalogues: a CSV table, as the one that ships, or the text of an FDSN event service.
+"""Earthquake catalogues: a CSV table, as the one that ships, KNMI's public list all_induced.csv, or the text of an FDSN
+event service.
 
 A catalogue of other origin may hold what the ground-motion models are not for.  Left out are events that are no
 earthquakes by their type, tectonic ones by their depth, those of other places than the Groningen field, and all but one
@@ -40,6 +41,8 @@ _GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
 _FDSN = {"eventid": "id", "time": "time", "latitude": "latitude", "longitude": "longitude", "magnitude": "magnitude",
          "eventlocationname": "place", "depth/km": "depth", "eventtype": "type",
          "catalog": "agency"}  # heading in lower case: name here; others are passed over
+_KNMI = {"YYMMDD": "date_utc", "TIME": "time_utc", "LOCATION": "place", "LAT": "latitude", "LON": "longitude",
+         "DEPTH": "depth_km", "MAG": "magnitude"}  # of all_induced.csv, 20180419 and 093307.59
 _FDSN_NEEDED = ("time", "latitude", "longitude", "magnitude")
 
 
@@ -100,8 +103,8 @@ def read_catalogue(path=SHIPPED):
     """Read a Catalogue.  Raises InputError, with the line, where the file does not fit.
 
     CSV: columns date_utc, time_utc, magnitude and either easting_rd_m, northing_rd_m or latitude, longitude; depth_km,
-    field, place, knmi_id may be there.  FDSN text: a first line #EventID|Time|Latitude|Longitude|...|Magnitude, of
-    whose other columns Depth/km, EventType and Catalog are read.
+    field, place, knmi_id may be there.  KNMI's all_induced.csv: as it is.  FDSN text: a first line
+    #EventID|Time|Latitude|Longitude|...|Magnitude, of whose other columns Depth/km, EventType and Catalog are read.
     """
     check_file(path, "a catalogue of earthquakes (CSV or FDSN text)", MOST_MB)
     with open(path, "rb") as file:
@@ -109,7 +112,8 @@ def read_catalogue(path=SHIPPED):
     if first.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"{", b"[")):
         raise InputError(f"{path}: XML or JSON; expected CSV, or the text of an FDSN event service; ask it for "
                          "format=text")
-    return (_read_fdsn if b"|" in first else _read_csv)(path)
+    by = _read_fdsn if b"|" in first else _read_knmi if b"YYMMDD" in first else _read_csv
+    return by(path)
 
 
 def with_later(path, base=SHIPPED):
@@ -143,9 +147,25 @@ def write_catalogue(catalogue, path):
     return write_text(path, rows.to_csv(index=False, lineterminator="\n"))
 
 
+def _read_knmi(path):
+    """KNMI's list of all induced earthquakes of the country: what lies in the sea beside it is left out."""
+    table = CsvTable(path, tuple(_KNMI), ("EVALMODE",))
+    digits = table.text["TIME"].str.extract(r"^(\d{1,6})(\.\d*)?$").fillna("")  # a spreadsheet takes zeros off
+    table.refuse(~table.text["YYMMDD"].str.fullmatch(r"\d{8}") | (digits[0] == ""), "expected a date YYYYMMDD and a "
+                 "time HHMMSS.ss, such as 20180419 and 093307.59; correct it")
+    clock = digits[0].str.zfill(6).str.replace(r"(..)(..)(..)", r"\1:\2:\3", regex=True)
+    table.text = table.text.rename(columns=_KNMI).assign(time_utc=clock + digits[1].where(digits[1] != ".", ""))
+    return _from_table(path, table, leave_out=True)
+
+
 def _read_csv(path):
-    table = CsvTable(path, ("date_utc", "time_utc", "magnitude"), (*_GRID, *_DEGREES, "depth_km", "field", "place",
-                                                                    "knmi_id"))
+    return _from_table(path, CsvTable(path, ("date_utc", "time_utc", "magnitude"), (
+        *_GRID, *_DEGREES, "depth_km", "field", "place", "knmi_id")))
+
+
+def _from_table(path, table, leave_out=False):
+    """The Catalogue of a CsvTable with the columns of CSV; leave_out: whether to take events outside the country out
+    rather than to refuse the file."""
     pairs = [pair for pair in (_GRID, _DEGREES) if all(name in table.text for name in pair)]
     if not pairs:
         raise InputError(f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
@@ -157,7 +177,7 @@ def _read_csv(path):
              for date, time, line in zip(table.words("date_utc"), table.words("time_utc"), table.line)]
     return _catalogue(path, times, pd.DataFrame(numbers | {
         "line": table.line, "place": table.words("place"), "id": table.words("knmi_id"),
-        "depth": table.numbers("depth_km"), "type": "", "agency": ""}))
+        "depth": table.numbers("depth_km"), "type": "", "agency": ""}), leave_out)
 
 
 def _read_fdsn(path):
@@ -184,27 +204,29 @@ def _read_fdsn(path):
     return _catalogue(path, times, pd.DataFrame(rows))
 
 
-def _catalogue(path, times, table):
+def _catalogue(path, times, table, leave_out=False):
     """A Catalogue of events, after a check of their ranges.
 
     times: datetimes; table: columns line (number in the file), magnitude, those of _GRID or of _DEGREES, place, id,
-    depth [km], type and agency; depth NaN, the last two "" where the file does not say.
+    depth [km], type and agency; depth NaN, the last two "" where the file does not say; leave_out: as of `_from_table`.
     """
     least, most = MAGNITUDES
     in_grid = _GRID[0] in table
     bounds, pair = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)
     epicentres, magnitude = [table[name].to_numpy(float) for name in pair], table["magnitude"]
+    outside = ~within(bounds, *epicentres)
     for wrong, problem in (
             ((magnitude < least) | (magnitude > most), f"expected a magnitude from {least:g} to {most:g}"),
-            (~within(bounds, *epicentres), f"epicentre outside the Netherlands; expected {pair[0]} from "
+            (outside & ~(leave_out & ~outside.all()), f"epicentre outside the Netherlands; expected {pair[0]} from "
              f"{bounds[0][0]:g} to {bounds[0][1]:g} and {pair[1]} from {bounds[1][0]:g} to {bounds[1][1]:g}")):
         if wrong.any():
             raise InputError(f"{path} line {table['line'][int(np.argmax(wrong))]}: {problem}; correct it")
-    x_m, y_m = epicentres if in_grid else to_rd(*epicentres)
+    lines, (x_m, y_m) = table["line"].to_numpy(), epicentres if in_grid else to_rd(*epicentres)
     table, notes = table.assign(x_m=x_m, y_m=y_m, time=pd.Series(times, dtype=object)), []
-    table = table.sort_values("time", kind="stable", ignore_index=True)
+    table = table[~outside].sort_values("time", kind="stable", ignore_index=True)
     if Path(path) != SHIPPED:
-        table, notes = _of_the_field(table)
+        away, (table, notes) = lines[outside], _of_the_field(table)
+        notes = [f"left out as outside the Netherlands: {_lines(away)}"] * bool(len(away)) + notes
         if table.empty:
             raise InputError(f"{path}: no event that the ground-motion models are for; expected induced earthquakes of "
                              f"the Groningen field; {notes[0]}")

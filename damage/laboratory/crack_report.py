@@ -10,7 +10,7 @@ from damage.errors import InputError, warn
 from damage.history.moments import choose_samples
 from damage.history.reader import read_history
 from damage.index import COMPONENTS, THRESHOLD
-from damage.laboratory.dic import MARGIN, measure, patterns_of_fields, read_field
+from damage.laboratory.dic import MARGIN, field_warnings, measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
 from damage.measure.crack_file import patterns_of, read_cracks, write_cracks
 from damage.measure.crack_mapping import describe_level, largest, map_cracks
@@ -19,7 +19,7 @@ from damage.measure.warnings import offset_warnings
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.plausible import CRACK_WIDTH_MM, implausible_places
+from damage.wall.plausible import implausible_places, implausible_width
 
 SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
@@ -63,11 +63,8 @@ def _implausible(patterns, wall):
     if not drawn:
         return []
     stretches = pd.concat(drawn)
-    widest, (least, most) = float(stretches["width_m"].max()) / MILLIMETRE, CRACK_WIDTH_MM
-    wide = [] if least <= widest <= most else [
-        f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, "
-        "opening_mm and slip_mm"]
-    return list(filter(None, [implausible_places(ends_of(stretches), wall), *wide]))
+    widths = implausible_width(float(stretches["width_m"].max()) / MILLIMETRE)
+    return list(filter(None, [implausible_places(ends_of(stretches), wall), widths]))
 
 
 def _only_with(what, given, needs=("wall",), without=()):
@@ -127,6 +124,7 @@ def field_report(path, wall, margin, threshold, drift_limit, psi_from, export):
     """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if given."""
     fields, layout = read_field(path), lay_out(load_wall(wall))
     measured = measure(fields, layout, margin)
+    warn(*field_warnings(fields, measured, layout, margin))
     patterns = patterns_of_fields(fields, measured, layout, min(threshold, psi_from))
     report, mapped = pattern_report(patterns, layout, threshold, drift_limit, psi_from)
     limits = dic_report(measured, layout)

@@ -16,7 +16,7 @@ import numpy as np
 
 from damage.checks import check_not_negative
 from damage.csv_table import CsvTable
-from damage.errors import InputError
+from damage.errors import InputError, some_of
 from damage.index import THRESHOLD
 from damage.measure.crack_file import pattern_of
 from damage.measure.cracks import crack_table
@@ -30,6 +30,12 @@ OPTIONAL = ("load_level", "drift_pct")
 MARGIN = 10 * MILLIMETRE
 """Points closer to a brick's edge than this are left out [m]: their subset may reach over the joint."""
 LEAST_POINTS = 4
+MOST_M = 0.5
+"""Largest displacement of a field [m]: a wall that moves so far has fallen."""
+MOVES_M, UPSIDE = 0.05 * MILLIMETRE, 2.0
+"""Motion [m] from which the lowest course is compared with the top one, and how many times that one's is doubtful."""
+STUCK = 5.0
+"""Deviations of the noise from which a point without displacement is not one of its brick."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,7 @@ class Measured:
 
     opening, slip: (n_joints,) [m], NaN where a brick was not seen; deviation: (n_joints,) standard
     deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-]: the file's, else that
-    of the top course, NaN where no brick of it was seen.
+    of the top course, NaN where no brick of it was seen; motion: of the bodies, as of Motions.
     """
 
     opening: np.ndarray
@@ -74,6 +80,7 @@ class Measured:
     deviation: np.ndarray
     noise: float
     drift_ratio: float
+    motion: np.ndarray
 
 
 def read_field(path):
@@ -81,7 +88,8 @@ def read_field(path):
     the correlation lost, are left out.  Raises InputError with the line."""
     table = CsvTable(path, REQUIRED, OPTIONAL)
     x, z, ux, uz, level, drift = (table.numbers(name) for name in (*REQUIRED, *OPTIONAL))
-    table.refuse_beyond(**dict.fromkeys(REQUIRED, LONGEST_M), load_level=1e6, drift_pct=1e3)
+    table.refuse_beyond(**dict.fromkeys(REQUIRED[:2], LONGEST_M), **dict.fromkeys(REQUIRED[2:], MOST_M), load_level=1e6,
+                        drift_pct=1e3)
     table.refuse(np.isnan(x) | np.isnan(z), "no place; give x_m and z_m")
     table.refuse(np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither")
     if "load_level" in table.text:
@@ -124,23 +132,28 @@ def relative_to_base(field, margin=MARGIN):
     return field.displacement - mean + turned(arm, -turn)
 
 
+def points_of_bricks(points, layout, margin):
+    """Yield (brick, indices of the points (n, 2) that lie so far inside its edges [m])."""
+    bodies, order = layout.bodies, np.argsort(points[:, 1])
+    x, z = points[order].T
+    for brick in range(layout.n_bricks):
+        half = np.array([bodies.length[brick], bodies.height[brick]]) / 2 - margin
+        course = slice(*np.searchsorted(z, bodies.z[brick] + [-half[1], half[1]]))
+        yield brick, order[course][np.abs(x[course] - bodies.x[brick]) <= half[0]]
+
+
 def brick_motions(field, layout, margin=MARGIN):
     """Motions of the bricks of a Layout relative to the base, from the points of a Field."""
     bodies, n = layout.bodies, len(layout.bodies)
     displacement = relative_to_base(field, margin)
     motion, n_points = np.full((n, 3), np.nan), np.zeros(n, int)
     centre, spread, squares = np.zeros((n, 2)), np.ones(n), 0.0
-    order = np.argsort(field.points[:, 1])
-    points, displacement = field.points[order], displacement[order]
-    for brick in range(layout.n_bricks):
-        half = np.array([bodies.length[brick], bodies.height[brick]]) / 2 - margin
-        middle = np.array([bodies.x[brick], bodies.z[brick]])
-        course = slice(*np.searchsorted(points[:, 1], middle[1] + [-half[1], half[1]]))
-        inside = np.abs(points[course, 0] - middle[0]) <= half[0]
-        n_points[brick] = inside.sum()
+    for brick, inside in points_of_bricks(field.points, layout, margin):
+        n_points[brick] = len(inside)
         if n_points[brick] < LEAST_POINTS:
             continue
-        place, moved = points[course][inside], displacement[course][inside]
+        middle = np.array([bodies.x[brick], bodies.z[brick]])
+        place, moved = field.points[inside], displacement[inside]
         mean, turn = rigid_motion(place, moved)
         centre[brick] = place.mean(axis=0)
         spread[brick] = np.sum((place - centre[brick])**2)
@@ -178,8 +191,44 @@ def measure(fields, layout, margin=MARGIN):
         if isnan(drift) and not np.isnan(top).all():  # that of the top course, as in a simulation
             drift = float(np.nanmean(top) / layout.drift_height)
         levels.append(Measured(np.maximum(opening, 0.0), shear, opening_deviation(motions, layout), motions.noise,
-                               drift))
+                               drift, motions.motion))
     return levels
+
+
+def field_warnings(fields, measured, layout, margin=MARGIN):
+    """Lines on what of fields is doubtful: z that points down, and points kept as zero that the correlation lost."""
+    found = []
+    z, n = layout.bodies.z, layout.n_bricks
+    for field, level in zip(fields, measured):
+        where, seen = f"load level {field.level:g}: ", np.flatnonzero(~np.isnan(level.motion[:n, 0]))
+        moved = np.hypot(*level.motion[seen, :2].T)
+        low, high = (float(np.median(moved[z[seen] == edge])) for edge in (z[seen].min(), z[seen].max()))
+        if low > max(MOVES_M, UPSIDE * high):
+            found.append(
+                f"{where}the lowest course moves by {low / MILLIMETRE:.3g} mm, the top one by {high / MILLIMETRE:.3g} "
+                "mm; expected z up from a base at rest: where z points down, as in pictures, give the wall's height "
+                "less z, and -uz")
+        stuck = stuck_points(field, layout, margin)
+        if len(stuck):
+            places = [f"({x:g}, {z:g})" for x, z in field.points[stuck]]
+            found.append(f"{where}{len(stuck)} of {len(field.points)} points, at x, z = {some_of(places, 3)} [m], have "
+                         "zero displacement on bricks that move; expected no ux_m and uz_m where the correlation "
+                         "failed: leave them empty there")
+    return found
+
+
+def stuck_points(field, layout, margin=MARGIN):
+    """Indices of points whose displacement is zero, while that of their brick by its other points is not."""
+    zero, found = ~field.displacement.any(axis=1), [np.zeros(0, int)]
+    for _, inside in points_of_bricks(field.points, layout, margin):
+        still, others = inside[zero[inside]], inside[~zero[inside]]
+        if len(still) == 0 or len(others) < LEAST_POINTS:
+            continue
+        mean, turn = rigid_motion(field.points[others], field.displacement[others])
+        moved = mean + turned(field.points[inside] - field.points[others].mean(axis=0), turn)
+        noise = np.median(np.hypot(*(moved - field.displacement[inside])[~zero[inside]].T))
+        found.append(still[np.hypot(*moved[zero[inside]].T) > max(STUCK * noise, MOVES_M)])
+    return np.sort(np.concatenate(found))
 
 
 def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):

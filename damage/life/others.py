@@ -21,6 +21,10 @@ _NOTE = re.compile(r"# (\S+): wall and options (\w+), model ([\w ]+), measures (
 _DRAWN = ("loading", "sequence", "events", "life", "seed")
 """Settings that differ from life to life."""
 _ROUNDED = 1e-7  # of nine digits
+_DRAWN_COLUMNS = {"id": "other events", "time_utc": "another time", "magnitude": "another magnitude",
+                  "place": "another place", "pgv_mm_s": "another PGV", "record": "another record",
+                  "scale": "another scale", "largest_mm_s": "another largest PGV"}
+"""Columns that follow from the draws: {name: what is said where it differs}."""
 _LOWEST = {"life": 1, "event": 0, "seed": 0, "newly_failed": 0, **dict.fromkeys(
     ("pgv_mm_s", "largest_mm_s", "max_psi", "psi", "max_DI", "DI", "crack_width_mm", "offset_after_mm"), 0.0)}
 _HIGHEST = {"max_DI": 1.0, "DI": 1.0, "pgv_mm_s": 5000.0, "largest_mm_s": 5000.0}
@@ -65,11 +69,25 @@ def read_lives(path, columns):
             raise InputError(f"{path}: row {np.argmax(wrong) + 1}: {name} = {table[name][wrong].iloc[0]}; expected a "
                              f"number from {least:g} to {_HIGHEST.get(name, 1e6):g}; correct it, or leave the table "
                              "out")
+    table["fell"] = _flags(path, table["fell"])
+    wrong = pd.to_datetime(table["time_utc"], format="%Y-%m-%dT%H:%M:%S", errors="coerce").isna()
+    if wrong.any():
+        raise InputError(f"{path}: row {np.argmax(wrong) + 1}: time_utc = {table['time_utc'][wrong].iloc[0]!r}; "
+                         "expected such as 2018-01-08T14:00:52; correct it, or leave the table out")
     notes = {found[1]: found.groups()[1:] for found in map(_NOTE.match, text.splitlines()) if found}
     if without := sorted(set(table["point"].astype(str)) - notes.keys()):
         warn(f"{path}: no line on the wall and options of {len(without)} points, such as {without[0]}, as of an older "
              "version: their lives are counted as if they were of this study's walls")
     return from_words(table[list(columns)]), notes
+
+
+def _flags(path, words):
+    """A column of True and False; InputError for other words, which would count as either."""
+    flags = words.astype(str).str.lower().map({"true": True, "false": False})
+    if (wrong := flags.isna()).any():
+        raise InputError(f"{path}: row {np.argmax(wrong) + 1}: fell = {words[wrong].iloc[0]!r}; expected True or "
+                         "False; correct it, or leave the table out")
+    return flags.astype(bool)
 
 
 def of_point(path, table, notes, point, draws, mine):
@@ -100,11 +118,18 @@ def _problem(events, draws, life):
     """What is wrong with the events of a life, in words; None where they are those that are drawn, in their order."""
     if list(events["event"]) != list(range(1, len(events) + 1)):
         return "an event is missing or there twice"
-    ids, pgv = draws.events_of(life)
-    if len(events) < len(ids) and not (len(events) and events["fell"].iloc[-1]):
-        return f"{len(events)} of {len(ids)} events of a wall that stands"
-    if len(events) > len(ids) or list(events["id"]) != list(ids[:len(events)]):
-        return "other events"
-    if not np.allclose(events["pgv_mm_s"], pgv[:len(events)], rtol=_ROUNDED):
-        return "another PGV"
-    return None
+    drawn, fell = draws.life(life), events["fell"]
+    if len(events) < len(drawn) and not (len(events) and fell.iloc[-1]):
+        return f"{len(events)} of {len(drawn)} events of a wall that stands"
+    if fell.iloc[:-1].any() and len(events) <= len(drawn):
+        return "an event after the wall fell"
+    drawn = drawn.assign(largest_mm_s=draws.largest([life])[0]).iloc[:len(events)]
+    return next((said for name, said in _DRAWN_COLUMNS.items() if not _equal(events[name], drawn[name])), None)
+
+
+def _equal(one, other):
+    """Whether two columns have the same words, or the same numbers as far as a table has them."""
+    if pd.api.types.is_numeric_dtype(other):
+        one = pd.to_numeric(one, errors="coerce")
+        return len(one) == len(other) and np.allclose(one, other, rtol=_ROUNDED, atol=0.0)
+    return list(one.fillna("").astype(str)) == list(other.astype(str))

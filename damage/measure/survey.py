@@ -22,16 +22,19 @@ from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.measure.crack_file import CrackPattern, read_cracks
 from damage.measure.crack_paths import crack_paths
-from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi, psi_value
+from damage.measure.cracks import close_pairs, crack_numbers, cracked, ends_of, mean_width, psi, psi_value
 from damage.measure.patterns import Places, in_words
 from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
+from damage.wall.plausible import implausible_width
 
 LEAST_SHARE = 0.5
 """Share of the drawn length that has to lie on joints [-]."""
 WIDTH_ERROR = 0.05 * MILLIMETRE
 """Error of widths where a survey says none [m]: half the least step of a crack-width card."""
+WIDEST_M = 1.0
+"""A crack of this width [m] is none: the wall has fallen."""
 NEAR_M = 0.225
 """How near a crack of the run is to one of the survey, and the other way round, to count as at its place [m]."""
 
@@ -106,6 +109,7 @@ def read_survey(path, wall):
 def survey_of(pattern, wall, file="the survey", sha256=""):
     """The Survey of a CrackPattern on the joints of a Layout; errors as of `read_survey`."""
     parts = pattern.stretches
+    _refuse_contradictions(pattern, file, wall)
     paths = crack_paths(parts, wall)
     check_share(paths, file, wall)
     offset = np.full(len(parts), np.nan) if pattern.offset is None else pattern.offset
@@ -124,6 +128,43 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
                   _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
 
 
+def _refuse_contradictions(pattern, file, wall):
+    """Raise InputError of a survey that says two things."""
+    parts, length = pattern.stretches, pattern.length_m
+    widest, limit = float(parts["width_m"].max()) if len(parts) else 0.0, pattern.detection_limit_m
+    if widest > WIDEST_M:
+        raise InputError(f"{file}: a crack of {widest / MILLIMETRE:g} mm; expected widths of up to "
+                         f"{WIDEST_M / MILLIMETRE:g} mm, look at the unit")
+    if 0 < widest and not isnan(limit) and not cracked(widest, limit):
+        raise InputError(f"{file}: detection_limit_mm = {limit / MILLIMETRE:g}, but the widest crack has "
+                         f"{widest / MILLIMETRE:g} mm; expected the width from which cracks are seen, correct one of "
+                         "both")
+    ends = ends_of(parts)
+    same = pd.DataFrame(np.sort(ends[..., 0] + 1j * ends[..., 1], axis=1)).duplicated()  # in either direction
+    for k in np.flatnonzero(same)[:1]:
+        start, end = (f"({x:g}, {z:g})" for x, z in ends[k])
+        raise InputError(f"{file}: the part of crack {parts['crack'].iloc[k]} from {start} to {end} m is there twice; "
+                         "expected each part of a crack once, leave one out")
+    inside = float(length @ _share_in(ends, pattern.clear))
+    if inside > wall.wall.brick.length / 2:
+        raise InputError(f"{file}: {inside:.2f} m of cracks lie in areas of mode none, which have no crack; expected "
+                         "areas beside the cracks, make them smaller or leave them out")
+
+
+def _share_in(ends, areas):
+    """Share of the length of straight parts (n, 2, 2) in rectangles (n, 4) [m], by 20 points of each."""
+    share = (np.arange(20) + 0.5) / 20
+    place = ends[:, :1] + share[:, np.newaxis] * (ends[:, 1:] - ends[:, :1])
+    return _within(place, areas).mean(axis=1)
+
+
+def _within(place, areas):
+    """Whether places (..., 2) lie in one of rectangles (n, 4), opposite corners [m]."""
+    low, high = np.minimum(areas[:, :2], areas[:, 2:]), np.maximum(areas[:, :2], areas[:, 2:])
+    place = place[..., np.newaxis, :]
+    return ((place >= low) & (place <= high)).all(axis=-1).any(axis=-1)
+
+
 def check_share(paths, file, wall):
     """Raise InputError where less than LEAST_SHARE of the length of CrackPaths lies on joints."""
     if paths.share < LEAST_SHARE:
@@ -137,9 +178,7 @@ def _looked_at(clear, on_cracks, wall):
     x, z = (getattr(wall.contacts, name)[:wall.n_joints] for name in "xz")
     if len(clear) == 0:
         return np.ones(wall.n_joints, bool)
-    low, high = np.minimum(clear[:, :2], clear[:, 2:]), np.maximum(clear[:, :2], clear[:, 2:])
-    place = np.column_stack([x, z])[:, np.newaxis]
-    seen = ((place >= low) & (place <= high)).all(axis=2).any(axis=1)
+    seen = _within(np.column_stack([x, z]), clear)
     seen[on_cracks] = True
     return seen
 
@@ -152,6 +191,16 @@ def _assumed(pattern, known):
             yield f"the survey gives no {word}: {taken / MILLIMETRE:.3g} mm is taken"
     if len(pattern.clear) == 0:
         yield "the survey names no area without a crack: the whole wall is taken as looked at"
+    widths = pattern.stretches["width_m"].to_numpy(float)
+    if len(widths) and (wide := implausible_width(float(widths.max()) / MILLIMETRE)):
+        yield wide
+    below = widths[(widths > 0) & ~cracked(widths, known[0])]
+    if len(below):
+        yield (f"cracks of {below.min() / MILLIMETRE:.3g} mm, but a detection limit of {known[0] / MILLIMETRE:.3g} mm: "
+               "cracks of a run as narrow as these are taken as not seen")
+    if 0 < widths.max(initial=0.0) <= known[1]:
+        yield (f"widths have an error of {known[1] / MILLIMETRE:.3g} mm, as much as the widest crack: patterns without "
+               "a crack are as near to the survey as those with it")
     alone = pattern.stretches["opening_m"].isna().to_numpy()
     if alone.any():
         yield (f"{pattern.length_m[alone].sum():.2f} m of cracks give their width alone: all of it is taken as opening "

@@ -1,5 +1,6 @@
 """Columns of text, time and acceleration: CSV as programs and countries write it, and plain text with blanks."""
 
+import csv
 import math
 import re
 from itertools import islice
@@ -49,8 +50,8 @@ def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> tuple
     Between the columns stands a comma, a semicolon, a tabulator or blanks; numbers have a decimal point or, unless
     commas separate the columns, a decimal comma.  Raises InputError with the line that does not fit.
     """
-    rows = [(i, line) for i, line in enumerate(lines, 1) if line.split("#")[0].strip()]
-    header = rows.pop(0) if rows and not any(map(is_number, re.split(r"[,;\s]+", rows[0][1].strip()))) else None
+    rows = _plain([(i, line) for i, line in enumerate(lines, 1) if line.split("#")[0].strip()])
+    header = rows.pop(0) if rows and _is_header(rows[0][1]) else None
     separator = _separator(rows[0][1]) if rows else ","
     alone = sample_step_s is not None and bool(rows) and len(rows[0][1].split(separator)) == 1
     header_unit = _header_unit(path, *header, separator, alone) if header else None
@@ -68,6 +69,27 @@ def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> tuple
     named += [(one, i, line) for line, i in comments.items() for one in units_in(line)]
     taken, words = _taken(path, named, unit, bool(header))
     return step_s, first_s, values[:, -1] * UNITS_M_S2[taken], words
+
+
+def _plain(rows):
+    """Lines (number, text) without quotes around cells, and without the empty columns at the end that spreadsheets
+    write.
+
+    >>> _plain([(1, '"time_s","acc_g",'), (2, '"0,01","-0,2",')])
+    [(1, 'time_s;acc_g'), (2, '0,01;-0,2')]
+    """
+    if any('"' in line for _, line in rows):
+        mark = max(",;\t", key=rows[0][1].count)
+        cells = csv.reader((line for _, line in rows), delimiter=mark, skipinitialspace=True)
+        rows = [(number, ";".join(row)) for (number, _), row in zip(rows, cells)]
+    first = int(bool(rows) and _is_header(rows[0][1]))
+    while len(rows) > 1 and all(line.rstrip(" ")[-1:] in (",", ";", "\t") for _, line in rows[first:]):
+        rows = [(number, re.sub(r"[,;\t] *$", "", line)) for number, line in rows]
+    return rows
+
+
+def _is_header(line: str) -> bool:
+    return not any(map(is_number, re.split(r"[,;\s]+", line.strip())))
 
 
 def _taken(path, named, given, by_header):

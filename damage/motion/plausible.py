@@ -4,6 +4,10 @@ The loading refuses what cannot be computed; the ranges here, and those that its
 zero is refused, too, as a wall at rest is no result; a factor of a sequence may be zero, a pause.
 """
 
+from dataclasses import replace
+
+import numpy as np
+
 from damage.fields import message_of, ranges_of
 from damage.motion.loading import Harmonic, Recorded, TopDisplacement
 from damage.motion.sequence import Event
@@ -59,6 +63,59 @@ def faint_warnings(peak_g):
         return []
     return [f"a base motion with a peak of {peak_g:.3g} g, expected {LOWEST_PLAUSIBLE_G:g} g or more, as weaker ones "
             "are not felt: g where cm/s2 (gal) is expected makes it 981 times too small"]
+
+
+MOST_OFFSET, OFFSET_S = 0.1, 1.0
+"""Mean of a record's first part [s], as a share of its peak, above which zero is off; real ones have up to 0.015."""
+
+
+def offset_warnings(record):
+    """Warning of a Record that moves about another value than zero, as instruments do: a list of lines.
+
+    record: before any window, which may begin within the motion.
+    """
+    a = record.acceleration_m_s2
+    mean, peak = float(np.mean(a[:max(1, round(OFFSET_S / record.time_step_s))])), float(np.abs(a).max())
+    if abs(mean) <= MOST_OFFSET * peak:
+        return []
+    return [f"{record.name}: the mean of the first {OFFSET_S:g} s is {mean:.3g} m/s2, {100 * abs(mean) / peak:.0f} % "
+            "of the peak, expected zero: an instrument's offset, which makes PGA and PGV too large; give --baseline 0"]
+
+
+_NEIGHBOURS, SPIKE = 4, 5.0
+"""Samples on either side, and how many times their largest deviation but one a spike's is; that of the real records
+tried, with half of the peak or more, is up to 2.6 times."""
+
+
+def spike_warnings(record):
+    """Warning of a Record with a sample far from its neighbours and from the rest, which no ground motion has: a list
+    of lines.  One further such sample may be beside it."""
+    a, size = record.acceleration_m_s2, np.abs(record.acceleration_m_s2)
+    padded = np.pad(a, _NEIGHBOURS, mode="reflect")
+    around = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1)
+    candidates = np.flatnonzero(size > 0.5 * size.max())
+    beside = np.delete(around[candidates], _NEIGHBOURS, axis=1)
+    middle = np.median(beside, axis=1)
+    spread = np.sort(np.abs(beside - middle[:, np.newaxis]), axis=1)[:, -2]
+    found = candidates[np.abs(a[candidates] - middle) > SPIKE * spread]
+    rest = np.delete(size, found)
+    if not found.size or size[found].max() <= rest.max(initial=0.0):
+        return []
+    k = found[np.argmax(size[found])]
+    more = f", and {found.size - 1} more like it" if found.size > 1 else ""
+    near = round(middle[candidates == k][0], 4) + 0.0
+    return [f"{record.name}: sample {k} (from 0) at {k * record.time_step_s:g} s is {a[k]:.4g} m/s2{more}; expected "
+            f"about {near:.3g} as its neighbours, and up to {rest.max(initial=0.0):.3g} as all others: a spike, or a "
+            "number for a missing sample; correct it in the file"]
+
+
+def record_warnings(loading):
+    """Warnings of the records of a Recorded, as read and, for their offset, after baseline and band-pass."""
+    components = [one for one in (loading.record, loading.vertical, loading.across) if one is not None]
+    whole = replace(loading, window_s=None, scale=1.0)
+    prepared = [one for one in (*whole.motion, whole.applied_across()) if one is not None]
+    return [text for one in components for text in spike_warnings(one)] + [
+        text for one in prepared for text in offset_warnings(one)]
 
 
 def implausible_motion(loading, factors=(1.0,)):

@@ -29,7 +29,7 @@ from damage.measure.warnings import energy_warnings
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
-from damage.motion.plausible import faint_warnings
+from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
@@ -54,8 +54,8 @@ class Backend:
     """A solver as a session needs it.
 
     versions: {software: version} beside this software's own; code: the folder of the solver's modules;
-    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot
-    do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
+    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings, wall): raises InputError on what it
+    cannot do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
     keeps_state: whether the history has the state at its end, from which another run continues; it is in a checkpoint
@@ -68,7 +68,7 @@ class Backend:
     versions: dict
     make: Callable
     code: Path
-    check: Callable = lambda settings: None
+    check: Callable = lambda settings, wall: None
     open_view: Callable | None = None
     softening: Softening | None = None
     brick_cells: int = 0
@@ -268,7 +268,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
-    backend.check(settings)
+    backend.check(settings, wall)
     out = settings.out or free_name(wall, settings, backend.name)
     if not settings.resumed:
         check_output(out, settings.overwrite)
@@ -328,6 +328,8 @@ def _warn_of(backend, settings, wall, time_step, critical_s):
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
+    for text in dict.fromkeys(text for event in settings.recorded for text in record_warnings(event.loading)):
+        warn(text, code="record")
     if isinstance(settings.loading, Recorded) and not settings.events:
         warn(*end_warnings(settings.loading.applied()), code="end_velocity")
     if wall.joint.softens:

@@ -8,8 +8,8 @@ are kept, "sha256": a checksum of all this}.  A line of a point is
 last good line counts.  A line that a kill tore is none, and neither is one that was changed since.
 
 A slice of a study writes records-K-of-N.jsonl beside it.  Earlier versions kept the same in shards/*.rows,
-runs/*.members and runs/.inputs, which are read, too.  Their lines may have no checksum: numbers must be such as a run
-can have.
+runs/*.members and runs/.inputs, which are read, too.  Lines of these alone may have no checksum: numbers must be such
+as a run can have.
 """
 
 import hashlib
@@ -114,22 +114,23 @@ def read_records(folder):
     return found
 
 
-def _read_file(path, found, note_of=lambda name: None):
-    """Add what a file of records says; note_of(name of a run): key of its inputs where the record has none."""
+def _read_file(path, found, note_of=None):
+    """Add what a file of records says; note_of(name of a run), of a file of earlier versions, whose records may have no
+    checksum: key of its inputs where the record has none."""
     *lines, torn = path.read_text(encoding="utf-8", errors="replace").split("\n")
     found.orderly &= not torn
     for number, line in enumerate([*lines, torn], start=1):
         if not line.rstrip().endswith("}"):  # empty, or torn
             continue
         try:
-            record = _believed(line)
+            record = _believed(line, older=note_of is not None)
         except ValueError as error:
             name = _NAMED.search(line)
             found.faults.append(f"{path} line {number}: the record of {name[1] if name else 'a run'} was changed since "
                                 f"it was written ({error}): it counts as not made")
             continue
         if "run" in record:
-            found.runs[record["run"]] = {"inputs": note_of(record["run"])} | record
+            found.runs[record["run"]] = {"inputs": note_of and note_of(record["run"])} | record
         else:
             found.inputs[record["inputs"]] = record["of"]
             found.points |= {record["point"]: record["inputs"]} if record["point"] else {}
@@ -164,8 +165,11 @@ def is_of_today(row):
     return row.get("measures_digest") == measures_digest()
 
 
-def _believed(line):
-    """The record of a line without its checksum; ValueError, which says what is wrong, where it was changed."""
+def _believed(line, older=False):
+    """The record of a line without its checksum; ValueError, which says what is wrong, where it was changed.
+
+    older: whether an earlier version wrote it, which may have written no checksum.
+    """
     try:
         record = json.loads(line)
     except ValueError:
@@ -174,8 +178,8 @@ def _believed(line):
     if not isinstance(record, dict) or any(not isinstance(record.get(name), kind) for name, kind in parts.items()):
         raise ValueError(f"it lacks one of {', '.join(parts)}")
     total = record.pop(SUM, None)
-    if total is not None and total != key_of(record):
-        raise ValueError("its checksum is wrong")
+    if total != key_of(record) and not (older and total is None):
+        raise ValueError("its checksum is wrong" if total else "it has no checksum")
     if parts is _RUN and (wrong := _wrong_number(record)) is not None:
         raise ValueError(f"its {wrong}")
     return record

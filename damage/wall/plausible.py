@@ -69,6 +69,20 @@ def implausible_places(ends, wall):
             + (f"; as {fits} they fit" if fits else ""))
 
 
+def implausible_width(widest_mm):
+    """What is implausible of the largest width of cracks [mm], in words; None where nothing is.
+
+    >>> implausible_width(0.4)
+    >>> implausible_width(0.0004).partition(":")[0]
+    'the widest crack has 0.0004 mm'
+    """
+    least, most = CRACK_WIDTH_MM
+    if least <= widest_mm <= most:
+        return None
+    return (f"the widest crack has {widest_mm:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, "
+            "opening_mm and slip_mm")
+
+
 def _other_frames(ends, wall):
     """Yield (what may have been meant, the cracks moved by it), but for cracks that become so small that all would fit
     into a corner."""
