@@ -19,6 +19,7 @@ from conftest import (
     REPOSITORY,
     TINY,
     contents,
+    is_running,
     refused_with,
     run_command,
     wait_until,
@@ -327,6 +328,33 @@ class TestPool:
         one.run(tasks, lambda task, record: done.append(record["run"]) or ())
         assert sorted(done) == [task.name for task in tasks]
 
+    def test_a_process_ends_with_the_batch_that_is_killed_while_it_concludes(self, pool, tmp_path, monkeypatch):
+        """A polite signal would be noted for runs that have ended, and dropped."""
+        (tmp_path / "runs").mkdir()
+        (task,) = self.tasks(tmp_path, 1)
+        make_history(task.history)
+        batch = os.fork()
+        if not batch:
+            def conclude(*_):
+                (tmp_path / "pid").write_text(str(os.getpid()))
+                parent = os.getppid()
+                os.kill(parent, signal.SIGKILL)
+                wait_until(lambda: os.getppid() != parent)
+                return 0, {"run": task.name}
+
+            monkeypatch.setattr(worker, "conclude", conclude)
+            try:
+                pool(worker.work, jobs=1)[0].run([task])
+            finally:
+                os._exit(1)
+        assert os.WIFSIGNALED(os.waitpid(batch, 0)[1])
+        left = int((tmp_path / "pid").read_text())
+        try:
+            wait_until(lambda: not is_running(left), at_most_s=10)
+        finally:
+            if is_running(left):
+                os.kill(left, signal.SIGKILL)
+
     def test_runs_of_one_wall_and_model_are_company(self):
         point = StudyRun("p", "walls/symmetric.py", ("--rest", "1"), "reference", ("--strength-seed",), 2)
         alike = StudyRun("q", "walls/symmetric.py", ("--harmonic", "0.2", "0.1"), "reference")
@@ -364,6 +392,9 @@ class TestFolder:
         monkeypatch.setattr(fcntl, "flock", of_files)
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
         lock = folder.claim(tmp_path / "out", self.study(tmp_path))
+        results = Results(tmp_path / "out")
+        results.records.orderly = False
+        results.write(results.judge([]))  # which deletes what earlier versions kept
         refused_with("another batch is at work", folder.claim, tmp_path / "out", self.study(tmp_path))
         os.close(lock)
         os.close(folder.claim(tmp_path / "out", self.study(tmp_path), shared=True))

@@ -7,11 +7,14 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from damage.app.photo import cleaned, rectified
+from damage.batch.folder import end_with_parent
 from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError, heard
 from damage.exposure.catalogue import read_catalogue
@@ -55,6 +58,7 @@ class Desk:
             raise InputError(f"--out {out}: cannot make this folder ({error.strerror}); expected a folder, or a name "
                              "that nothing has yet; choose another") from error
         self.job = None
+        self._starter = ThreadPoolExecutor(1)  # whose thread lives as long as this program: a job ends with both
 
     def path(self, name):
         """The path of a file of the claim; InputError where a link leads out of the folder."""
@@ -158,8 +162,10 @@ class Desk:
             check_whole("draws", draws, 2, 10000)
             words += ["--draws", str(draws)]
         with open(self.path(LOG), "wb") as log:
-            self.job = subprocess.Popen([sys.executable, "-m", "damage", "claim", *words], stdin=subprocess.DEVNULL,
-                                        stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
+            self.job = self._starter.submit(
+                subprocess.Popen, [sys.executable, "-m", "damage", "claim", *words], stdin=subprocess.DEVNULL,
+                stdout=log, stderr=subprocess.STDOUT, start_new_session=True,
+                preexec_fn=partial(end_with_parent, os.getpid(), signal.SIGTERM)).result()
         return self.progress()
 
     def _settled(self, settle, distortion):

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.files import plain_file, shipped, whole_or_nothing
+from damage.start import EXIT_INTERRUPTED
 
 ROOT = shipped("studies").parent
 """Where the paths of studies that ship start: the repository, or damage/share of an installed package."""
@@ -136,10 +137,13 @@ def environment(folder=None):
             **{name: str(folder / ".cache" / place) for name, place in places.items()}}
 
 
-def end_with_parent(signal_number):
-    """Have this process sent a signal when its parent dies, however that happens (Linux only)."""
+def end_with_parent(parent, signal_number=signal.SIGKILL):
+    """Have this process sent a signal when the thread that started it dies, however that happens (Linux only); end it
+    where its parent, by its number, is dead already."""
     if sys.platform == "linux":
         _LIBC.prctl(_PR_SET_PDEATHSIG, int(signal_number), 0, 0, 0)
+    if os.getppid() != parent:
+        os._exit(EXIT_INTERRUPTED)
 
 
 @contextmanager

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from collections import deque
+from functools import partial
 
 from damage.batch.folder import POLITE_ENDS, ROOT, end_with_parent, environment, open_log
 from damage.batch.tasks import PICTURES
@@ -33,15 +34,14 @@ _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of da
 
 
 def work(connection, parent, lock):
-    """Do tasks until None comes.  Runs end politely at SIGTERM, and all ends when the parent has died; lock: descriptor
-    that a solver holds as long as it runs."""
+    """Do tasks until None comes.  Runs end politely at SIGTERM; when the parent has died the system kills this process,
+    whose runs nobody would record, and its solver.  lock: descriptor that a solver holds as long as it runs."""
     # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended leave their records.
-    signal.signal(signal.SIGTERM, lambda *_: _leave_without(parent))
+    signal.signal(signal.SIGTERM, lambda *_: None)
     for name in (signal.SIGINT, signal.SIGHUP):  # of a terminal: the parent's to answer
         signal.signal(name, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, POLITE_ENDS)
-    end_with_parent(signal.SIGTERM)
-    _leave_without(parent)
+    end_with_parent(parent)
     os.chdir(ROOT)
     waiting, settled = deque(), SettledWalls()
     while True:
@@ -52,7 +52,7 @@ def work(connection, parent, lock):
         if task is None:
             return
         if task.steps:
-            status = _do_runs(task, connection, waiting, settled, lambda: _leave_without(parent))
+            status = _do_runs(task, connection, waiting, settled)
         else:
             task.log.unlink(missing_ok=True)
             print_into(task.log)
@@ -60,12 +60,6 @@ def work(connection, parent, lock):
             connection.send((task, status, record))
         if status == EXIT_INTERRUPTED:  # nothing more begins
             return
-
-
-def _leave_without(parent):
-    """End this process where its parent has died."""
-    if os.getppid() != parent:
-        os._exit(EXIT_INTERRUPTED)
 
 
 def print_into(path):
@@ -77,7 +71,7 @@ def print_into(path):
                               for stream in (1, 2))
 
 
-def _do_runs(first, connection, waiting, settled, look):
+def _do_runs(first, connection, waiting, settled):
     """Simulate runs that are not there, the first one and those that come meanwhile; sends each as it ends.  Returns
     EXIT_INTERRUPTED where they were interrupted."""
     print_into(first.log)
@@ -101,7 +95,6 @@ def _do_runs(first, connection, waiting, settled, look):
             yield task.name, [*task.point.command(task.number), *_where(task)]
 
     for name, status in run_references(lines(), histories, settled):
-        look()  # a parent's death interrupted them
         interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
         task, history = tasks.pop(name), histories.pop(name)
         connection.send((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
@@ -155,7 +148,7 @@ def _run_solver(command, folder, lock, announce):
         solver = subprocess.Popen(
             command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
             errors="replace", env=environment(folder), pass_fds=(lock,), process_group=0,
-            preexec_fn=lambda: end_with_parent(signal.SIGTERM))
+            preexec_fn=partial(end_with_parent, os.getpid()))
     except OSError as error:
         print(f"error: {command[0]} does not start: {error.strerror}")
         return EXIT_FAILED
