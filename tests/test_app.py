@@ -293,8 +293,8 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
     desk.front(FRONT)
     desk.survey([CRACK], [], 0.1, 0.05)
     program = ("import sys, threading, time; from damage.app.desk import Desk; desk = Desk(sys.argv[1]); "
-               "one = threading.Thread(target=desk.start, args=(53.36786, 6.71359, None, None, 200, 'en')); one.start(); "
-               "one.join(); time.sleep(1); print(desk.job.pid, desk.running, flush=True); time.sleep(600)")
+               "one = threading.Thread(target=desk.start, args=(53.36786, 6.71359, None, None, 200, 'en')); "
+               "one.start(); one.join(); time.sleep(1); print(desk.job.pid, desk.running, flush=True); time.sleep(600)")
     with subprocess.Popen([sys.executable, "-c", program, str(desk.out)], stdout=subprocess.PIPE, text=True,
                           cwd=REPOSITORY) as page:
         pid, running = page.stdout.readline().split()
