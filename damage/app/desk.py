@@ -157,7 +157,7 @@ class Desk:
         check_choice("language", language, LANGUAGES)
         words = [str(self._given(HOUSE, "the front")), "--at", repr(float(latitude)), repr(float(longitude)),
                  "--cracks", str(self._given(SURVEY, "the survey")), "--language", language,
-                 "--out", str(self.path(RESULTS)), *self._settled(settle, distortion)]
+                 "--out", str(self.path(RESULTS)), "--remake", *self._settled(settle, distortion)]
         if draws is not None:
             check_whole("draws", draws, 2, 10000)
             words += ["--draws", str(draws)]

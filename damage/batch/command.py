@@ -31,9 +31,11 @@ from damage.studies.tables import write_study_tables
 ALL = "all"
 
 
-def run_study(arguments):
+def run_study(arguments, lock=None):
     """Run the study, or all that ship, that words of a command line ask for; returns the exit status: 0 all done, 1 a
-    run failed, 2 bad input, 3 software is missing, 130 interrupted.  Raises InputError."""
+    run failed or was not made, 2 bad input, 3 software is missing, 130 interrupted.  Raises InputError.
+
+    lock: of the study's folder, where the caller holds it (`damage.batch.folder.held`)."""
     words = arguments or ["--help"]
     if words[0].startswith("-") and words[0] not in ("-h", "--help"):
         raise InputError(f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]")
@@ -49,7 +51,7 @@ def run_study(arguments):
     try:
         if asked.slurm and not asked.dry_run:
             cluster.check()
-        return _all_studies(asked) if str(asked.study) == ALL else _one_study(asked, study_path(asked.study))
+        return _all_studies(asked) if str(asked.study) == ALL else _one_study(asked, study_path(asked.study), lock)
     except cluster.NoPlugin as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_MISSING
@@ -130,15 +132,15 @@ def _all_studies(asked):
     return max(ended.values())
 
 
-def _one_study(asked, path):
-    """Run one study; returns the exit status."""
+def _one_study(asked, path, lock=None):
+    """Run one study; returns the exit status; lock: as of `run_study`."""
     study = load_study(path.absolute(), asked.solver, ROOT)
     folder = (asked.out or RESULTS / study.name).absolute()
     if asked.dry_run:
         print_plan(study, folder, asked.jobs, asked.remake)
         return 0
     runs = cluster.slices(study.runs, asked.slice[1])[asked.slice[0] - 1] if asked.slice else study.runs
-    lock = claim(folder, study, shared=asked.slice is not None)
+    lock = claim(folder, study, asked.slice is not None, lock)
     try:
         with chdir(ROOT):
             if asked.run:
