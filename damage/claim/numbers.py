@@ -152,7 +152,8 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
     return {
         "house": wall.wall.name, "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "made_by": {"software": VERSION, "commit": commit(), "draws": twins.made_by},
-        "shaking": shaking(exposure, twins), "survey": survey.as_dict() | {"offsets_known": bool(offsets)}, "settlement": settlement, "choices": choices,
+        "shaking": shaking(exposure, twins), "settlement": settlement, "choices": choices,
+        "survey": survey.as_dict() | {"offsets_known": bool(offsets)},
         "visible_from_mm": THRESHOLD / MILLIMETRE, "priors": list(PRIORS), "questions": list(BUT_FOR),
         **answers(twins, likeness_of(twins, survey, wall), survey.as_dict()),
         "at_the_end": at_the_end(twins), "by_event": by_event(twins),
