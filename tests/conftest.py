@@ -243,6 +243,14 @@ def wait_until(condition, at_most_s=300):
         time.sleep(0.005)
 
 
+def is_running(pid):
+    """Whether there is a process of this number that has not ended."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
 def running(folder):
     """Command lines of the processes that name this folder."""
     lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, refused_with, written
+from conftest import REPOSITORY, is_running, one_line_error, refused_with, wait_until, written
 
 pytest.importorskip("flask", reason="Flask is not installed: python3-flask")
 from PIL import Image
@@ -490,6 +491,26 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
         assert time.monotonic() < until and desk.running, desk.progress()
         time.sleep(0.2)
     assert not desk.stop()["running"] and str(tmp_path) not in json.dumps(desk.progress()["lines"])
+
+
+def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
+    """Whose request, and the thread that answered it, have long ended."""
+    desk = Desk(tmp_path / "out")
+    desk.front(FRONT)
+    desk.survey([CRACK], [], 0.1, 0.05)
+    program = ("import sys, threading, time; from damage.app.desk import Desk; desk = Desk(sys.argv[1]); "
+               "one = threading.Thread(target=desk.start, args=(53.36786, 6.71359, None, None, 200, 'en')); "
+               "one.start(); one.join(); time.sleep(1); print(desk.job.pid, desk.running, flush=True); time.sleep(600)")
+    with subprocess.Popen([sys.executable, "-c", program, str(desk.out)], stdout=subprocess.PIPE, text=True,
+                          cwd=REPOSITORY) as page:
+        pid, running = page.stdout.readline().split()
+        page.kill()
+    assert running == "True"
+    try:
+        wait_until(lambda: not is_running(pid), at_most_s=30)
+    finally:
+        if is_running(pid):
+            os.killpg(int(pid), signal.SIGKILL)
 
 
 def test_without_flask_the_command_is_one_line(monkeypatch, tmp_path, error_of):

@@ -19,6 +19,7 @@ from conftest import (
     REPOSITORY,
     TINY,
     contents,
+    is_running,
     refused_with,
     run_command,
     wait_until,
@@ -32,10 +33,11 @@ from benchmarks.resume import kill_tree
 from damage.batch import again, command, folder, worker
 from damage.batch.outdated import Results
 from damage.batch.pool import Pool
-from damage.batch.tasks import Task, company_of
+from damage.batch.tasks import CHANGED, Task, company_of
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.studies.definition import StudyRun, load_study
+from damage.studies.inputs import as_json, inputs_of
 from damage.studies.records import NAME, line_of, read_records, record_of
 
 POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
@@ -327,6 +329,33 @@ class TestPool:
         one.run(tasks, lambda task, record: done.append(record["run"]) or ())
         assert sorted(done) == [task.name for task in tasks]
 
+    def test_a_process_ends_with_the_batch_that_is_killed_while_it_concludes(self, pool, tmp_path, monkeypatch):
+        """A polite signal would be noted for runs that have ended, and dropped."""
+        (tmp_path / "runs").mkdir()
+        (task,) = self.tasks(tmp_path, 1)
+        make_history(task.history)
+        batch = os.fork()
+        if not batch:
+            def conclude(*_):
+                (tmp_path / "pid").write_text(str(os.getpid()))
+                parent = os.getppid()
+                os.kill(parent, signal.SIGKILL)
+                wait_until(lambda: os.getppid() != parent)
+                return 0, {"run": task.name}
+
+            monkeypatch.setattr(worker, "conclude", conclude)
+            try:
+                pool(worker.work, jobs=1)[0].run([task])
+            finally:
+                os._exit(1)
+        assert os.WIFSIGNALED(os.waitpid(batch, 0)[1])
+        left = int((tmp_path / "pid").read_text())
+        try:
+            wait_until(lambda: not is_running(left), at_most_s=10)
+        finally:
+            if is_running(left):
+                os.kill(left, signal.SIGKILL)
+
     def test_runs_of_one_wall_and_model_are_company(self):
         point = StudyRun("p", "walls/symmetric.py", ("--rest", "1"), "reference", ("--strength-seed",), 2)
         alike = StudyRun("q", "walls/symmetric.py", ("--harmonic", "0.2", "0.1"), "reference")
@@ -364,6 +393,9 @@ class TestFolder:
         monkeypatch.setattr(fcntl, "flock", of_files)
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
         lock = folder.claim(tmp_path / "out", self.study(tmp_path))
+        results = Results(tmp_path / "out")
+        results.records.orderly = False
+        results.write(results.judge([]))  # which deletes what earlier versions kept
         refused_with("another batch is at work", folder.claim, tmp_path / "out", self.study(tmp_path))
         os.close(lock)
         os.close(folder.claim(tmp_path / "out", self.study(tmp_path), shared=True))
@@ -413,7 +445,7 @@ class TestOneRunAgain:
     @pytest.fixture
     def once_more(self, tmp_path):
         """Makes the run again, by a history made by hand; returns the exit status."""
-        def simulate(task):
+        def simulate(task, inputs):
             make_history(task.history, drift=simulate.drift)
             return 0
 
@@ -454,6 +486,73 @@ class TestOneRunAgain:
         lines = (tmp_path / NAME).read_text().splitlines(keepends=True)
         (tmp_path / NAME).write_text("".join(lines[:-1]))
         assert once_more.make() == 0 and "its values are not compared" in capsys.readouterr().err
+
+
+class TestInputsThatChange:
+    """Files that are edited while a study runs; which ones, `test_outdated`."""
+
+    @staticmethod
+    def edited(monkeypatch, edit):
+        """Let a study's files be edited once it has read them, before its processes do."""
+        class Late(Pool):
+            def run(self, *arguments):
+                edit()
+                super().run(*arguments)
+
+        monkeypatch.setattr(command, "Pool", Late)
+
+    @pytest.mark.slow
+    def test_a_run_of_other_inputs_is_not_made_and_said_in_a_line(self, batches, monkeypatch, capfd):
+        study, wall = batches.study(DRAWN % 3), batches.folder / "tiny.py"
+        words = [str(study), "-j1", "--keep", "summary", "--out", str(batches.out)]
+        with monkeypatch.context() as patch:
+            self.edited(patch, lambda: wall_file(wall, TINY.replace("0.6", "0.45")))
+            assert command.run_study(words) == 1
+        said = [line for line in capfd.readouterr().err.splitlines() if "changed" in line]
+        assert said == [
+            "error: 4 runs were not made, as inputs changed since the study began: drawn_reference (wall.height 0.6 -> "
+            "0.45), alone_reference (wall.height 0.6 -> 0.45); restore these and give the same command, or give it "
+            "with the new ones: it makes all runs of these points again"]
+        assert not read_records(batches.out).runs and not list((batches.out / "runs").iterdir())
+        wall_file(wall, TINY)
+        assert command.run_study(words) == 0 and len(read_records(batches.out).runs) == 4
+
+        with monkeypatch.context() as patch:
+            self.edited(patch, lambda: wall_file(wall, TINY.replace("0.6", "0.45")))
+            assert command.run_study([*words, "--run", "drawn_reference_s2"]) == 1
+        assert "1 runs were not made, as inputs changed" in capfd.readouterr().err
+        assert not (batches.out / "runs" / "drawn_reference_s2.h5").exists()
+
+    @pytest.mark.slow
+    def test_slices_of_other_inputs_do_not_become_part_of_a_study(self, batches, monkeypatch, capfd):
+        """Whose jobs begin when the cluster has room."""
+        study, wall = batches.study(DRAWN % 3), batches.folder / "tiny.py"
+
+        def run_slices(study, folder, options, n, *_):
+            wall_file(wall, TINY.replace("0.6", "0.45"))
+            for k in range(1, n + 1):
+                assert batches.run(study.path, *options, "--slice", f"{k}/{n}").returncode == 0
+            wall_file(wall, TINY)
+            return 0
+
+        monkeypatch.setattr(command.cluster, "check", lambda: None)
+        monkeypatch.setattr(command.cluster, "run_slices", run_slices)
+        assert command.run_study([str(study), "--slurm", "--out", str(batches.out)]) == 1
+        assert "2 points were made from other inputs" in capfd.readouterr().err
+        assert not read_records(batches.out).runs and not list((batches.out / "tables").glob("summary.csv"))
+
+    def test_yade_reads_by_itself_and_is_compared_by_the_wall_of_its_history(self, tmp_path, monkeypatch):
+        wall_file(tmp_path / "tiny.py", TINY)
+        run = StudyRun("p", str(tmp_path / "tiny.py"), ("--harmonic", "0.1", "0.5"), "yade")
+        task, sent = Task(tmp_path, run, 1, True), []
+        note = {run.id: as_json(inputs_of(run, REPOSITORY))}
+        task.part.parent.mkdir()
+        monkeypatch.setattr(worker, "_run_solver", lambda *_: sent.append("ran") or (make_history(task.part) and 0))
+        status, words = worker._run_yade(task, SimpleNamespace(send=lambda _: None), -1, note)
+        assert sent == ["ran"] and status == CHANGED and any(word.startswith("wall.") for word in words)
+        assert not task.part.exists() and not task.history.exists()
+        wall_file(tmp_path / "tiny.py", TINY.replace("0.6", "0.45"))
+        assert worker._run_yade(task, None, -1, note) == (CHANGED, ["wall.height 0.6 -> 0.45"]) and sent == ["ran"]
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import string
 import subprocess
 import sys
@@ -17,6 +18,8 @@ from conftest import REPOSITORY, one_line_error, wall_file, written
 
 import damage
 from damage.__main__ import main
+from damage.batch import folder
+from damage.claim import make
 from damage.claim.answer import (
     BUT_FOR,
     effective,
@@ -41,10 +44,11 @@ from damage.measure.evidence import QUANTITIES
 from damage.measure.kept import SETTLED, START, patterns_of, read_patterns
 from damage.measure.survey import Seen, distance, distances, read_survey, seen_of, surveyed
 from damage.motion.settlement import PROFILES
+from damage.provenance import commit, measures_digest
 from damage.run.options import parse_run
 from damage.run.scheme import schemes
 from damage.studies.definition import load_study
-from damage.studies.records import line_of, read_records
+from damage.studies.records import line_of, point_line, read_records
 from damage.wall.file import load_wall
 
 CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
@@ -404,6 +408,49 @@ class TestSheet:
 
     def test_numbers_by_language(self):
         assert number("en", 1234.5) == "1200" and number("nl", 0.125) == "0,12" and number("nl", None) == "-"
+
+
+class TestOneFolder:
+    """What other claims, edited files and other versions do to a claim."""
+
+    def test_a_second_claim_is_refused_before_it_writes_anything(self, claimed, capsys, monkeypatch):
+        monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
+        before = {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}
+        with folder.held(claimed, "claim"):
+            assert main(words(claimed.parent, "--seed", "7", "--settle", "hogging", draws=4)) == 2
+        assert "another batch is at work" in capsys.readouterr().err
+        assert before == {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}
+
+    def test_a_wall_that_was_edited_meanwhile_makes_no_sheet(self, claimed, tmp_path, capsys, monkeypatch):
+        """The survey was put on the joints of another one than those of the runs."""
+        out = shutil.copytree(claimed, tmp_path / "out")
+        (out / "claim.html").unlink()
+        wall = wall_file(tmp_path / "narrow.py", "Wall('narrow', 0.9, 1.35)")
+        monkeypatch.setattr(make, "_draw", lambda *_: 0)
+        line = words(claimed.parent)
+        assert main([line[0], str(wall), *line[2:-1], str(out)]) == 2
+        assert "narrow.py changed since this claim began" in capsys.readouterr().err
+        assert not (out / "claim.html").exists()
+
+    def test_draws_of_another_version_are_refused_or_made_again(self, claimed, tmp_path, capsys):
+        out, (new,) = shutil.copytree(claimed, tmp_path / "out"), {
+            one["row"]["model_digest"] for one in read_records(claimed).runs.values()}
+        records = read_records(out)
+        records.runs["both_from1_reference_s1"]["row"]["model_digest"] = "of before"
+        (out / "records.jsonl").write_text("".join(map(line_of, records.runs.values())) + "".join(
+            point_line(point, key, records.inputs[key]) for point, key in records.points.items()))
+        assert "draws of 2 versions, model_digest" in one_line_error(
+            read_twins, out, layout_of(claimed.parent / "narrow.py"))
+        line, before = [*words(claimed.parent)[:-1], str(out)], (out / "claim.html").read_bytes()
+        assert main(line) == 2 and (out / "claim.html").read_bytes() == before
+        said = capsys.readouterr().err
+        assert "another version of the model (reference of before) made 1 runs: both_from1_reference_s1" in said
+        assert "give --remake to make these again, or another --out" in said
+        assert main([*line, "--remake"]) == 0
+        made_by = json.loads((out / "claim.json").read_text())["made_by"]
+        assert made_by["draws"]["model_digest"] == new and made_by["draws"]["measures_digest"] == measures_digest()
+        assert made_by["commit"] == commit() and len(made_by["draws"]["commit"]) > 6
+        assert f"model {new}, measures {measures_digest()}" in (out / "claim.html").read_text()
 
 
 class TestBadInput:

@@ -12,11 +12,15 @@ from conftest import BATCH, REPOSITORY, refused_with, run_command, written
 from small_history import make_history
 
 from damage.batch.outdated import CODE, Results
+from damage.batch.tasks import Task
+from damage.batch.worker import changes
 from damage.exposure import lives
 from damage.history.head import read_head
 from damage.motion.formats import shipped_records
 from damage.provenance import measures_digest, model_digest
+from damage.studies import inputs
 from damage.studies.definition import StudyRun, load_study
+from damage.studies.inputs import as_json, inputs_of
 from damage.studies.records import NAME, line_of, read_records, record_of
 from damage.studies.tables import summary_of
 
@@ -135,6 +139,19 @@ class TestInputs:
         assert not list((there.out / "runs").iterdir()) and not list((there.out / "tables").iterdir())
         assert there.settle() == [] and read_records(there.out).runs == {}  # said once
 
+    @pytest.mark.parametrize("name", [name for name, (_, then, _) in ALTERED.items() if not {"options"} & set(then)])
+    def test_a_file_that_changes_while_a_study_runs_is_named_by_the_process_that_reads_it(self, name, tmp_path):
+        """Which refuses the run then (`test_batch`)."""
+        first, then, said = ALTERED[name]
+        there = Folder(tmp_path, **first)
+        (run,) = there.load().runs
+        note = {run.id: as_json(inputs_of(run, REPOSITORY))}
+        task = Task(there.out, run, 1, True)
+        assert changes(task, note) == [] and changes(task, {}) == []
+        for path, text in then.items():
+            there.write(path, text)
+        assert any(said in word for word in changes(task, note))
+
     def test_words_that_change_nothing_keep_all(self, tmp_path):
         there = Folder(tmp_path)
         there.make()
@@ -166,7 +183,8 @@ class TestInputs:
         first = set(draws.life(1)["record"])
         other = next(name for name in draws.components["record"] if name not in first)
         other_file = written(tmp_path / shipped_records()[other].name, f"{shipped_records()[other].read_text()}\n")
-        monkeypatch.setattr(lives, "shipped_records", lambda: shipped_records() | {other: other_file})
+        for module in (lives, inputs):
+            monkeypatch.setattr(module, "shipped_records", lambda: shipped_records() | {other: other_file})
         (words,) = there.judge().changed.values()
         assert [word.partition(" ")[0] for word in words] == ["drawn_from"]
 

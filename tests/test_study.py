@@ -284,13 +284,14 @@ class Batches:
         self.out.mkdir()
         for module in ("numpy", "pandas", "damage"):
             (self.out / f"{module}.py").write_text("raise SystemExit('a module of the results folder was executed')\n")
+        wall_file(folder / "small.py", "Wall('small', 0.9, 0.45)")  # of the histories
         for status in ("complete", "unfinished"):
             make_history(folder / "bin" / f"{status}.h5", status=status)
         (folder / "yade.py").write_text(FAKE_YADE.format(calls=str(self.calls), folder=str(folder / "bin")))
         script_file(folder / "bin" / "yade", f'exec {sys.executable} "{folder / "yade.py"}" "$@"')
 
     def study(self, pictures="none", **rests):  # pictures take longer than all else
-        runs = [f'[[runs]]\nid = "{name}"\n{WALL}options = {{ rest = {rest} }}\n'
+        runs = [f'[[runs]]\nid = "{name}"\nwall = "small.py"\noptions = {{ rest = {rest} }}\n'
                 for name, rest in rests.items()]
         return write_study(self.folder, f'name = "s"\npictures = "{pictures}"\n' + "".join(runs))
 
@@ -339,7 +340,7 @@ class TestBatch:
         pictures = (batches.out / "pictures" / "a_yade").glob("[!.]*")
         assert {path.suffix for path in pictures} == {".png", ".pdf"}
         assert sorted(path.name for path in batches.folder.iterdir()) == [
-            "bin", "calls", "out of {it}", "study.toml", "yade.py"]
+            "bin", "calls", "out of {it}", "small.py", "study.toml", "yade.py"]
         again, calls = batches.run(study)
         assert (again.returncode, calls) == (0, []), again.stderr
         assert "a_yade" in again.stdout

@@ -25,8 +25,8 @@ _SLIDES = 1e-7  # [m], plastic slip between two samples from which the joint cou
 
 
 def check_law(joint):
-    """Raise InputError of a damage.wall.parameters.Joint with a number that YADE's joints do not follow: they would have
-    the law without it."""
+    """Raise InputError of a damage.wall.parameters.Joint with a number that YADE's joints do not follow: they would
+    have the law without it."""
     material = material_of(joint)
     defaults = type(material)._field_defaults
     given = [(one.name, getattr(joint, one.name), one.default) for one in fields(joint)]
@@ -39,9 +39,9 @@ def check_law(joint):
 
 
 class JointTracker:
-    """State of all joints, arrays (n_joints,): friction of a failed one [-]; opening, slip, offset [m]; broken (failed), at_limit, crushed, ended;
-    dry: failed share of the area [-].  With parallel elements opening, slip and offset are means by shares; broken and
-    at_limit are those of the last element.
+    """State of all joints, arrays (n_joints,): friction of a failed one [-]; opening, slip, offset [m]; broken
+    (failed), at_limit, crushed, ended; dry: failed share of the area [-].  With parallel elements opening, slip and
+    offset are means by shares; broken and at_limit are those of the last element.
 
     friction_energy, fracture_energy: dissipated so far [J]; breaking_energy: part of the former by the failure of
     parallel elements [J].

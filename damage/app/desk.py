@@ -7,12 +7,14 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from damage.app.photo import cleaned, rectified
-from damage.batch.folder import environment, open_log
+from damage.batch.folder import end_with_parent, environment, open_log
 from damage.checks import check_choice, check_range, check_whole
 from damage.claim.sheet import NUMBERS, SHEET, set_aside
 from damage.errors import InputError, heard
@@ -57,6 +59,7 @@ class Desk:
             raise InputError(f"--out {out}: cannot make this folder ({error.strerror}); expected a folder, or a name "
                              "that nothing has yet; choose another") from error
         self.job = None
+        self._starter = ThreadPoolExecutor(1)  # whose thread lives as long as this program: a job ends with both
 
     def path(self, name):
         """The path of a file or folder of the claim; InputError where a link leads out of it, or a pipe would keep who
@@ -177,15 +180,17 @@ class Desk:
         check_choice("language", language, LANGUAGES)
         words = [str(self._given(HOUSE, "the front")), "--at", repr(float(latitude)), repr(float(longitude)),
                  "--cracks", str(self._given(SURVEY, "the survey")), "--language", language,
-                 "--out", str(self.path(RESULTS)), *self._settled(settle, distortion)]
+                 "--out", str(self.path(RESULTS)), "--remake", *self._settled(settle, distortion)]
         if draws is not None:
             check_whole("draws", draws, 2, 10000)
             words += ["--draws", str(draws)]
         if shown is not None:
             self._check_sent(shown, settle)
         with open_log(self.path(LOG)) as log:
-            self.job = subprocess.Popen([sys.executable, "-m", "damage", "claim", *words], stdin=subprocess.DEVNULL,
-                                        stdout=log, stderr=subprocess.STDOUT, start_new_session=True, env=environment())
+            self.job = self._starter.submit(
+                subprocess.Popen, [sys.executable, "-m", "damage", "claim", *words], stdin=subprocess.DEVNULL,
+                stdout=log, stderr=subprocess.STDOUT, start_new_session=True, env=environment(),
+                preexec_fn=partial(end_with_parent, os.getpid(), signal.SIGTERM)).result()
         return self.progress()
 
     def _check_no_links(self):

@@ -12,14 +12,15 @@ from damage.history.reader import read_history
 from damage.history.schema import each
 from damage.measure.columns import MADE_BY
 from damage.measure.tables import summary_row
-from damage.studies.inputs import inputs_of
+from damage.studies.inputs import as_json, inputs_of
 
 
 def make_again(name, study, results, simulate):
     """Make the history of one run of a study, which is not there; returns the exit status: 1 where the run fails, or
     its values are not those of its record.  Raises InputError where it would not be the same run.
 
-    results: `damage.batch.outdated.Results` of its folder; simulate(Task): does it, returns the exit status.
+    results: `damage.batch.outdated.Results` of its folder; simulate(Task, inputs): does it, returns the exit status;
+    inputs: as of `damage.batch.worker.work`.
     """
     found = {run.name(number): (run, number) for run in study.runs for number in range(1, run.most_members + 1)}
     if name not in found:
@@ -31,7 +32,8 @@ def make_again(name, study, results, simulate):
         raise InputError(f"--run {name}: {history} is there; expected one that is not, delete it first")
     record = results.records.runs.get(name, {})
     key = record.get("inputs") or results.records.points.get(run.id)
-    changed = results.changes(run, inputs_of(run, ROOT), key)
+    inputs = inputs_of(run, ROOT)
+    changed = results.changes(run, inputs, key)
     if changed:
         raise InputError(f"--run {name}: its inputs are not those that the table was made from: "
                          f"{some_of(changed)}; expected the same, restore them, or run the study again")
@@ -39,7 +41,7 @@ def make_again(name, study, results, simulate):
     if row is None:
         warn(f"--run {name}: no record of it in {results.folder}: its values are not compared")
     warn(*(f"--run {name}: {warning}" for warning in other_versions(row, run.solver)))
-    status = simulate(Task(results.folder, run, number, True))
+    status = simulate(Task(results.folder, run, number, True), {run.id: as_json(inputs)})
     if status != 0 or row is None:
         return status
     differing = differing_columns(row, summary_row(read_history(history), run=name, point=run.point))

@@ -4,12 +4,14 @@ Snakemake 7 takes the commands that submit, watch and cancel a job by itself, Sn
 cluster-generic.
 """
 
+import os
 import re
 import shlex
 import shutil
 import signal
 import subprocess
 import sys
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
@@ -85,7 +87,7 @@ def run_slices(study, folder, options, n, only, jobs, cores, say):
     with open_log(folder / "logs" / "snakemake.log") as log:
         snakemake = subprocess.Popen(
             list(map(str, command)), cwd=folder, env={**environment(folder), **faster}, stdin=subprocess.DEVNULL,
-            stdout=log, stderr=log, process_group=0, preexec_fn=_prepare)
+            stdout=log, stderr=log, process_group=0, preexec_fn=partial(_prepare, os.getpid()))
     interrupted = []
 
     def interrupt(*_):
@@ -97,10 +99,10 @@ def run_slices(study, folder, options, n, only, jobs, cores, say):
     return EXIT_INTERRUPTED if interrupted else status
 
 
-def _prepare():
+def _prepare(parent):
     """Snakemake cancels its jobs at SIGINT, even where this program was started without, and when this program dies."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    end_with_parent(signal.SIGINT)
+    end_with_parent(parent, signal.SIGINT)
 
 
 def slurm_words(name, folder, jobs, release=None):

@@ -19,7 +19,7 @@ from damage.batch.plan import print_plan
 from damage.batch.pool import Pool
 from damage.batch.tasks import KEEP, PICTURES, Point
 from damage.batch.worker import work
-from damage.errors import InputError, did_you_mean, warn
+from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
 from damage.measure.tables import describe_table
 from damage.run.options import OneLineParser, file_path, number_from
@@ -31,9 +31,11 @@ from damage.studies.tables import write_study_tables
 ALL = "all"
 
 
-def run_study(arguments):
+def run_study(arguments, lock=None):
     """Run the study, or all that ship, that words of a command line ask for; returns the exit status: 0 all done, 1 a
-    run failed, 2 bad input, 3 software is missing, 130 interrupted.  Raises InputError."""
+    run failed or was not made, 2 bad input, 3 software is missing, 130 interrupted.  Raises InputError.
+
+    lock: of the study's folder, where the caller holds it (`damage.batch.folder.held`)."""
     words = arguments or ["--help"]
     if words[0].startswith("-") and words[0] not in ("-h", "--help"):
         raise InputError(f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]")
@@ -49,7 +51,7 @@ def run_study(arguments):
     try:
         if asked.slurm and not asked.dry_run:
             cluster.check()
-        return _all_studies(asked) if str(asked.study) == ALL else _one_study(asked, study_path(asked.study))
+        return _all_studies(asked) if str(asked.study) == ALL else _one_study(asked, study_path(asked.study), lock)
     except cluster.NoPlugin as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_MISSING
@@ -130,15 +132,15 @@ def _all_studies(asked):
     return max(ended.values())
 
 
-def _one_study(asked, path):
-    """Run one study; returns the exit status."""
+def _one_study(asked, path, lock=None):
+    """Run one study; returns the exit status; lock: as of `run_study`."""
     study = load_study(path.absolute(), asked.solver, ROOT)
     folder = (asked.out or RESULTS / study.name).absolute()
     if asked.dry_run:
         print_plan(study, folder, asked.jobs, asked.remake)
         return 0
     runs = cluster.slices(study.runs, asked.slice[1])[asked.slice[0] - 1] if asked.slice else study.runs
-    lock = claim(folder, study, shared=asked.slice is not None)
+    lock = claim(folder, study, asked.slice is not None, lock)
     try:
         with chdir(ROOT):
             if asked.run:
@@ -153,11 +155,21 @@ def _one_study(asked, path):
         os.close(lock)
 
 
-def _simulate(lock, task):
-    """Do one task; returns the exit status."""
-    pool = Pool(1, work, lock, task.folder, say)
+def _simulate(lock, task, inputs):
+    """Do one task; returns the exit status; inputs: as of `work`."""
+    pool = Pool(1, partial(work, inputs=inputs), lock, task.folder, say)
     pool.run([task])
-    return EXIT_INTERRUPTED if pool.interrupted else 1 if pool.failed or pool.short else 0
+    _say_changed(pool.changed)
+    return EXIT_INTERRUPTED if pool.interrupted else 1 if pool.failed or pool.short or pool.changed else 0
+
+
+def _say_changed(changed):
+    """Say in a line which runs were not made as their inputs changed; changed: as of Pool."""
+    if changed:
+        of = {task.point.id: f"{task.point.id} ({some_of(words, 3)})" for task, words in changed}
+        print(f"error: {len(changed)} runs were not made, as inputs changed since the study began: "
+              f"{some_of(list(of.values()), 3)}; restore these and give the same command, or give it with the new "
+              "ones: it makes all runs of these points again", file=sys.stderr)
 
 
 class Batch:
@@ -189,12 +201,12 @@ class Batch:
         with open_records(self.folder / name) as file:
             if self.asked.slice:
                 file.write(results.lines_of(verdict))
-            return self._simulate(file, {run.id: key for run, (key, _) in verdict.inputs.items()})
+            return self._simulate(file, verdict.inputs)
 
-    def _simulate(self, file, keys):
+    def _simulate(self, file, inputs):
         """Do what is left on this machine, then the tables; returns the exit status.
 
-        file: open file of records; keys: {StudyRun.id: key of its inputs}.
+        file: open file of records; inputs: {StudyRun: (key of its inputs, these as JSON)}.
         """
         self._began, self._there_before = time.monotonic(), self._done
 
@@ -202,7 +214,7 @@ class Batch:
             """Write the record of a run; returns the tasks that follow."""
             if task.kind == PICTURES:
                 return []
-            file.write(line_of({"run": record["run"], "inputs": keys[task.point.id]} | record))
+            file.write(line_of({"run": record["run"], "inputs": inputs[task.point][0]} | record))
             file.flush()
             if not task.kept:
                 task.part.unlink(missing_ok=True)
@@ -213,7 +225,8 @@ class Batch:
                 self._show(point)
             return [*more, *point.next_pictures()]
 
-        pool = Pool(self.asked.jobs, work, self.lock, self.folder, say)
+        notes = {run.id: content for run, (_, content) in inputs.items()}
+        pool = Pool(self.asked.jobs, partial(work, inputs=notes), self.lock, self.folder, say)
         pool.run([task for point in self.points.values() for task in (*point.next_tasks(), *point.next_pictures())],
                  follow)
         if pool.interrupted:
@@ -229,7 +242,9 @@ class Batch:
             print(f"error: {shortage(self.folder)}, and the same command continues from here", file=sys.stderr)
             return 1
         status = 0 if self.asked.slice else self._sum_up()
-        return self._report(pool.failed) or status
+        status = self._report(pool.failed) or status
+        _say_changed(pool.changed)
+        return status or int(bool(pool.changed))
 
     def _on_cluster(self):
         """Run slices as jobs, then the tables; returns the exit status."""
@@ -245,7 +260,10 @@ class Batch:
             status = cluster.run_slices(self.study, self.folder, options, n, only, self.asked.jobs, cores, say)
             lock_as(self.lock, self.folder)
         results = Results(self.folder)
-        results.write(results.judge(self.runs))
+        verdict = results.judge(self.runs)
+        if verdict.changed:  # slices began with other inputs than these
+            warn(*results.bring_up_to_date(verdict, self.asked.remake))
+        results.write(verdict)
         self.points = {run.id: Point(run, results, self.asked.keep, False) for run in self.runs}
         failed = [task for point in self.points.values() for task in point.next_tasks()]
         if status == EXIT_INTERRUPTED:

@@ -14,11 +14,14 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.files import plain_file, shipped, whole_or_nothing
+from damage.start import EXIT_INTERRUPTED
 
 ROOT = shipped("studies").parent
 """Where the paths of studies that ship start: the repository, or damage/share of an installed package."""
 RESULTS = ROOT / "results" if (ROOT / "run_all.sh").is_file() else Path.cwd() / "results"
 """Where studies go unless --out says it: into the repository; of an installed package, below the working folder."""
+KEPT = "study.toml"
+"""Copy of the study's file in its folder."""
 LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""
 LEAST_FREE = 20_000_000
@@ -31,34 +34,58 @@ _LIBC = CDLL(None)
 _ALREADY = "another batch is at work in {}; wait for its end, or choose another --out"
 
 
-def claim(folder, study, shared=False):
-    """Make the folder of a study, which keeps a copy of its file, and lock it; returns the lock, a descriptor.
+def claim(folder, study, shared=False, lock=None):
+    """Lock the folder of a study, which keeps a copy of its file; arguments, result and errors as of `locked`.
 
-    shared: with others that share it, as slices of the study do.  The lock is the system's: it ends with the processes
-    that hold it, so that none is ever stale.  Raises InputError where another study or batch has the folder, or where
-    it cannot be written.
+    lock: that its caller holds already, None for a new one.
     """
-    kept = folder / "study.toml"
+    lock = locked(folder, study.name, shared) if lock is None else os.dup(lock)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if is_short(folder):
-            raise InputError(f"{shortage(folder)}, or choose another --out")
-        lock = _open_lock(folder)
-        try:
-            lock_as(lock, folder, shared)
-            owner = _name_in(kept)
-            if owner not in (None, study.name):
-                raise InputError(f"{folder} holds the study {owner!r}, not {study.name!r}; choose another --out")
-        except BaseException:
-            os.close(lock)
-            raise
-        with whole_or_nothing(kept) as unfinished:
+        with whole_or_nothing(folder / KEPT) as unfinished:
             shutil.copyfile(study.path, unfinished)
         for name in ("logs", "runs", "tables"):
             (folder / name).mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
     return lock
+
+
+def locked(folder, name, shared=False):
+    """Make the folder of the study of a name and lock it; returns the lock, a descriptor.
+
+    shared: with others that share it, as slices of the study do.  The lock is the system's: it ends with the processes
+    that hold it, so that none is ever stale.  Raises InputError where another study or batch has the folder, or where
+    it cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if is_short(folder):
+            raise InputError(f"{shortage(folder)}, or choose another --out")
+        lock = _open_lock(folder)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise InputError(f"cannot write to {folder}: it, or a folder above it, is no folder; expected one; choose "
+                         "another --out") from error
+    except OSError as error:
+        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+    try:
+        lock_as(lock, folder, shared)
+        owner = _name_in(folder / KEPT)
+        if owner not in (None, name):
+            raise InputError(f"{folder} holds the study {owner!r}, not {name!r}; choose another --out")
+    except BaseException:
+        os.close(lock)
+        raise
+    return lock
+
+
+@contextmanager
+def held(folder, name):
+    """As `locked` while this lasts, for more than one command of a study."""
+    lock = locked(folder, name)
+    try:
+        yield lock
+    finally:
+        os.close(lock)
 
 
 def _open_lock(folder):
@@ -136,10 +163,13 @@ def environment(folder=None):
             **{name: str(folder / ".cache" / place) for name, place in places.items()}}
 
 
-def end_with_parent(signal_number):
-    """Have this process sent a signal when its parent dies, however that happens (Linux only)."""
+def end_with_parent(parent, signal_number=signal.SIGKILL):
+    """Have this process sent a signal when the thread that started it dies, however that happens (Linux only); end it
+    where its parent, by its number, is dead already."""
     if sys.platform == "linux":
         _LIBC.prctl(_PR_SET_PDEATHSIG, int(signal_number), 0, 0, 0)
+    if os.getppid() != parent:
+        os._exit(EXIT_INTERRUPTED)
 
 
 @contextmanager

@@ -155,7 +155,6 @@ class Results:
             path.unlink()
         for folder in ("shards", "runs/.inputs", "tables/rows", ".tables", ".snakemake"):
             shutil.rmtree(self.folder / folder, ignore_errors=True)
-        (self.folder / ".lock").unlink(missing_ok=True)
         self.records.orderly, self.records.faults = True, []
 
     def is_whole(self, task):

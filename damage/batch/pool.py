@@ -16,7 +16,7 @@ from importlib import import_module
 from multiprocessing.connection import wait
 
 from damage.batch.folder import NO_ROOM, POLITE_ENDS, handled, is_short
-from damage.batch.tasks import RUN
+from damage.batch.tasks import CHANGED, RUN
 from damage.errors import warn
 from damage.mechanics.compiled import COMPILING, is_cached
 from damage.provenance import measures_digest, versions
@@ -89,6 +89,7 @@ class Pool:
         self.jobs, self.folder, self._work, self._lock, self._say = jobs, folder, work, lock, say
         self.interrupted = self.short = False  # ended by a signal; in want of room
         self.failed, self.n_lost = [], 0  # tasks; runs that an interrupt ended
+        self.changed = []  # (task, words) of runs whose inputs changed meanwhile
         self._workers, self._announced = [], False
         self._waiting, self._later = [], []  # runs in their order, and what comes after runs
 
@@ -176,6 +177,9 @@ class Pool:
         """Take note of how a task ended, and of the tasks that follow."""
         if status == EXIT_INTERRUPTED:
             self.n_lost += task.kind == RUN
+            return
+        if status == CHANGED:
+            self.changed.append((task, record))
             return
         if status != 0:
             self.failed.append(task)

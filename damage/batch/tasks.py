@@ -9,6 +9,8 @@ from damage.run.options import parse_run
 from damage.studies.definition import StudyRun
 
 RUN, PICTURES = "run", "pictures"
+CHANGED = -1
+"""In place of an exit status: the run was not made, as its inputs changed since the study began."""
 KEEP = "all", "summary", "patterns"
 """What stays of runs: all histories; those of each point's first run; these, and of each run its patterns at rest."""
 

@@ -1,7 +1,7 @@
 """A process of a study: up to eight runs of the reference solver that step together, or one run in YADE, or pictures.
 
-It takes tasks from a connection and sends what becomes of them: (task, exit status, record or None), or a line for the
-person at the terminal, (None, line, None).
+It takes tasks from a connection and sends what becomes of them: (task, exit status, record or None), (task, CHANGED,
+how its inputs changed, words), or a line for the person at the terminal, (None, line, None).
 """
 
 import os
@@ -12,10 +12,12 @@ import subprocess
 import sys
 import time
 from collections import deque
+from functools import partial
+from types import MappingProxyType
 
 from damage.batch.folder import POLITE_ENDS, ROOT, end_with_parent, environment, open_log
-from damage.batch.tasks import PICTURES
-from damage.errors import InputError
+from damage.batch.tasks import CHANGED, PICTURES
+from damage.errors import InputError, some_of
 from damage.files import YADE
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
@@ -25,6 +27,7 @@ from damage.memory import return_freed
 from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.studies.inputs import differences, inputs_of
 from damage.studies.records import record_of
 
 PATIENCE_S = 60.0
@@ -32,16 +35,16 @@ PATIENCE_S = 60.0
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.session.Progress
 
 
-def work(connection, parent, lock):
-    """Do tasks until None comes.  Runs end politely at SIGTERM, and all ends when the parent has died; lock: descriptor
-    that a solver holds as long as it runs."""
+def work(connection, parent, lock, inputs=MappingProxyType({})):
+    """Do tasks until None comes.  Runs end politely at SIGTERM; when the parent has died the system kills this process,
+    whose runs nobody would record, and its solver.  lock: descriptor that a solver holds as long as it runs; inputs:
+    {StudyRun.id: its inputs when the study began (`damage.studies.inputs.as_json`)}."""
     # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended leave their records.
-    signal.signal(signal.SIGTERM, lambda *_: _leave_without(parent))
+    signal.signal(signal.SIGTERM, lambda *_: None)
     for name in (signal.SIGINT, signal.SIGHUP):  # of a terminal: the parent's to answer
         signal.signal(name, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, POLITE_ENDS)
-    end_with_parent(signal.SIGTERM)
-    _leave_without(parent)
+    end_with_parent(parent)
     os.chdir(ROOT)
     waiting, settled = deque(), SettledWalls()
     while True:
@@ -52,20 +55,14 @@ def work(connection, parent, lock):
         if task is None:
             return
         if task.steps:
-            status = _do_runs(task, connection, waiting, settled, lambda: _leave_without(parent))
+            status = _do_runs(task, connection, waiting, settled, inputs)
         else:
             task.log.unlink(missing_ok=True)
             print_into(task.log)
-            status, record = _draw(task) if task.kind == PICTURES else _run_yade(task, connection, lock)
+            status, record = _draw(task) if task.kind == PICTURES else _run_yade(task, connection, lock, inputs)
             connection.send((task, status, record))
         if status == EXIT_INTERRUPTED:  # nothing more begins
             return
-
-
-def _leave_without(parent):
-    """End this process where its parent has died."""
-    if os.getppid() != parent:
-        os._exit(EXIT_INTERRUPTED)
 
 
 def print_into(path):
@@ -77,7 +74,7 @@ def print_into(path):
                               for stream in (1, 2))
 
 
-def _do_runs(first, connection, waiting, settled, look):
+def _do_runs(first, connection, waiting, settled, inputs):
     """Simulate runs that are not there, the first one and those that come meanwhile; sends each as it ends.  Returns
     EXIT_INTERRUPTED where they were interrupted."""
     print_into(first.log)
@@ -96,18 +93,44 @@ def _do_runs(first, connection, waiting, settled, look):
             if task.history.is_file():
                 connection.send((task, *conclude(task)))
                 continue
-            tasks[task.name], histories[task.name] = task, HistoryKept if task.kept else HistoryInMemory
+            tasks[task.name] = task
+            histories[task.name] = Begun(task, inputs, HistoryKept if task.kept else HistoryInMemory)
             print("---", task.name, flush=True)
             yield task.name, [*task.point.command(task.number), *_where(task)]
 
     for name, status in run_references(lines(), histories, settled):
-        look()  # a parent's death interrupted them
         interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
         task, history = tasks.pop(name), histories.pop(name)
-        connection.send((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
+        if isinstance(history, Begun):  # of a run that never had one
+            connection.send((task, CHANGED, history.changes) if history.changes else (task, status, None))
+        else:
+            connection.send((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
         del history
         return_freed()
     return interrupted
+
+
+class Begun:
+    """Makes the history of a run, of a kind, which has read all of its inputs by then, and refuses it where these are
+    others than the study began with; changes: how they differ, words; None before, and empty of a run that is repeated.
+    """
+
+    def __init__(self, task, inputs, kind):
+        self._task, self._inputs, self._kind, self.changes = task, inputs, kind, None
+
+    def __call__(self, path, layout, **more):
+        if self.changes is None:
+            self.changes = changes(self._task, self._inputs, layout.wall)
+        if self.changes:
+            raise InputError(f"not made, as its inputs changed since the study began: {some_of(self.changes)}")
+        return self._kind(path, layout, **more)
+
+
+def changes(task, inputs, wall=None):
+    """How the inputs of a task differ from those in `inputs` (as of `work`), a list of words; wall: as its run has it,
+    which may have imported modules that this process has of before."""
+    note = inputs.get(task.point.id)
+    return differences(note, inputs_of(task.point, ROOT, wall)) if note else []
 
 
 def _where(task):
@@ -136,13 +159,27 @@ def conclude(task, kept=None):
         return EXIT_FAILED, None
 
 
-def _run_yade(task, connection, lock):
-    """Run YADE into the part of a history; returns (exit status, record or None)."""
+def _run_yade(task, connection, lock, inputs):
+    """Run YADE into the part of a history; returns (exit status, record or None), or as of CHANGED."""
     if task.history.is_file():
         return conclude(task)
+    try:
+        return _run_yade_on(task, connection, lock, inputs)
+    except InputError as error:
+        print(f"error: {task.name}: {error}")
+        return EXIT_FAILED, None
+
+
+def _run_yade_on(task, connection, lock, inputs):
+    """As `_run_yade`: the inputs are compared before and after, as YADE reads them by itself."""
+    if found := changes(task, inputs):
+        return CHANGED, found
     connection.send((None, f"{task.name}: started", None))
     status = _run_solver([*YADE, *task.point.command(task.number), *_where(task)], task.folder, lock,
                          lambda text: connection.send((None, f"{task.name}: {text}", None)))
+    if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
+        task.part.unlink()
+        return CHANGED, found
     return conclude(task) if status == EXIT_OK else (status, None)
 
 
@@ -154,7 +191,7 @@ def _run_solver(command, folder, lock, announce):
         solver = subprocess.Popen(
             command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
             errors="replace", env=environment(folder), pass_fds=(lock,), process_group=0,
-            preexec_fn=lambda: end_with_parent(signal.SIGTERM))
+            preexec_fn=partial(end_with_parent, os.getpid()))
     except OSError as error:
         print(f"error: {command[0]} does not start: {error.strerror}")
         return EXIT_FAILED

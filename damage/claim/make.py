@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.batch.folder import ROOT
+from damage.batch.folder import ROOT, held
 from damage.claim.answer import LEAST_DRAWS, reasons
 from damage.claim.numbers import draws_needed, enough, lacks_draws, numbers_of
 from damage.claim.sheet import NUMBERS, SHEET, in_words, sheet
-from damage.claim.twins import BOTH, DRAWN, read_twins, write_twins
-from damage.errors import warn
+from damage.claim.twins import BOTH, DRAWN, NAME, SHAKEN, read_twins, write_twins
+from damage.errors import InputError, some_of, warn
 from damage.exposure.exposure import Exposure
-from damage.exposure.lives import Choices, Draws
+from damage.exposure.lives import Choices, Draws, read_address
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.html.words import number
@@ -46,10 +46,11 @@ class Claim:
     language: str = "en"
 
 
-def make_claim(claim, out, jobs):
-    """Make the sheet of a Claim in a folder with so many processes; returns the exit status.  Raises InputError."""
-    from damage.batch.command import run_study
+def make_claim(claim, out, jobs, remake=False):
+    """Make the sheet of a Claim in a folder with so many processes; returns the exit status.  Raises InputError.
 
+    remake: draws of another version, which are refused otherwise.
+    """
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
     choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
@@ -61,21 +62,40 @@ def make_claim(claim, out, jobs):
     survey = read_survey(claim.survey, layout)
     warn(*claim.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
     print(on_joints(survey.as_dict()))
-    _state_time(claim, out, jobs, steps)
-    for draws in steps:
-        study = _study(claim, out, draws)
-        status = run_study([str(study.path), "--out", str(out), "--keep", "patterns", "-j", str(jobs)])
-        if status != 0:
-            return status
-        twins = read_twins(out, layout)
-        given = {name: value for name, value in claim.address.items() if value is not None} | claim.options
-        numbers = numbers_of(twins, survey, layout, claim.exposure, given, _ground(claim), _evidence(out, study))
-        write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
-        place = write_text(out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS))
-        if enough(numbers, steps[-1]):
-            break
+    with held(out, Path(NAME).stem) as lock:
+        _state_time(claim, out, jobs, steps)
+        for draws in steps:
+            study = _study(claim, out, draws)
+            if status := _draw(study, out, jobs, remake, lock):
+                return status
+            twins, first = read_twins(out, layout), _first(out, study)
+            if first.masonry_wall != layout.wall:
+                raise InputError(f"{claim.wall} changed since this claim began: expected the wall that its cracks were "
+                                 "put on; give the same command again")
+            given = {name: value for name, value in claim.address.items() if value is not None} | claim.options
+            exposure = read_address(out / f"{SHAKEN}.address.toml").exposure  # that the runs have
+            numbers = numbers_of(twins, survey, layout, exposure, given, _ground(claim), _evidence(first))
+            write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
+            place = write_text(out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS))
+            if enough(numbers, steps[-1]):
+                break
     print(describe(numbers), place, sep="\n")
     return 0
+
+
+def _draw(study, out, jobs, remake, lock):
+    """Make the draws of a claim's study; returns the exit status.  Raises InputError where there are some of another
+    model that are not to be made again."""
+    from damage.batch.command import run_study
+    from damage.batch.outdated import Results
+
+    others = Results(out).judge(study.runs).models
+    if others and not remake:
+        raise InputError(f"{out}: another version of the model ({', '.join(sorted(set(others.values())))}) made "
+                         f"{len(others)} runs: {some_of(list(others))}; expected one version on a sheet; give --remake "
+                         "to make these again, or another --out")
+    return run_study([str(study.path), "--out", str(out), "--keep", "patterns", "-j", str(jobs),
+                      *(["--remake"] if remake else [])], lock)
 
 
 def layout_of(wall):
@@ -121,10 +141,14 @@ def _ground(claim):
             "distortion": None if distortion is None else fraction(str(distortion))}
 
 
-def _evidence(out, study):
-    """Judgement of the range of validity on the first draw by both causes."""
+def _first(out, study):
+    """History of the first draw by both causes."""
     first = next(run for run in study.runs if run.point.startswith(BOTH))
-    history = read_history(out / "runs" / f"{first.name(1)}.h5")
+    return read_history(out / "runs" / f"{first.name(1)}.h5")
+
+
+def _evidence(history):
+    """Judgement of the range of validity on a history."""
     return evidence_for(history.masonry_wall, history.parameters, summarise(history))
 
 

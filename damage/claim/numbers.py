@@ -22,7 +22,9 @@ from damage.claim.twins import SHAKEN
 from damage.exposure.exposure import strongest
 from damage.index import THRESHOLD
 from damage.measure.survey import Seen, distances, seen_of, surveyed
+from damage.provenance import commit
 from damage.units import MILLIMETRE
+from damage.version import VERSION
 
 SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
 ENOUGH = 0.1
@@ -148,8 +150,10 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
     events = twins.events[SHAKEN]
     offsets = survey.table["offset"].notna().any() if len(survey.table) else False
     return {
-        "house": wall.wall.name, "date": f"{datetime.now(UTC):%Y-%m-%d}", "shaking": shaking(exposure, twins),
-        "survey": survey.as_dict() | {"offsets_known": bool(offsets)}, "settlement": settlement, "choices": choices,
+        "house": wall.wall.name, "date": f"{datetime.now(UTC):%Y-%m-%d}",
+        "made_by": {"software": VERSION, "commit": commit(), "draws": twins.made_by},
+        "shaking": shaking(exposure, twins), "settlement": settlement, "choices": choices,
+        "survey": survey.as_dict() | {"offsets_known": bool(offsets)},
         "visible_from_mm": THRESHOLD / MILLIMETRE, "priors": list(PRIORS), "questions": list(BUT_FOR),
         **answers(twins, likeness_of(twins, survey, wall), survey.as_dict()),
         "at_the_end": at_the_end(twins), "by_event": by_event(twins),

@@ -12,9 +12,7 @@ from damage.claim.answer import BUT_FOR, LEAST_DRAWS, MOST_OFF_JOINTS, ROWS, STR
 from damage.html.words import environment, number, of_hundred, words
 from damage.index import THRESHOLD
 from damage.measure.cracks import cracked, ends_of
-from damage.provenance import commit
 from damage.units import MILLIMETRE
-from damage.version import VERSION
 
 NUMBERS, SHEET, FORMER = "claim.json", "claim.html", "former-"
 """Files of the numbers and the sheet; what their names begin with once they are of an earlier command."""
@@ -48,7 +46,14 @@ def sheet(numbers, wall, survey, twins, language, json_name):
         **in_words(numbers, language), rows=ROWS, but_for=BUT_FOR,
         pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
         evidence=_evidence(numbers["evidence"], say), json_name=json_name,
-        software=f"masonry-damage {VERSION}, commit {commit()}")
+        software=_software(numbers["made_by"]))
+
+
+def _software(made_by):
+    """The software that made a sheet, and its draws, in words; made_by: of `numbers_of`."""
+    draws = made_by["draws"]
+    return (f"masonry-damage {made_by['software']}, commit {made_by['commit']}; draws: commit {draws['commit']}, model "
+            f"{draws['model_digest']}, measures {draws['measures_digest']}")
 
 
 def in_words(numbers, language="en"):

@@ -5,7 +5,7 @@ on ground that settled before the first one.  What the settlement did alone is w
 earthquake, and a wall without either cause is where *shaken* stood.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -15,8 +15,10 @@ import pandas as pd
 from damage.errors import InputError
 from damage.exposure.lives import read_address
 from damage.life.results import life_of, write_points
+from damage.measure.columns import MADE_BY
 from damage.measure.cracks import PSI_FROM, close_pairs, count_cracks, cracked, mean_width, psi_value
 from damage.measure.kept import ENDING, FOLDER, SETTLED, START, read_patterns
+from damage.provenance import UNKNOWN
 from damage.studies.definition import load_study
 from damage.studies.records import read_records
 from damage.wall.geometry import joint_table, tributary_ends
@@ -50,7 +52,8 @@ class Twins:
 
     numbers: (n,) of the lives; opening_m, offset_m: {of STATES: (n, n_joints)} [m] at rest; fell: {of STATES: (n,)};
     ends: (n_joints, 2, 2) [m] and length_m: (n_joints,) of the contact points; events: {of SHAKEN, BOTH: table of
-    `damage.life.results.life_of` of all draws}; settlement: a row a draw: profile, distortion.
+    `damage.life.results.life_of` of all draws}; settlement: a row a draw: profile, distortion; made_by: {of MADE_BY:
+    what it was when the draws were made}.
     """
 
     numbers: np.ndarray
@@ -61,6 +64,7 @@ class Twins:
     length_m: np.ndarray
     events: dict
     settlement: pd.DataFrame
+    made_by: dict = field(default_factory=dict)
 
     def __len__(self):
         return len(self.numbers)
@@ -71,7 +75,7 @@ class Twins:
         numbers = self.numbers[which]
         return Twins(numbers, of(self.opening_m), of(self.offset_m), of(self.fell), self.ends, self.length_m,
                      {name: table[table["life"].isin(numbers)] for name, table in self.events.items()},
-                     self.settlement.iloc[which])
+                     self.settlement.iloc[which], self.made_by)
 
     @cached_property
     def width_m(self):
@@ -123,4 +127,15 @@ def read_twins(folder, layout):
         tributary_ends(joint_table(layout))[:layout.n_joints], layout.contacts.length[:layout.n_joints],
         {point: pd.concat([life_of(done[point][number][0], draws[point], number) for number in numbers],
                           ignore_index=True) for point in done},
-        pd.DataFrame([{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]))
+        pd.DataFrame([{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]),
+        _made_by(folder, [row for of in rows.values() for row in of]))
+
+
+def _made_by(folder, rows):
+    """`made_by` of Twins; rows: of their runs.  Raises InputError where they are of more than one version."""
+    found = {name: sorted({str(row.get(name) or UNKNOWN) for row in rows}) for name in MADE_BY}
+    for name, of in found.items():
+        if name.endswith("digest") and len(of) > 1:
+            raise InputError(f"{folder}: draws of {len(of)} versions, {name} {', '.join(of)}: expected one on a sheet; "
+                             "make the claim again with --remake")
+    return {name: ", ".join(of) for name, of in found.items()}

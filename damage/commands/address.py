@@ -15,6 +15,7 @@ from damage.exposure.lives import Choices, Draws
 from damage.exposure.places import at, at_rd
 from damage.files import is_there, write_text
 from damage.run.options import arg, file_arg, file_path, flag, group, number_from
+from damage.wall.file import wall_path
 
 
 def _degrees(word):
@@ -116,7 +117,8 @@ def _lives_options(within, strong):
             arg("--settle", metavar="PROFILE|FILE.csv", help="settlement of the ground before the first event"),
             arg("--distortion", metavar="1/500", help="of a named profile")),
         group("batch", arg("-j", dest="jobs", type=number_from(1, 9999, int), metavar="N",
-                           help="processes (default: one a core)")))
+                           help="processes (default: one a core)"),
+              flag("--remake", "make runs again that another version made")))
 
 
 @command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
@@ -128,18 +130,22 @@ def _lives_options(within, strong):
          out("folder of the study: tables, pictures, report"))
 def _life(asked):
     from damage.batch.command import run_study
-    from damage.life.results import write_study
+    from damage.batch.folder import held
+    from damage.life.results import NAME, write_study
 
     exposure = _exposure_of(asked)
     Draws(exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
         1)  # says what is wrong before anything is written
+    wall_path(asked.wall)
     warn(*exposure.warnings)
     options = {"rest": asked.rest, "strength-cov": asked.strength_cov, "settle": asked.settle,
                "distortion": asked.distortion}
-    study = write_study(asked.out, asked.wall, _address_of(asked),
-                        {name: value for name, value in options.items() if value is not None}, asked.draws)
-    return run_study([str(study), "--out", str(asked.out), "--keep", "summary",
-                      *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])])
+    with held(asked.out, Path(NAME).stem) as lock:
+        study = write_study(asked.out, asked.wall, _address_of(asked),
+                            {name: value for name, value in options.items() if value is not None}, asked.draws)
+        return run_study([str(study), "--out", str(asked.out), "--keep", "summary",
+                          *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else []),
+                          *(["--remake"] if asked.remake else [])], lock)
 
 
 @command("a claim: the same front with and without the earthquakes, with and without settlement, beside a survey of "
@@ -158,10 +164,14 @@ def _life(asked):
 def _claim(asked):
     import os
 
+    from damage.batch.folder import held
     from damage.claim.make import Claim, make_claim
     from damage.claim.sheet import set_aside
+    from damage.claim.twins import NAME
 
-    set_aside(asked.out)
+    if asked.out.is_dir():
+        with held(asked.out.absolute(), Path(NAME).stem):  # not those of a claim that is being made
+            set_aside(asked.out)
     if asked.levels and (asked.settle or asked.distortion):
         raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; "
                          "leave the other out")
@@ -175,7 +185,7 @@ def _claim(asked):
     return make_claim(
         Claim(asked.wall, _address_of(asked), exposure, asked.cracks,
               {"rest": asked.rest, "strength-cov": asked.strength_cov}, settlement, asked.draws, asked.language),
-        asked.out, asked.jobs or os.cpu_count())
+        asked.out, asked.jobs or os.cpu_count(), asked.remake)
 
 
 @command("a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step; it listens on "

@@ -32,12 +32,15 @@ _HIGHEST = {"max_DI": 1.0, "DI": 1.0, "pgv_mm_s": 5000.0, "largest_mm_s": 5000.0
 
 def note_of(run, records):
     """What the lives of a StudyRun are made of, (digest of wall and options, of models, of measures), each of twelve
-    hexadecimal digits; records: of its runs, whose digests are joined by a blank where they differ."""
-    inputs = as_json(inputs_of(run, Path.cwd()))
+    hexadecimal digits; records: of its folder (`damage.studies.records`); digests are joined by a blank where they
+    differ.  Files may have changed since the lives were made: they are read only where no record names its inputs."""
+    there = records.of_point(run).values()
+    kept = [records.inputs[one["inputs"]] for one in there if "wall" in records.inputs.get(one.get("inputs"), {})]
+    inputs = kept[0] if kept else as_json(inputs_of(run, Path.cwd()))
     settings = {name: value for name, value in inputs["settings"].items() if name not in _DRAWN}
     settings["model"] = {name: value for name, value in settings["model"].items() if name != "strength_seed"}
     text = json.dumps([inputs["wall"], settings], sort_keys=True)
-    digests = [" ".join(sorted({str(one["row"][name]) for one in records})) or "none"
+    digests = [" ".join(sorted({str(one["row"][name]) for one in there})) or "none"
                for name in ("model_digest", "measures_digest")]
     return hashlib.sha256(text.encode()).hexdigest()[:12], *digests
 

@@ -157,7 +157,7 @@ def lives_of(folder, tables=()):
             draws = read_address(run.words[run.words.index("--address") + 1])
             point = run.point.rpartition(FROM)[0]
             there = records.of_point(run)
-            note = note_of(run, there.values()) if run.offset == 0 else None
+            note = note_of(run, records) if run.offset == 0 else None
             found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point), note)
                       for number, record in there.items()]
             if note:

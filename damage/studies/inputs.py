@@ -4,6 +4,9 @@ A study keeps them with its records (`damage.studies.records`) and compares them
 counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
 values that a run gets, defaults included.  A history that runs continue counts by its content, lives by all
 that they are drawn from.
+
+A run is made only where its inputs, once it has read them, are still those that its study began with
+(`damage.batch.worker`): files may change meanwhile.
 """
 
 import hashlib
@@ -12,6 +15,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 
 from damage.checks import check_file
 from damage.exposure.lives import read_address
+from damage.motion.formats import shipped_records
 from damage.motion.record import Record
 from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
@@ -36,14 +40,24 @@ class Inputs:
     drawn_from: str | None = None
 
 
-def inputs_of(run, root):
-    """The Inputs of a StudyRun; root: the repository.  Raises InputError where wall, options or a file are bad."""
+def inputs_of(run, root, wall=None):
+    """The Inputs of a StudyRun; root: the repository; wall: as one of its runs has read it.  Raises InputError where
+    wall, options or a file are bad."""
     settings = run.settings(root)
     continued = settings.continued and hashlib.sha256(
         check_file(settings.continued, "the history of the run that is continued (.h5)").read_bytes()).hexdigest()
     lives = run.varied == ("--life",)
     address = root / run.words[run.words.index("--address") + 1] if lives else None
-    return Inputs(load_wall(root / run.wall), settings, continued, read_address(address).digest() if lives else None)
+    return Inputs(wall or load_wall(root / run.wall), settings, continued,
+                  _digest_of(read_address(address)) if lives else None)
+
+
+def _digest_of(draws):
+    """`Draws.digest`, which takes a quarter of a second and is asked for of each run: once while no record changes."""
+    kept, times = vars(draws), [path.stat().st_mtime_ns for path in shipped_records().values()]
+    if kept.get("digest_at") != times:
+        kept |= {"digest_at": times, "digest_then": draws.digest()}
+    return kept["digest_then"]
 
 
 def as_json(inputs):
