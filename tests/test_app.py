@@ -429,7 +429,8 @@ def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
     """Whole numbers, areas whose corners were given the other way round."""
     monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
     done(client, "front", text=FRONT)
-    done(client, "survey", **drawn(CRACK | {"width_mm": 5}, CRACK | {"offset": "yes"}) | {
+    other = {"points": [[0.5, 0.1], [0.8, 0.3]], "offset": "yes"}
+    done(client, "survey", **drawn(CRACK | {"width_mm": 5}, CRACK | other) | {
         "areas": [[[1.1, 0.1], [0.8, 0.5]]], "limit_mm": 1})
     state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
     survey = state["drawn"] | {"areas": [[area[:2], area[2:]] for area in state["drawn"]["areas"]]}

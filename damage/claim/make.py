@@ -68,10 +68,11 @@ def make_claim(claim, out, jobs, remake=False):
             study = _study(claim, out, draws)
             if status := _draw(study, out, jobs, remake, lock):
                 return status
-            twins, first = read_twins(out, layout), _first(out, study)
+            first = _first(out, study)
             if first.masonry_wall != layout.wall:
                 raise InputError(f"{claim.wall} changed since this claim began: expected the wall that its cracks were "
                                  "put on; give the same command again")
+            twins = read_twins(out, layout)
             given = {name: value for name, value in claim.address.items() if value is not None} | claim.options
             exposure = read_address(out / f"{SHAKEN}.address.toml").exposure  # that the runs have
             numbers = numbers_of(twins, survey, layout, exposure, given, _ground(claim), _evidence(first))
