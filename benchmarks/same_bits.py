@@ -34,27 +34,6 @@ sys.path.insert(0, str(ROOT))
 from damage.history.reader import read_history
 from damage.reference import bits
 
-BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
-SYMMETRIC, SMALL = "walls/symmetric.py", "walls/variants/small.py"
-RUNS = {
-    "harmonic": [SYMMETRIC, "--harmonic", "0.2", "0.05", "--rest", "0.5"],
-    "record": [SYMMETRIC, "--record", BGAR, "--window", "17", "23", "--rest", "1"],
-    "pushover": [SYMMETRIC, "--pushover", "0.05"],
-    "cyclic": [SYMMETRIC, "--cyclic", "0.02"],
-    "sequence": [SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.3", "--sequence", "1,0.6"],
-    "softening": ["walls/variants/symmetric_softening.py", "--harmonic", "0.2", "0.05", "--rest", "0.2",
-                  "--mass-scaling", "none"],
-    "scaled": ["walls/variants/symmetric_softening.py", "--harmonic", "0.2", "0.05", "--rest", "0.2"],
-    "deformable": [SMALL, "--harmonic", "0.06", "0.8", "--rest", "0.2", "--bricks", "deformable"],
-    "house": ["walls/terrace_end.toml", "--harmonic", "0.1", "0.2", "--rest", "0.2", "--mass-scaling", "none"],
-    "settled": [SMALL, "--settle", "hogging", "--distortion", "1/500", "--harmonic", "0.06", "0.4", "--rest", "0.2"],
-    "crushing": ["walls/variants/comp2_4_split_and_crush.py", "--pushover", "0.05"],
-    "soil": [SMALL, "--soil", "1e9", "--soil-velocity", "100", "--harmonic", "0.06", "0.6", "--rest", "0.2"],
-    "falling": [SMALL, "--new-contacts", "--harmonic", "0.1", "1.5", "--rest", "0.2"],
-    "members": [SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.3", "--members", "6"],
-    "deformable_members": [SMALL, "--harmonic", "0.06", "0.8", "--rest", "0.1", "--bricks", "deformable", "--members",
-                           "3"],
-}
 NUMPY = "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL AVX512_SPR"
 SETTINGS = {
     "as it comes": {},
@@ -72,11 +51,13 @@ IN_YADE = ("harmonic", "pushover", "sequence")
 
 
 def run(folder, yade):
-    """Simulate the set into `folder`: by the reference solver, or what is named in IN_YADE by YADE on one thread."""
+    """Simulate the published cases into `folder`: by the reference solver, or those of IN_YADE by YADE on one thread."""
     solver = [ROOT / "yade", "-n", "-j1"] if yade else [sys.executable, "-m", "damage", "reference"]
-    for name in IN_YADE if yade else RUNS:
-        out = folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5"
-        subprocess.run([*solver, *RUNS[name], "--out", out, "--no-pictures", "--overwrite"], cwd=ROOT, check=True)
+    for name in IN_YADE if yade else bits.CASES:
+        case, out = bits.CASES[name], folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5"
+        members = ["--members", str(bits.MEMBERS)] if case.members else []
+        subprocess.run([*solver, case.wall, *case.words.split(), *members, "--out", out, "--no-pictures",
+                        "--overwrite"], cwd=ROOT, check=True)
 
 
 def datasets(path):
@@ -136,7 +117,7 @@ def compare(old, new, tolerance):
 def renew():
     """Write the published digests anew; prints what moved."""
     found = bits.digests(bits.CASES)
-    moved = bits.differing(found)
+    moved = bits.differing(found, bits.published())
     bits.write_table(found)
     print(*(f"{name}: {', '.join(quantities)}" for name, quantities in moved.items()), sep="\n")
     print(f"{bits.TABLE}: {len(moved)} of {len(bits.CASES)} runs moved")

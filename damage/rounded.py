@@ -4,8 +4,9 @@ Inputs are made by sums, products and `damage.elementary` wherever that is possi
 grids that are coarse beside the errors of libraries and fine beside what is known of walls and motions:
 
     accelerations of the base [m/s2]           ACCELERATION = 2**-24 (6e-8 m/s2)
-    displacements of the ground, the top [m]   DISPLACEMENT = 2**-30 (1e-9 m)
-    strengths, stiffnesses, masses, friction   BITS = 26 significant bits (1.5e-8 of the value)
+    displacements of the ground [m]            DISPLACEMENT = 2**-30 (1e-9 m)
+    strengths, stiffnesses, masses, friction,
+    amplitudes of a pushed top                 BITS = 26 significant bits (1.5e-8 of the value)
     critical time step [s]                     down to three digits
 
 A value next to an edge between two grid points can still go either way: the chance in a run is the error over the grid

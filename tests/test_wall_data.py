@@ -2,6 +2,8 @@
 
 import json
 import math
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -209,3 +211,20 @@ class TestPreview:
 
 def test_the_command_names_its_floors(house, output_of):
     assert "concrete floor at 2.7 m, x = 0 to 4.4 m: 0.9 t" in output_of("modes", house)
+
+
+def test_every_wall_finds_the_package_where_its_file_is_said_to_be_yade():
+    """YADE executes a wall with its own program as `__file__` and the wall as the first argument."""
+    program = """
+import sys
+given = [path for path in sys.path if path]
+for wall in sys.argv[1:]:
+    sys.argv, sys.path = [wall], given[:]
+    for name in [name for name in sys.modules if name.split(".")[0] in ("damage", "walls")]:
+        del sys.modules[name]
+    exec(compile(open(wall).read(), wall, "exec"), {"__file__": "/usr/bin/yade", "__name__": "wall"})
+"""
+    walls = [str(path) for path in REPOSITORY.glob("walls/**/*.py") if path.name not in ("changed.py", "__init__.py")]
+    assert len(walls) > 15
+    done = subprocess.run([sys.executable, "-c", program, *walls], cwd="/", capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

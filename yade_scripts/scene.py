@@ -6,6 +6,7 @@ Positions and forces are of one time, velocities half a step earlier.
 import numpy as np
 from yade import O
 
+from damage.elementary import atan
 from damage.units import GRAVITY
 from yade_scripts.bundles import Bundles
 
@@ -74,7 +75,7 @@ class SceneReader:
         # Quaternion now times the inverse of the first one: YADE's clumps start on permuted axes.
         real = w * w0 + x * x0 + y * y0 + z * z0
         about_y = w0 * y - w * y0 - z * x0 + x * z0
-        rotation = -2 * np.arctan2(np.copysign(1.0, real) * about_y, np.abs(real))
+        rotation = -2 * atan(about_y / real)
         motion = np.zeros((len(self.states), 3))
         motion[select] = np.column_stack([raw[:, :2] - self.start[select], rotation])
         return motion

@@ -10,6 +10,7 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3
 
+from damage.elementary import total
 from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
@@ -306,11 +307,11 @@ class YadeSolver(Solver):
         scene, coordinate = self.scene, 2 * axis
         mass, gravity = scene.mass[:, 0] * scene.follows[:, axis], self.model.newton.gravity[coordinate]
         if self.layout.wall.restraints:
-            force = scene.follows[:, axis] @ scene.resultants()[:, axis]
+            force = total(scene.follows[:, axis] * scene.resultants()[:, axis])
         else:
             force = scene.base_reaction() if axis else -scene.base_shear()
-        return float(mass @ [state.vel[coordinate] for state in scene.states]
-                     + self.time_step / 2 * (force + mass.sum() * gravity))
+        velocities = np.array([state.vel[coordinate] for state in scene.states])
+        return float(total(mass * velocities) + self.time_step / 2 * (force + mass.sum() * gravity))
 
     def _push_force(self):
         """Horizontal force on the held bodies by their prescribed motion [N]: minus that of the joints on them."""

@@ -125,19 +125,22 @@ def _demo(asked):
          arg("runs", metavar="RUN", nargs="*", help="of these alone (default: all short ones)"),
          flag("--long", "the longer runs, too"))
 def _check_bits(asked):
+    from damage.mechanics.compiled import COMPILING, is_cached
     from damage.reference import bits
 
     if unknown := sorted(set(asked.runs) - set(bits.CASES)):
         raise InputError(f"run {unknown[0]}: expected one of {', '.join(bits.CASES)}"
                          f"{did_you_mean(unknown[0], bits.CASES)}")
-    found = {}
+    if not is_cached():
+        print(COMPILING, flush=True)
+    found, known = {}, bits.published()
     for name in asked.runs or [name for name, case in bits.CASES.items() if asked.long or not case.is_long]:
         one = bits.digests([name])
         found |= one
-        different = bits.differing(one).get(name, [])
+        different = bits.differing(one, known).get(name, [])
         print(f"{name}: {'differs in ' + ', '.join(different) if different else 'equal'}", flush=True)
-    print(bits.verdict(found))
-    return int(bool(bits.differing(found)))
+    print(bits.verdict(found, known))
+    return int(bool(bits.differing(found, known)))
 
 
 @command("write a wall file to change: a copy of a wall that ships, under the name of the file; FILE.toml is data and "

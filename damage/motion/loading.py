@@ -93,8 +93,8 @@ class Loading:
         return self.duration_s
 
     def preferred_step_s(self, max_step_s: float) -> float:
-        """The time step that fits the motion, at most max_step_s, here to six digits of it [s]: its last bits come out
-        of linear algebra and differ with the machine and its threads, and a wall that cracks follows them."""
+        """The time step that fits the motion, at most max_step_s [s]: here to its first six digits, which a run
+        prints, so that it can be repeated from them."""
         return float(f"{max_step_s:.5e}")
 
     def for_period(self, period_s: float) -> "Loading":

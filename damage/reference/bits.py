@@ -79,11 +79,9 @@ def digests(names):
 
 
 def _digests(case, out):
-    lines = {}
-    for seed in range(MEMBERS if case.members else 1):
-        words = [shipped_path(case.wall), *_placed(case.words), "--seed", seed] if case.members else [
-            shipped_path(case.wall), *_placed(case.words)]
-        lines[str(seed)] = [*map(str, words), "--out", f"{out}_{seed}.h5", "--no-pictures", "--quiet"]
+    words = [str(shipped_path(case.wall)), *_placed(case.words), "--no-pictures", "--quiet"]
+    seeds = [["--seed", str(seed)] for seed in range(MEMBERS)] if case.members else [[]]
+    lines = {str(k): [*words, *seed, "--out", f"{out}_{k}.h5"] for k, seed in enumerate(seeds)}
     kept = dict.fromkeys(lines, HistoryInMemory)
     with redirect_stdout(io.StringIO()):
         failed = [name for name, status in run_references(lines.items(), kept) if status]
@@ -129,19 +127,19 @@ def published():
     return {(row.run, row.quantity): row.digest for row in table.itertuples()}
 
 
-def differing(found):
-    """{run: its quantities whose digests differ from the published ones}; found: of `digests`."""
-    known, different = published(), {}
+def differing(found, known):
+    """{run: its quantities whose digests differ from known ones}; found: of `digests`, known: of `published`."""
+    different = {}
     for (name, quantity), digest in found.items():
         if known.get((name, quantity)) != digest:
             different.setdefault(name, []).append(quantity)
     return different
 
 
-def verdict(found):
+def verdict(found, known):
     """One line: how many runs have the published bits on this machine, and what may be the cause where some have not;
-    found: of `digests`."""
-    runs, different = {name for name, _ in found}, differing(found)
+    found: of `digests`, known: of `published`."""
+    runs, different = {name for name, _ in found}, differing(found, known)
     line = f"published histories: {len(runs) - len(different)} of {len(runs)} have the same bits on this machine"
     if not different:
         return line

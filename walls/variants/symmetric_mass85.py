@@ -6,7 +6,8 @@
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # YADE does not look here by itself
+# YADE does not look here by itself, and gives its own program as __file__
+sys.path[:0] = [str(Path(path).resolve().parent / "../..") for path in (__file__, sys.argv[0])]
 
 from walls.variants.changed import lighter
 
