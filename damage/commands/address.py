@@ -14,7 +14,7 @@ from damage.exposure.ground_motion import model_named
 from damage.exposure.lives import Choices, Draws
 from damage.exposure.places import at, at_rd
 from damage.files import is_there, write_text
-from damage.run.options import arg, file_arg, file_path, flag, group, number_from
+from damage.run.options import arg, file_arg, flag, group, number_from
 from damage.wall.file import wall_path
 
 
@@ -203,8 +203,6 @@ def _app(asked):
 @command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "
          "the contribution of each; tables, pictures and one HTML report, in the folder",
          file_arg("results", "FOLDER", "folder of a study with lives"),
-         arg("--with", dest="tables", nargs="+", default=[], type=file_path, metavar="lives.csv", help="lives of "
-              "equal points from other sessions, with other seeds"),
          flag("--tables", dest="only", help_="tables and text only"),
          output(file_arg("--markdown", "FILE", "write the text, too")),
          out("folder for the tables (default: figures in FOLDER)", required=False))
@@ -220,7 +218,7 @@ def _lives(asked):
         write_lives,
     )
 
-    parts = lives_of(asked.results, asked.tables)
+    parts = lives_of(asked.results)
     folder = asked.out or asked.results / "figures"
     print(*write_lives(parts, folder), sep="\n")
     text = describe(parts)

@@ -117,51 +117,37 @@ def _animate(asked):
                      asked.magnify))
 
 
-@command("a history for ParaView, the tables of a study, or a wall, for other programs",
-         file_arg("source", "FILE.h5|STUDY_DIR|WALL", "a history, the folder of a study, as results/quick, or a wall "
-                  f"file or the name of a wall that ships. {WALLS_ARE_CODE}"),
+@command("a history for ParaView, or a wall for OpenSees",
+         file_arg("source", "FILE.h5|WALL", f"a history, or a wall file or the name of a wall that ships. "
+                  f"{WALLS_ARE_CODE}"),
          group("the model of a wall", *model_arguments(*MODEL), ACCEPTING),
          output(
              file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
-             file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
-             file_arg("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)"),
-             file_arg("--opensees", "FILE.py", "of a wall: a model with interface elements for OpenSeesPy"),
-             file_arg("--3dec", "FILE.dat", "of a wall: rigid blocks and joints for 3DEC 7", dest="deck")))
+             file_arg("--opensees", "FILE.py", "of a wall: a model with interface elements for OpenSeesPy")))
 def _export(asked):
-    from damage.export.study import write_netcdf, write_parquet
-    from damage.export.vtkhdf import write_vtkhdf
-
-    of_wall, of_results = asked.opensees or asked.deck, asked.vtkhdf or asked.parquet or asked.netcdf
-    if not (of_wall or of_results):
-        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf of a history, --parquet DIR or "
-                         "--netcdf FILE.nc of a study, --opensees FILE.py or --3dec FILE.dat of a wall; give one")
-    if of_results and (of_wall or model_of(asked) != ModelOptions()):
+    if not asked.vtkhdf and not asked.opensees:
+        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf of a history, or --opensees FILE.py "
+                         "of a wall; give one")
+    if asked.vtkhdf and (asked.opensees or model_of(asked) != ModelOptions()):
         raise InputError(f"export of {asked.source} with options of a wall's model, or a format of walls: expected "
                          "them for a wall only; leave them out")
-    if of_wall:
-        _export_wall(asked)
-    if asked.vtkhdf:
-        print(write_vtkhdf(read_history(asked.source), asked.vtkhdf))
-    if asked.parquet:
-        print(*write_parquet(asked.source, asked.parquet), sep="\n")
-    if asked.netcdf:
-        print(write_netcdf(asked.source, asked.netcdf))
+    print(_export_wall(asked) if asked.opensees else _export_history(asked))
+
+
+def _export_history(asked):
+    from damage.export.vtkhdf import write_vtkhdf
+
+    return write_vtkhdf(read_history(asked.source), asked.vtkhdf)
 
 
 def _export_wall(asked):
     from damage.export.opensees import write_opensees
-    from damage.export.threedec import write_3dec
 
     if asked.source.suffix.lower() == ".h5" or asked.source.is_dir():
-        raise InputError(f"export of {asked.source} for OpenSees or 3DEC: expected a wall file, or the name of a wall "
-                         "that ships; give the wall that was run")
+        raise InputError(f"export of {asked.source} for OpenSees: expected a wall file, or the name of a wall that "
+                         "ships; give the wall that was run")
     layout = lay_out(plausible_wall(asked, asked.source), model_of(asked))
-    if asked.deck:  # first, since it refuses all that --opensees does, and more: then neither file is written
-        path, said = write_3dec(layout, asked.deck)
-        warn(*said)
-        print(path)
-    if asked.opensees:
-        print(write_opensees(layout, asked.opensees))
+    return write_opensees(layout, asked.opensees)
 
 
 @command("compare a history with another, an ensemble, or the survey of a real wall", file_arg("first", "A.h5"),

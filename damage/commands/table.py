@@ -93,8 +93,7 @@ GROUPS = {
         "report": ("run.h5", 'results/quick --title "Quick study" --author "A. Name" --out report.html'),
         "tables": ("run run.h5 --out run", "summary first.h5 second.h5 --out summary.csv"),
         "compare": ("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
-        "export": ("run.h5 --vtkhdf run.vtkhdf", "results/quick --parquet tables",
-                   "symmetric --contacts corners --3dec symmetric.dat --opensees symmetric.py"),
+        "export": ("run.h5 --vtkhdf run.vtkhdf", "symmetric --contacts corners --opensees symmetric.py"),
         "cracks": ("run.h5 --at max,end --export cracks.csv --out pictures",
                    "cracks.csv --wall symmetric --tolerance-mm 20"),
         "cycles": ("pushed.h5", "pushed.h5 --json"),
@@ -109,7 +108,7 @@ GROUPS = {
     "lives at an address": {
         "life": ("symmetric --at 53.36 6.75 --out results/life",
                  "my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"),
-        "lives": ("results/life", "results/life --with other/lives.csv --markdown lives.md --out figures"),
+        "lives": ("results/life", "results/life --markdown lives.md --out figures"),
         "claim": ("my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
                   "my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
                   "--language nl --out results/claim"),
