@@ -14,6 +14,7 @@ from damage.exposure.ground_motion import model_named
 from damage.exposure.lives import Choices, Draws
 from damage.exposure.places import at, at_rd
 from damage.files import is_there, write_text
+from damage.provenance import MODEL
 from damage.run.options import arg, file_arg, flag, group, number_from
 from damage.wall.file import wall_path
 
@@ -245,6 +246,9 @@ def _lives(asked):
                    (f"life_{one.point}_events", contributions_picture(contributions(one), title))], folder, title)
     paragraphs = text.replace("\n  ", "; ").replace("\n", "\n\n")
     print(write_report([asked.results], None, Words("Lives of a wall", None, paragraphs)))
+
+
+MODEL.append("exposure")  # draws motions
 
 
 @tables

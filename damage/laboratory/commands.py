@@ -17,7 +17,7 @@ from damage.commands.table import (
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.measure.compare import COMPARISONS, Comparison
-from damage.provenance import shown_path
+from damage.provenance import MODEL, shown_path
 from damage.run.options import WALLS_ARE_CODE, arg, file_arg, group, number_from
 from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out
@@ -103,6 +103,7 @@ def _describe_patterns(found):
     return describe_patterns(found)
 
 
+MODEL += [f"measure/{name}.py" for name in ("crack_file", "crack_paths", "survey")]  # of --cracked
 BESIDE[".csv"] = _compare_survey
 COMPARISONS["patterns"] = Comparison(_compare_patterns, _describe_patterns)
 
