@@ -13,7 +13,7 @@ shipped() {
 
 usage() {
     cat <<END
-usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--keep all|summary] [--run ID]
+usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--keep all|summary]
                           [--slice K/N] [--slurm] [--cores N] [--shard RUNS] [--remake] [--dry-run]
 
 STUDY is one of: $(shipped | paste -sd' '),
@@ -24,7 +24,6 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --out DIR      where everything goes (default: results/STUDY in the repository)
   --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
   --keep WHAT    histories: all (default), or summary: those of each point's first run, and what failed
-  --run ID       make the history of this run alone, which was not kept, and compare it with its row in the table
   --slice K/N    the K-th of N parts alone, without tables of the whole study: a job of a cluster
   --slurm        as jobs of a SLURM cluster that shares this folder, by Snakemake; SBATCH_PARTITION and the like
                  choose where (docs/reference/studies.md); -j is the number of jobs at a time
@@ -32,7 +31,7 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --shard RUNS   with --slurm: runs of a job (default: about an hour's, 1500 a processor)
   --remake       make runs again that another version of the model made (without it they are kept, and named), or
                  whose index and measures another version made (without it refused where no history is left)
-  --dry-run      make nothing: say which runs are there, which are to be made, expected time and disk
+  --dry-run      make nothing: say which runs are there, which are to be made
   -h, --help     this help
 
 A wall file is Python and is executed: read a study's walls before you run what someone else sent.
@@ -63,9 +62,9 @@ while [ $# -gt 0 ]; do
             flags+=("$1")
             shift
             ;;
-        --out=* | --solver=* | --keep=* | --run=* | --cores=* | --shard=* | --slice=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
+        --out=* | --solver=* | --keep=* | --cores=* | --shard=* | --slice=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
         -j?*) set -- -j "${1#-j}" "${@:2}" ;;
-        -j | --out | --solver | --keep | --run | --cores | --shard | --slice)
+        -j | --out | --solver | --keep | --cores | --shard | --slice)
             [ -n "${2:-}" ] || fail "$1 without a value: expected one after it; see --help"
             case $1 in
                 -j) jobs=$2 ;;
@@ -81,7 +80,7 @@ while [ $# -gt 0 ]; do
             esac
             shift 2
             ;;
-        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --run, --slice, --slurm, --cores, --shard, --remake or --dry-run; see --help" ;;
+        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --slice, --slurm, --cores, --shard, --remake or --dry-run; see --help" ;;
         *)
             [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
             study=$1

@@ -15,7 +15,8 @@ import logging
 from contextlib import nullcontext, redirect_stdout
 
 import damage.commands  # noqa: F401, fills the table
-from damage.commands.table import COMMANDS, GROUPS, Silence, examples_of
+from damage.applications import GROUPS
+from damage.commands.table import COMMANDS, PROGRAMS, Silence, examples_of
 from damage.errors import InputError, did_you_mean, one_line
 from damage.memory import hold_buffers
 from damage.provenance import commit
@@ -24,10 +25,7 @@ from damage.version import VERSION
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where no folder takes its cache it warns at length
 
-DELEGATED = {"reference": "run a wall in the reference solver (see reference --help)",
-             "study": "run a study: simulations, tables and pictures (see study --help)",
-             "help": "the options of a command, with examples: help index"}
-"""Commands whose options are those of another program: what they are for."""
+HELP = "the options of a command, with examples: help index"
 
 
 def main(arguments=None):
@@ -57,20 +55,14 @@ def guarded(run):
 def _run(arguments, quiet):
     if arguments[:1] == ["help"]:
         arguments = [*(name for name in arguments[1:2] if name != "help"), "--help"]
-    if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
-        from damage.reference.session import run_reference
-
-        return run_reference([*arguments[1:], *["--quiet"] * (quiet and len(arguments) > 1)])
-    if arguments[:1] == ["study"]:  # its options are those of the batch
-        from damage.batch.command import run_study
-
-        return run_study(arguments[1:])
+    if arguments and arguments[0] in PROGRAMS:
+        return PROGRAMS[arguments[0]].function(arguments[1:], quiet)
     if arguments == ["--version"]:
         print(f"masonry-damage {VERSION}, commit {commit()}")
         return 0
     hold_buffers()
     if arguments and not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
-        known = sorted({*COMMANDS, *DELEGATED})
+        known = sorted({*COMMANDS, *PROGRAMS, "help"})
         raise InputError(f"no command {arguments[0]!r}: expected one of {', '.join(known)}"
                          f"{did_you_mean(arguments[0], known)}")
     asked = command_parser().parse_args(arguments)
@@ -126,19 +118,20 @@ def command_parser(whole=False):
     parser.add_argument("--quiet", action="store_true", help="anywhere: print warnings and errors only")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
     run = {"reference": [make_parser("reference", "reference")]} if whole else {}
-    for name, purpose in DELEGATED.items():
-        commands.add_parser(name, help=purpose, parents=run.get(name, []), conflict_handler="resolve")
+    for name, found in PROGRAMS.items():
+        commands.add_parser(name, help=found.purpose, parents=run.get(name, []), conflict_handler="resolve")
+    commands.add_parser("help", help=HELP)
     add_commands(commands, COMMANDS)
     return parser
 
 
 def add_commands(commands, table):
     """Add a parser for each command of a table to the subparsers of a program."""
-    for name, (function, purpose, arguments) in table.items():
-        command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False,
-                                      examples=examples_of(name))
-        command.set_defaults(command=function)
-        for add in arguments:
+    for name, found in table.items():
+        command = commands.add_parser(name, help=found.purpose, description=found.purpose, allow_abbrev=False,
+                                      examples=examples_of(name, table))
+        command.set_defaults(command=found.function)
+        for add in found.arguments:
             add(command)
 
 

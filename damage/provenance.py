@@ -10,24 +10,13 @@ from pathlib import Path
 from damage.version import VERSION
 
 HERE = Path(__file__).parent
-RUN = "run/session.py", "exposure"
-"""What runs a wall in any solver, and draws its motions.  What these and the solver's modules import, and so on,
-decides the values of a run."""
-DECIDES_NOTHING = {
-    "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
-                                 "history"),
-    "words": ("provenance.py", "version.py", "run/opening.py", "run/report.py",
-              "measure/columns.py", "motion/plausible.py", "fields.py", "wall/plausible.py", "wall/as_built.py"),
-    "options, whose values are inputs of a run": ("run/options.py",),
-    "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (
-        "cycles", "damage_index", "ground", "joint_stress", "joints", "limits", "pushed", "summary",
-        "tables"))}
-"""{why: modules and folders of the package that a run imports and that decide none of its values}."""
-MEASURES = ("units.py", "index.py", "history/moments.py", "history/reader.py", "history/schema.py",
-            "motion/intensity.py", "wall/geometry.py", *(f"measure/{name}.py" for name in (
-                "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joint_stress", "joints",
-                "kept", "limits", "pushed", "summary", "tables")))
-"""What of the package makes the numbers of tables, and patterns at rest, out of a history."""
+MODEL = ["*", "law", "mechanics", "motion", "run", "wall", "measure/energy.py"]
+"""Folders of this package, and one module that ends runs, whose code decides the values of a run in any solver; "*":
+the modules beside this one.  Applications add what decides the runs that they make possible, as the motions that they
+draw."""
+MEASURES = "*", "history", "measure", "motion/intensity.py", "wall/geometry.py"
+"""The same of what makes the numbers of tables, and patterns at rest, out of a history."""
+_WITHOUT_EFFECT = "__main__.py", "version.py"  # of the modules beside this one
 _SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"
 
@@ -87,38 +76,16 @@ def file_origin(path):
 def model_digest(solver_folder):
     """Twelve hexadecimal digits of the code of the model in one solver; comments and docstrings do not count.
 
-    solver_folder: path of the solver's package, whose modules all count, as do those of this package that they and
-    `RUN` import, but for `DECIDES_NOTHING`.
+    solver_folder: path of the solver's package, whose modules all count, as do those of `MODEL`.
     """
-    return _digest_of(model_modules(Path(solver_folder)))
-
-
-def model_modules(solver_folder):
-    """Paths of the modules whose code decides the values of a run in the solver of a folder, a list."""
-    nothing = [HERE / name for names in DECIDES_NOTHING.values() for name in names]
-    own, found = _modules(solver_folder), set()
-    left = {*own, *(path for name in RUN for path in _modules(HERE / name))}
-    while left:
-        found |= left
-        left = {path for one in left for path in _imported(one)
-                if not any(path.is_relative_to(other) for other in nothing)} - found
-    return [*sorted(found - {*own}, key=lambda path: path.relative_to(HERE).parts), *own]
-
-
-def _imported(path):
-    """Paths of the modules of this package that a module imports when it is loaded."""
-    for node in _tree_of(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] == HERE.name:
-            place = HERE.joinpath(*node.module.split(".")[1:])
-            names = [place.with_suffix(".py"), *(place / f"{alias.name}.py" for alias in node.names)]
-            yield from filter(Path.is_file, names)
+    return _digest_of([*_modules(MODEL), *sorted(Path(solver_folder).rglob("*.py"))])
 
 
 @cache
 def measures_digest():
     """Twelve hexadecimal digits of the code of index, measures and patterns at rest; comments, docstrings and the words
     of columns do not count."""
-    return _digest_of([HERE / name for name in MEASURES])
+    return _digest_of(_modules(MEASURES))
 
 
 def _digest_of(paths):
@@ -129,8 +96,16 @@ def _digest_of(paths):
     return digest.hexdigest()[:12]
 
 
-def _modules(path):
-    return sorted(path.rglob("*.py")) if path.is_dir() else [path]
+def _modules(places):
+    """Paths of the modules of folders, and single modules, of this package, a list in one order."""
+    found = set()
+    for place in places:
+        if place == "*":
+            found |= {path for path in HERE.glob("*.py") if path.name not in _WITHOUT_EFFECT}
+        else:
+            path = HERE / place
+            found |= set(path.rglob("*.py")) if path.is_dir() else {path}
+    return sorted(found, key=lambda path: path.relative_to(HERE).parts)
 
 
 def code_of(path):

@@ -17,8 +17,8 @@ from docutils.parsers.rst import Directive
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.__main__ import DELEGATED  # noqa: E402, of this repository
-from damage.commands.table import COMMANDS, examples_of  # noqa: E402
+from damage.applications import GROUPS  # noqa: E402, of this repository
+from damage.commands.table import COMMANDS, PROGRAMS, examples_of  # noqa: E402
 from damage.run.options import OneLineParser, make_parser  # noqa: E402
 from damage.version import VERSION  # noqa: E402
 
@@ -116,10 +116,10 @@ class Commands(Directive):
 
     def run(self):
         parsers = {"reference": make_parser("reference", "reference")}
-        parsers["reference"].description = DELEGATED["reference"].partition(" (see")[0]
-        for name, (_, purpose, arguments) in COMMANDS.items():
-            parsers[name] = OneLineParser(description=purpose, examples=examples_of(name))
-            for add in arguments:
+        parsers["reference"].description = PROGRAMS["reference"].purpose.partition(" (see")[0]
+        for name in (name for names in GROUPS.values() for name in names if name in COMMANDS):
+            parsers[name] = OneLineParser(description=COMMANDS[name].purpose, examples=examples_of(name))
+            for add in COMMANDS[name].arguments:
                 add(parsers[name])
         return list(starmap(_command, parsers.items()))
 

@@ -11,7 +11,7 @@ from collections import Counter
 import pytest
 
 SUBJECTS = {
-    "batches": "batch combinations ensembles full_study paper plan servers slurm study study_export study_figures "
+    "batches": "batch combinations ensembles full_study paper plan servers slurm study study_figures "
                "study_schema validity outdated claim",
     "pictures and documents": "app app_browser dictionary document_tables documents examples guides html "
                               "html_browser model_pictures paraview pictures programs site_browser",

@@ -11,8 +11,9 @@ from contextlib import suppress
 import pytest
 from conftest import REPOSITORY, one_line_error, run_command, wall_file, written
 
-from damage.__main__ import DELEGATED, command_parser, main
-from damage.commands.table import COMMANDS, GROUPS
+from damage.__main__ import command_parser, main
+from damage.applications import GROUPS
+from damage.commands.table import COMMANDS, PROGRAMS
 from damage.history.reader import read_history
 from damage.run.options import make_parser
 from damage.version import VERSION
@@ -85,7 +86,7 @@ def test_help_lists_all_commands_in_groups(capsys):
     help_of("help")
     shown = capsys.readouterr().out
     listed = re.findall(r"^  ([a-z][a-z-]+)  ", shown, re.MULTILINE)
-    assert sorted(set(listed)) == sorted({*COMMANDS, *DELEGATED}) and "other commands" not in shown
+    assert sorted(set(listed)) == sorted({*COMMANDS, *PROGRAMS, "help"}) and "other commands" not in shown
     assert main(["help", "indx"]) == 2 and "did you mean index?" in capsys.readouterr().err
 
 

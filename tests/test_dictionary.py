@@ -10,10 +10,10 @@ from conftest import REPOSITORY
 from small_history import make_history
 from test_fragility import recorded, walls
 
+from damage.commands.table import all_tables
 from damage.export.curves import coefficients
-from damage.export.dictionary import DICTIONARY, dictionary_table, write_dictionary
 from damage.history.schema import OPTIONAL
-from damage.measure.crack_file import COLUMNS
+from damage.measure.dictionary import TABLES, dictionary_table, write_dictionary
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
 from damage.studies.after_damage import table_after_damage
 from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table
@@ -29,7 +29,7 @@ def history(tmp_path_factory):
 
 
 def known(table):
-    return set(next(columns for name, columns in DICTIONARY.items() if name.split(",")[0] == table))
+    return set(next(columns for name, columns in all_tables().items() if name.split(",")[0] == table))
 
 
 @pytest.mark.parametrize("name", RUN_TABLES)
@@ -61,7 +61,7 @@ def test_tables_of_a_study(history, tmp_path):
 
 
 def _numbers():
-    table = dictionary_table()
+    table = dictionary_table(all_tables())
     return set(table[(table.table == "summary.csv, study.h5 runs") & (table.unit != "")].column)
 
 
@@ -101,8 +101,9 @@ def test_the_table_of_fragility_after_damage():
     assert written == known("fragility_after_damage_INTENSITY.csv")
 
 
-def test_crack_files():
-    assert set(COLUMNS) == known("crack files")
+def test_applications_register_their_tables():
+    names = {name.split(",")[0] for name in all_tables().keys() - TABLES.keys()}
+    assert names >= {"crack files", "points.csv", "fragility_coefficients.csv", "exposure.csv", "lives.csv"}
 
 
 def test_every_dataset_of_a_history_is_in_it(history):
@@ -113,14 +114,14 @@ def test_every_dataset_of_a_history_is_in_it(history):
 
 
 def test_every_column_has_a_meaning():
-    table = dictionary_table()
+    table = dictionary_table(all_tables())
     assert not table["meaning"].eq("").any()
     assert not table.duplicated(["table", "column"]).any()
 
 
 def test_the_shipped_ones_are_current(tmp_path):
     """python3 -m damage dictionary --out docs/reference."""
-    for path in write_dictionary(tmp_path):
+    for path in write_dictionary(all_tables(), tmp_path):
         assert path.read_text() == (REPOSITORY / "docs" / "reference" / path.name).read_text()
 
 

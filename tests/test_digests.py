@@ -3,23 +3,11 @@
 import os
 import shutil
 import subprocess
-import sys
 
 import pytest
-from conftest import REPOSITORY, contents, run_command, written
-from test_architecture import read_modules
+from conftest import REPOSITORY, contents, written
 
-from damage.provenance import (
-    DECIDES_NOTHING,
-    MEASURES,
-    UNKNOWN,
-    code_of,
-    commit,
-    file_origin,
-    measures_digest,
-    model_digest,
-    model_modules,
-)
+from damage.provenance import UNKNOWN, code_of, commit, file_origin, measures_digest, model_digest
 from damage.reference.session import run_reference
 
 
@@ -81,65 +69,44 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
 SOLVERS = {"reference": REPOSITORY / "damage" / "reference", "yade": REPOSITORY / "yade_scripts"}
 
 
-def test_the_model_s_digest_is_of_all_modules_that_a_run_loads(tmp_path):
-    """A settled, cracked wall is shaken by a life at an address, in a process of its own: each module of the package
-    that it has loaded counts, or is named with why it need not."""
-    program = ("import sys; from damage.reference.session import run_reference; "
-               "assert run_reference(sys.argv[1:]) == 0; print(*(m for m in sys.modules if m.startswith('damage.')))")
-    (tmp_path / "cracks.csv").write_text("crack,point,x_m,z_m,width_mm\na,1,0.0,0.15,0.1\na,2,0.4,0.15,0.1\n")
-    words = ["walls/variants/small.py", "--address", "studies/addresses/garsthuizen.toml", "--life", "1", "--settle",
-             "hogging", "--distortion", "1/2000", "--cracked", str(tmp_path / "cracks.csv"), "--rest", "0",
-             "--no-pictures", "--out", str(tmp_path / "a.h5")]
-    done = run_command(sys.executable, "-c", program, *words, status=0)
-    loaded = {name.removeprefix("damage.").replace(".", "/") for name in done.stdout.splitlines()[-1].split()}
-    counted = {path.relative_to(REPOSITORY / "damage").with_suffix("").as_posix()
-               for path in model_modules(SOLVERS["reference"])}
-    named = [name.removesuffix(".py") for names in DECIDES_NOTHING.values() for name in names]
-    folders = {path.parent.relative_to(REPOSITORY / "damage").as_posix()
-               for path in (REPOSITORY / "damage").rglob("__init__.py")}
-    assert [name for name in sorted(loaded - counted - folders)
-            if not any(name == one or name.startswith(f"{one}/") for one in named)] == []
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypatch):
+def modules_that_change(monkeypatch, tmp_path, digest_of):
+    """Modules of both packages, as paths in the repository, that change a digest: (digest of a folder's copy)."""
     for name in ("damage", "yade_scripts"):
         shutil.copytree(REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns(
             "data", "__pycache__", "page"))
     monkeypatch.setattr("damage.provenance.HERE", tmp_path / "damage")
-    folder = tmp_path / SOLVERS[solver].relative_to(REPOSITORY)
-    digests, modules = {model_digest.__wrapped__(folder)}, model_modules(folder)
-    for path in modules:
+    usual, found = digest_of(), set()
+    for path in sorted(tmp_path.rglob("*.py")):
         text = path.read_text()
         path.write_text(f"{text}\nCHANGED = 1\n")
-        digests.add(model_digest.__wrapped__(folder))
+        if digest_of() != usual:
+            found.add(path.relative_to(tmp_path).as_posix())
         path.write_text(text)
-    assert len(digests) == 1 + len(modules)
-    assert {"run/watch.py", "run/before.py", "measure/crack_paths.py", "exposure/models/bommer_2022.py",
-            "law/joint_law.py"} <= {path.relative_to(tmp_path / "damage").as_posix() for path in modules
-                                     if path.is_relative_to(tmp_path / "damage")}
+    return found
 
 
-def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
-    """What `summary_row` and patterns at rest import counts in it or is named here, with why it need not."""
-    elsewhere = {
-        "checks": "refuses", "csv_table": "reads, writes", "errors": "words", "files": "reads, writes",
-        "version": "words", "provenance": "digests", "law/states": "names",
-        "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/structure": "refuses",
-        "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words", "wall/as_built": "words",
-        "fields": "refuses", **dict.fromkeys(
-            ("elementary", "rounded", *(f"motion/{name}" for name in ("loading", "record", "samples")), *(
-                f"wall/{name}" for name in (
-                "floors", "kinds", "kinematics", "lintels", "model_options", "parameters", "plan", "restraints"))),
-            "of the model's digest")}
-    modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles", "measure/kept"}
-    while left:
-        found.add(name := left.pop())
-        imported = modules[f"damage.{name.replace('/', '.')}"] - {"damage"}
-        left |= {module.removeprefix("damage.").replace(".", "/") for module in imported} - found
-    assert {f"{name}.py" for name in found - elsewhere.keys()} == set(MEASURES)
-    assert elsewhere.keys() <= found
-    assert len(measures_digest()) == 12 and measures_digest() != model_digest(REPOSITORY / "damage" / "reference")
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_digest_of_the_model_is_of_its_folders_and_those_of_applications(solver, tmp_path, monkeypatch):
+    """Its own solver's, and what an application registers as `exposure` draws motions; not what measures, draws and
+    writes."""
+    own = SOLVERS[solver].relative_to(REPOSITORY)
+    found = modules_that_change(monkeypatch, tmp_path, lambda: model_digest.__wrapped__(tmp_path / own))
+    assert {f"damage/{name}.py" for name in (
+        "rounded", "run/watch", "run/before", "measure/crack_paths", "exposure/models/bommer_2022",
+        "law/joint_law")} | {f"{own.as_posix()}/solver.py"} <= found
+    folders = {path.rpartition("/")[0] for path in found}
+    other = next(str(path.relative_to(REPOSITORY)) for path in SOLVERS.values() if path != SOLVERS[solver])
+    assert not folders & {"damage/draw", "damage/history", "damage/commands", "damage/claim", other}
+    assert not found & {"damage/version.py", "damage/__main__.py", "damage/measure/summary.py"}
+
+
+def test_the_digest_of_measures_is_of_their_folders(tmp_path, monkeypatch):
+    found = modules_that_change(monkeypatch, tmp_path, measures_digest.__wrapped__)
+    assert {f"damage/{name}.py" for name in (
+        "index", "measure/summary", "measure/kept", "history/reader", "motion/intensity", "wall/geometry")} <= found
+    folders = {path.rpartition("/")[0] for path in found}
+    assert folders == {"damage", "damage/history", "damage/measure", "damage/motion", "damage/wall"}
+    assert not found & {"damage/motion/record.py", "damage/wall/layout.py"}
 
 
 def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
@@ -152,16 +119,6 @@ def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
     index.write_text(text.replace('"""The damage index', '"""Of the damage index'))
     assert measures_digest.__wrapped__() == measures_digest()
     index.write_text(text.replace("DRIFT_LIMIT = 0.02", "DRIFT_LIMIT = 0.01"))
-    assert measures_digest.__wrapped__() != measures_digest()
-
-
-def test_the_digest_of_measures_follows_the_patterns_at_rest(tmp_path, monkeypatch):
-    """A claim's draws of two versions are not mixed."""
-    package = tmp_path / "damage"
-    shutil.copytree(REPOSITORY / "damage", package)
-    monkeypatch.setattr("damage.provenance.HERE", package)
-    written(package / "measure" / "kept.py", (package / "measure" / "kept.py").read_text().replace(
-        "opening, offset = active.opening_m[samples]", "opening, offset = 10 * active.opening_m[samples]"))
     assert measures_digest.__wrapped__() != measures_digest()
 
 

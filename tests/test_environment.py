@@ -274,7 +274,7 @@ class TestRunAll:
         (("harmonik",), "no study harmonik is shipped: expected"),
         (("../studies/quick",), "is shipped: expected"),
         (("mine.toml",), "mine.toml: no such study file"),
-        (("quick", "--fast"), "unknown option --fast: expected -j, --out, --solver, --keep, --run, --slice, --slurm, "
+        (("quick", "--fast"), "unknown option --fast: expected -j, --out, --solver, --keep, --slice, --slurm, "
          "--cores, --shard, --remake or --dry-run"),
         (("quick", "quick"), "two studies"),
         (("quick", "-j"), "-j without a value"),

@@ -1,7 +1,6 @@
 """Lives of a wall: what is drawn, that a life is a sequence in lanes and studies, that it continues, probabilities."""
 
 import os
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -28,7 +27,6 @@ from damage.life.results import (
     life_of,
     lives_of,
     over_time,
-    write_lives,
     write_study,
 )
 from damage.measure.cycles import shocks_table
@@ -295,79 +293,12 @@ class TestRuns:
             assert list(life["psi"]) == list(events["residual_psi"])
             assert list(life["pgv_mm_s"]) == list(draws.life(number)["pgv_mm_s"])
         assert one.table["max_psi"].max() > 0
-        (again,) = lives_of(folder, [_written(one.table, folder / "lives.csv")])
-        assert again.table.equals(one.table)
 
-    def test_only_whole_lives_of_the_same_wall_and_address_count(self, lived, tmp_path):
-        """Runs after the study above.  A table as the command writes it is taken, and so is another seed's; whatever
-        else was altered is refused in one line, or named."""
+    def test_a_folder_without_lives_is_refused(self, lived, tmp_path):
         folder, *_ = lived
-        (one,) = lives_of(folder)
-        path, *_ = write_lives([one], tmp_path)
-        (again,) = lives_of(folder, [path])
-        assert again.last.equals(one.last)
-        text, changed = path.read_text(), tmp_path / "changed.csv"
-        assert re.match(r"# n: wall and options \w{12}, model \w{12}, measures \w{12}\n", text)
-        table = pd.read_csv(path, comment="#", dtype={"time_utc": str})
-        first = table["life"] == 1
-        several = table.groupby("life")["event"].transform("max") > 1
-        faults = {
-            "another wall or other options": re.sub(r"wall and options \w+", "wall and options 0123456789ab", text),
-            "seed 1, life 1: ": table.assign(seed=1),
-            "another PGV": table.assign(pgv_mm_s=table["pgv_mm_s"] * 1.01),
-            "events of a wall that stands": table.drop(table.index[several][-1:]),
-            "an event is missing": table.drop(table.index[several][:1]),
-            "psi = nan": table.assign(psi=table["psi"].where(~first)), "psi = -1": table.assign(psi=-1.0),
-            "DI = 1.5": table.assign(DI=1.5), "no column psi": table.drop(columns="psi"),
-            "life = 0": table.assign(life=table["life"] - 1), "time_utc = 'abcd'; expected such": table.assign(
-                time_utc=table["time_utc"].where(~first, "abcd")),
-            "another time": table.assign(time_utc="2099-01-01T00:00:00"), "another scale": table.assign(scale=-55.0),
-            "another magnitude": table.assign(magnitude=table["magnitude"] + 1), "another largest PGV": table.assign(
-                largest_mm_s=0.001), "another record": table.assign(record="BGAR_HGZ"),
-            "fell = 'yes'; expected True or False": table.assign(fell=table["fell"].astype(str).where(~first, "yes")),
-            "fell = 1; expected True or False": table.assign(fell=1),
-            "an event after the wall fell": table.assign(fell=table["fell"] | (table["event"] == 1))}
-        for said, faulty in faults.items():
-            changed.write_text(faulty if isinstance(faulty, str) else faulty.to_csv(index=False))
-            assert said in one_line_error(lives_of, folder, [changed])
-        other = Draws(one.draws.exposure, replace(one.draws.choices, seed=1))
-        unharmed = dict.fromkeys(
-            ("max_psi", "psi", "max_DI", "DI", "crack_width_mm", "offset_after_mm", "newly_failed"), 0.0)
-        more = [other.life(number).assign(
-            point="n", seed=1, life=number, event=lambda rows: np.arange(1, len(rows) + 1),
-            fell=False,
-            largest_mm_s=other.largest([number])[0], **unharmed) for number in (1, 2)]
-        (both,) = lives_of(folder, [_written(pd.concat(more), changed)])
-        assert len(both.last) == len(one.last) + 2
-
-    def test_lives_of_another_session_suffice(self, lived, tmp_path):
-        """Runs after the study above."""
-        folder, *_ = lived
-        (one,) = lives_of(folder)
         for name in ("study.toml", "a.toml", "narrow.py"):
             (tmp_path / name).write_text((folder / name).read_text().replace(str(folder), str(tmp_path)))
         assert "no life in it" in one_line_error(lives_of, tmp_path)
-        (again,) = lives_of(tmp_path, [_written(one.table, tmp_path / "lives.csv")])
-        assert again.last.equals(one.last) and again.note is None  # of a table that names neither wall nor model
-        path, *_ = write_lives([one], tmp_path / "noted")
-        (again,) = lives_of(tmp_path, [path])
-        assert again.note == one.note is not None
-
-    def test_lives_are_of_the_wall_that_they_were_made_of(self, lived, tmp_path):
-        """Which may have been edited since; runs after the study above."""
-        folder, *_ = lived
-        (one,), text = lives_of(folder), (folder / "narrow.py").read_text()
-        try:
-            wall_file(folder / "narrow.py", WALL.replace("1.5", "1.35"))
-            (edited,) = lives_of(folder)
-        finally:
-            (folder / "narrow.py").write_text(text)
-        assert edited.note == one.note is not None
-
-
-def _written(table, path):
-    table.to_csv(path, index=False)
-    return path
 
 
 class TestStudy:

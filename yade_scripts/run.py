@@ -42,6 +42,7 @@ def _run(make_wall, path, engines):
     try:
         import yade
 
+        import damage.applications  # noqa: F401, each adds its options
         from damage.provenance import shown_path
         from damage.run.session import reported, run_session
         from damage.wall.file import wall_of
@@ -102,6 +103,7 @@ def _backend(engines):
 
 def open_wall(wall, engines, options):
     """Implementation of `yade_scripts.open_scene`."""
+    import damage.applications  # noqa: F401, each adds its options
     from damage.provenance import shown_path
     from damage.run.options import parse_run, words_of
     from damage.wall.file import load_wall, wall_path

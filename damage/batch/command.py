@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from damage.batch import again, cluster
+from damage.batch import cluster
 from damage.batch.folder import RESULTS, ROOT, claim, environment, forecast, is_short, lock_as, open_records, shortage
 from damage.batch.outdated import Results
 from damage.batch.plan import print_plan
@@ -40,9 +40,8 @@ def run_study(arguments, lock=None):
     if words[0].startswith("-") and words[0] not in ("-h", "--help"):
         raise InputError(f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]")
     asked = parse(words)
-    if asked.slice and (asked.slurm or asked.run):
-        raise InputError(f"--slice and {'--slurm' if asked.slurm else '--run'} given together; expected one of them, "
-                         "leave the other out")
+    if asked.slice and asked.slurm:
+        raise InputError("--slice and --slurm given together; expected one of them, leave the other out")
     if (asked.cores or asked.shard) and not asked.slurm:
         warn("--cores and --shard have no effect without --slurm: -j is how many processes work")
     if asked.solver != "reference" and not (ROOT / "yade_scripts").is_dir():
@@ -72,9 +71,8 @@ def parse(words):
     parser.add_argument("--keep", default="all", choices=KEEP, help="histories: all (default); summary: those "
                         "of each point's first run, and what failed; patterns: these, and of every run openings, "
                         "offsets and displacements at rest, some kB each")
-    parser.add_argument("--run", metavar="ID", help="make the history of this run alone, which was not kept")
-    parser.add_argument("--dry-run", action="store_true", help="make nothing: say what there is to do, expected time "
-                        "and disk")
+    parser.add_argument("--dry-run", action="store_true", help="make nothing: list the runs that are there and those "
+                        "to make")
     parser.add_argument("--remake", action="store_true", help="make runs again that another version made")
     parser.add_argument("--slice", type=_slice, metavar="K/N", help="the K-th of N parts alone, without tables of the "
                         "whole study: a job of a cluster")
@@ -107,8 +105,8 @@ def study_path(word):
 
 def _all_studies(asked):
     """Run every study that ships and has a run for the solver, one after the other; returns the worst exit status."""
-    if asked.run or asked.slice:
-        raise InputError("--run and --slice are of one study; name it")
+    if asked.slice:
+        raise InputError("--slice is of one study; name it")
     ended, out = {}, asked.out or RESULTS
     for name, path in shipped_files("studies", ".toml").items():
         try:
@@ -137,14 +135,12 @@ def _one_study(asked, path, lock=None):
     study = load_study(path.absolute(), asked.solver, ROOT)
     folder = (asked.out or RESULTS / study.name).absolute()
     if asked.dry_run:
-        print_plan(study, folder, asked.jobs, asked.remake)
+        print_plan(study, folder, asked.remake)
         return 0
     runs = cluster.slices(study.runs, asked.slice[1])[asked.slice[0] - 1] if asked.slice else study.runs
     lock = claim(folder, study, asked.slice is not None, lock)
     try:
         with chdir(ROOT):
-            if asked.run:
-                return again.make_again(asked.run, study, Results(folder), partial(_simulate, lock))
             return Batch(study, runs, folder, asked, lock).run()
     except OSError as error:
         if error.filename is None:
@@ -153,14 +149,6 @@ def _one_study(asked, path, lock=None):
                          "continues from here") from error
     finally:
         os.close(lock)
-
-
-def _simulate(lock, task, inputs):
-    """Do one task; returns the exit status; inputs: as of `work`."""
-    pool = Pool(1, partial(work, inputs=inputs), lock, task.folder, say)
-    pool.run([task])
-    _say_changed(pool.changed)
-    return EXIT_INTERRUPTED if pool.interrupted else 1 if pool.failed or pool.short or pool.changed else 0
 
 
 def _say_changed(changed):

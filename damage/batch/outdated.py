@@ -18,7 +18,7 @@ from damage.errors import InputError, some_of
 from damage.files import write_text
 from damage.history.head import read_head
 from damage.measure.kept import ENDING, FOLDER
-from damage.provenance import measures_digest, model_digest
+from damage.provenance import model_digest
 from damage.studies.definition import names_file
 from damage.studies.inputs import as_json, differences, inputs_of
 from damage.studies.records import NAME, OLDER_NOTE, is_of_today, key_of, point_line, point_of, read_records
@@ -31,7 +31,7 @@ FIRST_TABLES = "index", "events", "joints", "cycles"
 OLD = "one before 0.2"
 _DIFFERENCES = 3  # points, and differences of each, that a message names
 _NO_NOTE = "there is no note of them"
-_FILE = re.compile(r"(.*?)(?:\.part|\.differs)?\.h5")
+_FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
 """The name of a run in the name of a file that belongs to it."""
 
 
@@ -181,14 +181,6 @@ def _warnings(verdict, remake):
         said.append(f"{len(verdict.models)} runs were made by another version of the model "
                     f"({', '.join(sorted(set(verdict.models.values())))}) and {what}: {some_of(list(verdict.models))}")
     return said
-
-
-def other_versions(row, solver):
-    """Versions that made the row of a run and differ from these: a list of str."""
-    today = {"model_digest": ("the model", model_digest(CODE[solver])),
-             "measures_digest": ("index and measures", measures_digest())}
-    return [f"another version of {what} made the table's row ({row.get(name) or 'unknown'}, now {digest}): its values "
-            "may differ" for name, (what, digest) in today.items() if row and row.get(name, "") != digest]
 
 
 def _today(model):

@@ -63,7 +63,7 @@ def make_claim(claim, out, jobs, remake=False):
     warn(*claim.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
     print(on_joints(survey.as_dict()))
     with held(out, Path(NAME).stem) as lock:
-        _state_time(claim, out, jobs, steps)
+        _state_runs(jobs, steps)
         for draws in steps:
             study = _study(claim, out, draws)
             if status := _draw(study, out, jobs, remake, lock):
@@ -113,15 +113,10 @@ def _no_answer_foreseen(survey, most):
     return [words[why] for why, _ in reasons(survey.as_dict(), most, 0.0)]
 
 
-def _state_time(claim, out, jobs, steps):
-    """Print the expected time of the first draws, and of the most that may follow, before anything starts."""
-    from damage.batch.plan import Plan, duration
-
-    words = []
-    for draws in dict.fromkeys((steps[0], steps[-1])):
-        low, high = Plan(_study(claim, out, draws), out, jobs).seconds
-        words.append(f"{2 * draws} runs of {draws} draws: {duration(low)} to {duration(high)}")
-    print(f"expected: {words[0]} with {jobs} at a time, where nothing else runs"
+def _state_runs(jobs, steps):
+    """Print the number of runs of the first draws, and of the most that may follow, before anything starts."""
+    words = [f"{2 * draws} runs of {draws} draws" for draws in dict.fromkeys((steps[0], steps[-1]))]
+    print(f"expected: {words[0]}, {jobs} at a time"
           + (f"; up to {words[1]}, if the intervals or an answer need them" if len(words) > 1 else "")
           + f".  An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command continues after an "
           "interruption.", flush=True)

@@ -1,6 +1,6 @@
-"""The commands of `python3 -m damage`: each module adds its own to the table, in the order in which help lists them."""
+"""The commands of the core for `python3 -m damage`: each module adds its own to the table."""
 
 from importlib import import_module
 
-for _name in ("walls", "address", "histories", "studies"):
+for _name in ("walls", "histories"):
     import_module(f"damage.commands.{_name}")

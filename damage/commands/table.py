@@ -1,26 +1,78 @@
-"""The table of commands, their groups and examples in the help, and what they share: arguments, how they print."""
+"""What applications and the core register for `python3 -m damage`, and what commands share: arguments and printing."""
 
 import io
 import sys
+from typing import Any, NamedTuple
 
 from damage.errors import one_line
 from damage.files import json_text
 from damage.run.options import WALLS_ARE_CODE, arg, file_arg, flag, group, number_from
 
+
+class Command(NamedTuple):
+    """A command: function of the parsed options, what it is for, functions that add an argument to its parser, and what
+    follows its name in the examples of its help."""
+
+    function: Any
+    purpose: str
+    arguments: tuple = ()
+    examples: tuple = ()
+
+
 COMMANDS = {}
-"""Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
+"""Name -> Command."""
+PROGRAMS = {}
+"""Name -> Command whose function takes the words behind its name, and whether all is quiet, and parses them itself."""
+DICTIONARY = []
+"""Functions that return tables of an application for the data dictionary, as `damage.measure.dictionary.TABLES` is."""
+BESIDE = {}
+"""Ending of a file with which `compare` compares histories -> function of the parsed options and all their paths."""
 
 
 class Silence(io.StringIO):
     """A stream that discards its output."""
 
 
-def command(purpose, *arguments, table=COMMANDS):
+def command(purpose, *arguments, examples=(), table=COMMANDS):
     """Make a function the command of its name, in this table."""
     def keep(function):
-        table[function.__name__.strip("_").replace("_", "-")] = function, purpose, arguments
+        table[_name_of(function)] = Command(function, purpose, arguments, examples)
         return function
     return keep
+
+
+def program(purpose):
+    """Make a function the command of its name that parses its own words."""
+    def keep(function):
+        PROGRAMS[_name_of(function)] = Command(function, purpose)
+        return function
+    return keep
+
+
+def extend(name, *arguments):
+    """Add arguments to a command of another application."""
+    found = COMMANDS[name]
+    COMMANDS[name] = found._replace(arguments=(*found.arguments, *arguments))
+
+
+def tables(function):
+    """Let a function say which tables of an application the data dictionary has."""
+    DICTIONARY.append(function)
+    return function
+
+
+def all_tables():
+    """The tables of the core and of the applications: {tables, as their files are called: {column: Column}}."""
+    from damage.measure.dictionary import TABLES
+
+    found = dict(TABLES)
+    for function in DICTIONARY:
+        found |= function()
+    return found
+
+
+def _name_of(function):
+    return function.__name__.strip("_").replace("_", "-")
 
 
 def output(*arguments):
@@ -67,57 +119,6 @@ def save(figures, folder, made=""):
             print(f"picture: {path}", file=sys.stderr)
 
 
-GROUPS = {
-    "first steps": {
-        "demo": ("", "--out first --overwrite"),
-        "new-wall": ("my_wall.py", "my_wall.py --from solid"),
-        "check-bits": ("", "harmonic softening", "--long"),
-        "help": ()},
-    "a wall": {
-        "materials": ("", "--json > materials.json"),
-        "draw": ("symmetric", "my_wall.toml --top beam --out my_wall.svg"),
-        "modes": ("symmetric", "my_wall.toml --bricks deformable --out pictures"),
-        "wall-schema": ("> wall.schema.json", "| less")},
-    "ground motion": {
-        "record": ("BGAR_HGE", "record.csv --window 17 27 --plot record.png"),
-        "exposure": ("--at 53.36 6.75", "--rd 246000 597000 --vs30 180 --from 2012 --out exposure"),
-        "catalogue": ("later.txt --out catalogue.csv", "newest.txt --catalogue catalogue.csv --out catalogue_2.csv")},
-    "one run": {
-        "reference": (),
-        "index": ("run.h5", "run.h5 --threshold-mm 0.05 --slip accumulated --json"),
-        "check": ("run.h5", "results/quick/runs/*.h5"),
-        "info": ("run.h5", "run.h5 --json"),
-        "plot": ("run.h5 --out pictures", "results/quick/runs/run.h5 --out pictures/run"),
-        "stresses": ("run.h5 --joint 0.5,0.3", "run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
-        "animate": ("run.h5", "run.h5 --window 1 2 --magnify 200 --out run.mp4"),
-        "report": ("run.h5", 'results/quick --title "Quick study" --author "A. Name" --out report.html'),
-        "tables": ("run run.h5 --out run", "summary first.h5 second.h5 --out summary.csv"),
-        "compare": ("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
-        "export": ("run.h5 --vtkhdf run.vtkhdf", "results/quick --parquet tables",
-                   "symmetric --contacts corners --3dec symmetric.dat --opensees symmetric.py"),
-        "cracks": ("run.h5 --at max,end --export cracks.csv --out pictures",
-                   "cracks.csv --wall symmetric --tolerance-mm 20"),
-        "cycles": ("pushed.h5", "pushed.h5 --json"),
-        "laboratory": ("squat.h5 --out pictures", "comp2_1.h5 comp2_3.h5 --out pictures")},
-    "many runs": {
-        "study": (),
-        "study-tables": ("studies/quick.toml results/quick", "my_study.toml results/my_study --solver reference -j 4"),
-        "study-schema": ("> study.schema.json", "| less"),
-        "fragility": ("results/fragility --out curves",
-                      'results/fragility --intensity pga_g --state "moderate: max_psi > 2" --out curves'),
-        "dictionary": ("--out tables", "--out docs/reference")},
-    "lives at an address": {
-        "life": ("symmetric --at 53.36 6.75 --out results/life",
-                 "my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"),
-        "lives": ("results/life", "results/life --with other/lives.csv --markdown lives.md --out figures"),
-        "claim": ("my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
-                  "my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
-                  "--language nl --out results/claim"),
-        "app": ("--out results/claim", "--out results/claim --port 8765 --no-browser")}}
-"""Title -> {command: its examples, what follows the command's name}, all in the order in which help lists them;
-`reference` and `study` have examples of their own."""
-
-
-def examples_of(name):
-    """Lines of the examples of a command, for its help."""
-    return [f"python3 -m damage {name} {line}".rstrip() for names in GROUPS.values() for line in names.get(name, ())]
+def examples_of(name, table=COMMANDS):
+    """Lines of the examples of a command in a table, for its help."""
+    return [f"python3 -m damage {name} {line}".rstrip() for line in table[name].examples]

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, WALL, command, out, output, save, show
+from damage.commands.table import JSON, WALL, command, out, output, program, save, show
 from damage.errors import InputError, did_you_mean, warn
 from damage.files import json_text
 from damage.law.modes import natural_modes
@@ -29,7 +29,6 @@ from damage.run.options import (
     number_from,
     recorded,
 )
-from damage.start import missing_library
 from damage.wall import as_built, materials
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
@@ -38,7 +37,8 @@ from damage.wall.plan import plan_of
 from damage.wall.plausible import check_plausible
 
 
-@command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", JSON)
+@command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", JSON,
+         examples=("", "--json > materials.json"))
 def _materials(asked):
     print(json_text(materials.as_dict(), indent=2) if asked.json else materials.describe())
 
@@ -46,7 +46,8 @@ def _materials(asked):
 @command("natural periods of a wall with intact joints", WALL,
          group("model", *model_arguments("lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane",
                                          "brick_mass"), ACCEPTING),
-         JSON, out("folder for a picture of the shapes", required=False))
+         JSON, out("folder for a picture of the shapes", required=False),
+         examples=("symmetric", "my_wall.toml --bricks deformable --out pictures"))
 def _modes(asked):
     layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
     modes = natural_modes(layout)
@@ -71,7 +72,8 @@ def _modes(asked):
          "piers and spandrels", WALL,
          group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
          out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
-              required=False))
+              required=False),
+         examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg"))
 def _draw(asked):
     from damage.draw.preview import wall_preview
     from damage.draw.style import save_picture
@@ -94,36 +96,24 @@ def plausible_wall(asked, path):
 
 
 @command("the JSON Schema of walls as TOML, by which editors complete and check them: put it beside yours, and "
-         "'#:schema ./wall.schema.json' on its first line")
+         "'#:schema ./wall.schema.json' on its first line",
+         examples=("> wall.schema.json", "| less"))
 def _wall_schema(asked):
     print(json_text(wall_schema(), indent=1))
 
 
-@command("a first run, in half a minute: the façade that ships under a harmonic motion, with pictures and a report",
-         file_arg("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
-         flag("--overwrite", "replace what a demo before has left there"))
-def _demo(asked):
+@program("run a wall in the reference solver (see reference --help)")
+def _reference(words, quiet):
     from damage.reference.session import run_reference
 
-    history = asked.out / "symmetric.h5"
-    status = run_reference(["symmetric", "--harmonic", "0.2", "0.05", "--rest", "1", "--out", str(history),
-                            *["--overwrite"] * asked.overwrite])
-    if status:
-        return status
-    try:
-        from damage.html.report import write_report
-
-        print(f"report: {write_report([history])}")
-    except ImportError as error:  # of the extra masonry-damage[report]
-        print(f"no report: {missing_library(error) or error}")
-    print("next: python3 -m damage new-wall my_wall.py, and its first lines say how to run it")
-    return 0
+    return run_reference([*words, *["--quiet"] * (quiet and bool(words))])
 
 
 @command("does this machine compute the published histories, bit for bit? Runs of every kind, under a minute after the "
          "first compilation; exit status 1 where one differs",
          arg("runs", metavar="RUN", nargs="*", help="of these alone (default: all short ones)"),
-         flag("--long", "the longer runs, too"))
+         flag("--long", "the longer runs, too"),
+         examples=("", "harmonic softening", "--long"))
 def _check_bits(asked):
     from damage.mechanics.compiled import COMPILING, is_cached
     from damage.reference import bits
@@ -147,7 +137,8 @@ def _check_bits(asked):
          "never executed",
          file_arg("file", "FILE.py|FILE.toml"),
          arg("--from", dest="source", metavar="NAME", default="symmetric", help="the wall that is copied (default "
-              "symmetric); an unknown one lists all"))
+              "symmetric); an unknown one lists all"),
+         examples=("my_wall.py", "my_wall.py --from solid"))
 def _new_wall(asked):
     from damage.wall.new import new_wall
 
@@ -161,7 +152,8 @@ def _new_wall(asked):
          "ships, as BGAR_HGE"), group("preparation of the record", *PREPARATION, arg(
              "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (of `modes`): "
              "also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
-         JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
+         JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")),
+         examples=("BGAR_HGE", "record.csv --window 17 27 --plot record.png"))
 def _record(asked):
     loading = recorded(asked)
     if asked.period is not None:

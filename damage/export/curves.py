@@ -21,13 +21,26 @@ import numpy as np
 import pandas as pd
 
 from damage.files import whole_or_nothing
+from damage.history.schema import Column
 from damage.measure.tables import write_table
+from damage.studies.columns import CURVE, ENDS
 from damage.studies.states import unit_of
 
 NAMESPACE = "http://openquake.org/xmlns/nrml/0.5"
 CM_PER_M = 100
 _Z = np.linspace(-4.0, 4.0, 33)
 """Where a curve has its levels, in dispersions from the median: from 0.00003 to 0.99997."""
+COLUMNS = {
+    **CURVE, "level_unit": Column("", "unit of the level"), "intensity_unit": Column("", "unit of the median"),
+    "distribution": Column("", "lognormal: P = Phi(ln(x / median) / dispersion); step: the median is bounded, no "
+                           "dispersion is known; none: the runs determine no curve"),
+    "median": Column("as `intensity_unit` says", "intensity at which half of the runs exceed the level"),
+    "step_low": Column("as `intensity_unit` says", "of a step: intensity up to which no run exceeds the level"),
+    "step_high": Column("as `intensity_unit` says", "of a step: intensity from which on all runs do"),
+    **{f"new_record_{end}": Column("as `intensity_unit` says", f"{words} bound of a new record's own median")
+       for end, words in ENDS}}
+COLUMNS["dispersion"] = Column("1", "standard deviation of the intensity's logarithm, empty of a step")
+"""Columns of the table of `coefficients`."""
 _TYPES = {"pga_g": ("PGA", 1), "pgv_m_s": ("PGV", CM_PER_M),
           "pgv_rotd100_m_s": ("PGV", CM_PER_M), "sa_0.2_s_g": ("SA(0.2)", 1),
           "sa_eigen_period_g": ("SA({:.4g})", 1), "avg_sa_g": ("AvgSA", 1), "arias_m_s": ("IA", 1)}

@@ -15,10 +15,12 @@ Commands: https://opensees.github.io/OpenSeesDocumentation and https://openseesp
 
 import math
 
-from damage.export.rigid import check_rigid, made_by, number
+from damage.errors import InputError
 from damage.files import write_text
 from damage.law.modes import contact_normals
+from damage.provenance import commit
 from damage.units import GRAVITY
+from damage.version import VERSION
 
 _SCRIPT = '''"""{made}
 
@@ -149,12 +151,32 @@ def write_opensees(layout, path):
 
     Raises InputError for bricks, joints or soil that it cannot have, and where the path cannot be written.
     """
-    check_rigid(layout, "--opensees")
+    _check_rigid(layout)
     wall, bodies = layout.wall, layout.bodies
     rows = ((k + 1, *values) for k, values in enumerate(zip(bodies.x, bodies.z, bodies.mass, bodies.inertia)))
     return write_text(path, _SCRIPT.format(
-        made=made_by(layout), gravity=GRAVITY, friction=number(math.tan(wall.joint.friction_angle)),
+        made=_made_by(layout), gravity=GRAVITY, friction=_number(math.tan(wall.joint.friction_angle)),
         bodies=_table(rows), joints=_table(_joints(layout)), top=[int(k) + 1 for k in layout.drift_bodies]))
+
+
+def _check_rigid(layout):
+    """Raise InputError where a Layout has what rigid blocks on brittle joints lack."""
+    joint, options = layout.wall.joint, layout.options
+    problems = (
+        (layout.strain is not None, "deformable bricks with strain modes", "rigid ones; leave --bricks deformable out"),
+        (joint.softens, "joints that soften", "brittle ones; take the wall's fracture energies out"),
+        (joint.compressive_strength is not None, "joints that crush", "none; take the compressive strength out"),
+        (layout.wall.restraints, "restraints of its edges", "free ones; take the restraints out"),
+        (options.soil_velocity > 0, "soil with radiation damping", "soil without it; leave --soil-velocity out"))
+    for found, what, expected in problems:
+        if found:
+            raise InputError(f"--opensees of wall {layout.wall.name} with {what}: expected {expected}")
+
+
+def _made_by(layout):
+    """One line: the wall, its choices, and what wrote it."""
+    return (f"Wall {layout.wall.name} ({', '.join(layout.options.tags()) or 'usual model'}), written by "
+            f"masonry-damage {VERSION}, commit {commit()}.")
 
 
 def _joints(layout):
@@ -167,5 +189,14 @@ def _joints(layout):
     return zip(range(1, len(contacts) + 1), *ends, contacts.x, contacts.z, nx, nz, *forces)
 
 
+def _number(value):
+    """The shortest text of a number that is read back exactly; integers have no point.
+
+    >>> _number(0.1), _number(3), _number(float("inf"))
+    ('0.1', '3', 'inf')
+    """
+    return repr(value.item() if hasattr(value, "item") else value)
+
+
 def _table(rows):
-    return "\n".join(f"    ({', '.join(map(number, row))})," for row in rows)
+    return "\n".join(f"    ({', '.join(map(_number, row))})," for row in rows)

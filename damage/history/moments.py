@@ -111,3 +111,8 @@ def state_codes(opened, slipped, broken=False):
     codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
     return np.select([opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))], codes,
                      default=STATES.index("intact"))
+
+
+def common_slip(*histories):
+    """Slip criterion that all Histories support: `displacement` where all have offsets, else `accumulated`."""
+    return "accumulated" if any(history.offset_m is None for history in histories) else "displacement"

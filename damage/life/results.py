@@ -1,7 +1,7 @@
 """Results of lives: what each event did to each wall, and what became of the walls over the years.
 
-`python3 -m damage lives FOLDER...` takes folders of studies with lives, or their tables lives.csv, of other seeds, too:
-lives of one point and different seeds are counted together.
+`python3 -m damage lives FOLDER` takes the folder of a study with lives; lives of one point and different seeds are
+counted together.
 """
 
 import json
@@ -18,7 +18,6 @@ from damage.files import write_text
 from damage.history.schema import Column
 from damage.life.comparison import OUTCOMES, POPULATION, VISIBLE, choices, in_words, largest_alone, readings
 from damage.life.estimate import probability
-from damage.life.others import head, note_of, of_point, read_lives
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.studies.definition import FROM, load_study
@@ -109,14 +108,12 @@ CONTRIBUTIONS = {
 class Lives:
     """The lives of a point.
 
-    draws: Draws of its address; table: a row an event, of COLUMNS; note: what they are made of
-    (`damage.life.others.note_of`).
+    draws: Draws of its address; table: a row an event, of COLUMNS.
     """
 
     point: str
     draws: Draws
     table: pd.DataFrame
-    note: tuple[str, str, str] | None = None
 
     @property
     def years(self):
@@ -145,24 +142,18 @@ class Lives:
         return self.draws.largest(range(1, POPULATION + 1))
 
 
-def lives_of(folder, tables=()):
-    """Lives of the points of a study's folder, a list, with the rows of lives.csv of other sessions, a list of paths,
-    of the same points.  InputError where there is none; points without lives are left out."""
+def lives_of(folder):
+    """Lives of the points of a study's folder, a list.  InputError where there is none; points without lives are left
+    out."""
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
     records, found = read_records(folder), []
-    more = [(path, *read_lives(path, COLUMNS)) for path in tables]
     for run in study.runs:
         if run.varied == ("--life",):
             draws = read_address(run.words[run.words.index("--address") + 1])
             point = run.point.rpartition(FROM)[0]
-            there = records.of_point(run)
-            note = note_of(run, records) if run.offset == 0 else None
-            found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point), note)
-                      for number, record in there.items()]
-            if note:
-                found += [Lives(point, draws, of_point(path, table, notes, point, draws, note), notes.get(point))
-                          for path, table, notes in more]
+            found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point))
+                      for number, record in records.of_point(run).items()]
     if not any(len(one.table) for one in found):
         raise InputError(f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m damage "
                          "life makes it")
@@ -203,10 +194,13 @@ def together(parts):
     found = {}
     for one in parts:
         found.setdefault(one.point, []).append(one)
-    tables = [(replace(several[0], note=next((one.note for one in several if one.note), None)),
-               [one.table for one in several if len(one.table)]) for several in found.values()]
-    return [replace(first, table=pd.concat(of_point, ignore_index=True).drop_duplicates(
-        ["seed", "life", "event"], keep="first")[list(COLUMNS)]) for first, of_point in tables if of_point]
+    lives = []
+    for several in found.values():
+        tables = [one.table for one in several if len(one.table)]
+        if tables:
+            rows = pd.concat(tables, ignore_index=True).drop_duplicates(["seed", "life", "event"], keep="first")
+            lives.append(replace(several[0], table=rows[list(COLUMNS)]))
+    return lives
 
 
 def over_time(lives):
@@ -284,7 +278,4 @@ def write_lives(parts, folder):
     tables = {"lives.csv": pd.concat([one.table for one in parts]), "life.csv": pd.concat(map(over_time, parts)),
               "contributions.csv": pd.concat(map(contributions, parts)),
               "choices.csv": pd.DataFrame(choices(parts)), "readings.csv": pd.DataFrame(readings(parts))}
-    paths = [write_table(table, folder / name) for name, table in tables.items() if len(table)]
-    notes = {one.point: one.note for one in parts if one.note}
-    write_text(paths[0], head(notes) + paths[0].read_text(encoding="utf-8"))
-    return paths
+    return [write_table(table, folder / name) for name, table in tables.items() if len(table)]

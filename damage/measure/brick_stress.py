@@ -32,7 +32,7 @@ def has_stresses(history):
 
 def bricks_table(history):
     """A row for each brick of a History with deformable bricks, a DataFrame; columns:
-    `damage.export.dictionary.BRICKS`."""
+    `damage.measure.dictionary.BRICKS`."""
     bodies = history.bodies
     bricks = np.flatnonzero(bodies["course"].to_numpy() >= 0)
     stress = np.einsum("pq,tbqs->tbps", _WEIGHTS, history.stress_pa[:, bricks].astype(float))

@@ -6,14 +6,15 @@ compared within TOLERANCES, which are the scatter of one solver under rounding. 
 *second* one, or with the median of several.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.moments import BREAKS, STATES, check_samples, state_codes
+from damage.history.moments import BREAKS, STATES, check_samples, common_slip, state_codes
 from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
-from damage.measure.patterns import common_slip, compare_patterns, describe_patterns
 from damage.measure.summary import summarise
 
 DIVERGED = 0.01  # share of the peak drift [-]: two runs have diverged where their drifts differ by more
@@ -32,12 +33,32 @@ times the mean width, or 2.5 times the number of cracks.
 DRIFT_TOLERANCE = 0.005  # RMS difference of the drift before the first failure over its RMS [-]
 
 
+class Comparison(NamedTuple):
+    """Agreement of two runs that an application registers.
+
+    Attributes
+    ----------
+    compare : callable
+        From two Histories of one wall a dictionary fit for JSON.
+    describe : callable
+        From that dictionary a list of lines.
+    """
+
+    compare: Any
+    describe: Any
+
+
+COMPARISONS = {}
+"""Name in the result of `compare` -> Comparison."""
+
+
 def compare(first, others):
     """Comparison of a History with others of the same wall, a plain dictionary.
 
     first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed", "agrees"}} of the
-    measures of TOLERANCES.  drift, joints, patterns: `compare_drift`, `compare_joints` and `compare_patterns` with the
-    first of the others.  slip: criterion of DI, `common_slip`.  agrees: whether all figures and the drift agree.
+    measures of TOLERANCES.  drift, joints: `compare_drift` and `compare_joints` with the first of the others; so are
+    those of COMPARISONS, by their names.  slip: criterion of DI, `common_slip`.  agrees: whether all
+    figures and the drift agree.
 
     Raises InputError where a history has no sample, they are of different walls, or some have a motion and some, as of
     ground that settles alone, have none.
@@ -56,7 +77,8 @@ def compare(first, others):
     judged = [row["agrees"] for row in (*numbers.values(), drift) if row["agrees"] is not None]
     return {"first": str(first.path), "others": [str(other.path) for other in others],
             "slip": common_slip(first, *others), "figures": numbers,
-            "drift": drift, "joints": compare_joints(first, others[0]), "patterns": compare_patterns(first, others[0]),
+            "drift": drift, "joints": compare_joints(first, others[0]),
+            **{name: one.compare(first, others[0]) for name, one in COMPARISONS.items()},
             "agrees": all(judged)}
 
 
@@ -235,6 +257,7 @@ def describe(result):
         lines.append(f"joints between bricks: {joints['broke_in_either']} failed in either run, "
                      f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "
                      f"kappa {joints['kappa']:.3f}")
-    lines += describe_patterns(result["patterns"])
+    for name, one in COMPARISONS.items():
+        lines += one.describe(result[name])
     lines.append("verdict: " + ("within the tolerances" if result["agrees"] else "NOT within the tolerances"))
     return "\n".join(lines)

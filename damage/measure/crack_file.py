@@ -14,13 +14,22 @@ import pandas as pd
 from damage.csv_table import CsvTable
 from damage.errors import InputError
 from damage.files import write_text
+from damage.history.schema import Column
 from damage.index import THRESHOLD
 from damage.measure.cracks import ENDS, cracks_at
 from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.parameters import LONGEST_M
 
-COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")
+COLUMNS = {
+    "load_level": Column("1", "successive load levels"),
+    "drift_pct": Column("%", "top displacement over height; one value a level"),
+    "crack": Column("", "label of a crack; all its polylines have it"),
+    "point": Column("1", "number along a polyline, which begins at 1"),
+    "x_m": Column("m", "place of the point, along the wall"), "z_m": Column("m", "the same, upwards"),
+    "opening_mm": Column("mm", "across the crack, zero or more"), "slip_mm": Column("mm", "along it, signed"),
+    "width_mm": Column("mm", "sqrt(opening² + slip²)"), "mode": Column("", "tension, shear, mixed, unknown")}
+"""Columns of a crack file."""
 OF_SURVEY = ("offset", "detection_limit_mm", "width_error_mm")
 """Columns of a survey of a real wall: whether the faces are seen to be offset, and how exact the survey is."""
 REQUIRED = ("crack", "point", "x_m", "z_m")

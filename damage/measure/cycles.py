@@ -62,7 +62,7 @@ def index_by_all(history):
 
 def cycles_table(history):
     """Table of the cycles of a History, a DataFrame: for each event the driven cycles, then the free ones.  The columns
-    are CYCLE_COLUMNS; `damage.export.dictionary.CYCLES` says what they are."""
+    are CYCLE_COLUMNS; `damage.measure.dictionary.CYCLES` says what they are."""
     values = index_by_all(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
                                            time_s=history.series["time_s"])
     rows = []
@@ -82,7 +82,7 @@ def cycles_table(history):
 
 def shocks_table(history):
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
-    `damage.export.dictionary.SHOCKS`.  Residual values are None of an event without a settling stage."""
+    `damage.measure.dictionary.SHOCKS`.  Residual values are None of an event without a settling stage."""
     cracks, rows = psi_history(history), []
     values = index_by_all(history).assign(psi=cracks["psi"], crack_width_mm=cracks["max_width_m"] / MILLIMETRE)
     offset = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE

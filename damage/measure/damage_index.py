@@ -78,7 +78,7 @@ def _place(history, place):
 
 
 def storeys_table(history):
-    """A row for each storey of a History, from the base upwards; columns: `damage.export.dictionary.STOREYS`."""
+    """A row for each storey of a History, from the base upwards; columns: `damage.measure.dictionary.STOREYS`."""
     heights, drift = storey_drifts(history)
     return pd.DataFrame({"storey": np.arange(1, len(heights)), "bottom_m": heights[:-1], "top_m": heights[1:],
                          "max_drift_ratio": np.abs(drift).max(axis=0), "residual_drift_ratio": drift[-1]})

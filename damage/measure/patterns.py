@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.history.moments import common_slip
 from damage.index import THRESHOLD
 
 WINDOW_M = 0.45
@@ -37,11 +38,6 @@ def compare_patterns(first, second):
     places, others = places_of(first), places_of(second)
     return {**{what: places.scores(cracked(first, what, slip), cracked(second, what, slip), others)
                for what in ("broken", "visible")}, "window_m": WINDOW_M, "slip": slip}
-
-
-def common_slip(*histories):
-    """Slip criterion that all Histories support: `displacement` where all have offsets, else `accumulated`."""
-    return "accumulated" if any(history.offset_m is None for history in histories) else "displacement"
 
 
 def fractions_skill_score(f, g):

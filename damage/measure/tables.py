@@ -81,7 +81,7 @@ def summary_table(paths):
 
 def index_table(history):
     """Damage index of a History over time, a DataFrame, a row for each sample; columns:
-    `damage.export.dictionary.INDEX`."""
+    `damage.measure.dictionary.INDEX`."""
     table = history.index()
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
@@ -96,7 +96,7 @@ def events_table(history):
 
 
 def joints_table(history):
-    """Table of the contact points of a History, a DataFrame; columns: `damage.export.dictionary.JOINTS_OF_A_RUN`."""
+    """Table of the contact points of a History, a DataFrame; columns: `damage.measure.dictionary.JOINTS_OF_A_RUN`."""
     table = _with_first(history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m")
     active, states = history.active, history.states
 

@@ -59,7 +59,7 @@ def is_cached():
 def delete_other_versions():
     """Delete the machine code of other versions of these sources, which numba would never delete."""
     folder = kept_in()
-    for kept in [*folder.glob("*.nb[ic]"), *folder.glob("speed-*.json")] if folder else []:
+    for kept in folder.glob("*.nb[ic]") if folder else []:
         if DIGEST not in kept.name:
             with suppress(OSError):  # another process deletes it, too, or the folder is read-only
                 kept.unlink()

@@ -5,7 +5,7 @@ import re
 import sys
 from pathlib import Path
 
-from damage.commands.table import JSON, WALL, command, out, output, save, show
+from damage.commands.table import JSON, WALL, command, out, output, save, show, tables
 from damage.errors import InputError, warn
 from damage.exposure.catalogue import SHIPPED, read_catalogue, with_later, write_catalogue
 from damage.exposure.exposure import Exposure
@@ -14,7 +14,8 @@ from damage.exposure.ground_motion import model_named
 from damage.exposure.lives import Choices, Draws
 from damage.exposure.places import at, at_rd
 from damage.files import is_there, write_text
-from damage.run.options import arg, file_arg, file_path, flag, group, number_from
+from damage.provenance import MODEL
+from damage.run.options import arg, file_arg, flag, group, number_from
 from damage.wall.file import wall_path
 
 
@@ -59,7 +60,8 @@ def _exposure_of(asked):
 
 
 @command("the ground motion at an address in the Groningen field: PGV of every earthquake of a catalogue", *_ADDRESS,
-         JSON, out("folder for the table of all events and the picture", required=False))
+         JSON, out("folder for the table of all events and the picture", required=False),
+         examples=("--at 53.36 6.75", "--rd 246000 597000 --vs30 180 --from 2012 --out exposure"))
 def _exposure(asked):
     exposure = _exposure_of(asked)
     if asked.out:
@@ -75,7 +77,9 @@ def _exposure(asked):
          "the file is text, of https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
          file_arg("later", "FILE", "text of an FDSN event service, CSV, or KNMI's all_induced.csv"),
          file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
-         out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"))
+         out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"),
+         examples=("later.txt --out catalogue.csv",
+                   "newest.txt --catalogue catalogue.csv --out catalogue_2.csv"))
 def _catalogue(asked):
     joined, notes = with_later(asked.later, asked.catalogue or SHIPPED)
     print(*notes, f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d} to "
@@ -127,7 +131,9 @@ def _lives_options(within, strong):
          group("lives", arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N",
                             help="lives (default 100)")),
          group("batch", flag("--slurm", "as jobs of a SLURM cluster")),
-         out("folder of the study: tables, pictures, report"))
+         out("folder of the study: tables, pictures, report"),
+         examples=("symmetric --at 53.36 6.75 --out results/life",
+                   "my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"))
 def _life(asked):
     from damage.batch.command import run_study
     from damage.batch.folder import held
@@ -160,7 +166,10 @@ def _life(asked):
          group("runs", file_arg("--levels", "LEVELS.csv", "instead of --settle: levels of a course, with columns x_m, "
                                 "height_m, date")),
          output(arg("--language", choices=("en", "nl"), default="en", help="of the sheet (default en)")),
-         out("folder for the sheet, its numbers and the runs"))
+         out("folder for the sheet, its numbers and the runs"),
+         examples=("my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
+                   "my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
+                   "--language nl --out results/claim"))
 def _claim(asked):
     import os
 
@@ -193,7 +202,8 @@ def _claim(asked):
          arg("--port", type=number_from(0, 65535, int), default=0, metavar="N", help="of the page (default: a free "
              "one)"),
          arg("--no-browser", dest="opened", action="store_false", help="print the page's address, open no browser"),
-         out("folder of the claim"))
+         out("folder of the claim"),
+         examples=("--out results/claim", "--out results/claim --port 8765 --no-browser"))
 def _app(asked):
     from damage.app.server import serve
 
@@ -203,11 +213,10 @@ def _app(asked):
 @command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "
          "the contribution of each; tables, pictures and one HTML report, in the folder",
          file_arg("results", "FOLDER", "folder of a study with lives"),
-         arg("--with", dest="tables", nargs="+", default=[], type=file_path, metavar="lives.csv", help="lives of "
-              "equal points from other sessions, with other seeds"),
          flag("--tables", dest="only", help_="tables and text only"),
          output(file_arg("--markdown", "FILE", "write the text, too")),
-         out("folder for the tables (default: figures in FOLDER)", required=False))
+         out("folder for the tables (default: figures in FOLDER)", required=False),
+         examples=("results/life", "results/life --markdown lives.md --out figures"))
 def _lives(asked):
     from damage.draw.exposure import contributions_picture, life_picture
     from damage.html.report import Words, write_report
@@ -220,7 +229,7 @@ def _lives(asked):
         write_lives,
     )
 
-    parts = lives_of(asked.results, asked.tables)
+    parts = lives_of(asked.results)
     folder = asked.out or asked.results / "figures"
     print(*write_lives(parts, folder), sep="\n")
     text = describe(parts)
@@ -237,3 +246,17 @@ def _lives(asked):
                    (f"life_{one.point}_events", contributions_picture(contributions(one), title))], folder, title)
     paragraphs = text.replace("\n  ", "; ").replace("\n", "\n\n")
     print(write_report([asked.results], None, Words("Lives of a wall", None, paragraphs)))
+
+
+MODEL.append("exposure")  # draws motions
+
+
+@tables
+def _tables():
+    from damage.exposure.exposure import COLUMNS
+    from damage.life.comparison import CHOICES, READINGS
+    from damage.life.results import COLUMNS as LIVES
+    from damage.life.results import CONTRIBUTIONS, YEARLY
+
+    return {"exposure.csv": COLUMNS, "lives.csv": LIVES, "life.csv": YEARLY, "contributions.csv": CONTRIBUTIONS,
+            "choices.csv": CHOICES, "readings.csv": READINGS}

@@ -1,6 +1,6 @@
-"""Commands about studies: what they write, fragility."""
+"""Commands about studies: run them, what they write, fragility."""
 
-from damage.commands.table import command, out, output, save
+from damage.commands.table import command, out, program, save, tables
 from damage.errors import InputError
 from damage.files import json_text
 from damage.measure.columns import made_by_words, slip_criteria
@@ -8,13 +8,26 @@ from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.run.options import arg, file_arg, flag, group, number_from
 
+WRITERS = []
+"""Functions of the options of `fragility`, the runs, their fits and the intensity, which write the curves in other
+formats and print where; applications add theirs."""
+
+
+@program("run a study: simulations, tables and pictures (see study --help)")
+def _study(words, quiet):
+    from damage.batch.command import run_study
+
+    return run_study(words)
+
 
 @command("the tables of a study, from the runs that exist so far", file_arg("study", "STUDY.toml"),
          file_arg("folder", "DIR", "the study's folder; tables go to DIR/tables"),
          arg("--solver", choices=("yade", "reference", "both"), default="both",
           help="whose runs the study names (default both)"),
          file_arg("--root", "DIR", "where walls and records lie (default: the working folder)"),
-         arg("-j", dest="jobs", type=number_from(1, 1000, int), default=1, metavar="N", help="processes (default 1)"))
+         arg("-j", dest="jobs", type=number_from(1, 1000, int), default=1, metavar="N", help="processes (default 1)"),
+         examples=("studies/quick.toml results/quick",
+                   "my_study.toml results/my_study --solver reference -j 4"))
 def _study_tables(asked):
     from damage.studies.definition import load_study
     from damage.studies.tables import write_study_tables
@@ -23,19 +36,12 @@ def _study_tables(asked):
 
 
 @command("the JSON Schema of study files, by which editors complete and check them: put it beside yours, and "
-         "'#:schema ./study.schema.json' on its first line")
+         "'#:schema ./study.schema.json' on its first line",
+         examples=("> study.schema.json", "| less"))
 def _study_schema(asked):
     from damage.studies.schema import study_schema
 
     print(json_text(study_schema(), indent=1))
-
-
-@command("the data dictionary: every column of every table, as dictionary.csv and dictionary.md",
-         out("folder for both"))
-def _dictionary(asked):
-    from damage.export.dictionary import write_dictionary
-
-    print(*write_dictionary(asked.out), sep="\n")
 
 
 @command("probabilities of exceeding levels of damage, from a study with scattered strengths",
@@ -57,13 +63,13 @@ def _dictionary(asked):
              file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
              flag("--after-damage", "of a study of sequences: by Psi before each shock")),
          out("folder for tables and pictures"),
-         output(file_arg("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
-                         "coefficients with units, arrays")))
+         examples=("results/fragility --out curves",
+                   'results/fragility --intensity pga_g --state "moderate: max_psi > 2" --out curves'))
 def _fragility(asked):
     from damage.studies.fragility import STATES, load_runs
     from damage.studies.states import leading, parse_state, study_choices
 
-    clash = [name for name in ("export", "at", "leave_one_out", "unseen") if getattr(asked, name)]
+    clash = [name for name in ("export", "at", "leave_one_out", "unseen") if getattr(asked, name, None)]
     if asked.after_damage and clash:
         raise InputError(f"--{clash[0].replace('_', '-')} with --after-damage: expected one of them; leave one out")
     chosen = study_choices(asked.study)
@@ -95,8 +101,9 @@ def _fragility_curves(asked, runs, intensity, states):
     from damage.studies.fragility_picture import fragility_pictures
     from damage.studies.left_out import beside_unseen, leave_one_out, scores
 
-    periods = _periods(runs, intensity) if asked.export else {}
     fits = fit_all(runs, intensity, asked.replicates, states)
+    for write in WRITERS:
+        write(asked, runs, fits, intensity)
     print(in_words(fits))
     print(write_table(fragility_table(fits, intensity).assign(slip=" or ".join(slip_criteria(runs))),
                       asked.out / f"fragility_{intensity}.csv"))
@@ -113,22 +120,11 @@ def _fragility_curves(asked, runs, intensity, states):
     for name, table in tables.items():
         print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
         print(write_table(table, asked.out / f"{name}.csv"))
-    if asked.export:
-        from damage.export.curves import left_out, write_curves
-
-        print(*write_curves(fits, asked.export, periods), sep="\n")
-        print(*left_out(fits), sep="\n", end="\n" if left_out(fits) else "")
     return fragility_pictures(runs, fits, intensity)
 
 
-def _periods(runs, intensity):
-    """{wall: first period [s]} where files name it, of the spectral acceleration there, else {}."""
-    from pandas import to_numeric
+@tables
+def _tables():
+    from damage.studies.columns import TABLES
 
-    if intensity != "sa_eigen_period_g":
-        return {}
-    if "eigen_period_s" not in runs or not (to_numeric(runs["eigen_period_s"], errors="coerce") > 0).all():
-        raise InputError("--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the period "
-                         "that NRML names; expected a number above zero; choose another intensity, as --intensity "
-                         "pga_g, or run the study again")
-    return runs.groupby("wall")["eigen_period_s"].median()
+    return TABLES

@@ -1,0 +1,22 @@
+"""What is built on the core: importing this package lets each application register what it adds.
+
+`python3 -m damage` imports it, the core does not.
+"""
+
+from importlib import import_module
+
+MODULES = ("damage.laboratory.commands", "damage.studies.commands", "damage.html.commands",
+           "damage.exposure.commands")
+"""Of cracks, studies, report, groningen."""
+GROUPS = {
+    "first steps": ("demo", "new-wall", "check-bits", "help"),
+    "a wall": ("materials", "draw", "modes", "wall-schema"),
+    "ground motion": ("record", "exposure", "catalogue"),
+    "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report",
+                "tables", "compare", "export", "cracks", "cycles", "laboratory"),
+    "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
+    "lives at an address": ("life", "lives", "claim", "app")}
+"""Title -> commands, in the order in which help lists them; all others follow."""
+
+for _name in MODULES:
+    import_module(_name)
