@@ -74,7 +74,6 @@ def test_one_that_is_kept_is_its_file_which_is_whole(most_bytes, tmp_path, monke
 def test_active_contacts_are_those_with_any_value(write, tmp_path):
     history = make_history(tmp_path / "a.h5", **CRACKED, write=write)
     active = history.active
-    assert history.told is active  # its earlier name
     others = np.setdiff1d(np.arange(len(history.joints)), active.joints)
     assert set(active.joints) == {3, 5, 7} and len(others) > 0  # of the one that is broken alone no number asks
     for name in ("opening_m", "slip_m", "offset_m", "at_limit"):

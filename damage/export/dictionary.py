@@ -29,8 +29,7 @@ from damage.studies.states import INTENSITIES, LEVELS, unit_of
 CRITERION_WORDS = {"": "", "accumulated_": ", slip accumulated", "shear_limit_": ", slip by the shear limit"}
 COMPONENT_WORDS = {"DI": "damage index", "DI_drift": "of it by drift", "DI_open": "of it by opened joints",
                    "DI_slip": "of it by slipped joints"}
-SLIP = {"slip": Column("", "criterion of slip in the columns that name none: displacement, or accumulated of a history "
-                       "without offsets")}
+SLIP = {"slip": Column("", "criterion of slip in the columns that name none")}
 
 
 def _index(kind="", what=""):

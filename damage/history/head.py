@@ -7,7 +7,7 @@
 
 It is text, so that `head -c 512 FILE.h5` shows it and a study reads it quickly.  The last line is `open` until
 everything else is on the disk.  A file with a broken seal is never opened by HDF5, which may hang or crash on one
-damaged byte.  Files of schema version 1 have no such block.
+damaged byte.
 """
 
 import hashlib
@@ -21,9 +21,8 @@ from damage.history.schema import SCHEMA, SCHEMA_VERSION
 from damage.provenance import UNKNOWN
 
 HEAD_BYTES = 512  # the least that HDF5 allows
-_LINES = re.compile(SCHEMA + rf" ([2-{SCHEMA_VERSION}])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+_LINES = re.compile(SCHEMA + rf" ({SCHEMA_VERSION})\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
                     r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
-HDF5 = b"\x89HDF\r\n\x1a\n"
 _NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")
 
 
@@ -68,18 +67,16 @@ def seal(path):
 
 
 def read_head(path):
-    """The Head of a history, None where it is of schema version 1.  Raises InputError for any other file."""
+    """The Head of a history.  Raises InputError for any other file."""
     try:
         with open(path, "rb") as file:
             block = file.read(HEAD_BYTES)
     except OSError as error:
         raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a history (.h5)") from error
-    if block.startswith(HDF5):
-        return None
     version = _NUMBER.match(block)
-    if version and int(version[1]) > SCHEMA_VERSION:
-        raise InputError(f"{path} has schema version {int(version[1])}, this software reads up to {SCHEMA_VERSION}; "
-                         "update the software")
+    if version and int(version[1]) != SCHEMA_VERSION:
+        raise InputError(f"{path} has schema version {int(version[1])}, this software reads {SCHEMA_VERSION}; run it "
+                         "again, or with the version that made it")
     found = _LINES.fullmatch(block.decode("ascii", errors="replace"))
     if not found or len(block) < HEAD_BYTES:
         what = "its first 512 bytes are damaged" if version else "it begins otherwise"

@@ -10,7 +10,7 @@ import numpy as np
 
 from damage.history import schema
 from damage.history.buffer import Buffer
-from damage.history.reader import any_bit, at_all_joints, checked, history_of, read_history
+from damage.history.reader import any_bit, at_all_joints, history_of, read_history
 from damage.history.writer import File, growing_columns, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
@@ -80,7 +80,7 @@ class Memory:
                   "run/collapsed_at_s": np.float64(collapsed_at_s),
                   **{f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC},
                   **layout_tables(self._layout), **growing}
-        return checked(history_of(path, self._attributes, values, joints=joints))
+        return history_of(path, self._attributes, values, joints=joints)
 
     def _growing(self):
         """The joints at which any bit was ever set, and {"GROUP/NAME": all rows}, those of frames at these joints."""

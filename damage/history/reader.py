@@ -1,7 +1,7 @@
 """Read a history file into pandas frames."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from html import escape
 from importlib import import_module
@@ -12,12 +12,10 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from damage.checks import check_choice, check_file, record_from
+from damage.checks import check_file, record_from
 from damage.errors import InputError
 from damage.history import schema
-from damage.history.apart import apart, bounded
-from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
-from damage.history.structure import check_parameters, check_structure, check_values
+from damage.history.head import check_seal, read_head
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.motion.loading import loading_from_dict
@@ -30,19 +28,19 @@ from damage.wall.plan import plan_of
 class ActiveContacts(NamedTuple):
     """Sparse contact data: only contact points that ever opened, slipped or reached their shear limit.
 
-    joints: (n,) indices of these contact points, increasing; opening_m, slip_m, offset_m [m]: (n_times, n), offset_m
-    None in a file without offsets; at_limit: bool (n_times, n).
+    joints: (n,) indices of these contact points, increasing; opening_m, slip_m, offset_m [m]: (n_times, n); at_limit:
+    bool (n_times, n).
     """
 
     joints: np.ndarray
     opening_m: np.ndarray
     slip_m: np.ndarray
-    offset_m: np.ndarray | None
+    offset_m: np.ndarray
     at_limit: np.ndarray
 
     def slip_by(self, slip):
         """Slip by a criterion, as `History.slip_by`, (n_times, n) [m]."""
-        return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
+        return self.slip_m if slip == "accumulated" else self.offset_m
 
 
 class States(NamedTuple):
@@ -61,8 +59,8 @@ class States(NamedTuple):
 def _sparse(kind, joints, frames):
     """ActiveContacts or States (kind) from frames of joints (n,), {name: (n_times, n)}, without inactive ones."""
     asked = [frames[name] for name in kind._fields[1:]]
-    ever = np.any([any_bit(frame) for frame in asked if frame is not None], axis=0)
-    return kind(joints[ever], *(frame if frame is None else frame[:, ever] for frame in asked))
+    ever = np.any([any_bit(frame) for frame in asked], axis=0)
+    return kind(joints[ever], *(frame[:, ever] for frame in asked))
 
 
 def any_bit(rows):
@@ -96,16 +94,14 @@ class History:
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
     (settlement, motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
-    opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape; offset_m: the same of
-    the offsets, None in a file that has none (schema versions 1 and 2).
+    opening_m, slip_m, offset_m: (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape.
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad]; stress_pa: (n_snapshots,
     n_bodies, 5, 3) along x, along z and shear at the centre and the corners of each brick, None where bricks are rigid.
     supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
-    (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
+    (n_times, n_supports, 3).
     joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of each contact point,
     None without `--stresses`; point_displacement: (n_times, n_points, 2) along x and z of the material `points` [m],
-    None without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force), None
-    before schema version 8.
+    None without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force).
     static: results of the static stage; parameters: everything that defined the run, as stored in the file; `loading`,
     `model` and `masonry_wall` return most of it as records; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
@@ -131,16 +127,16 @@ class History:
     at_limit: np.ndarray = _Frames()
     crushed: np.ndarray = _Frames()
     ended: np.ndarray = _Frames()
+    offset_m: np.ndarray = _Frames()
+    supports: pd.DataFrame
+    support_displacement: np.ndarray
+    support_force: np.ndarray
+    static_stage: pd.DataFrame
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
-    offset_m: np.ndarray | None = _Frames()
-    supports: pd.DataFrame | None = None
-    support_displacement: np.ndarray | None = None
-    support_force: np.ndarray | None = None
     stress_pa: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
     point_displacement: np.ndarray | None = None
-    static_stage: pd.DataFrame | None = None
 
     def __repr__(self):
         return f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {_end_of(self)}>"
@@ -174,19 +170,8 @@ class History:
 
     @cached_property
     def model(self):
-        """ModelOptions of the run; options that are newer than the file have their defaults.  The removed option is
-        `joint_normals`."""
-        chosen = self.parameters.get("model", {})
-        return record_from(ModelOptions, {name: value for name, value in chosen.items() if name != "joints"})
-
-    @cached_property
-    def joint_normals(self):
-        """"face": a contact's normal is that of its face; "centres": the line between the centres of two cells, as YADE
-        had it before version 0.2, whose files name no software."""
-        then = "centres" if self.solver == "yade" and "masonry-damage" not in self.versions else "face"
-        found = self.parameters.get("model", {}).get("joints", then)
-        check_choice("joints", found, ("face", "centres"))
-        return found
+        """ModelOptions of the run."""
+        return record_from(ModelOptions, self.parameters.get("model", {}))
 
     @cached_property
     def masonry_wall(self):
@@ -228,12 +213,12 @@ class History:
 
     @property
     def time_step_s(self):
-        """Time step of the solver [s], None where an old file lacks it."""
+        """Time step of the solver [s]."""
         return self.parameters.get("time_step_s")
 
     @property
     def eigen_period_s(self):
-        """First period of the intact wall by its eigenvalues [s], None where an old file lacks it."""
+        """First period of the intact wall by its eigenvalues [s]."""
         return self.parameters.get("eigen_period_s")
 
     @property
@@ -241,17 +226,12 @@ class History:
         """The series without the settling stages."""
         return schema.moving(self.series)
 
-    def judged_by(self, slip):
-        """Slip criterion that is applied for a requested one: `accumulated` in place of `displacement` where the file
-        has no offsets."""
-        return "accumulated" if slip == "displacement" and self.active.offset_m is None else slip
-
     def slip_by(self, slip):
         """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that by `displacement`."""
-        return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
+        return self.slip_m if slip == "accumulated" else self.offset_m
 
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
-        """The damage index over time: `damage.index.damage_index` of this run, by the criterion `judged_by(slip)`."""
+        """The damage index over time: `damage.index.damage_index` of this run, by this criterion of slip."""
         asked = threshold, drift_limit, slip
         if asked not in self._indices:
             active = self.active
@@ -267,11 +247,6 @@ class History:
         """ActiveContacts of the run; most contact points stay inactive, so that measures are computed from these
         only."""
         return self._of_all(ActiveContacts)
-
-    @property
-    def told(self):
-        """Alias of `active`, its earlier name."""
-        return self.active
 
     @cached_property
     def states(self):
@@ -309,43 +284,21 @@ class History:
 def read_history(path):
     """Read the history at `path`, also while a run writes it, or after a run was killed.
 
-    Raises InputError where the file is missing, is not a history, has a newer schema, was changed after its run closed
-    it, or holds impossible values.
+    Raises InputError where the file is missing, is not a history, has another schema, or was changed after its run
+    closed it.
     """
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
-    read = partial(_read, head)
-    if head is None or not head.sealed:
-        return apart(path, read)
-    check_seal(path, head)
-    with bounded() as believe:
-        return read(path, believe)
-
-
-def _read(head, path, believe):
-    """The History of a file with this Head; believe: as of `apart`."""
+    if head.sealed:
+        check_seal(path, head)
     try:
         with opened(path) as file:
-            version = _schema_version(file, path, head)
-            believe(check_structure(file))
             # What is open has no end yet, whatever it says of itself.
-            history = history_of(path, dict(file["run"].attrs), file, version, ended=not head or head.sealed)
-        if head and head != replace(head, **head_of(history.solver, history.versions)):
-            raise InputError("its head names another software or model than the rest of it")
-        return checked(history)
-    except InputError as error:
-        raise error if str(path) in str(error) else _unreadable(path, error) from None
+            return history_of(path, dict(file["run"].attrs), file, ended=head.sealed)
+    except InputError:
+        raise
     except Exception as error:  # a damaged file may say anything
         raise _unreadable(path, error) from error
-
-
-def checked(history):
-    """The History after the checks of its values; raises InputError for impossible ones."""
-    check_values(history)
-    check_parameters(history.parameters)
-    # Parameters that make no sense are a fault of the file, reported here and not in the midst of a command.
-    _ = history.loading.as_dict(), history.model, history.joint_normals, history.masonry_wall
-    return history
 
 
 def _unreadable(path, error):
@@ -354,44 +307,23 @@ def _unreadable(path, error):
 
 
 def opened(path):
-    """The HDF5 file of a history, open for reading."""
-    return h5py.File(path, "r", libver="latest", swmr=_is_growing(path))
+    """The HDF5 file of a history, open for reading, also while a run writes it or after it was killed."""
+    return h5py.File(path, "r", libver="latest", swmr=not read_head(path).sealed)
 
 
-def _is_growing(path):
-    """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  Read in this mode, a damaged
-    finished file would make HDF5 wait for ever."""
-    with Path(path).open("rb") as file:
-        block = file.read(HEAD_BYTES + 12)
-    start = 0 if block.startswith(HDF5) else HEAD_BYTES
-    return block[start + 11:start + 12] >= b"\4"  # of its consistency flags that of a single writer with many readers
-
-
-def _schema_version(file, path, head):
-    name = file.attrs.get("schema")
-    if not (isinstance(name, str) and name == schema.SCHEMA):
-        raise InputError(f"{path} is no history of this software (its schema is {name!r}, expected {schema.SCHEMA!r})")
-    version = int(file.attrs["schema_version"])
-    if (head.version if head else 1) != version:
-        raise InputError(f"its head names another schema version than {version}, which the rest of it has")
-    return version
-
-
-def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=True, joints=None):
+def history_of(path, attributes, values, ended=True, joints=None):
     """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or dataset}.
 
     joints: where the frames are of some joints alone, their indices (n,), increasing; all others are inactive, and
     dense frames are made on first use.
     """
-    columns = schema.columns_of(version)
-    n_times = _whole_rows(values, columns, "series", "frames", "ground", "stresses", "points")
-    n_snapshots = _whole_rows(values, columns, "snapshots")
-    optional = {"support_displacement": ("ground/displacement", n_times), "support_force": ("ground/force", n_times),
-                "stress_pa": ("snapshots/stress_pa", n_snapshots),
+    n_times = _whole_rows(values, "series", "frames", "ground", "stresses", "points")
+    n_snapshots = _whole_rows(values, "snapshots")
+    optional = {"stress_pa": ("snapshots/stress_pa", n_snapshots),
                 "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
                 "point_displacement": ("points/displacement", n_times)}
     table = _columns(values, "joints")
-    frames = _frames(values, columns, n_times)
+    frames = _frames(values, n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
     history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
@@ -402,14 +334,13 @@ def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=Tr
         attributes=attributes, joints=_decode(table, "kind", schema.CODES["joints/kind"]),
         bodies=_columns(values, "bodies"),
         series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
-        events=_decode(_columns(values, "events", _whole_rows(values, columns, "events")), "kind", schema.EVENTS),
+        events=_decode(_columns(values, "events", _whole_rows(values, "events")), "kind", schema.EVENTS),
         snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
         displacement=values["snapshots/displacement"][:n_snapshots],
-        **{field: values[path][:count] for field, (path, count) in optional.items()
-           if path in columns and path in values},
-        supports=_columns(values, "supports") if "supports/left_m" in columns else None,
-        static_stage=_columns(values, "static_stage", _whole_rows(values, columns, "static_stage"))
-        if "static_stage/time_s" in columns else None,
+        **{field: values[path][:count] for field, (path, count) in optional.items() if path in values},
+        supports=_columns(values, "supports"), support_displacement=values["ground/displacement"][:n_times],
+        support_force=values["ground/force"][:n_times],
+        static_stage=_columns(values, "static_stage", _whole_rows(values, "static_stage")),
         **(frames if joints is None else
            {name: partial(at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would compute it from dense frames
@@ -417,16 +348,15 @@ def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=Tr
     return history
 
 
-def _whole_rows(values, columns, *groups):
+def _whole_rows(values, *groups):
     """Number of rows of groups: a killed run may have flushed one column more often than another."""
-    return min(len(values[path]) for path in columns if path.partition("/")[0] in groups and path in values)
+    return min(len(values[path]) for path in schema.COLUMNS if path.partition("/")[0] in groups and path in values)
 
 
-def _frames(values, columns, n_times):
-    """{field of a History: its frames}, offsets None where a file has none."""
+def _frames(values, n_times):
+    """{field of a History: its frames}."""
     state = values["frames/state"][:n_times]
-    found = {name: values[f"frames/{name}"][:n_times] if f"frames/{name}" in columns else None
-            for name in ("opening_m", "slip_m", "offset_m")}
+    found = {name: values[f"frames/{name}"][:n_times] for name in ("opening_m", "slip_m", "offset_m")}
     return found | {name: (state & bit) > 0 for name, bit in (
         ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED), ("ended", ENDED))}
 

@@ -13,7 +13,7 @@ from damage.errors import InputError
 from damage.history.moments import BREAKS, STATES, check_samples, state_codes
 from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
-from damage.measure.patterns import common_slip, compare_patterns, describe_patterns
+from damage.measure.patterns import compare_patterns, describe_patterns
 from damage.measure.summary import summarise
 
 DIVERGED = 0.01  # share of the peak drift [-]: two runs have diverged where their drifts differ by more
@@ -37,7 +37,7 @@ def compare(first, others):
 
     first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed", "agrees"}} of the
     measures of TOLERANCES.  drift, joints, patterns: `compare_drift`, `compare_joints` and `compare_patterns` with the
-    first of the others.  slip: criterion of DI, `common_slip`.  agrees: whether all figures and the drift agree.
+    first of the others.  slip: criterion of DI.  agrees: whether all figures and the drift agree.
 
     Raises InputError where a history has no sample, they are of different walls, or some have a motion and some, as of
     ground that settles alone, have none.
@@ -55,22 +55,19 @@ def compare(first, others):
     drift = compare_drift(first, others[0])
     judged = [row["agrees"] for row in (*numbers.values(), drift) if row["agrees"] is not None]
     return {"first": str(first.path), "others": [str(other.path) for other in others],
-            "slip": common_slip(first, *others), "figures": numbers,
-            "drift": drift, "joints": compare_joints(first, others[0]), "patterns": compare_patterns(first, others[0]),
+            "slip": "displacement", "figures": numbers, "drift": drift,
+            "joints": compare_joints(first, others[0]), "patterns": compare_patterns(first, others[0]),
             "agrees": all(judged)}
 
 
-def numbers_of(history, slip="displacement"):
-    """{measure of TOLERANCES: value} of a History, None where a measure does not apply; slip: criterion of DI.
-
-    Psi has offsets where the history has them: it applies where the criterion is that, too.
-    """
-    summary = summarise(history, slip=slip)
+def numbers_of(history):
+    """{measure of TOLERANCES: value} of a History, None where a measure does not apply."""
+    summary = summarise(history)
     return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
             "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
             "DI": summary["max"]["DI"], "DI_open": summary["max"]["DI_open"],
             "DI_slip_shear_limit": summary["max_shear_limit"]["DI_slip"],
-            "Psi": summary["max_psi"] if history.judged_by("displacement") == slip else None}
+            "Psi": summary["max_psi"]}
 
 
 def cycle_length(series):
@@ -82,8 +79,7 @@ def cycle_length(series):
 
 
 def _compare_numbers(first, others):
-    slip = common_slip(first, *others)
-    mine, theirs = numbers_of(first, slip), [numbers_of(other, slip) for other in others]
+    mine, theirs = numbers_of(first), [numbers_of(other) for other in others]
     rows = {}
     for name in TOLERANCES:
         values = [numbers[name] for numbers in theirs]
@@ -216,8 +212,6 @@ def cohens_kappa(here, there):
 def describe(result):
     """The result of `compare` as text, a line each for people."""
     lines = [f"first:  {result['first']}", *(f"others: {path}" for path in result["others"]),
-             *([] if result["slip"] == "displacement" else
-               ["slip in DI and in visible joints: accumulated, since not all histories have offsets"]),
              f"{'':22s}{'first':>12s}{'median':>12s}{'range':>26s}{'allowed':>12s}"]
     for name, row in result["figures"].items():
         low, high = row["range"]
