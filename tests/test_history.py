@@ -219,12 +219,14 @@ def test_what_is_no_history_is_refused(tmp_path, make, complaint):
     refused_with(complaint, damage.read_history, path)
 
 
-def test_a_newer_schema_is_refused(tmp_path):
+@pytest.mark.parametrize(("version", "remedy"), [(SCHEMA_VERSION + 1, "update the software"), (8, "run it again")])
+def test_another_schema_is_refused(version, remedy, tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
-    head = f"masonry-damage-history {SCHEMA_VERSION}".encode()
-    path.write_bytes(path.read_bytes().replace(head, b"masonry-damage-history 9", 1))
-    refused_with(f"version 9, this software reads up to {SCHEMA_VERSION}", damage.read_history, path)
+    content, head = path.read_bytes(), f"masonry-damage-history {SCHEMA_VERSION}\n".encode()
+    assert content.startswith(head)
+    path.write_bytes(f"masonry-damage-history {version}\n".encode() + content[len(head):])
+    refused_with(f"schema version {version}, this software reads {SCHEMA_VERSION}; {remedy}", damage.read_history, path)
 
 
 def test_units_of_the_series_stand_in_the_names():

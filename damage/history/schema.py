@@ -6,7 +6,7 @@ from inspect import signature
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 8
+SCHEMA_VERSION = 9
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling", "settlement")
 EVENTS = ("tension", "shear", "opened", "slipped")
@@ -113,6 +113,10 @@ SERIES = {
     "damping_energy_j": Column("J", "taken by damping; in YADE's settling stages, and while it pushes the top, "
                                     "inferred from the balance"),
 }
+ACTIVE = {
+    "joint": Column("index of joints", "contact points in the order in which they became active: row k is of column k "
+                    "of `frames`", "i4"),
+}
 FRAMES = {
     "opening_m": Column("m", "inelastic opening: past the broken bond, or what a softened one has given way; 0 while "
                              "closed or intact; of the faces as crushing has left them", "f4"),
@@ -166,18 +170,17 @@ STATE_COLUMN = Column("bytes", "NumPy archive of the solver's own tables at the 
                       "model's code", "u1")
 OPTIONAL = {"snapshots/stress_pa", "stresses/joint_stress_pa", "points/displacement"}
 """Datasets that only some runs have."""
-GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS,
-           "stresses": STRESSES, "points": POINTS, "static_stage": STATIC_STAGE}
+GROWING = {"series": SERIES, "active": ACTIVE, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS,
+           "snapshots": SNAPSHOTS, "stresses": STRESSES, "points": POINTS, "static_stage": STATIC_STAGE}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
 RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
        "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
 COLUMNS = {f"{group}/{name}": column for group, columns in {"run": RUN, **TABLES}.items()
            for name, column in columns.items()}
-
-
 SHAPES = {"run": (), "static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
-          "series": ("samples",), "frames": ("samples", "joints"), "ground": ("samples", "supports", 3),
+          "series": ("samples",), "active": ("active",), "frames": ("samples", "active"),
+          "ground": ("samples", "supports", 3),
           "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3),
           "snapshots/stress_pa": ("snapshots", "bodies", 5, 3), "stresses": ("samples", "joints", 2),
           "points": ("samples", "points", 2), "static_stage": ("looks",)}

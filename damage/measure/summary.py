@@ -1,5 +1,7 @@
 """Summary of a run: all its scalar measures, the JSON of `python3 -m damage index`."""
 
+import pandas as pd
+
 from damage.history.moments import check_samples
 from damage.history.schema import each
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
@@ -75,3 +77,9 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
              for ending in ("", "_accumulated", "_shear_limit") for kind in ("max", "residual")}
     index |= {kind: None for kind in index if kind.startswith("residual") and not history.complete}
     return numbers | index | {"warnings": warnings_of(history)}
+
+
+def evidence_of(history):
+    """The range of validity (`docs/model/validity.md`) of a History, a DataFrame, a row a quantity: value, least, most,
+    unit and whether this run is inside, None where the quantity does not apply."""
+    return pd.DataFrame(summarise(history)["evidence"]).T.rename_axis("quantity")

@@ -14,16 +14,16 @@ AT_REST = 1e-5
 
 
 def warnings_of(history):
-    """All warnings of a History, a list of Warned: texts with codes; of one without a sample those of its static
-    stage."""
+    """Conditions under which the results of a History are doubtful, a list of Warned: texts with a `code`; those that
+    `damage.run` gave first.  Of one without a sample: those of its static stage."""
     if len(history.series) == 0:
-        return [Warned("static_stage", text) for text in static_warnings(history)]
+        return [*history.heard, *(Warned("static_stage", text) for text in static_warnings(history))]
     share = elastic_share(history.plan, history.joints, history.bodies)
     found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(balance_error(history)),
              "elastic_share": warn_of_share(share), "ended_joints": warn_of_ends(history),
              "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.plan),
              "slabs": warn_of_slabs(history.plan)}
-    return [Warned(code, text) for code, texts in found.items() for text in texts]
+    return [*history.heard, *(Warned(code, text) for code, texts in found.items() for text in texts)]
 
 
 def static_warnings(history):
