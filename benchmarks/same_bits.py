@@ -3,7 +3,7 @@
     python3 benchmarks/same_bits.py run OLD             # in the old tree; --yade for those in YADE (hours: 0.1)
     python3 benchmarks/same_bits.py run NEW             # in the new tree, on the same machine
     python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where any value differs
-    python3 benchmarks/same_bits.py compare OLD NEW --old-tree TREE   # whose files this tree does not read
+    python3 benchmarks/same_bits.py compare OLD NEW --old-tree TREE     # whose files this tree does not read
     python3 benchmarks/same_bits.py compare A.h5 B.h5 --tolerance 1e-12
     python3 benchmarks/same_bits.py digests FOLDER      # of its histories, of YADE's, too
     python3 benchmarks/same_bits.py renew               # the published digests; prints the runs that moved
@@ -69,8 +69,8 @@ SETTINGS = {
 }
 """{name: environment} by which a program computes as other processors do; numpy says which features it knows."""
 TABLES = "joints", "bodies", "supports", "series", "events", "static_stage"
-ARRAYS = ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "crushed", "ended", "snapshot_time_s", "displacement",
-          "support_displacement", "support_force", "stress_pa", "joint_stress_pa", "point_displacement")
+ARRAYS = ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "crushed", "ended", "snapshot_time_s",
+          "displacement", "support_displacement", "support_force", "stress_pa", "joint_stress_pa", "point_displacement")
 """Fields of a History."""
 ORIGIN = "commit", "model_digest", "measures_digest"
 IN_YADE = ("harmonic", "pushover", "sequence")
@@ -88,8 +88,9 @@ def values(path):
     """{name: array} of what `read_history` returns: columns of tables, samples of all joints, the index."""
     history = read_history(path)
     tables = {name: getattr(history, name) for name in TABLES} | {"index": history.index()}
-    found = {f"{name}/{column}": np.array(table[column].astype(str) if table[column].dtype == "category"
-                                          else table[column]) for name, table in tables.items() for column in table}
+    columns = {f"{name}/{column}": table[column] for name, table in tables.items() for column in table}
+    found = {name: np.array(column.astype(str) if column.dtype == "category" else column)
+             for name, column in columns.items()}
     found |= {name: np.array(rows) for name in ARRAYS if (rows := getattr(history, name)) is not None}
     found |= {f"static/{name}": np.array(value) for name, value in history.static.items()}
     return found | {"status": np.array(history.status), "collapsed_at_s": np.array(history.collapsed_at_s, float)}
@@ -114,6 +115,8 @@ def differences(old, new, tolerance=0.0):
         a, b = np.asarray(old[name]), np.asarray(new[name])
         if a.shape != b.shape or a.dtype != b.dtype:
             found.append(f"{name}: {a.dtype}{a.shape} became {b.dtype}{b.shape}")
+        elif a.dtype.kind in "UO" and not np.array_equal(a, b):
+            found.append(f"{name}: other words")
         elif not np.array_equal(a, b, equal_nan=a.dtype.kind == "f"):
             size = float(np.nanmax(np.abs(a))) if a.dtype.kind == "f" else 0.0
             gap = float(np.nanmax(np.abs(a.astype(float) - b.astype(float))))
@@ -124,7 +127,7 @@ def differences(old, new, tolerance=0.0):
 
 
 def compare(old, new, tolerance, old_tree):
-    """Compare two histories or two folders of them; old_tree: that reads the old ones; the exit status."""
+    """Compare two histories or two folders of them; the exit status.  old_tree: that reads the old ones, None: this."""
     pairs = [(old, new)] if old.is_file() else [(path, new / path.name) for path in sorted(old.glob("*.h5"))]
     if not pairs:
         sys.exit(f"error: {old} holds no history (.h5); expected a folder that `run` filled")
@@ -134,7 +137,8 @@ def compare(old, new, tolerance, old_tree):
             print(f"{second.name}: missing beside {first}")
             different = True
             continue
-        before, now = values_by(old_tree, first), values(second)
+        before = values_by(old_tree, first) if old_tree else values(first)
+        now = values(second)
         found = differences(before, now, tolerance)
         more = sorted(now.keys() - before.keys())
         print(f"{second.name}: " + (f"equal in {len(before)} arrays" if not found else f"{len(found)} arrays differ")
@@ -179,7 +183,7 @@ def main():
     comparing.add_argument("old", type=Path)
     comparing.add_argument("new", type=Path)
     comparing.add_argument("--tolerance", type=float, default=0.0)
-    comparing.add_argument("--old-tree", type=Path, default=ROOT)
+    comparing.add_argument("--old-tree", type=Path)
     commands.add_parser("values").add_argument("path", type=Path, help="written to standard output, pickled")
     digesting = commands.add_parser("digests")
     digesting.add_argument("folder", type=Path)
