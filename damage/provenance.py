@@ -23,8 +23,8 @@ DECIDES_NOTHING = {
         "cycles", "damage_index", "ground", "joint_stress", "joints", "limits", "pushed", "summary",
         "tables"))}
 """{why: modules and folders of the package that a run imports and that decide none of its values}."""
-MEASURES = ("units.py", "index.py", "history/moments.py", "history/reader.py", "history/schema.py",
-            "motion/intensity.py", "wall/geometry.py", *(f"measure/{name}.py" for name in (
+MEASURES = ("units.py", "index.py", "history/contacts.py", "history/moments.py", "history/reader.py",
+            "history/schema.py", "motion/intensity.py", "wall/geometry.py", *(f"measure/{name}.py" for name in (
                 "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joint_stress", "joints",
                 "kept", "limits", "pushed", "summary", "tables")))
 """What of the package makes the numbers of tables, and patterns at rest, out of a history."""

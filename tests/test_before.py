@@ -86,6 +86,13 @@ def test_a_history_without_a_state_is_one_line(tmp_path):
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------
 
+@pytest.fixture(scope="module")
+def first_half(tmp_path_factory):
+    path = tmp_path_factory.mktemp("first") / "first.h5"
+    damage.run(SMALL, **SHAKE, out=path)
+    return path
+
+
 CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
 """A bed joint through the left pier, at mid-height of the opening."""
 

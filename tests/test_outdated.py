@@ -210,9 +210,9 @@ class TestRecords:
         ('"max_DI": 0.', '"max_DI": 7.', "its checksum is wrong"),
         ('"intact": false', '"intact": true', "its checksum is wrong"),
         ('"run": "b"', '"run": "c"', "its checksum is wrong"),
-        ('"sha256": ', '"was": ', "it has no checksum"),
+        ('"sha256": ', '"was": ', "its checksum is wrong"),
         ('{"run"', '{{"run"', "it is no JSON"),
-        ('"row": {', '"other": {', "it lacks one of run, intact, row, cycles, shocks"),
+        ('"row": {', '"other": {', "its checksum is wrong"),
     ])
     def test_a_changed_line_is_found_and_counts_as_not_made(self, old, new, what, tmp_path):
         lines = [line_of(record("a", tmp_path)), line_of(record("b", tmp_path)).replace(old, new, 1)]

@@ -277,13 +277,13 @@ def _create_growing(file, layout, parameters):
     chunks = {"active": 1024, "events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     for group in schema.GROWING:
         file.create_group(group)
-    made = {}
+    made, columns = {}, min(_COLUMNS, layout.n_joints)
     for path, (column, shape) in growing_columns(layout, parameters).items():
         rows = chunks.get(path.partition("/")[0], CHUNK)
         made[path] = file.create_dataset(
-            path, shape=(0, *shape), maxshape=(None, *(size or None for size in shape)), dtype=column.dtype,
+            path, shape=(0, *shape), maxshape=(None, *(size or layout.n_joints for size in shape)), dtype=column.dtype,
             compression="gzip", compression_opts=_LEVEL, shuffle=True,
-            chunks=(rows, *(size or _COLUMNS for size in shape)))
+            chunks=(rows, *(size or columns for size in shape)))
         made[path].attrs["unit"] = column.unit
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
