@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import damage
-from benchmarks.same_bits import differences
+from benchmarks.same_bits import differences, values
 from damage.errors import RunError
 from damage.history.reader import read_history
 from damage.measure.energy import ENERGY_ERROR
@@ -149,7 +149,7 @@ def run(seed, folder):
         same = bool(status and stopped and stopped in said.getvalue())
         return row | {"fault": "" if same else f"status {status}, damage.run: {stopped}"}
     error = summarise(read_history(once))["energy_error_fraction"]
-    differs = differences(once, again)
+    differs = differences(values(once), values(again))
     silent = [name for name, text in (("command line", said.getvalue()), ("damage.run", "".join(
         str(one.message) for one in caught))) if "energy balance error" not in text]
     faults = [f"steps differ: {differs[0]}"] if differs else []

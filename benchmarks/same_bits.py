@@ -2,34 +2,35 @@
 
     python3 benchmarks/same_bits.py run OLD             # in the old tree; --yade for those in YADE (hours: 0.1)
     python3 benchmarks/same_bits.py run NEW             # in the new tree, on the same machine
-    python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where a dataset differs
+    python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where any value differs
+    python3 benchmarks/same_bits.py compare OLD NEW --old-tree TREE     # whose files this tree does not read
     python3 benchmarks/same_bits.py compare A.h5 B.h5 --tolerance 1e-12
     python3 benchmarks/same_bits.py digests FOLDER      # of its histories, of YADE's, too
     python3 benchmarks/same_bits.py renew               # the published digests; prints the runs that moved
     python3 benchmarks/same_bits.py settings            # are they the same as other processors and libraries compute?
 
-What the second lacks is a difference; what it has more is listed and is none (the schema only adds).  The state that a
-run leaves for --continue is left out: its form belongs to a version.  Tables of members: but for columns of origin.
+What `read_history` returns is compared, however the files hold it.  What the second lacks is a difference; what it has
+more is listed and is none (the schema only adds).  Tables of members: but for columns of origin.
 `renew` writes `damage/data/bits/bits.csv` anew (`damage.reference.bits`): a commit that moves values names the runs in
 CHANGELOG.md.
 `settings` runs `check-bits --long` as if this processor had less, each with machine code of its own, minutes each.
---tolerance: share of a dataset's largest value up to which floating-point values may differ; events still have to
+--tolerance: share of an array's largest value up to which floating-point values may differ; events still have to
 come in the same order.
 """
 
 import argparse
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import h5py
 import numpy as np
 import pandas as pd
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
+ROOT, TREE = Path(__file__).resolve().parents[1], "SAME_BITS_TREE"
+sys.path.insert(0, os.environ.get(TREE, str(ROOT)))
 
 from damage.history.reader import read_history
 from damage.reference import bits
@@ -46,6 +47,10 @@ SETTINGS = {
     "OpenBLAS for Nehalem": {"OPENBLAS_CORETYPE": "Nehalem"},
 }
 """{name: environment} by which a program computes as other processors do; numpy says which features it knows."""
+TABLES = "joints", "bodies", "supports", "series", "events", "static_stage"
+ARRAYS = ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "crushed", "ended", "snapshot_time_s",
+          "displacement", "support_displacement", "support_force", "stress_pa", "joint_stress_pa", "point_displacement")
+"""Fields of a History."""
 ORIGIN = "commit", "model_digest", "measures_digest"
 IN_YADE = ("harmonic", "pushover", "sequence")
 
@@ -60,12 +65,23 @@ def run(folder, yade):
                         "--overwrite"], cwd=ROOT, check=True)
 
 
-def datasets(path):
-    """{name: values} of all datasets of an HDF5 file but the solver's state."""
-    found = {}
-    with h5py.File(path, "r") as file:
-        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
-    return {name: values for name, values in found.items() if not name.startswith("state/")}
+def values(path):
+    """{name: array} of what `read_history` returns: columns of tables, samples of all joints, the index."""
+    history = read_history(path)
+    tables = {name: getattr(history, name) for name in TABLES} | {"index": history.index()}
+    columns = {f"{name}/{column}": table[column] for name, table in tables.items() for column in table}
+    found = {name: np.array(column.astype(str) if column.dtype == "category" else column)
+             for name, column in columns.items()}
+    found |= {name: np.array(rows) for name in ARRAYS if (rows := getattr(history, name)) is not None}
+    found |= {f"static/{name}": np.array(value) for name, value in history.static.items()}
+    return found | {"status": np.array(history.status), "collapsed_at_s": np.array(history.collapsed_at_s, float)}
+
+
+def values_by(tree, path):
+    """The same, read by the software in another tree."""
+    done = subprocess.run([sys.executable, __file__, "values", path], env=os.environ | {TREE: str(tree)}, check=True,
+                          stdout=subprocess.PIPE)
+    return pickle.loads(done.stdout)
 
 
 def members(path):
@@ -74,13 +90,14 @@ def members(path):
 
 
 def differences(old, new, tolerance=0.0):
-    """Differences of two histories, a line a dataset: a list of str."""
-    old, new = datasets(old), datasets(new)
+    """Differences of the `values` of two histories, a line an array: a list of str."""
     found = [f"{name}: gone" for name in sorted(old.keys() - new.keys())]
     for name in sorted(old.keys() & new.keys()):
         a, b = np.asarray(old[name]), np.asarray(new[name])
         if a.shape != b.shape or a.dtype != b.dtype:
             found.append(f"{name}: {a.dtype}{a.shape} became {b.dtype}{b.shape}")
+        elif a.dtype.kind in "UO" and not np.array_equal(a, b):
+            found.append(f"{name}: other words")
         elif not np.array_equal(a, b, equal_nan=a.dtype.kind == "f"):
             size = float(np.nanmax(np.abs(a))) if a.dtype.kind == "f" else 0.0
             gap = float(np.nanmax(np.abs(a.astype(float) - b.astype(float))))
@@ -90,8 +107,8 @@ def differences(old, new, tolerance=0.0):
     return found
 
 
-def compare(old, new, tolerance):
-    """Compare two histories or two folders of them; the exit status."""
+def compare(old, new, tolerance, old_tree):
+    """Compare two histories or two folders of them; the exit status.  old_tree: that reads the old ones, None: this."""
     pairs = [(old, new)] if old.is_file() else [(path, new / path.name) for path in sorted(old.glob("*.h5"))]
     if not pairs:
         sys.exit(f"error: {old} holds no history (.h5); expected a folder that `run` filled")
@@ -101,9 +118,11 @@ def compare(old, new, tolerance):
             print(f"{second.name}: missing beside {first}")
             different = True
             continue
-        found = differences(first, second, tolerance)
-        more = sorted(datasets(second).keys() - datasets(first).keys())
-        print(f"{second.name}: " + ("equal" if not found else f"{len(found)} datasets differ")
+        before = values_by(old_tree, first) if old_tree else values(first)
+        now = values(second)
+        found = differences(before, now, tolerance)
+        more = sorted(now.keys() - before.keys())
+        print(f"{second.name}: " + (f"equal in {len(before)} arrays" if not found else f"{len(found)} arrays differ")
               + (f"; new: {', '.join(more)}" if more else ""), *found, sep="\n  ")
         different |= bool(found)
     for table in [] if old.is_file() else sorted(old.glob("*.csv")):  # of members
@@ -145,6 +164,8 @@ def main():
     comparing.add_argument("old", type=Path)
     comparing.add_argument("new", type=Path)
     comparing.add_argument("--tolerance", type=float, default=0.0)
+    comparing.add_argument("--old-tree", type=Path)
+    commands.add_parser("values").add_argument("path", type=Path, help="written to standard output, pickled")
     digesting = commands.add_parser("digests")
     digesting.add_argument("folder", type=Path)
     commands.add_parser("renew")
@@ -159,9 +180,13 @@ def main():
             for quantity, digest in bits.digests_of([read_history(path)]).items():
                 print(f"{path.stem},{quantity},{digest}")
         return 0
+    if parsed.command == "values":
+        sys.stdout.buffer.write(pickle.dumps(values(parsed.path)))
+        return 0
     if parsed.command == "settings":
         return settings(parsed.python)
-    return renew() if parsed.command == "renew" else compare(parsed.old, parsed.new, parsed.tolerance)
+    return renew() if parsed.command == "renew" else compare(
+        parsed.old, parsed.new, parsed.tolerance, parsed.old_tree)
 
 
 if __name__ == "__main__":

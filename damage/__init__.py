@@ -2,7 +2,8 @@
 
 `dir(damage)` lists what scripts use: a wall is a `Wall` of `Brick`, `Joint` and `Opening`, or a file that `load_wall`
 reads; `run` shakes or pushes it and returns a `History`; `read_history` reads one from a file, `read_record` a ground
-motion; what cannot be is an `InputError`, what is doubtful a `RunWarning`.
+motion; what cannot be is an `InputError`, what is doubtful a `RunWarning`.  `plot_wall` draws a History into axes of
+yours, `warnings_of` and `evidence_of` say how far its results can be trusted.
 """
 
 from damage.version import VERSION as __version__
@@ -12,7 +13,8 @@ _HOMES = {**dict.fromkeys(("InputError", "RunWarning"), "damage.errors"),
           **dict.fromkeys(("Brick", "Joint", "Opening", "Wall", "brick_of_masonry"), "damage.wall.parameters"),
           "ModelOptions": "damage.wall.model_options", "check_plausible": "damage.wall.plausible",
           "Floor": "damage.wall.floors", "Lintel": "damage.wall.lintels", "masonry": "damage.wall.materials",
-          "load_wall": "damage.wall.file", "read_record": "damage.motion.formats"}
+          "evidence_of": "damage.measure.summary", "warnings_of": "damage.measure.warnings",
+          "plot_wall": "damage.draw.run", "load_wall": "damage.wall.file", "read_record": "damage.motion.formats"}
 __all__ = [*_HOMES, "run", "__version__"]  # noqa: PLE0604, all are names
 
 

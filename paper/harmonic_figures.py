@@ -78,7 +78,7 @@ def evolution(results, variant):
     handles.append(Patch(color=LIGHT, label="settling"))
     panels.add_heading(figure, f"Damage index over time: {variant.title}",
                 f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}",
-                panels.slip_note(variant.points), marks.scale_note(axes))
+                marks.scale_note(axes))
     return panels.finish(figure, handles)
 
 
@@ -127,7 +127,7 @@ def against_amplitude(results, variant, slip="displacement"):
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
     panels.add_heading(figure, f"Damage index against amplitude: {variant.title}",
-                       panels.slip_label(variant.points, slip), marks.scale_note(axes[:, 0]))
+                       panels.SLIP_LABELS[slip], marks.scale_note(axes[:, 0]))
     return panels.finish(figure, marks.component_handles() + marks.solver_handles(variant, collapsed)
                          + star_handles(printed), columns=7)
 

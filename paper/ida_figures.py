@@ -100,7 +100,7 @@ def residual_against_pga(variant, slip="displacement"):
     panels.from_zero(axes[0, 0], marks.NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
     panels.add_heading(figure, f"Residual damage index against PGA: {variant.title}",
-                       panels.slip_label(variant.points, slip), _synthetic_note(names))
+                       panels.SLIP_LABELS[slip], _synthetic_note(names))
     printed = [name for name in names if largest_residual(variant, name)[1] is not None]
     return panels.finish(figure, marks.component_handles() + marks.solver_handles(variant, collapsed)
                          + star_handles(printed), columns=7)
@@ -132,7 +132,7 @@ def against_drift(variant, slip="displacement"):
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         panels.from_zero(ax, marks.NOTHING)
     panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}",
-                       panels.slip_label(variant.points, slip), _synthetic_note(names))
+                       panels.SLIP_LABELS[slip], _synthetic_note(names))
     handles = _record_handles(variant, names, markers, hollow)
     if trend:
         handles.append(Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares, nowhere "

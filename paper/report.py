@@ -85,14 +85,8 @@ def describe(findings):
     return "\n".join([*lines, "", *tallies(findings)])
 
 
-def before_offsets(solver):
-    """Notes on solvers some of whose runs lack the offsets that `displacement` needs."""
-    return (f"{SOLVER_NAMES[solver]}: some histories are older than the joint offsets; their slip by displacement is "
-            "judged by accumulated slip")
-
-
 def tallies(findings):
-    """How many claims hold, lines of a Markdown table with a row a solver and lintel, and notes below it.
+    """How many claims hold, lines of a Markdown table with a row a solver and lintel.
 
     By each criterion of slip alone, and by any of them; what the model was built to meet is counted apart.
     """
@@ -108,8 +102,7 @@ def tallies(findings):
                          sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
                      f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
                      f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"])
-    old = dict.fromkeys(one.solver for one in findings if one.before_offsets)
-    return as_table(head, rows) + [""] * bool(old) + [f"- {before_offsets(solver)}" for solver in old]
+    return as_table(head, rows)
 
 
 def as_table(heads, rows):

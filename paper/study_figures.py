@@ -45,8 +45,7 @@ def crack_maps(results, variant):
             panels.letter(ax, number, f"{name}\n{when}: DI {shapes[-1].index:.3f}, displacements × "
                           f"{shapes[-1].magnification:g}")
     widest = max(shapes, key=lambda shape: shape.crack_width_m.max(initial=0))
-    panels.add_heading(figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}",
-                       panels.slip_note(points))
+    panels.add_heading(figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}")
     return panels.finish(figure, joint_handles(widest), columns=5)
 
 
@@ -86,7 +85,7 @@ def sequences(results, points):
     solver = "reference solver" if points["solver"].iloc[0] == REFERENCE else "YADE"
     panels.add_heading(figure, f"Damage index shock by shock: {' and '.join(points['wall'].unique())} wall",
                        f"{solver}, {marks.describe_members(points)}; residual: after each shock's rest and settling",
-                       panels.slip_note(points), marks.scale_note(axes))
+                       marks.scale_note(axes))
     handles = [Line2D([], [], ms=3.2, lw=0.9, label=label, **style) for label, style in _LINES.values()]
     return panels.finish(figure, handles, columns=3)
 
@@ -138,7 +137,7 @@ def choices(points):
     panels.add_heading(figure, f"Maximum damage index by modelling choice: {walls} wall",
                        f"reference solver, {marks.describe_members(points)}; default: {', '.join(default)}",
                        marks.scale_note(axes, "x"))
-    handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=panels.slip_label(points, slip))
+    handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=panels.SLIP_LABELS[slip])
                for colour, marker, slip in _STYLES.values()]
     if fell:
         handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5,

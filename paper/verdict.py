@@ -37,9 +37,6 @@ class Finding:
     verdict: str
     margin: float | None = None
     """Of the criterion, as a share of its limit, below zero outside; None where nothing could be compared."""
-    before_offsets: bool = False
-    """Whether the solver has runs from before histories had offsets: judged by `accumulated` where `displacement` is
-    asked for."""
     model: str = ""
 
     @property
@@ -98,8 +95,7 @@ def _finding(claim, solver, evidence, model=""):
         value, verdict = str(fell), DIFFERS
     except NotThere as missing:
         value, verdict = str(missing), UNJUDGED
-    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict, margin,
-                   bool((evidence.runs["slip"] == "accumulated").any()), model)
+    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict, margin, model)
 
 
 def statement_verdict(findings):

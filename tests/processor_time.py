@@ -25,9 +25,9 @@ SUBJECTS = {
                         "run_constants run_warnings sampling sequence settlement shaken softening soil supports "
                         "survey synthetic text_records together verification wall_data wall_plan widths yade_ends "
                         "yade_falls yade_free yade_ground yade_house yade_joint yade_push yade_run yade_scene",
-    "tools": "architecture command compare dic environment formats from_pip gates in_memory old_files digests "
+    "tools": "architecture command compare dic environment formats from_pip gates in_memory digests "
              "processor_time",
-    "faults": "bad_input damaged_history full_disk fuzz odd_files wall_mistakes written",
+    "faults": "bad_input damaged_history full_disk odd_files wall_mistakes written",
 }
 SUBJECT = {f"test_{name}.py": subject for subject, names in SUBJECTS.items() for name in names.split()}
 NAMED = 20  # tests that take most

@@ -1,11 +1,8 @@
 """Histories of a small wall, made by hand: what happens in them is known without a solver."""
 
-from dataclasses import replace
 
-import h5py
 import numpy as np
 
-from damage.history.head import read_head, seal, write_head
 from damage.history.reader import read_history
 from damage.history.schema import GROUND
 from damage.history.writer import HistoryWriter
@@ -66,19 +63,6 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
         writer.snapshot(time, displacement, None if layout.strain is None else np.zeros((len(layout.bodies), 5, 3)))
     writer.finish(status, collapsed_at_s)
     return read_history(path) if write is HistoryWriter else writer.history()
-
-
-def as_version_2(path):
-    """Make of the history at `path` one as schema version 2 had it, without offsets, sealed; returns it."""
-    with h5py.File(path, "r+", libver="v110") as file:
-        file.attrs["schema_version"] = 2
-        file["joints/kind"].attrs["codes"] = "bed, head"
-        file["series/stage"].attrs["codes"] = "motion, rest, settling"
-        del file["series/base_translation_m"], file["series/base_rotation_rad"], file["state"]
-        del file["frames/offset_m"], file["ground"], file["supports"]
-    write_head(path, replace(read_head(path), version=2))
-    seal(path)
-    return read_history(path)
 
 
 def _usual_columns(layout, stages, time_s, drift, loading):

@@ -1,8 +1,5 @@
 """What a wall went through before a run: runs that continue another, joints that start without a bond."""
 
-import io
-import shutil
-import zipfile
 
 import h5py
 import numpy as np
@@ -13,10 +10,8 @@ from numpy.testing import assert_array_equal
 import damage
 from damage.__main__ import main
 from damage.errors import InputError
-from damage.history.head import seal
 from damage.history.moments import choose_samples
 from damage.history.reader import read_history
-from damage.history.schema import STATE
 from damage.laboratory.crack_report import history_drawn
 from damage.measure.crack_file import Surveyed, read_cracks
 from damage.measure.crack_mapping import describe_level, map_cracks
@@ -89,43 +84,7 @@ def test_a_history_without_a_state_is_one_line(tmp_path):
     refused_with("it holds no state of its solver", damage.run, SMALL, **SHAKE, **{"continue": first})
 
 
-# --- a state that someone else wrote -----------------------------------------------------------------------
-
-def as_npy(shape, data=b""):
-    """An array's file that claims a shape of float64."""
-    content = io.BytesIO()
-    np.lib.format.write_array_header_1_0(content, {"descr": "<f8", "fortran_order": False, "shape": shape})
-    return content.getvalue() + data
-
-
-def archive(tables, **raw):
-    """Bytes of an archive of tables, some replaced by these files, None: left out."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as packed:
-        for name, table in tables.items():
-            file = io.BytesIO()
-            np.save(file, table)
-            if (entry := raw.get(name, file.getvalue())) is not None:
-                packed.writestr(f"{name}.npy", entry)
-    return np.frombuffer(content.getvalue(), "u1")
-
-
-STATES = {  # bytes of the state, of its tables; what is said
-    "packed-zeros": (lambda tables: np.zeros(30_000_000, "u1"), "says it has 30000000 bytes, expected up to"),
-    "a-bomb-in-the-archive": (lambda tables: archive(tables | {"velocity": np.zeros(5_000_000)}),
-                              "table velocity has 40000128 bytes, expected"),
-    "one-number-for-all-bodies": (lambda tables: archive(tables | {"velocity": np.array(0.1)}),
-                                  r"table velocity is 8 bytes \(\), expected 8 bytes \(4"),
-    "another-type": (lambda tables: archive(tables | {"velocity": tables["velocity"].astype("f4")}),
-                     "table velocity is 4 bytes"),
-    "a-shape-beyond-its-data": (lambda tables: archive(tables, velocity=as_npy((10**12,))),
-                                "is 8 bytes .1000000000000,"),
-    "cut-in-the-midst": (lambda tables: archive(tables)[:-2000], "not a zip file"),
-    "without-a-table": (lambda tables: archive(tables, energy=None), "tables energy are in it or in the wall's state"),
-    "no-archive": (lambda tables: np.arange(200, dtype="u1"), "not a zip file"),
-    "pickled": (lambda tables: archive(tables | {"velocity": np.array([{}], object)}), "table velocity is"),
-}
-
+# --- surveyed cracks ---------------------------------------------------------------------------------------
 
 @pytest.fixture(scope="module")
 def first_half(tmp_path_factory):
@@ -133,24 +92,6 @@ def first_half(tmp_path_factory):
     damage.run(SMALL, **SHAKE, out=path)
     return path
 
-
-@pytest.mark.parametrize("case", STATES)
-def test_a_state_that_no_run_wrote_is_one_line(case, first_half, tmp_path):
-    """Sealed anew, as one who means harm would."""
-    make, said = STATES[case]
-    path = shutil.copyfile(first_half, tmp_path / "first.h5")
-    with h5py.File(path, "r+") as file:
-        with np.load(io.BytesIO(file[STATE][()].tobytes())) as packed:
-            tables = dict(packed)
-        del file[STATE]
-        file.create_dataset(STATE, data=make(tables), compression="gzip", chunks=(1 << 16,), maxshape=(None,))
-    seal(path)
-    refused_with(f"its state of the solver cannot be read .*{said}", damage.run, SMALL, **SHAKE,
-                 out=tmp_path / "second.h5", **{"continue": path})
-    assert not (tmp_path / "second.h5").exists()
-
-
-# --- surveyed cracks ---------------------------------------------------------------------------------------
 
 CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
 """A bed joint through the left pier, at mid-height of the opening."""

@@ -7,7 +7,6 @@ import shutil
 import string
 import subprocess
 import sys
-import zipfile
 from dataclasses import replace
 from hashlib import sha256
 
@@ -79,8 +78,7 @@ def equal(one, other):
 
 def kept(folder, point, number):
     run = f"{point}_from1_reference_s{number}"
-    return read_patterns(folder / "patterns" / f"{run}.npz", read_records(folder).runs[run]["patterns"],
-                         layout_of(folder.parent / "narrow.py"))
+    return read_patterns(folder / "patterns" / f"{run}.npz", read_records(folder).runs[run]["patterns"])
 
 
 class TestTwins:
@@ -131,11 +129,10 @@ class TestTwins:
             assert twins.psi["settlement"][k] == pytest.approx(row["settled_psi"], abs=1e-6)
 
     def test_a_damaged_pattern_is_refused(self, claimed, tmp_path):
-        cut = (claimed / "patterns" / f"{BOTH}_from1_reference_s1.npz").read_bytes()[:400]
-        (tmp_path / "one.npz").write_bytes(cut)
-        layout = layout_of(claimed.parent / "narrow.py")
-        assert "not what its run wrote" in one_line_error(read_patterns, tmp_path / "one.npz", "0" * 64, layout)
-        assert "delete it" in one_line_error(read_patterns, tmp_path / "one.npz", sha256(cut).hexdigest(), layout)
+        whole = (claimed / "patterns" / f"{BOTH}_from1_reference_s1.npz").read_bytes()
+        (tmp_path / "one.npz").write_bytes(whole[:400])
+        said = one_line_error(read_patterns, tmp_path / "one.npz", sha256(whole).hexdigest())
+        assert "not what its run wrote" in said and "delete it" in said
 
     def test_patterns_of_two_runs_that_were_exchanged_are_refused(self, claimed):
         one, other = (claimed / "patterns" / f"{BOTH}_from1_reference_s{number}.npz" for number in (1, 2))
@@ -148,7 +145,7 @@ class TestTwins:
         assert f"{one} is not what its run wrote" in said and "delete it, and the same command makes it again" in said
 
     def test_patterns_that_a_record_does_not_name_are_made_again(self, claimed):
-        """As those of an older version."""
+        """As where a kill came between them."""
         lines, path = (claimed / "records.jsonl").read_text().splitlines(), claimed / "records.jsonl"
         kept_lines = [line for line in lines if '"run"' not in line or f"{BOTH}_from1_reference_s3" not in line]
         record = next(json.loads(line) for line in lines if f'"run": "{BOTH}_from1_reference_s3"' in line)
@@ -157,32 +154,6 @@ class TestTwins:
         path.write_text("\n".join(kept_lines) + "\n" + line_of(record))
         assert main(words(claimed.parent)) == 0
         assert read_records(claimed).runs[f"{BOTH}_from1_reference_s3"]["patterns"] == seal
-
-    @pytest.mark.parametrize("change, said", [
-        ({"opening_m": np.zeros((2, 9), "f4")}, "opening_m of shape (2, 9), expected (2, 1)"),
-        ({"moment": np.arange(20_000, dtype="i4")}, "20000 moments"),
-        ({"joints": np.zeros(0, "i4")}, "opening_m of shape"), ({"moment": np.zeros(2)}, "of the type float64"),
-        ({"joints": np.full(1, 10**6, "i4")}, "contact points that the wall does not have")])
-    def test_patterns_of_another_wall_are_refused(self, claimed, tmp_path, change, said):
-        layout = layout_of(claimed.parent / "narrow.py")
-        whole = {"moment": np.zeros(2, "i4"), "joints": np.zeros(1, "i4"), "opening_m": np.zeros((2, 1), "f4"),
-                 "offset_m": np.zeros((2, 1), "f4"), "displacement": np.zeros((2, len(layout.bodies.x), 3), "f4")}
-        np.savez_compressed(tmp_path / "one.npz", **whole | change)
-        seal = sha256((tmp_path / "one.npz").read_bytes()).hexdigest()
-        assert said in one_line_error(read_patterns, tmp_path / "one.npz", seal, layout)
-
-    def test_patterns_that_unpack_to_gigabytes_are_refused_by_their_heads(self, claimed, tmp_path):
-        """Of an array of 8 GB the head alone is read."""
-        path = tmp_path / "one.npz"
-        with zipfile.ZipFile(path, "w") as archive:
-            for name, shape in (("moment", "(2,)"), ("joints", "(1,)"), ("opening_m", f"(2, {10**9})"),
-                                ("offset_m", "(2, 1)"), ("displacement", "(2, 3, 3)")):
-                kind = "<i4" if name in ("moment", "joints") else "<f4"
-                head = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
-                archive.writestr(f"{name}.npy", b"\x93NUMPY\1\0" + len(head).to_bytes(2, "little") + head.encode())
-        layout, seal = layout_of(claimed.parent / "narrow.py"), sha256(path.read_bytes()).hexdigest()
-        said = one_line_error(read_patterns, path, seal, layout)
-        assert "opening_m of shape (2, 1000000000), expected (2, 1)" in said
 
     def test_patterns_take_kilobytes(self, claimed):
         assert max(path.stat().st_size for path in (claimed / "patterns").iterdir()) < 9000

@@ -101,7 +101,7 @@ def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypa
     words = line.partition("quantities: ")[2].replace("), ", "); ")
     assert summary_row(history)["outside_validity"] == shown["outside_validity"] == words
     assert info(history)["results"]["outside_validity"] == words
-    table = history.evidence
+    table = damage.evidence_of(history)
     assert table.index[[one is False for one in table["inside"]]].tolist() == [
         "precompression of mortar joints", "length", "height", "tan(phi)", "rest after the motion"]
     text = page([out], [])

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import REPOSITORY, one_line_error, refused_with
-from small_history import as_version_2, make_history, small_layout
+from small_history import make_history, small_layout
 
 from damage.__main__ import main
 from damage.draw.run import ENERGIES
@@ -315,16 +315,6 @@ class TestSaidFirst:
     def test_a_residual_that_is_none_is_not_shown_as_a_number(self, tmp_path):
         text = page([damaged(tmp_path / "cut.h5", status="interrupted").path], [])
         assert "no end, no residual" in text
-
-    def test_a_history_without_offsets_is_judged_by_accumulated_and_says_so(self, tmp_path):
-        path = damaged(tmp_path / "old.h5", offset={3: 1e-5}).path
-        before = unpack_arrays(Page(page([path], [])).data["runs"][0])["DI_slip"]
-        assert not before.any()  # offset by less than the threshold
-        history = as_version_2(path)
-        parsed = Page(page([path], []))
-        assert "no offsets" in parsed.text and "slip accumulated" in parsed.text
-        slip = unpack_arrays(parsed.data["runs"][0])["DI_slip"]
-        assert slip.any() and np.array_equal(slip, history.index(slip="accumulated")["DI_slip"].astype("f4"))
 
     @pytest.mark.parametrize(("loading", "still", "title"), [
         ("cyclic", True, "Base shear"), ("free_vibration", True, "Base shear"), ("record", False, "Base acceleration")])

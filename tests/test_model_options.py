@@ -4,14 +4,10 @@ from dataclasses import fields
 
 import pandas as pd
 import pytest
-from conftest import one_line_error, refused_with
-from small_history import make_history
+from conftest import refused_with
 
-import damage
-from damage.history.writer import HistoryWriter
 from damage.measure.columns import read_table
-from damage.measure.summary import summarise
-from damage.measure.tables import summary_row, write_table
+from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
 from damage.run.options import free_name, make_parser, parse_run
 from damage.run.settings import RunSettings
@@ -43,7 +39,7 @@ def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
 
 
 def test_figures_and_evidence_know_every_choice():
-    assert {"cells", "contacts", "top", "load", "joints", "strength_cov", "fibres", "bricks", "brick_order", "plane",
+    assert {"cells", "contacts", "top", "load", "strength_cov", "fibres", "bricks", "brick_order", "plane",
             "brick_mass", "brick_damping", "brick_cells",
             "supports", "soil", "soil_shear", "footing", "soil_velocity"} == USUAL_MODEL.keys() & SHAPE.keys()
     assert choice({**USUAL_MODEL, "cycles": 3}) == "default"
@@ -67,35 +63,3 @@ def test_an_old_history_has_the_defaults_of_younger_options(still_history):
 def test_joints_are_by_face_alone():
     assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
     refused_with("--joints: invalid choice: 'centres'", parse_run, ["--joints", "centres"], "test", "yade")
-
-
-@pytest.mark.parametrize(("versions", "model", "normals"), [
-    ({"yade": "2023.02a"}, {}, "centres"), ({"yade": "2023.02a", "masonry-damage": "0.2.0"}, {}, "face"),
-    ({"yade": "2023.02a", "masonry-damage": "0.2.0"}, {"joints": "centres", "cells": 3}, "centres"),
-    ({"yade": "2023.02a"}, {"joints": "face", "cells": 3}, "face")])
-def test_an_old_history_of_yade_says_whether_its_joints_lean(tmp_path, versions, model, normals):
-    class InYade(HistoryWriter):
-        def __init__(self, path, layout, parameters, **others):
-            super().__init__(path, layout, parameters=parameters | {"model": model},
-                             **others | {"solver": "yade", "versions": versions})
-
-        def history(self):
-            return damage.read_history(tmp_path / "old.h5")
-
-    history = make_history(tmp_path / "old.h5", write=InYade)
-    assert history.model == ModelOptions(cells=model.get("cells", 2))
-    assert history.joint_normals == summary_row(history)["joints"] == normals
-    assert any("joint that slides leans" in one for one in summarise(history)["warnings"]) == (normals == "centres")
-    assert make_history(tmp_path / "reference.h5").joint_normals == "face"
-
-
-def test_a_history_with_unknown_normals_is_refused(tmp_path):
-    class Odd(HistoryWriter):
-        def __init__(self, path, layout, parameters, **others):
-            super().__init__(path, layout, parameters=parameters | {"model": {"joints": "edges"}}, **others)
-
-        def history(self):
-            return None
-
-    make_history(tmp_path / "odd.h5", write=Odd)
-    assert "joints = 'edges': expected one of face, centres" in one_line_error(damage.read_history, tmp_path / "odd.h5")

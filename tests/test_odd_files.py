@@ -3,15 +3,21 @@
 import os
 import shutil
 import sys
+from functools import partial
 
 import pytest
 from conftest import REPOSITORY, one_line_error, run_command, written
 from small_history import small_layout
 
+from damage.csv_table import CsvTable
+from damage.files import LONGEST_LINE
 from damage.laboratory.dic import read_field
-from damage.measure import crack_mapping
+from damage.measure import columns, crack_mapping
 from damage.measure.crack_file import read_cracks
+from damage.motion import columns as record_columns
+from damage.motion import formats
 from damage.motion.formats import read_record, shipped_record_path, without_entities
+from damage.studies import definition
 from damage.studies.definition import load_study
 
 HUGE = 10**12  # bytes of a file that has none: a hole
@@ -145,6 +151,116 @@ class TestMiniSeed:
         with pytest.raises(SyntaxError):
             without_entities(Watched(b"<a>" + 300_000 * b"<b c>"))
         assert read == [65536]
+
+    @pytest.mark.parametrize("place", [slice(20, 22), slice(52, None, 512)], ids=["year 0", "samples are letters"])
+    def test_zeros_in_a_head(self, place, tmp_path):
+        """Of the first record's start; of the encoding in blockette 1000 of all."""
+        data = bytearray(self.SHIPPED.read_bytes())
+        data[place] = bytes(len(data[place]))
+        one_line_error(read_record, written(tmp_path / "a.mseed", bytes(data)), self.XML)
+
+    def test_parts_are_counted_before_they_are_joined(self, tmp_path, monkeypatch):
+        """12 MB of one record again and again took 17 s."""
+        monkeypatch.setattr(formats, "MOST_PARTS", 10)
+        path = written(tmp_path / "a.mseed", self.SHIPPED.read_bytes()[:512] * 20)
+        assert "20 parts with gaps or overlaps" in one_line_error(read_record, path, self.XML)
+
+    @pytest.mark.parametrize("coding", ["utf-8", "utf-16"])
+    def test_no_entity_of_a_station_file_is_expanded(self, coding, tmp_path):
+        """Neither another file nor entities of entities: a document type is refused whatever it says."""
+        value = "<Value>213867.4766</Value>"
+        secret = written(tmp_path / "secret", "213867.4766")
+        text = self.XML.read_text()
+        assert value in text
+        body = text.partition("?>")[2]
+        for entity in (f'SYSTEM "{secret.as_uri()}"', '"213867.4766"'):
+            damaged = (f"<?xml version='1.0' encoding='{coding}'?><!DOCTYPE x [<!ENTITY v {entity}>]>"
+                       + body.replace(value, "<Value>&v;</Value>"))
+            path = written(tmp_path / "a.xml", damaged.encode(coding))
+            assert "document type" in one_line_error(read_record, self.SHIPPED, path)
+
+
+# --- what was once misread, or took too long ---------------------------------------------------------
+
+@pytest.mark.parametrize("text", ["\n" * 5 + "0,1\n" * 40, "0,1\n" * 40])
+def test_a_record_of_too_many_lines_is_refused_before_they_are_parsed(text, tmp_path, monkeypatch):
+    """28 MB of lines took more than ten seconds."""
+    monkeypatch.setattr(formats, "MOST_LINES", 30)
+    assert "more than 30 lines" in one_line_error(read_record, written(tmp_path / "a.csv", text))
+    monkeypatch.setattr(formats, "MOST_LINES", 100)
+    monkeypatch.setattr(record_columns, "MOST_SAMPLES", 30)
+    assert "40 samples; expected up to 30" in one_line_error(read_record, written(tmp_path / "a.csv", text))
+
+
+@pytest.mark.parametrize(("read_it", "name", "text", "said"), [
+    # Refused by its count, before the words are met.
+    (read_record, "a.at2", "PEER\na\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1000001, DT= .005 SEC\n.1 words\n",
+     "1000001 samples; expected up to"),
+    # The first columns were taken for an index; what follows names mixed types is warned of no more.
+    (columns.read_table, "t.csv", "point,wall\na,b,c\n", "more cells than the header"),
+    # A cell over two lines does not shift the line that is reported.
+    (read_field, "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n', "line 5: uz_m = 'up'"),
+    (partial(CsvTable, required=["record"]), "e.csv", "record;scale\nBGAR_HGE;1,5\n", "unknown column 'scale'"),
+    (partial(CsvTable, required=("a", "b")), "t.csv", 'a,b\n"0\n",1\n1,2,3\n', "line 4: 3 cells, the header has 2"),
+    # pandas takes such a cell for a number, Python does not.
+    (read_field, "f.csv", "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n", "holds a zero byte")])
+def test_what_was_misread_or_reported_wrongly_is_refused(read_it, name, text, said, tmp_path):
+    assert said in one_line_error(read_it, written(tmp_path / name, text))
+
+
+@pytest.mark.parametrize(("name", "read_it"), [
+    ("a.csv", read_record), ("a.at2", read_record), ("f.csv", read_field), ("t.csv", columns.read_table)])
+def test_a_line_of_millions_of_cells_is_refused(name, read_it, tmp_path):
+    """A table whose row had 20 MB took a minute and 3.5 GB, a header of 20 MB no end."""
+    for before in ("", "time_s,acc_m_s2\n"):
+        path = written(tmp_path / name, before + "1," * LONGEST_LINE)
+        assert "100000" in one_line_error(read_it, path)
+
+
+def test_a_table_of_short_rows_that_would_fill_up_to_too_many_cells_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(columns, "MOST_CELLS", 1000)
+    path = written(tmp_path / "t.csv", ",".join(f"c{k}" for k in range(100)) + "\n" + "1\n" * 8)
+    assert columns.read_table(path).shape == (8, 100)
+    written(path, path.read_text() + "1\n" * 2)
+    assert "over 1000 cells" in one_line_error(columns.read_table, path)
+
+
+def test_paths_in_a_study_longer_than_any_file_has(tmp_path):
+    path = tmp_path / "s.toml"
+    for record in ("x" * 300, "x/" * 3000):
+        written(path, f'name = "s"\n[[runs]]\nwall = "walls/solid.py"\n'
+                f'options = {{ record = ["{record}", "{record}.csv"] }}\n')
+        assert "none of the files" in one_line_error(load_study, path, "reference", REPOSITORY)
+    written(path, f'name = "s"\n[[runs]]\nwall = "{"x/" * 3000}"\n')
+    assert "no file" in one_line_error(load_study, path, "reference", REPOSITORY)
+
+
+@pytest.mark.parametrize("text", ["[[grid]]\nvary = {}\n", "name = {}\n", "[[runs]]\noptions = {}\n"])
+def test_a_study_whose_tables_are_too_deep_in_each_other(text, tmp_path):
+    """Python's own recursion ended it while it was reported."""
+    for opening, closing in ("[]", ("{a=", "}")):
+        path = written(tmp_path / "s.toml", text.format(opening * 200 + "1" + closing * 200))
+        assert "more than 20 deep" in one_line_error(load_study, path, "reference", REPOSITORY)
+
+
+def test_a_key_of_very_many_parts_is_refused_before_it_is_read(tmp_path):
+    """tomllib takes the square of their number: 20 000 of them took four seconds, in a file of 60 kB."""
+    for text in ("{}a = 1\n", "name = {{ {}a = 1 }}\n", "[{}a]\n"):
+        for key in ("a.", "a . ", '"=" .', "'\"'.", '"\\"#".'):
+            path = written(tmp_path / "s.toml", text.format(key * 20))
+            said = one_line_error(load_study, path, "reference", REPOSITORY)
+            assert f"{path} is no TOML in UTF-8 (a key of more than 20 parts)" in said
+    numbers = ", ".join(f"{k / 1000:g}" for k in range(1, 201))  # of which each has a dot
+    written(path, f'name = "s"\n[[grid]]\nwall = "walls/solid.py"\nvary = {{ a = [{numbers}] }}\n'
+            'options = { harmonic = [0.2, "{a}"] }\n')
+    assert len(load_study(path, "reference", REPOSITORY).runs) == 200
+
+
+def test_runs_that_are_there_twice_are_found_before_any_record_is_read(tmp_path, monkeypatch):
+    """60 kB of them took seventeen seconds."""
+    monkeypatch.setattr(definition, "_try_options", None)
+    path = written(tmp_path / "s.toml", 'name = "s"\n' + '[[runs]]\nwall = "walls/solid.py"\n' * 2)
+    assert "runs 1 and 2 are both" in one_line_error(load_study, path, "reference", REPOSITORY)
 
 
 # --- crack files, fields, studies -------------------------------------------------------------------

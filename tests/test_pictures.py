@@ -25,6 +25,7 @@ from damage.draw.run import (
     heap_picture,
     hysteresis_picture,
     index_picture,
+    plot_wall,
     save_all,
     wall_picture,
 )
@@ -259,12 +260,12 @@ class TestShape:
 
 
 class TestInAxesOfAnother:
-    """`History.plot_wall`: the picture's own drawing, at a time."""
+    """`damage.plot_wall`: the picture's own drawing, at a time."""
 
     @pytest.mark.parametrize(("t", "sample"), [(0.1004, 10), (0.2, 20), ("max", 10), ("end", 20), (-0.005, 0)])
     def test_the_sample_nearest_to_a_time_is_drawn(self, cracked, t, sample):
         ax = Figure(dpi=200).subplots()
-        shape = cracked.plot_wall(ax, t, magnify=3.0)
+        shape = plot_wall(cracked, ax, t, magnify=3.0)
         expected = wall_shape(cracked, sample, magnify=3.0)
         assert shape.sample == sample and np.all(shape.state == expected.state)
         bricks, = (one for one in ax.collections if one.get_label() == "bricks")
@@ -275,12 +276,12 @@ class TestInAxesOfAnother:
         assert f"{expected.index:.3f} at {expected.time_s:.3f} s" in ax.get_title() and ax.get_aspect() == 1.0
 
     def test_lines_are_as_wide_as_the_axes_allow(self, cracked):
-        widths = [cracked.plot_wall(Figure(figsize=size).subplots()).widest_pt for size in ((1, 1), (10, 10))]
+        widths = [plot_wall(cracked, Figure(figsize=size).subplots()).widest_pt for size in ((1, 1), (10, 10))]
         assert widths[0] < widths[1]
 
     @pytest.mark.parametrize("t", [-0.1, 0.3, np.nan, None, "now"])
     def test_a_time_outside_the_run_is_refused(self, cracked, t):
-        assert "expected seconds from 0 to 0.2, 'max' or 'end'" in one_line_error(cracked.plot_wall, None, t)
+        assert "expected seconds from 0 to 0.2, 'max' or 'end'" in one_line_error(plot_wall, cracked, None, t)
 
 
 class TestIndexPicture:

@@ -10,7 +10,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 import damage
 from damage.draw.run import has_sequence, sequence_picture
 from damage.draw.words import run_title
-from damage.history.structure import check_parameters
 from damage.html.report import write_report
 from damage.measure.cycles import shocks_table
 from damage.measure.tables import summary_row
@@ -175,13 +174,6 @@ class TestRuns:
         assert_array_equal(np.cumsum(table["newly_failed"]), history.broken[ends].sum(axis=1))
         peak = np.abs(history.series["base_acceleration_x_m_s2"]).max() / 9.81
         assert summary_row(history)["pga_g"] == pytest.approx(peak, rel=0.02)  # of the strongest event, between samples
-
-    def test_a_history_whose_events_lack_their_motions_is_refused(self, runs):
-        given = damage.read_history(runs["different"]).parameters
-        check_parameters(given)
-        for wrong in ({"motions": []}, {"events": given["events"][:2]}, {"events": [{"motion": 9}] * 3},
-                      {"events": ["BGAR"] * 3}, {"motions": [1, 2, 3]}):
-            assert "expected a motion" in one_line_error(check_parameters, given | wrong)
 
     def test_text_title_picture_and_report(self, runs, tmp_path):
         history = damage.read_history(runs["different"])

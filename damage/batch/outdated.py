@@ -5,8 +5,6 @@ names.  Other inputs make the runs of a point again.  Another model keeps runs, 
 made again.  Other measures are worked out of the history, or refused where it was not kept.
 """
 
-import hashlib
-import json
 import re
 import shutil
 from collections import defaultdict
@@ -21,14 +19,13 @@ from damage.measure.kept import ENDING, FOLDER
 from damage.provenance import model_digest
 from damage.studies.definition import names_file
 from damage.studies.inputs import as_json, differences, inputs_of
-from damage.studies.records import NAME, OLDER_NOTE, is_of_today, key_of, point_line, point_of, read_records
+from damage.studies.records import NAME, is_of_today, key_of, point_line, point_of, read_records
 from damage.studies.tables import histories_in, refuse_other_measures
 
 CODE = {"reference": Path(__file__).parents[1] / "reference", "yade": ROOT / "yade_scripts"}
 """Where each solver's own code lies; an installed package is without YADE's."""
 FIRST_TABLES = "index", "events", "joints", "cycles"
 """Of the first run of a point; of sequences shocks, too."""
-OLD = "one before 0.2"
 _DIFFERENCES = 3  # points, and differences of each, that a message names
 _NO_NOTE = "there is no note of them"
 _FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
@@ -90,9 +87,6 @@ class Results:
         then = self.records.inputs.get(key)
         if then is None:
             return [_NO_NOTE]
-        if OLDER_NOTE in then:
-            return [] if then[OLDER_NOTE] == _digest_before(run) else ["the note of them is of an older version, or "
-                                                                       "damaged"]
         return differences(then, inputs)
 
     def _versions(self, name, verdict):
@@ -143,18 +137,16 @@ class Results:
                        if self.records.points.get(run.id) != key)
 
     def write(self, verdict):
-        """Write the one file of records, with today's inputs of all points, where it does not hold just this; what
-        earlier versions and slices kept in its place goes."""
+        """Write the one file of records, with today's inputs of all points, where it does not hold just this; files
+        of slices go."""
         for run, (key, inputs) in verdict.inputs.items():
             self.records.orderly &= self.records.points.get(run.id) == key
             self.records.points[run.id], self.records.inputs[key] = key, inputs
         if self.records.orderly:
             return
         write_text(self.folder / NAME, self.records.text())
-        for path in (*self.folder.glob("records-*.jsonl"), *(self.folder / "runs").glob("*.members")):
+        for path in self.folder.glob("records-*.jsonl"):
             path.unlink()
-        for folder in ("shards", "runs/.inputs", "tables/rows", ".tables", ".snakemake"):
-            shutil.rmtree(self.folder / folder, ignore_errors=True)
         self.records.orderly, self.records.faults = True, []
 
     def is_whole(self, task):
@@ -173,7 +165,7 @@ def _warnings(verdict, remake):
         said.append(f"{len(verdict.changed)} points were made from other inputs and are made again: " + some_of(
             [f"{run.id} ({', '.join(words[:_DIFFERENCES])})" for run, words in verdict.changed.items()], _DIFFERENCES))
     if verdict.unknown:
-        said.append(f"{len(verdict.unknown)} points have no note of their inputs, being made by an older version, and "
+        said.append(f"{len(verdict.unknown)} points have no note of their inputs and "
                     "are kept without a comparison; delete a run's history to have it made again: "
                     + some_of([run.id for run in verdict.unknown], _DIFFERENCES))
     if verdict.models:
@@ -195,11 +187,4 @@ def _model_of(path):
         head = read_head(path)
     except InputError:
         return None
-    return head.model if head else OLD
-
-
-def _digest_before(run):
-    """What a note held before it named all inputs: a digest of words and files."""
-    paths = [run.wall] + [word for option, word in zip(run.words, run.words[1:]) if names_file(option, word)]
-    digests = [hashlib.sha256((ROOT / path).read_bytes()).hexdigest() for path in paths]
-    return hashlib.sha256(json.dumps([run.wall, run.words, run.varied, digests]).encode()).hexdigest()
+    return head.model

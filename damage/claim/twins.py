@@ -113,7 +113,7 @@ def read_twins(folder, layout):
     numbers = sorted(done[SHAKEN].keys() & done[BOTH].keys())
     if len(numbers) < 2:
         raise InputError(f"{folder}: {len(numbers)} draws are done; expected at least two; run the claim again")
-    patterns = {point: [read_patterns(path, record.get("patterns"), layout) for record, path in map(of.get, numbers)]
+    patterns = {point: [read_patterns(path, record.get("patterns")) for record, path in map(of.get, numbers)]
                 for point, of in done.items()}
     whole = {name: np.array([one.at(moment, layout.n_joints) for one in patterns[point]], "f4")
              for name, (point, moment) in STATES.items()}

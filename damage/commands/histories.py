@@ -17,7 +17,7 @@ from damage.commands.table import (
     threshold,
 )
 from damage.errors import InputError, warn
-from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check, info, origin
+from damage.history.info import DAMAGED, WHOLE, check, describe_check, info, origin
 from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
@@ -47,7 +47,7 @@ def _check(asked):
     checked = [check(path) for path in asked.histories]
     show(asked, checked, describe_check)
     found = {one["worth"] for one in checked}
-    return 2 if DAMAGED in found else int(not found <= {WHOLE, UNSEALED})
+    return 2 if DAMAGED in found else int(not found <= {WHOLE})
 
 
 @command("what made a history: software, command, inputs, every parameter", HISTORY, JSON,

@@ -112,7 +112,7 @@ def _stage(history, snapshots, samples, magnify):
     if len(times) > 1:
         words += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
     style.add_title(figure, history, words)
-    style.legend_below(figure, joint_handles(gravest, history.judged_by("displacement")), columns=3)
+    style.legend_below(figure, joint_handles(gravest), columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
     figure.set_layout_engine("none")  # from now on only the wall moves

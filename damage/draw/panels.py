@@ -3,22 +3,11 @@
 from matplotlib.figure import Figure
 
 from damage.draw.style import COLUMN_WIDTH, legend_below, put_title
-from damage.measure.columns import slip_criteria
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
 SLIP_LABELS = {"displacement": "slipped: offset by more than 0.1 mm",
                "accumulated": "slipped: accumulated more than 0.1 mm while closed",
                "shear-limit": "slipped: ever at the shear limit"}
-
-
-def slip_label(points, slip="displacement"):
-    """Text: the slip criterion of these points, which is `accumulated` for histories without offsets."""
-    return "; ".join(SLIP_LABELS[one] for one in (slip_criteria(points) if slip == "displacement" else [slip]))
-
-
-def slip_note(points):
-    """`slip_label` of points that are not all by displacement, else ""."""
-    return "" if slip_criteria(points) == ["displacement"] else slip_label(points)
 
 
 def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):

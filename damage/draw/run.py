@@ -66,7 +66,7 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     shape = wall_shape(history, sample, slip, threshold, magnify)
     figure, ax = style.new_figure(1.0)
     return _with_words(figure, draw_wall(ax, shape), history, _moment(shape, sample),
-                       joint_handles(shape, history.judged_by(slip), threshold))
+                       joint_handles(shape, slip, threshold))
 
 
 def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, magnify=None):
@@ -287,8 +287,7 @@ def index_picture(history):
     time_s = history.series["time_s"].to_numpy()
     figure, (above, below) = style.new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
     base = _draw_drive(above, history, time_s)
-    lines = _draw_index(below, history.index(), history.index(slip="shear-limit"),
-                        SLIP_NOTES[history.judged_by("displacement")])
+    lines = _draw_index(below, history.index(), history.index(slip="shear-limit"))
     lines += below.plot(time_s[sample], largest, "o", color=style.BLACK, ms=3.5, clip_on=False, zorder=5,
                         label=f"maximum {largest:.3f} at {time_s[sample]:.3f} s")
     if history.complete:
@@ -316,13 +315,12 @@ def _draw_drive(ax, history, time_s):
     return lines + ax.plot(time_s, vertical, color=style.MEDIUM, lw=0.5, zorder=1, label="base, vertical")
 
 
-def _draw_index(ax, index, latched, note):
-    """Draw DI and its components with two slip criteria; note: on the first; returns the lines in legend order."""
+def _draw_index(ax, index, latched):
+    """Draw DI and its components with two slip criteria; returns the lines in legend order."""
     time_s, lines = index["time_s"], []
     for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
-        label = rf"DI$_\mathrm{{{name}}}$" + (note if name == "slip" else "")
-        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=label)
-    lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI" + note)
+        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$")
+    lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI")
     lines += ax.plot(time_s, latched["DI"], color=style.BLACK, lw=0.6, ls="--", zorder=1.5, label="DI, shear limit")
     lines += ax.plot(time_s, latched["DI_slip"], color=style.BLUE, lw=0.6, ls="--", zorder=1.5,
                      label=r"DI$_\mathrm{slip}$, shear limit")

@@ -5,6 +5,7 @@ from collections import defaultdict
 import numpy as np
 
 from damage.history import schema
+from damage.history.contacts import any_bit
 
 SNAPSHOT_SAMPLES = 10
 """Samples between two snapshots of the bodies."""
@@ -18,17 +19,20 @@ class Buffer:
     sinks: where it goes, none to keep nothing: a file (`damage.history.writer.File`), memory
     (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {"GROUP/NAME": array}; the arrays of
     frames are used again.
+    active: contact points that are active already, in that order, of a history that continues.
     path: of the history's file, should it have one; where: the history is, in words.
     """
 
-    def __init__(self, layout, *sinks):
+    def __init__(self, layout, *sinks, active=()):
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
-        self._rows = {"events": [], "snapshots": [], "static_stage": []}
+        self._rows = {"active": [], "events": [], "snapshots": [], "static_stage": []}
         self._blocks = defaultdict(list)  # {"GROUP/NAME": arrays of several rows}
         self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
                         for name, column in schema.FRAMES.items()}
-        self._count = 0
+        self._count, self._n_active = 0, len(active)
+        self._column = np.full(layout.n_joints, -1)  # of each contact point in the frames, once it is active
+        self._column[list(active)] = range(len(active))
 
     def extend(self, stage, rows, joints, contacts, beside):
         """Add n samples.
@@ -38,6 +42,8 @@ class Buffer:
         the ground and, of a run that keeps them, of stresses and points.
         """
         count = len(next(iter(contacts.values())))
+        active, places = self._activate(joints, contacts)
+        contacts = {name: values[:, active] for name, values in contacts.items()}
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
         columns = {f"series/{name}": rows.get(name, np.full(count, np.nan)) for name in schema.SERIES} | beside
         first = 0
@@ -45,12 +51,23 @@ class Buffer:
             stop = min(count, first + CHUNK - self._count)
             taken, given = slice(first, stop), slice(self._count, self._count + stop - first)
             for name, values in contacts.items():
-                self._frames[name][given, joints] = values[taken]
+                self._frames[name][given, places] = values[taken]
             for path, values in columns.items():
                 self._blocks[path].append(np.array(values[taken], schema.COLUMNS[path].dtype))
             self._count, first = given.stop, stop
             if self._count == CHUNK:
                 self.flush()
+
+    def _activate(self, joints, contacts):
+        """Flags of those of these joints that are active now, and their columns in the frames."""
+        joints = np.arange(len(self._column))[joints]
+        has_any = np.any([any_bit(values) for values in contacts.values()], axis=0)
+        new = joints[has_any & (self._column[joints] < 0)]
+        self._column[new] = range(self._n_active, self._n_active + len(new))
+        self._n_active += len(new)
+        self._rows["active"] += [(joint,) for joint in new]
+        active = self._column[joints] >= 0
+        return active, self._column[joints[active]]
 
     def event(self, time_s, joint, kind, normal_stress=0.0, shear_stress=0.0, opening=0.0, slip=0.0):
         """Add one event; kind: one of EVENTS; stresses [Pa] at the break, opening and slip [m]."""
@@ -108,7 +125,8 @@ class Buffer:
                    for (name, column), values in zip(schema.GROWING[group].items(), zip(*rows))}
         columns |= {path: np.concatenate(blocks) for path, blocks in self._blocks.items() if blocks}
         if self._count > 0:
-            columns |= {f"frames/{name}": column[:self._count] for name, column in self._frames.items()}
+            columns |= {f"frames/{name}": rows[:self._count, :self._n_active]
+                        for name, rows in self._frames.items()}
         for sink in self._sinks:
             sink.store(columns)
         for rows in (*self._rows.values(), *self._blocks.values()):

@@ -1,13 +1,13 @@
 """The first 512 bytes of a history, before HDF5's own (its user block): what made the file, and a seal on the rest.
 
-    masonry-damage-history 4
+    masonry-damage-history 9
     software 0.2.0
     model reference 6b1f0c9a52e4
     sealed sha256 5891b5b522d5df08... of 412345 bytes
 
 It is text, so that `head -c 512 FILE.h5` shows it and a study reads it quickly.  The last line is `open` until
 everything else is on the disk.  A file with a broken seal is never opened by HDF5, which may hang or crash on one
-damaged byte.  Files of schema version 1 have no such block.
+damaged byte.
 """
 
 import hashlib
@@ -21,22 +21,19 @@ from damage.history.schema import SCHEMA, SCHEMA_VERSION
 from damage.provenance import UNKNOWN
 
 HEAD_BYTES = 512  # the least that HDF5 allows
-_LINES = re.compile(SCHEMA + rf" ([2-{SCHEMA_VERSION}])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+_LINES = re.compile(SCHEMA + rf" {SCHEMA_VERSION}\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
                     r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
-HDF5 = b"\x89HDF\r\n\x1a\n"
 _NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")
 
 
 @dataclass(frozen=True)
 class Head:
-    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block, None while open;
-    version: of the schema."""
+    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block, None while open."""
 
     software: str
     model: str
     sha256: str | None = None
     n_bytes: int | None = None
-    version: int = SCHEMA_VERSION
 
     @property
     def sealed(self):
@@ -46,7 +43,7 @@ class Head:
     def as_bytes(self):
         """The block itself."""
         end = f"sealed sha256 {self.sha256} of {self.n_bytes} bytes" if self.sealed else "open"
-        lines = f"{SCHEMA} {self.version}", f"software {self.software}", f"model {self.model}", end
+        lines = f"{SCHEMA} {SCHEMA_VERSION}", f"software {self.software}", f"model {self.model}", end
         return "".join(f"{line}\n" for line in lines).encode().ljust(HEAD_BYTES, b"\0")
 
 
@@ -68,24 +65,22 @@ def seal(path):
 
 
 def read_head(path):
-    """The Head of a history, None where it is of schema version 1.  Raises InputError for any other file."""
+    """The Head of a history.  Raises InputError for any other file."""
     try:
         with open(path, "rb") as file:
             block = file.read(HEAD_BYTES)
     except OSError as error:
         raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a history (.h5)") from error
-    if block.startswith(HDF5):
-        return None
     version = _NUMBER.match(block)
-    if version and int(version[1]) > SCHEMA_VERSION:
-        raise InputError(f"{path} has schema version {int(version[1])}, this software reads up to {SCHEMA_VERSION}; "
-                         "update the software")
+    if version and int(version[1]) != SCHEMA_VERSION:
+        remedy = "update the software" if int(version[1]) > SCHEMA_VERSION else "run it again"
+        raise InputError(f"{path} has schema version {int(version[1])}, this software reads {SCHEMA_VERSION}; {remedy}")
     found = _LINES.fullmatch(block.decode("ascii", errors="replace"))
     if not found or len(block) < HEAD_BYTES:
         what = "its first 512 bytes are damaged" if version else "it begins otherwise"
         raise InputError(f"{path} cannot be read as a history ({what}); expected a file that a run wrote")
-    version, software, model, sha256, n_bytes = found.groups()
-    return Head(software, model, sha256, n_bytes and int(n_bytes), int(version))
+    software, model, sha256, n_bytes = found.groups()
+    return Head(software, model, sha256, n_bytes and int(n_bytes))
 
 
 def check_seal(path, head):

@@ -1,7 +1,4 @@
-"""Histories in memory, for runs that are evaluated when they end without reading, or without writing, a file.
-
-Most contact points are intact most of the time, so a chunk of samples stores the active ones only.
-"""
+"""Histories in memory, for runs that are evaluated when they end without reading, or without writing, a file."""
 
 import json
 from functools import partial
@@ -10,7 +7,7 @@ import numpy as np
 
 from damage.history import schema
 from damage.history.buffer import Buffer
-from damage.history.reader import any_bit, at_all_joints, checked, history_of, read_history
+from damage.history.reader import history_of, read_history
 from damage.history.writer import File, growing_columns, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
@@ -30,7 +27,7 @@ class Memory:
         self.path, self.where = path, f"in memory, and in {path} should the run fail"
         self._layout, self._attributes, self._new_file = layout, attributes, new_file
         self._values, self._n_bytes, self._file = {}, 0, None
-        self._parts = []  # (active joints, columns with the frames of these alone)
+        self._parts = []
 
     @property
     def is_torn(self):
@@ -44,11 +41,9 @@ class Memory:
             self._file.store(columns)
         if self._parts is None:
             return
-        frames = {path: rows for path, rows in columns.items() if path.startswith("frames/")}
-        joints = np.flatnonzero(np.any([any_bit(rows) for rows in frames.values()], axis=0))
-        part = columns | {path: rows[:, joints] for path, rows in frames.items()}
-        self._parts.append((joints, part))
-        self._n_bytes += joints.nbytes + sum(rows.nbytes for rows in part.values())
+        part = columns | {path: rows.copy() for path, rows in columns.items() if path.startswith("frames/")}
+        self._parts.append(part)
+        self._n_bytes += sum(rows.nbytes for rows in part.values())
         if self._n_bytes > MOST_BYTES:
             self._outgrow()
 
@@ -67,36 +62,35 @@ class Memory:
         if self._new_file:
             self._file = self._new_file()
             self._file.static_stage(self._values)
-            for joints, part in self._parts:
-                self._file.store(_among(self._layout.n_joints, joints, part))
+            for part in self._parts:
+                self._file.store(part)
         self._parts = None
 
     def history(self, path):
         if self._parts is None:
             return read_history(path)
         collapsed_at_s = np.nan if self._collapsed_at_s is None else self._collapsed_at_s
-        joints, growing = self._growing()
         values = {"run/status": np.uint8(schema.STATUS.index(self._status)),
                   "run/collapsed_at_s": np.float64(collapsed_at_s),
                   **{f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC},
-                  **layout_tables(self._layout), **growing}
-        return checked(history_of(path, self._attributes, values, joints=joints))
-
-    def _growing(self):
-        """The joints at which any bit was ever set, and {"GROUP/NAME": all rows}, those of frames at these joints."""
-        ever = np.unique(np.concatenate([np.empty(0, int), *(joints for joints, _ in self._parts)]))
-        parts = [_among(len(ever), np.searchsorted(ever, joints), part) for joints, part in self._parts]
-        columns, values = growing_columns(self._layout, json.loads(self._attributes["parameters_json"])), {}
-        for path, (column, shape) in columns.items():
-            none = np.empty((0, len(ever)) if path.startswith("frames/") else (0, *shape), column.dtype)
-            values[path] = np.concatenate([none, *(part[path] for part in parts if path in part)])
-        return ever, values
+                  **layout_tables(self._layout)}
+        columns = growing_columns(self._layout, json.loads(self._attributes["parameters_json"]))
+        for path_of, (column, shape) in columns.items():
+            values[path_of] = _together([part[path_of] for part in self._parts if path_of in part],
+                                        np.empty((0, *shape), column.dtype))
+        return history_of(path, self._attributes, values)
 
 
-def _among(n_joints, joints, part):
-    """A part, {"GROUP/NAME": array}, with its frames, which are of these joints alone, at so many."""
-    return {path: at_all_joints(rows, joints, n_joints) if path.startswith("frames/") else rows
-            for path, rows in part.items()}
+def _together(parts, none):
+    """The rows of parts, one after the other, after none; where later parts have more columns, zeros before them."""
+    if not parts:
+        return none
+    rows = np.zeros((sum(map(len, parts)), *parts[-1].shape[1:]), none.dtype)
+    first = 0
+    for part in parts:
+        rows[slice(first, first + len(part)), *map(slice, part.shape[1:])] = part
+        first += len(part)
+    return rows
 
 
 class HistoryInMemory(Buffer):

@@ -9,10 +9,9 @@ from damage.motion.intensity import APPLIED
 from damage.provenance import UNKNOWN, shown_path
 from damage.wall.as_built import caps, describe_cap
 
-WHOLE, UNSEALED, ENDED_EARLY, OPEN, DAMAGED = "whole", "unsealed", "ended early", "open", "damaged"
+WHOLE, ENDED_EARLY, OPEN, DAMAGED = "whole", "ended early", "open", "damaged"
 WORTH = {
     WHOLE: "complete, and byte for byte as its run sealed it",
-    UNSEALED: "complete; its structure is sound, but no checksum vouches for its values (schema version 1)",
     ENDED_EARLY: "as its run left it, which did not come to its end",
     OPEN: "a run writes it now, or was killed: what was flushed is there, no checksum vouches for it",
     DAMAGED: "not to be used",
@@ -32,10 +31,7 @@ def check(path):
     except InputError as error:
         return {"file": str(path), "worth": DAMAGED, "status": None, "samples": None, "until_s": None,
                 "says": str(error)}
-    if (head is not None and not head.sealed) or history.status == "unfinished":
-        worth = OPEN
-    else:
-        worth = (ENDED_EARLY if not history.complete else UNSEALED if head is None else WHOLE)
+    worth = OPEN if not head.sealed else WHOLE if history.complete else ENDED_EARLY
     time_s = history.series["time_s"]
     return {"file": str(path), "worth": worth, "status": history.status, "samples": len(time_s),
             "until_s": float(time_s.iloc[-1]) if len(time_s) else None, "says": WORTH[worth]}

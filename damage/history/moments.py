@@ -4,7 +4,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.index import THRESHOLD
-from damage.wall.geometry import AT_REST, SupportMotion
+from damage.wall.geometry import SupportMotion
 
 STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
@@ -89,9 +89,7 @@ def nearest_snapshot(history, time_s):
 
 
 def support_motion(history, snapshot):
-    """SupportMotion at a snapshot, None for the end of the static stage; AT_REST of a history without supports."""
-    if history.supports is None:
-        return AT_REST
+    """SupportMotion at a snapshot, None for the end of the static stage."""
     motion = np.zeros((len(history.supports), 3))
     if snapshot is not None and len(history.series):
         sample = np.argmin(np.abs(history.series["time_s"].to_numpy() - history.snapshot_time_s[snapshot]))
@@ -111,8 +109,3 @@ def state_codes(opened, slipped, broken=False):
     codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
     return np.select([opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))], codes,
                      default=STATES.index("intact"))
-
-
-def common_slip(*histories):
-    """Slip criterion that all Histories support: `displacement` where all have offsets, else `accumulated`."""
-    return "accumulated" if any(history.offset_m is None for history in histories) else "displacement"

@@ -1,25 +1,22 @@
 """Read a history file into pandas frames."""
 
 import json
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import dataclass
+from functools import cached_property
 from html import escape
-from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar
 
 import h5py
 import numpy as np
 import pandas as pd
 
-from damage.checks import check_choice, check_file, record_from
+from damage.checks import check_file, record_from
 from damage.errors import InputError
 from damage.history import schema
-from damage.history.apart import apart, bounded
-from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
-from damage.history.structure import check_parameters, check_structure, check_values
+from damage.history.contacts import Contacts
+from damage.history.head import check_seal, read_head
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
-from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.motion.loading import loading_from_dict
 from damage.units import rounded
 from damage.wall.model_options import ModelOptions
@@ -27,65 +24,9 @@ from damage.wall.parameters import Wall
 from damage.wall.plan import plan_of
 
 
-class ActiveContacts(NamedTuple):
-    """Sparse contact data: only contact points that ever opened, slipped or reached their shear limit.
-
-    joints: (n,) indices of these contact points, increasing; opening_m, slip_m, offset_m [m]: (n_times, n), offset_m
-    None in a file without offsets; at_limit: bool (n_times, n).
-    """
-
-    joints: np.ndarray
-    opening_m: np.ndarray
-    slip_m: np.ndarray
-    offset_m: np.ndarray | None
-    at_limit: np.ndarray
-
-    def slip_by(self, slip):
-        """Slip by a criterion, as `History.slip_by`, (n_times, n) [m]."""
-        return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
-
-
-class States(NamedTuple):
-    """Sparse states of contact points: only those at which any state was ever set.
-
-    joints: (n,) indices of these contact points, increasing; broken, at_limit, crushed, ended: bool (n_times, n).
-    """
-
-    joints: np.ndarray
-    broken: np.ndarray
-    at_limit: np.ndarray
-    crushed: np.ndarray
-    ended: np.ndarray
-
-
-def _sparse(kind, joints, frames):
-    """ActiveContacts or States (kind) from frames of joints (n,), {name: (n_times, n)}, without inactive ones."""
-    asked = [frames[name] for name in kind._fields[1:]]
-    ever = np.any([any_bit(frame) for frame in asked if frame is not None], axis=0)
-    return kind(joints[ever], *(frame if frame is None else frame[:, ever] for frame in asked))
-
-
-def any_bit(rows):
-    """Flags (n,) of the columns of rows (n_rows, n) in which any bit is set, that of minus zero included."""
-    return np.bitwise_or.reduce(rows.view(f"u{rows.itemsize}"), axis=0) > 0
-
-
-class _Frames:
-    """A field of a History, (n_times, n_joints), computed on first access: studies never use it for most runs."""
-
-    def __set_name__(self, owner, name):
-        self._name = name
-
-    def __get__(self, history, owner=None):
-        if history is None:
-            raise AttributeError(self._name)  # the field has no default
-        held = vars(history)
-        if callable(held[self._name]):
-            held[self._name] = held[self._name]()
-        return held[self._name]
-
-    def __set__(self, history, value):
-        vars(history)[self._name] = value
+def _at_all_joints(name):
+    """Property of a History: a field of its Contacts at all joints, made on first use, which most runs never see."""
+    return cached_property(lambda history: history.contacts.at_all_joints(name, len(history.joints)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,19 +37,19 @@ class History:
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
     (settlement, motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
-    opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape; offset_m: the same of
-    the offsets, None in a file that has none (schema versions 1 and 2).
+    contacts: samples of the active contact points; opening_m, slip_m, offset_m: those of all, (n_times, n_joints);
+    broken, at_limit, crushed, ended: bool of that shape.
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad]; stress_pa: (n_snapshots,
     n_bodies, 5, 3) along x, along z and shear at the centre and the corners of each brick, None where bricks are rigid.
     supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
-    (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
+    (n_times, n_supports, 3).
     joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of each contact point,
     None without `--stresses`; point_displacement: (n_times, n_points, 2) along x and z of the material `points` [m],
-    None without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force), None
-    before schema version 8.
+    None without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force).
     static: results of the static stage; parameters: everything that defined the run, as stored in the file; `loading`,
     `model` and `masonry_wall` return most of it as records; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
+    heard: what `damage.run` gave as warnings while it ran, texts with codes; none of a file.
     """
 
     path: Path
@@ -125,22 +66,25 @@ class History:
     bodies: pd.DataFrame
     series: pd.DataFrame
     events: pd.DataFrame
-    opening_m: np.ndarray = _Frames()
-    slip_m: np.ndarray = _Frames()
-    broken: np.ndarray = _Frames()
-    at_limit: np.ndarray = _Frames()
-    crushed: np.ndarray = _Frames()
-    ended: np.ndarray = _Frames()
+    contacts: Contacts
+    supports: pd.DataFrame
+    support_displacement: np.ndarray
+    support_force: np.ndarray
+    static_stage: pd.DataFrame
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
-    offset_m: np.ndarray | None = _Frames()
-    supports: pd.DataFrame | None = None
-    support_displacement: np.ndarray | None = None
-    support_force: np.ndarray | None = None
     stress_pa: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
     point_displacement: np.ndarray | None = None
-    static_stage: pd.DataFrame | None = None
+    heard: tuple = ()
+
+    opening_m: ClassVar = _at_all_joints("opening_m")
+    slip_m: ClassVar = _at_all_joints("slip_m")
+    offset_m: ClassVar = _at_all_joints("offset_m")
+    broken: ClassVar = _at_all_joints("broken")
+    at_limit: ClassVar = _at_all_joints("at_limit")
+    crushed: ClassVar = _at_all_joints("crushed")
+    ended: ClassVar = _at_all_joints("ended")
 
     def __repr__(self):
         return f"<History {self.wall}, {self.loading.name}, {self.solver} solver: {_end_of(self)}>"
@@ -157,11 +101,6 @@ class History:
         cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
         return f"<table><caption>History</caption>{cells}</table>"
 
-    def plot_wall(self, ax, t="max", **options):
-        """Draw the wall with its cracks at a time t [s], or "max" (of the damage index) or "end", into axes of a
-        figure of yours: `damage.draw.run.plot_wall`."""
-        return import_module("damage.draw.run").plot_wall(self, ax, t, **options)
-
     @property
     def complete(self):
         """Whether the run came to its end (a collapse is an end, too)."""
@@ -174,19 +113,8 @@ class History:
 
     @cached_property
     def model(self):
-        """ModelOptions of the run; options that are newer than the file have their defaults.  The removed option is
-        `joint_normals`."""
-        chosen = self.parameters.get("model", {})
-        return record_from(ModelOptions, {name: value for name, value in chosen.items() if name != "joints"})
-
-    @cached_property
-    def joint_normals(self):
-        """"face": a contact's normal is that of its face; "centres": the line between the centres of two cells, as YADE
-        had it before version 0.2, whose files name no software."""
-        then = "centres" if self.solver == "yade" and "masonry-damage" not in self.versions else "face"
-        found = self.parameters.get("model", {}).get("joints", then)
-        check_choice("joints", found, ("face", "centres"))
-        return found
+        """ModelOptions of the run."""
+        return record_from(ModelOptions, self.parameters.get("model", {}))
 
     @cached_property
     def masonry_wall(self):
@@ -228,12 +156,12 @@ class History:
 
     @property
     def time_step_s(self):
-        """Time step of the solver [s], None where an old file lacks it."""
+        """Time step of the solver [s]."""
         return self.parameters.get("time_step_s")
 
     @property
     def eigen_period_s(self):
-        """First period of the intact wall by its eigenvalues [s], None where an old file lacks it."""
+        """First period of the intact wall by its eigenvalues [s]."""
         return self.parameters.get("eigen_period_s")
 
     @property
@@ -241,17 +169,12 @@ class History:
         """The series without the settling stages."""
         return schema.moving(self.series)
 
-    def judged_by(self, slip):
-        """Slip criterion that is applied for a requested one: `accumulated` in place of `displacement` where the file
-        has no offsets."""
-        return "accumulated" if slip == "displacement" and self.active.offset_m is None else slip
-
     def slip_by(self, slip):
         """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that by `displacement`."""
-        return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
+        return self.slip_m if slip == "accumulated" else self.offset_m
 
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
-        """The damage index over time: `damage.index.damage_index` of this run, by the criterion `judged_by(slip)`."""
+        """The damage index over time: `damage.index.damage_index` of this run, by this criterion of slip."""
         asked = threshold, drift_limit, slip
         if asked not in self._indices:
             active = self.active
@@ -264,41 +187,18 @@ class History:
 
     @cached_property
     def active(self):
-        """ActiveContacts of the run; most contact points stay inactive, so that measures are computed from these
-        only."""
-        return self._of_all(ActiveContacts)
-
-    @property
-    def told(self):
-        """Alias of `active`, its earlier name."""
-        return self.active
+        """The Contacts that ever opened, slipped or reached their shear limit: measures need no others."""
+        return self.contacts.with_any("opening_m", "slip_m", "offset_m", "at_limit")
 
     @cached_property
     def states(self):
-        """The States of contact points."""
-        return self._of_all(States)
-
-    def _of_all(self, kind):
-        return _sparse(kind, np.arange(len(self.joints)), {name: getattr(self, name) for name in kind._fields[1:]})
+        """The Contacts that ever were in another state than intact."""
+        return self.contacts.with_any("state")
 
     @property
     def is_intact(self):
         """Whether no joint ever failed or reached its shear limit."""
         return not bool(self.states.broken.any() or self.states.at_limit.any())
-
-    # What follows is of packages that come after this one in the order of imports.
-
-    @cached_property
-    def warnings(self):
-        """Conditions under which the results are doubtful, a list of str with a `code` (`damage.measure.warnings`)."""
-        return import_module("damage.measure.warnings").warnings_of(self)
-
-    @property
-    def evidence(self):
-        """The range of validity (`docs/model/validity.md`), a DataFrame, a row a quantity: value, least, most, unit and
-        whether this run is inside, None where the quantity does not apply."""
-        evidence = import_module("damage.measure.summary").summarise(self)["evidence"]
-        return pd.DataFrame(evidence).T.rename_axis("quantity")
 
     @cached_property
     def _indices(self):
@@ -309,43 +209,21 @@ class History:
 def read_history(path):
     """Read the history at `path`, also while a run writes it, or after a run was killed.
 
-    Raises InputError where the file is missing, is not a history, has a newer schema, was changed after its run closed
-    it, or holds impossible values.
+    Raises InputError where the file is missing, is not a history, has another schema, or was changed after its run
+    closed it.
     """
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
-    read = partial(_read, head)
-    if head is None or not head.sealed:
-        return apart(path, read)
-    check_seal(path, head)
-    with bounded() as believe:
-        return read(path, believe)
-
-
-def _read(head, path, believe):
-    """The History of a file with this Head; believe: as of `apart`."""
+    if head.sealed:
+        check_seal(path, head)
     try:
         with opened(path) as file:
-            version = _schema_version(file, path, head)
-            believe(check_structure(file))
             # What is open has no end yet, whatever it says of itself.
-            history = history_of(path, dict(file["run"].attrs), file, version, ended=not head or head.sealed)
-        if head and head != replace(head, **head_of(history.solver, history.versions)):
-            raise InputError("its head names another software or model than the rest of it")
-        return checked(history)
-    except InputError as error:
-        raise error if str(path) in str(error) else _unreadable(path, error) from None
+            return history_of(path, dict(file["run"].attrs), file, ended=head.sealed)
+    except InputError:
+        raise
     except Exception as error:  # a damaged file may say anything
         raise _unreadable(path, error) from error
-
-
-def checked(history):
-    """The History after the checks of its values; raises InputError for impossible ones."""
-    check_values(history)
-    check_parameters(history.parameters)
-    # Parameters that make no sense are a fault of the file, reported here and not in the midst of a command.
-    _ = history.loading.as_dict(), history.model, history.joint_normals, history.masonry_wall
-    return history
 
 
 def _unreadable(path, error):
@@ -354,88 +232,49 @@ def _unreadable(path, error):
 
 
 def opened(path):
-    """The HDF5 file of a history, open for reading."""
-    return h5py.File(path, "r", libver="latest", swmr=_is_growing(path))
+    """The HDF5 file of a history, open for reading, also while a run writes it or after it was killed."""
+    return h5py.File(path, "r", libver="latest", swmr=not read_head(path).sealed)
 
 
-def _is_growing(path):
-    """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  Read in this mode, a damaged
-    finished file would make HDF5 wait for ever."""
-    with Path(path).open("rb") as file:
-        block = file.read(HEAD_BYTES + 12)
-    start = 0 if block.startswith(HDF5) else HEAD_BYTES
-    return block[start + 11:start + 12] >= b"\4"  # of its consistency flags that of a single writer with many readers
-
-
-def _schema_version(file, path, head):
-    name = file.attrs.get("schema")
-    if not (isinstance(name, str) and name == schema.SCHEMA):
-        raise InputError(f"{path} is no history of this software (its schema is {name!r}, expected {schema.SCHEMA!r})")
-    version = int(file.attrs["schema_version"])
-    if (head.version if head else 1) != version:
-        raise InputError(f"its head names another schema version than {version}, which the rest of it has")
-    return version
-
-
-def history_of(path, attributes, values, version=schema.SCHEMA_VERSION, ended=True, joints=None):
-    """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or dataset}.
-
-    joints: where the frames are of some joints alone, their indices (n,), increasing; all others are inactive, and
-    dense frames are made on first use.
-    """
-    columns = schema.columns_of(version)
-    n_times = _whole_rows(values, columns, "series", "frames", "ground", "stresses", "points")
-    n_snapshots = _whole_rows(values, columns, "snapshots")
-    optional = {"support_displacement": ("ground/displacement", n_times), "support_force": ("ground/force", n_times),
-                "stress_pa": ("snapshots/stress_pa", n_snapshots),
+def history_of(path, attributes, values, ended=True):
+    """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or dataset}."""
+    n_times = _whole_rows(values, "series", "frames", "ground", "stresses", "points")
+    n_snapshots = _whole_rows(values, "snapshots")
+    optional = {"stress_pa": ("snapshots/stress_pa", n_snapshots),
                 "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
                 "point_displacement": ("points/displacement", n_times)}
-    table = _columns(values, "joints")
-    frames = _frames(values, columns, n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
-    history = History(
+    return History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
         status=schema.STATUS[int(values["run/status"][()]) if ended else 0],
         collapsed_at_s=None if np.isnan(collapsed) else collapsed,
         parameters=json.loads(attributes["parameters_json"]), versions=json.loads(attributes["versions_json"]),
         static={name: float(values[f"static/{name}"][()]) for name in sorted(schema.TABLES["static"])},
-        attributes=attributes, joints=_decode(table, "kind", schema.CODES["joints/kind"]),
+        attributes=attributes, joints=_decode(_columns(values, "joints"), "kind", schema.CODES["joints/kind"]),
         bodies=_columns(values, "bodies"),
         series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
-        events=_decode(_columns(values, "events", _whole_rows(values, columns, "events")), "kind", schema.EVENTS),
+        events=_decode(_columns(values, "events", _whole_rows(values, "events")), "kind", schema.EVENTS),
         snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
         displacement=values["snapshots/displacement"][:n_snapshots],
-        **{field: values[path][:count] for field, (path, count) in optional.items()
-           if path in columns and path in values},
-        supports=_columns(values, "supports") if "supports/left_m" in columns else None,
-        static_stage=_columns(values, "static_stage", _whole_rows(values, columns, "static_stage"))
-        if "static_stage/time_s" in columns else None,
-        **(frames if joints is None else
-           {name: partial(at_all_joints, rows, joints, len(table)) for name, rows in frames.items()}))
-    if joints is not None:  # as its cached properties would compute it from dense frames
-        vars(history).update(active=_sparse(ActiveContacts, joints, frames), states=_sparse(States, joints, frames))
-    return history
+        **{field: values[path][:count] for field, (path, count) in optional.items() if path in values},
+        supports=_columns(values, "supports"), support_displacement=values["ground/displacement"][:n_times],
+        support_force=values["ground/force"][:n_times],
+        static_stage=_columns(values, "static_stage", _whole_rows(values, "static_stage")),
+        contacts=_contacts(values, n_times))
 
 
-def _whole_rows(values, columns, *groups):
+def _whole_rows(values, *groups):
     """Number of rows of groups: a killed run may have flushed one column more often than another."""
-    return min(len(values[path]) for path in columns if path.partition("/")[0] in groups and path in values)
+    return min(len(values[path]) for path in schema.COLUMNS if path.partition("/")[0] in groups and path in values)
 
 
-def _frames(values, columns, n_times):
-    """{field of a History: its frames}, offsets None where a file has none."""
-    state = values["frames/state"][:n_times]
-    found = {name: values[f"frames/{name}"][:n_times] if f"frames/{name}" in columns else None
-            for name in ("opening_m", "slip_m", "offset_m")}
-    return found | {name: (state & bit) > 0 for name, bit in (
-        ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED), ("ended", ENDED))}
-
-
-def at_all_joints(sparse, joints, n_joints):
-    """Dense frames (n_times, n_joints) from those of some joints alone (n_times, n)."""
-    rows = np.zeros((len(sparse), n_joints), sparse.dtype)
-    rows[:, joints] = sparse
-    return rows
+def _contacts(values, n_times):
+    """The Contacts by increasing joints; columns of the file are in the order in which these became active."""
+    frames = [values[f"frames/{name}"] for name in schema.FRAMES]
+    n = min(len(values["active/joint"]), *(rows.shape[1] for rows in frames))
+    joints = values["active/joint"][:n].astype(int)
+    order = np.argsort(joints)
+    return Contacts(joints[order], *(np.take(rows[:n_times, :n], order, axis=1) for rows in frames))
 
 
 def _number_shocks(series):
@@ -447,10 +286,7 @@ def _number_shocks(series):
 
 def _columns(values, group, n_rows=None):
     """Columns of a group that the schema names, as a DataFrame."""
-    names = sorted(schema.TABLES[group])
-    found = {name: values[f"{group}/{name}"][:n_rows] for name in names if f"{group}/{name}" in values}
-    rows = range(len(next(iter(found.values()))))
-    return pd.DataFrame({name: found.get(name, np.nan) for name in names}, index=rows)
+    return pd.DataFrame({name: values[f"{group}/{name}"][:n_rows] for name in sorted(schema.TABLES[group])})
 
 
 def _decode(frame, column, names):

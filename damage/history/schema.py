@@ -6,30 +6,25 @@ from inspect import signature
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 8
-"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints that crush, 4 no
-supports and no joints that end, 5 no stresses, 6 no settlement and no state of the solver, 7 no stresses of joints, no
-material points and no course of the static stage."""
+SCHEMA_VERSION = 9
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling", "settlement")
 EVENTS = ("tension", "shear", "opened", "slipped")
 
 
 class Column(NamedTuple):
-    """A column of a table or a dataset of a file; dtype: kind of number in the file, of any size; since: the first
-    schema version that has it."""
+    """A column of a table or a dataset of a file; dtype: kind of number in the file."""
 
     unit: str
     meaning: str
     dtype: str = "f8"
-    since: int = 1
 
 
 def each(columns):
     """{name: Column} from {"name, name": Column}, each with its own unit.
 
     >>> each({"period_s, amplitude_g": Column("s, g", "of a motion")})["amplitude_g"]
-    Column(unit='g', meaning='of a motion', dtype='f8', since=1)
+    Column(unit='g', meaning='of a motion', dtype='f8')
     """
     found = {}
     for several, column in columns.items():
@@ -90,8 +85,8 @@ BODIES = {
                      "a beam, -4 for a brick of an arch, -5 for a party wall", "i8"),
 }
 SUPPORTS = {
-    "left_m": Column("m", "of the part of the base that it carries", since=5),
-    "right_m": Column("m", "the same", since=5),
+    "left_m": Column("m", "of the part of the base that it carries"),
+    "right_m": Column("m", "the same"),
 }
 SERIES = {
     "stage": Column("code", "motion, rest, settling (local damping 0.7), settlement of the ground before the first "
@@ -103,9 +98,9 @@ SERIES = {
     "drift_ratio": Column("1", "top displacement over the height of these bricks' centres; where the ground moves, "
                           "without the rigid motion of the base course"),
     "base_translation_m": Column("m", "mean horizontal displacement of the base course; NaN where the ground does not "
-                                 "move", since=7),
+                                 "move"),
     "base_rotation_rad": Column("rad", "rotation of the base course from x towards z, least squares; NaN where the "
-                                "ground does not move", since=7),
+                                "ground does not move"),
     "base_shear_n": Column("N", "horizontal force of the wall on the ground, positive with positive drift"),
     "top_force_n": Column("N", "force that moves the top in a pushover, zero before it; NaN in dynamics"),
     "kinetic_energy_j": Column("J", "stored, in all, with that of deformable bricks' strain modes"),
@@ -118,13 +113,17 @@ SERIES = {
     "damping_energy_j": Column("J", "taken by damping; in YADE's settling stages, and while it pushes the top, "
                                     "inferred from the balance"),
 }
+ACTIVE = {
+    "joint": Column("index of joints", "contact points in the order in which they became active: row k is of column k "
+                    "of `frames`", "i4"),
+}
 FRAMES = {
     "opening_m": Column("m", "inelastic opening: past the broken bond, or what a softened one has given way; 0 while "
                              "closed or intact; of the faces as crushing has left them", "f4"),
     "slip_m": Column("m", "signed plastic slip of the closed contact, frozen while open, 0 while intact: the slip "
                           "`accumulated`", "f4"),
     "offset_m": Column("m", "signed offset of the two faces now, along the joint, less its elastic part (none while "
-                            "open), 0 while intact: the slip by `displacement`", "f4", since=3),
+                            "open), 0 while intact: the slip by `displacement`", "f4"),
     "state": Column("bits: 1 broken, 2 has been at the shear limit, 4 has been crushed, 8 has ended", "1: the bond "
                     "has failed; 2: has failed in shear or slid, ever; 4: has been pressed to its compressive "
                     "strength and has closed for good, ever; 8: its faces have ceased to overlap: it has no forces any "
@@ -132,9 +131,8 @@ FRAMES = {
 }
 GROUND = {
     "displacement": Column("m, m, rad", "of the middle of the part of the base that each support carries, since the "
-                           "end of the static stage; in the frame of the base's acceleration", "f4", since=5),
-    "force": Column("N, N, N m", "of the wall on each support along x and z, and moment about that middle", "f4",
-                    since=5),
+                           "end of the static stage; in the frame of the base's acceleration", "f4"),
+    "force": Column("N, N, N m", "of the wall on each support along x and z, and moment about that middle", "f4"),
 }
 EVENT_COLUMNS = {
     "time_s": Column("s", "negative in the static stage"),
@@ -151,50 +149,38 @@ SNAPSHOTS = {
                            "f4"),
     "stress_pa": Column("Pa", "only of deformable bricks: along x, along z, shear, in the brick's axes, tension "
                         "positive, weight included; at the centre and at the corners, counter-clockwise from the lower "
-                        "left; zero of caps", "f4", since=6),
+                        "left; zero of caps", "f4"),
 }
 STRESSES = {
     "joint_stress_pa": Column("Pa", "only with `--stresses`: normal stress, tension positive, and shear stress, signed "
-                              "as `slip_m`, of each contact point: its force over its area", "f4", since=8),
+                              "as `slip_m`, of each contact point: its force over its area", "f4"),
 }
 POINTS = {
     "displacement": Column("m", "only with `--point`: of each material point, in the order of the run's parameter "
-                           "`points`, along x and z since the end of the static stage", since=8),
+                           "`points`, along x and z since the end of the static stage"),
 }
 STATIC_STAGE = {
-    "time_s": Column("s", "since the start of the static stage, every 500 steps", since=8),
+    "time_s": Column("s", "since the start of the static stage, every 500 steps"),
     "unbalanced_force": Column("1", "mean resultant on a body over mean contact force, the solve ratio of UDEC and "
-                               "YADE: the stage ends below 1e-5", since=8),
+                               "YADE: the stage ends below 1e-5"),
 }
 STATE = "state/solver"
 STATE_COLUMN = Column("bytes", "NumPy archive of the solver's own tables at the end of a complete run, with which "
                       "another run continues; empty where there is none; its content belongs to one version of the "
-                      "model's code", "u1", since=7)
+                      "model's code", "u1")
 OPTIONAL = {"snapshots/stress_pa", "stresses/joint_stress_pa", "points/displacement"}
 """Datasets that only some runs have."""
-GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS,
-           "stresses": STRESSES, "points": POINTS, "static_stage": STATIC_STAGE}
+GROWING = {"series": SERIES, "active": ACTIVE, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS,
+           "snapshots": SNAPSHOTS, "stresses": STRESSES, "points": POINTS, "static_stage": STATIC_STAGE}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
 RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
        "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
 COLUMNS = {f"{group}/{name}": column for group, columns in {"run": RUN, **TABLES}.items()
            for name, column in columns.items()}
-
-
-def columns_of(version):
-    """COLUMNS as a file of a schema version has them."""
-    return {path: column for path, column in COLUMNS.items() if column.since <= version}
-
-
-def codes_of(version):
-    """CODES as a file of a schema version has them."""
-    return CODES | ({} if version >= 4 else {"joints/kind": ("bed", "head")}) | (
-        {} if version >= 7 else {"series/stage": ("motion", "rest", "settling")})
-
-
 SHAPES = {"run": (), "static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
-          "series": ("samples",), "frames": ("samples", "joints"), "ground": ("samples", "supports", 3),
+          "series": ("samples",), "active": ("active",), "frames": ("samples", "active"),
+          "ground": ("samples", "supports", 3),
           "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3),
           "snapshots/stress_pa": ("snapshots", "bodies", 5, 3), "stresses": ("samples", "joints", 2),
           "points": ("samples", "points", 2), "static_stage": ("looks",)}

@@ -12,10 +12,8 @@ import platform
 import re
 import shutil
 import sys
-import zlib
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from functools import cache
 from pathlib import Path
 
 import h5py
@@ -32,6 +30,7 @@ from damage.provenance import shown_command
 
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
 _LEVEL = 2  # of gzip
+_COLUMNS = 64  # of a chunk, where columns are added as contact points become active
 _LEFT_OPEN = []  # writers whose file could not be written: closing it would write again, and tear what is whole
 
 
@@ -87,8 +86,15 @@ class File:
         count_of = dict(zip(schema.GROWING, counts))
         with self._writing():
             for path, dataset in self._growing.items():
-                _copy(dataset, file[path], count_of[path.partition("/")[0]])
+                group = path.partition("/")[0]
+                _copy(dataset, file[path], count_of[group])
+                if group == "frames":  # later samples had more
+                    dataset.resize(count_of["active"], axis=1)
             self._file.flush()
+
+    def active(self):
+        """The contact points that are active, in that order."""
+        return self._growing["active/joint"][:].tolist()
 
     def keep_state(self, state):
         with self._writing():
@@ -146,7 +152,7 @@ class HistoryWriter(Buffer):
     def of(cls, layout, file):
         """The writer that continues a File."""
         writer = cls.__new__(cls)
-        super(HistoryWriter, writer).__init__(layout, file)
+        super(HistoryWriter, writer).__init__(layout, file, active=file.active())
         writer.file = file
         return writer
 
@@ -251,11 +257,12 @@ def layout_tables(layout):
 
 
 def growing_columns(layout, parameters):
-    """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these parameters."""
+    """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these parameters; rows of
+    frames begin without active contact points."""
     kept = {"snapshots/stress_pa": layout.strain is not None, "stresses/joint_stress_pa": parameters.get("stresses"),
             "points/displacement": parameters.get("points")}
     sizes = {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
-             "points": len(parameters.get("points", ()))}
+             "active": 0, "points": len(parameters.get("points", ()))}
     found = {}
     for path, column in schema.COLUMNS.items():
         group = path.partition("/")[0]
@@ -267,14 +274,16 @@ def growing_columns(layout, parameters):
 
 def _create_growing(file, layout, parameters):
     """Empty datasets, {"GROUP/NAME": dataset}; parameters: of the run."""
-    chunks = {"events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
+    chunks = {"active": 1024, "events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     for group in schema.GROWING:
         file.create_group(group)
-    made = {}
+    made, columns = {}, min(_COLUMNS, layout.n_joints)
     for path, (column, shape) in growing_columns(layout, parameters).items():
+        rows = chunks.get(path.partition("/")[0], CHUNK)
         made[path] = file.create_dataset(
-            path, shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype, compression="gzip",
-            compression_opts=_LEVEL, shuffle=True, chunks=(chunks.get(path.partition("/")[0], CHUNK), *shape))
+            path, shape=(0, *shape), maxshape=(None, *(size or layout.n_joints for size in shape)), dtype=column.dtype,
+            compression="gzip", compression_opts=_LEVEL, shuffle=True,
+            chunks=(rows, *(size or columns for size in shape)))
         made[path].attrs["unit"] = column.unit
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
@@ -288,23 +297,7 @@ def _copy(dataset, rows, count):
 
 
 def _extend(dataset, rows):
-    """Append rows; complete chunks are compressed here, as HDF5 would, and bypass its cache."""
-    start = dataset.shape[0]
-    dataset.resize(start + len(rows), axis=0)
-    if start % dataset.chunks[0] == 0 and len(rows) == dataset.chunks[0]:
-        bits = np.bitwise_or.reduce(rows.reshape(-1).view(f"u{rows.itemsize}"))
-        dataset.id.write_direct_chunk((start, *(0,) * (rows.ndim - 1)),
-                                      _packed(rows) if bits else _packed_zeros(rows.shape, rows.dtype))
-    else:
-        dataset[start:] = rows
-
-
-def _packed(rows):
-    """A chunk after the filters of the datasets: shuffle (all first bytes, then all second ones, ...), then gzip."""
-    return zlib.compress(np.ascontiguousarray(rows.reshape(-1).view("u1").reshape(-1, rows.itemsize).T), _LEVEL)
-
-
-@cache
-def _packed_zeros(shape, dtype):
-    """A compressed chunk of zeros, as most are where few joints fail."""
-    return _packed(np.zeros(shape, dtype))
+    """Append rows, which have as many columns as those before, or more."""
+    start = len(dataset)
+    dataset.resize((start + len(rows), *rows.shape[1:]))
+    dataset[start:] = rows

@@ -11,7 +11,7 @@ from damage.errors import InputError
 from damage.html.packing import as_png
 from damage.html.tables import COLUMNS as MEANING
 from damage.html.tables import cell, digits_of
-from damage.measure.columns import read_table, slip_criteria
+from damage.measure.columns import read_table
 from damage.measure.tables import repeated
 from damage.provenance import shown_path
 from damage.studies.definition import load_study
@@ -82,8 +82,7 @@ def study_part(folder, letters):
             "folder": shown_path(folder), "shared": [(name, _cell(points.iloc[0][name], name)[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
             "rows": [_point(row, content, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
-            "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder),
-            "documents": documents(folder)}
+            "figures": figures(folder), "fragility": _fragility(folder), "documents": documents(folder)}
 
 
 def said_first(folder, summary, points):
@@ -103,8 +102,6 @@ def said_first(folder, summary, points):
         lines.append(f"{int(fell.sum())} of {len(summary)} runs collapsed: their maxima are those until then")
     if again := repeated(summary):
         lines.append(f"{again} of {len(summary)} runs were repeated in smaller steps (docs/validation/mass-scaling.md)")
-    if slip_criteria(summary) != ["displacement"]:
-        lines.append("there are runs from before histories had offsets: their slip is judged by accumulated")
     return lines
 
 

@@ -15,7 +15,6 @@ from damage.laboratory.dic import report as dic_report
 from damage.measure.crack_file import patterns_of, read_cracks, write_cracks
 from damage.measure.crack_mapping import describe_level, largest, map_cracks
 from damage.measure.cracks import cracks_at, ends_of, psi, psi_summary
-from damage.measure.warnings import offset_warnings
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -100,7 +99,7 @@ def history_report(history, samples, threshold, drift_limit, psi_from, export):
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
             "max": largest(levels), "run": psi_summary(history, psi_from) | {
-                "psi_from_mm": psi_from / MILLIMETRE}, "notes": offset_warnings(history)}
+                "psi_from_mm": psi_from / MILLIMETRE}, "notes": []}
 
 
 def history_drawn(history, samples, threshold=THRESHOLD):

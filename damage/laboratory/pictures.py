@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import SLIP_LABELS, add_heading, finish, grid, letter
+from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.run import DRIFT_LIMITS_PCT
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, PURPLE, SKY, VERMILLION, save_figures, styled
 from damage.errors import InputError
@@ -41,9 +41,7 @@ def beside_test_picture(histories):
     right.set_xlim(0, 1.05 * (100 * largest))
     letter(left, 0, "envelopes, and loops of cyclic runs" if cyclic else "pushed over")
     letter(right, 1, "damage index")
-    old = any(history.offset_m is None for history in histories)
-    add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}",
-                SLIP_LABELS["accumulated"] if old else "")
+    add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}")
     return finish(figure, handles, columns=2)
 
 

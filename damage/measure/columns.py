@@ -5,7 +5,6 @@ their values, and `damage.studies.tables` the medians and ranges of a point.
 """
 
 import math
-import re
 import warnings
 from dataclasses import fields
 
@@ -16,9 +15,7 @@ from damage.csv_table import from_words
 from damage.errors import InputError
 from damage.files import LONGEST_LINE
 from damage.history.schema import Column
-from damage.index import COMPONENTS, THRESHOLD
-from damage.measure.damage_index import CRITERIA
-from damage.units import MILLIMETRE
+from damage.index import COMPONENTS
 from damage.wall.model_options import ModelOptions
 
 MOST_MB, MOST_CELLS = 500, 2 * 10**7
@@ -34,12 +31,6 @@ def made_by_words(table):
 
 def _model(seeds):
     return {one.name: Column("", one.metadata["help"]) for one in fields(ModelOptions) if one.metadata["seed"] == seeds}
-
-
-def slip_criteria(table):
-    """Slip criteria of the columns whose names contain none, a list of str: several where rows of the table differ."""
-    criteria = "; ".join(table["slip"].dropna()) if "slip" in table else ""
-    return sorted(set(criteria.split("; ")), reverse=True) if criteria else ["displacement"]
 
 
 PARAMETERS = {
@@ -70,16 +61,13 @@ PARAMETERS = {
     "shocks": Column("1", "how many, of a sequence"),
     "motion_duration_s, rest_s": Column("s", "of the base's motion, and of the free vibration after it"),
     **_model(seeds=False),
-    "joints": Column("", "face: joints keep their face's normal; centres: they lean with the centres of cells, in YADE "
-                     "before 0.2"),
     "alpha_1_s, beta_s": Column("1/s, s", "damping proportional to mass, and to stiffness"),
     "perturb_m": Column("m", "size of the bricks' random offsets"),
     "scatter": Column("1", "coefficient of variation of the strengths, by which the members of an ensemble differ"),
     "mode_i_fracture_energy_j_m2, mode_ii_fracture_energy_j_m2": Column("J/m2", "of the joints, 0 where brittle"),
     "time_step_s": Column("s", "of the solver, in points.csv that of the first run"),
     "eigen_period_s": Column("s", "first period of the intact wall, by its eigenvalues"),
-    "slip": Column("", "criterion of slip in the columns that name none, cracks and Psi included: displacement, or "
-                   "accumulated of a history without offsets"),
+    "slip": Column("", "criterion of slip in the columns that name none, cracks and Psi included"),
     "psi_from_mm": Column("mm", "width from which a crack counts in crack widths and Psi"),
     "total_joint_length_m": Column("m", "of all contact points, bricks' cuts left out"),
     "elastic_joint_share": Column("1", "length of joints that are elastic by `lintel` and cannot fail, over the length "
@@ -103,7 +91,7 @@ RUN = {
 }
 """{names: Column} of the parameters that differ between the runs of a point, and of their end."""
 MADE_BY = {
-    "software": Column("", "version of this software, `unknown` of a run before 0.2"),
+    "software": Column("", "version of this software"),
     "commit": Column("", "of its repository; `changed` where the tree differed"),
     "model_digest": Column("", "of the code of the model in this solver: runs with equal ones can be compared"),
     "measures_digest": Column("", "of the code of index and measures, which made the row: rows with equal ones can be "
@@ -126,42 +114,6 @@ def bounds_of(name):
     return (0.0 if is_size else -math.inf), math.inf
 
 
-def one_spelling(table):
-    """The table (DataFrame) with the column names of this version: older ones had max_DI_shear_limit.
-
-    >>> import pandas as pd
-    >>> list(one_spelling(pd.DataFrame(columns=["max_DI_slip_shear_limit", "DI_shear_limit"])))
-    ['max_shear_limit_DI_slip', 'shear_limit_DI']
-    """
-    return table.rename(columns=lambda name: re.sub(r"(DI|DI_slip)_shear_limit$", r"shear_limit_\1", name))
-
-
-def before_offsets(table):
-    """The table (DataFrame) with its rows of older versions marked, whose histories had no offsets.
-
-    In these rows slip was accumulated and cracks counted from 0.1 mm.  They get `slip` and `psi_from_mm` accordingly,
-    and copies of their index in the columns of `accumulated`.
-
-    >>> import pandas as pd
-    >>> old = before_offsets(pd.DataFrame({"slip": ["displacement"], "max_DI": [0.2], "max_psi": [1.5]}))
-    >>> old.to_dict("records")
-    [{'slip': 'accumulated', 'max_DI': 0.2, 'max_psi': 1.5, 'max_accumulated_DI': 0.2, 'psi_from_mm': 0.1}]
-    """
-    by = {name: f"{kind}{CRITERIA['accumulated']}{rest}" for name in table
-          for kind, rest in re.findall(r"^((?:cumulative_)?max_|residual_|)(DI(?:_drift|_open|_slip)?(?:_min|_max)?)$",
-                                       name)}
-    if not by:
-        return table
-    lacking = table.reindex(columns=list(by.values())).isna().all(axis=1)
-    old = lacking & table[list(by)].notna().any(axis=1) if set(by.values()) & set(table) else lacking
-    if not old.any():
-        return table
-    then = table[list(by)].rename(columns=by).assign(slip="accumulated")
-    if "max_psi" in table:
-        then["psi_from_mm"] = THRESHOLD / MILLIMETRE
-    return table.assign(**{name: table.get(name, values).where(~old, values) for name, values in then.items()})
-
-
 def _read_csv(path):
     """A CSV file as a DataFrame; raises ValueError where it is too large, or a row is longer than the header."""
     path = check_file(path, "a CSV file of a study", MOST_MB)
@@ -181,13 +133,13 @@ def _read_csv(path):
 
 
 def read_table(path, needed=()):
-    """A table of a study as a DataFrame, older versions converted (`one_spelling`, `before_offsets`).
+    """A table of a study as a DataFrame.
 
     needed: names of columns.  Only an empty cell is missing; "none" is text.  Raises InputError where the file cannot
     be read or lacks a needed column.
     """
     try:
-        table = before_offsets(one_spelling(from_words(_read_csv(path))))
+        table = from_words(_read_csv(path))
     except (OSError, ValueError) as error:  # of the file, or of its text
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
                          "study, run it again with ./run_all.sh") from error

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.moments import BREAKS, STATES, check_samples, common_slip, state_codes
+from damage.history.moments import BREAKS, STATES, check_samples, state_codes
 from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
 from damage.measure.summary import summarise
@@ -57,7 +57,7 @@ def compare(first, others):
 
     first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed", "agrees"}} of the
     measures of TOLERANCES.  drift, joints: `compare_drift` and `compare_joints` with the first of the others; so are
-    those of COMPARISONS, by their names.  slip: criterion of DI, `common_slip`.  agrees: whether all
+    those of COMPARISONS, by their names.  slip: criterion of DI.  agrees: whether all
     figures and the drift agree.
 
     Raises InputError where a history has no sample, they are of different walls, or some have a motion and some, as of
@@ -76,23 +76,20 @@ def compare(first, others):
     drift = compare_drift(first, others[0])
     judged = [row["agrees"] for row in (*numbers.values(), drift) if row["agrees"] is not None]
     return {"first": str(first.path), "others": [str(other.path) for other in others],
-            "slip": common_slip(first, *others), "figures": numbers,
+            "slip": "displacement", "figures": numbers,
             "drift": drift, "joints": compare_joints(first, others[0]),
             **{name: one.compare(first, others[0]) for name, one in COMPARISONS.items()},
             "agrees": all(judged)}
 
 
-def numbers_of(history, slip="displacement"):
-    """{measure of TOLERANCES: value} of a History, None where a measure does not apply; slip: criterion of DI.
-
-    Psi has offsets where the history has them: it applies where the criterion is that, too.
-    """
-    summary = summarise(history, slip=slip)
+def numbers_of(history):
+    """{measure of TOLERANCES: value} of a History, None where a measure does not apply."""
+    summary = summarise(history)
     return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
             "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
             "DI": summary["max"]["DI"], "DI_open": summary["max"]["DI_open"],
             "DI_slip_shear_limit": summary["max_shear_limit"]["DI_slip"],
-            "Psi": summary["max_psi"] if history.judged_by("displacement") == slip else None}
+            "Psi": summary["max_psi"]}
 
 
 def cycle_length(series):
@@ -104,8 +101,7 @@ def cycle_length(series):
 
 
 def _compare_numbers(first, others):
-    slip = common_slip(first, *others)
-    mine, theirs = numbers_of(first, slip), [numbers_of(other, slip) for other in others]
+    mine, theirs = numbers_of(first), [numbers_of(other) for other in others]
     rows = {}
     for name in TOLERANCES:
         values = [numbers[name] for numbers in theirs]
@@ -238,8 +234,6 @@ def cohens_kappa(here, there):
 def describe(result):
     """The result of `compare` as text, a line each for people."""
     lines = [f"first:  {result['first']}", *(f"others: {path}" for path in result["others"]),
-             *([] if result["slip"] == "displacement" else
-               ["slip in DI and in visible joints: accumulated, since not all histories have offsets"]),
              f"{'':22s}{'first':>12s}{'median':>12s}{'range':>26s}{'allowed':>12s}"]
     for name, row in result["figures"].items():
         low, high = row["range"]

@@ -20,8 +20,7 @@ from damage.measure.tables import write_table
 CRITERION_WORDS = {"": "", "accumulated_": ", slip accumulated", "shear_limit_": ", slip by the shear limit"}
 COMPONENT_WORDS = {"DI": "damage index", "DI_drift": "of it by drift", "DI_open": "of it by opened joints",
                    "DI_slip": "of it by slipped joints"}
-SLIP = {"slip": Column("", "criterion of slip in the columns that name none: displacement, or accumulated of a history "
-                       "without offsets")}
+SLIP = {"slip": Column("", "criterion of slip in the columns that name none")}
 
 
 def _index(kind="", what=""):
@@ -51,8 +50,8 @@ JOINTS_OF_A_RUN = {
     "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
     "crushed": Column("bool", "whether it had been crushed by then"),
     "ended": Column("bool", "whether it had ended by then, as its faces no longer overlapped"),
-    "final_offset_m": Column("m", "offset of the faces at the last sample, signed; empty of a history without offsets"),
-    "max_abs_offset_m": Column("m", "largest absolute offset of all samples; empty of a history without offsets")}
+    "final_offset_m": Column("m", "offset of the faces at the last sample, signed"),
+    "max_abs_offset_m": Column("m", "largest absolute offset of all samples")}
 _SPAN = {"start_s": Column("s", "its start"), "end_s": Column("s", "its end")}
 CYCLES = {
     "shock": Column("1", "number of the shock, from 1"), "cycle": Column("1", "number within the shock, from 1"),

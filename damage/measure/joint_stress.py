@@ -167,7 +167,7 @@ def joint_history(history, joint):
         "time_s": history.series["time_s"].to_numpy(), "stage": history.series["stage"].astype(str),
         "normal_stress_pa": normal, "shear_stress_pa": shear, "opening_m": history.opening_m[:, row],
         "slip_m": history.slip_m[:, row],
-        "offset_m": np.nan if history.offset_m is None else history.offset_m[:, row],
+        "offset_m": history.offset_m[:, row],
         "broken": history.broken[:, row], "at_shear_limit": history.at_limit[:, row]})
 
 

@@ -1,8 +1,7 @@
 """Joints of a run: largest motions of their faces, and how many failed, crushed, split and ended.
 
 A joint ends, and transmits no force, from when its two faces cease to overlap.  The reference solver creates contacts
-once: it finds no new contacts of a brick that has slid off the face below it.  In histories before schema version 5
-joints kept their forces beyond the overlap.
+once: it finds no new contacts of a brick that has slid off the face below it.
 """
 
 from types import SimpleNamespace
@@ -26,10 +25,10 @@ def slide_limits(joints, bodies):
 def offset_over_overlap(history):
     """Largest ratio of the offset of a contact point to that at which the faces of its joint cease to overlap.
 
-    Returns (ratio [-], row of the contact point, sample), or None for a history without offsets or failed joints.
+    Returns (ratio [-], row of the contact point, sample), or None for a history without failed joints.
     """
     active = history.active
-    if active.offset_m is None or active.offset_m.size == 0:
+    if active.offset_m.size == 0:
         return None
     least, most = (limit[active.joints] for limit in slide_limits(history.joints, history.bodies))
     share = np.maximum(active.offset_m / most, active.offset_m / least)

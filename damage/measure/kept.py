@@ -7,23 +7,18 @@ A pattern file is a NumPy archive with the fields of `Patterns`; its SHA-256 is 
 
 import hashlib
 import io
-import zipfile
-import zlib
 from typing import NamedTuple
 
 import numpy as np
 
 from damage.checks import check_file
-from damage.errors import InputError, one_line
+from damage.errors import InputError
 from damage.files import whole_or_nothing
 from damage.history.moments import nearest_snapshot
 
 START, SETTLED = -1, 0
 """Numbers of the moments before any motion, and at the end of the settlement; events count from 1."""
-FOLDER, ENDING, MOST_MB = "patterns", ".npz", 50
-MOST_MOMENTS = 10_000
-"""Moments of a file: a life at an address has tens of events."""
-_TYPES = {"moment": "<i4", "joints": "<i4", "opening_m": "<f4", "offset_m": "<f4", "displacement": "<f4"}
+FOLDER, ENDING = "patterns", ".npz"
 _REMEDY = "delete it, and the same command makes it again"
 
 
@@ -75,46 +70,13 @@ def write_patterns(patterns, path):
     return hashlib.sha256(content.getvalue()).hexdigest()
 
 
-def read_patterns(path, sha256, layout):
-    """The Patterns of a file; raises InputError.
-
-    sha256: of its bytes, as the record of the run has it; layout: of the wall, whose contact points and bodies say
-    what the file may hold before any of it is unpacked.
-    """
-    path = check_file(path, "the patterns of a run (.npz)", MOST_MB)
+def read_patterns(path, sha256):
+    """The Patterns of a file; sha256: of its bytes, as the record of the run has it.  Raises InputError where the file
+    is missing or has another."""
+    path = check_file(path, "the patterns of a run (.npz)")
     content = path.read_bytes()
     if (found := hashlib.sha256(content).hexdigest()) != sha256:
         raise InputError(f"{path} is not what its run wrote: SHA-256 {found[:12]}, expected {str(sha256)[:12]} by the "
                          f"run's record; {_REMEDY}")
-    try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            _check_shapes({name: _shape_in(archive, name) for name in Patterns._fields}, layout)
-        with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-            patterns = Patterns(*(archive[name] for name in Patterns._fields))
-        if not np.isin(patterns.joints, range(layout.n_joints)).all():
-            raise ValueError("contact points that the wall does not have")
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise InputError(f"{path}: cannot be read as the patterns of a run ({one_line(error)}): "
-                         f"expected what --keep patterns wrote for this wall; {_REMEDY}") from error
-    return patterns
-
-
-def _shape_in(archive, name):
-    """The shape that the head of an array in a ZipFile states; ValueError where its type is another."""
-    with archive.open(f"{name}.npy") as file:
-        if np.lib.format.read_magic(file) != (1, 0):
-            raise ValueError(f"{name} in another version of NumPy's format")
-        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-    if dtype != np.dtype(_TYPES[name]):
-        raise ValueError(f"{name} of the type {dtype}, expected {_TYPES[name]}")
-    return shape
-
-
-def _check_shapes(shape, layout):
-    """Raise ValueError where arrays of shapes {field: shape} cannot be of a wall with this Layout."""
-    n, k = (shape[name][0] if len(shape[name]) == 1 else -1 for name in ("moment", "joints"))
-    if not 0 < n <= MOST_MOMENTS or not 0 <= k <= layout.n_joints:
-        raise ValueError(f"{n} moments and {k} contact points, expected up to {MOST_MOMENTS} and {layout.n_joints}")
-    expected = {"opening_m": (n, k), "offset_m": (n, k), "displacement": (n, len(layout.bodies.x), 3)}
-    if wrong := [name for name, one in expected.items() if shape[name] != one]:
-        raise ValueError(f"{wrong[0]} of shape {shape[wrong[0]]}, expected {expected[wrong[0]]}")
+    with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+        return Patterns(*(archive[name] for name in Patterns._fields))

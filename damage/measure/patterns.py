@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.history.moments import common_slip
 from damage.index import THRESHOLD
 
 WINDOW_M = 0.45
@@ -32,12 +31,11 @@ def compare_patterns(first, second):
 
     broken: scores of the failed contact points; visible: of those that ever opened or slipped by more than 0.1 mm.
     Each is {"fss", "shuffled", "mirrored": scores [-], "tells_sides": whether the score distinguishes left from right},
-    all None where nothing has cracked in either run.  window_m: side of the windows [m]; slip: `common_slip`.
+    all None where nothing has cracked in either run.  window_m: side of the windows [m].
     """
-    slip = common_slip(first, second)
     places, others = places_of(first), places_of(second)
-    return {**{what: places.scores(cracked(first, what, slip), cracked(second, what, slip), others)
-               for what in ("broken", "visible")}, "window_m": WINDOW_M, "slip": slip}
+    return {**{what: places.scores(cracked(first, what), cracked(second, what), others)
+               for what in ("broken", "visible")}, "window_m": WINDOW_M, "slip": "displacement"}
 
 
 def fractions_skill_score(f, g):

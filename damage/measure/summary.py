@@ -1,5 +1,7 @@
 """Summary of a run: all its scalar measures, the JSON of `python3 -m damage index`."""
 
+import pandas as pd
+
 from damage.history.moments import check_samples
 from damage.history.schema import each
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
@@ -45,7 +47,7 @@ def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="di
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
         "record_unit": record_unit(history),
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
-        "slip": history.judged_by(slip), "psi_from_mm": psi_from / MILLIMETRE,
+        "slip": slip, "psi_from_mm": psi_from / MILLIMETRE,
         "total_joint_length_m": float(history.joint_length_m.sum()),
         "elastic_joint_share": elastic.of_all, "elastic_joint_share_above_openings": elastic.above_openings,
         **motion_measures(history), "lost_by_lines": history.loading.lost_by_lines}
@@ -65,9 +67,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
 
     max: maximum of each component over the run, not at one time; residual: the index in the last state of the settling
     stage, or at collapse, None where the run is not complete; max_accumulated, residual_shear_limit and so on: by the
-    other criteria; slip: the criterion in fact used (`History.judged_by`); warnings: conditions under which results are
-    doubtful (`damage.measure.warnings`); evidence: which quantities are inside the range of validity
-    (`damage.measure.evidence`).
+    other criteria; warnings: conditions under which results are doubtful (`damage.measure.warnings`); evidence: which
+    quantities are inside the range of validity (`damage.measure.evidence`).
 
     Raises InputError where the history has no sample.
     """
@@ -76,3 +77,9 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
              for ending in ("", "_accumulated", "_shear_limit") for kind in ("max", "residual")}
     index |= {kind: None for kind in index if kind.startswith("residual") and not history.complete}
     return numbers | index | {"warnings": warnings_of(history)}
+
+
+def evidence_of(history):
+    """The range of validity (`docs/model/validity.md`) of a History, a DataFrame, a row a quantity: value, least, most,
+    unit and whether this run is inside, None where the quantity does not apply."""
+    return pd.DataFrame(summarise(history)["evidence"]).T.rename_axis("quantity")

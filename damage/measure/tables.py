@@ -23,14 +23,14 @@ from damage.history.moments import check_samples
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import bricks_table, has_stresses
-from damage.measure.columns import read_table, slip_criteria
+from damage.measure.columns import read_table
 from damage.measure.cycles import cycles_table, index_by_all, shocks_table
 from damage.measure.damage_index import storeys_table
 from damage.measure.joint_stress import MOMENTS, joint_history, points_table, sections_table, stresses_table
 from damage.measure.summary import flat_summary
 from damage.motion.intensity import APPLIED
 from damage.provenance import measures_digest
-from damage.units import GRAVITY, rounded
+from damage.units import rounded
 
 
 def summary_row(history, run="", point=""):
@@ -46,7 +46,7 @@ def summary_row(history, run="", point=""):
     row |= {key: numbers[key] for key in ("wall", "solver", "motion", "record_unit", "status", "collapsed_at_s")}
     settlement = history.parameters.get("settlement") or {}
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
-    row |= _motion_columns(history, numbers) | asdict(history.model) | {"joints": history.joint_normals}
+    row |= _motion_columns(history, numbers) | asdict(history.model)
     row |= {name: history.parameters.get(name) for name in (
         "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
         "repeated_for", "eigen_period_s")}
@@ -62,8 +62,6 @@ def _motion_columns(history, numbers):
     given = loading.as_dict()
     start, end = given.get("window_s") or (None, None)
     pga_g = loading.pga_g and loading.pga_g * factor
-    if loading.drive.base and loading.pga_g is None:  # an older file: within a sample of it
-        pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
     return {"record": given.get("horizontal", {}).get("record"), "pga_g": pga_g,
             "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor,
             **{name: numbers[name] for name in APPLIED}, "motion_period_s": given.get("period_s"),
@@ -86,7 +84,7 @@ def index_table(history):
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
     others = index_by_all(history).drop(columns=list(COMPONENTS))
-    return table.join(others).assign(slip=history.judged_by("displacement"))
+    return table.join(others).assign(slip="displacement")
 
 
 def events_table(history):
@@ -158,8 +156,7 @@ def write_table(table, path):
 
 
 def describe_table(table):
-    """The summary table as text for people: the index and its components for each run, and the slip criterion where it
-    is not displacement alone."""
+    """The summary table as text for people: the index and its components for each run."""
     columns = {"max_DI": "DI", "max_DI_drift": "drift", "max_DI_open": "open", "max_DI_slip": "slip",
                "residual_DI": "residual"}
     width = max(len("run"), *table["run"].str.len())
@@ -168,8 +165,7 @@ def describe_table(table):
         status = row["status"] + (f", collapsed at {row['collapsed_at_s']:.2f} s"
                                   if pd.notna(row["collapsed_at_s"]) else "")
         lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.3f}" for key in columns) + f"  {status}")
-    judged = slip_criteria(table)
-    return "\n".join(lines + [f"slip by {' and '.join(judged)}"] * (judged != ["displacement"]))
+    return "\n".join(lines)
 
 
 SHOWN = {"max_DI": ("maximum DI", 1.0, "", None), "residual_DI": ("residual DI", 1.0, "", None),

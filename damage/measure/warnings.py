@@ -5,7 +5,7 @@ import numpy as np
 from damage.errors import Warned
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import ENERGY_ERROR, balance_error
-from damage.measure.joints import ended_joints, offset_over_overlap, with_bond
+from damage.measure.joints import ended_joints, with_bond
 from damage.wall.as_built import warn_of_courses, warn_of_slabs
 from damage.wall.lintels import elastic_share, warn_of_share
 
@@ -14,17 +14,16 @@ AT_REST = 1e-5
 
 
 def warnings_of(history):
-    """All warnings of a History, a list of Warned: texts with codes; of one without a sample those of its static
-    stage."""
+    """Conditions under which the results of a History are doubtful, a list of Warned: texts with a `code`; those that
+    `damage.run` gave first.  Of one without a sample: those of its static stage."""
     if len(history.series) == 0:
-        return [Warned("static_stage", text) for text in static_warnings(history)]
+        return [*history.heard, *(Warned("static_stage", text) for text in static_warnings(history))]
     share = elastic_share(history.plan, history.joints, history.bodies)
     found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(balance_error(history)),
-             "no_offsets": offset_warnings(history), "joint_normals": normal_warnings(history),
              "elastic_share": warn_of_share(share), "ended_joints": warn_of_ends(history),
              "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.plan),
              "slabs": warn_of_slabs(history.plan)}
-    return [Warned(code, text) for code, texts in found.items() for text in texts]
+    return [*history.heard, *(Warned(code, text) for code, texts in found.items() for text in texts)]
 
 
 def static_warnings(history):
@@ -49,43 +48,23 @@ def energy_warnings(error):
             "trust this run; give a smaller --dt (docs/model/validity.md, energy balance)"]
 
 
-def offset_warnings(history):
-    """Warning of a History without offsets, a list of str; shown wherever slip by displacement is."""
-    if history.active.offset_m is not None:
-        return []
-    return ["the history has no offsets of its joints (schema version 1 or 2): slip by displacement is judged by "
-            "accumulated, in crack widths and Psi, too; for offsets run the wall again"]
-
-
 def warn_of_ends(history):
-    """Warning of joints that ended or, in histories before schema version 5, slid beyond their faces; a list of str."""
-    ended, slid = ended_joints(history), offset_over_overlap(history)
-    if ended is not None:
-        collide = bool(history.parameters.get("new_contacts"))
-        others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
-                  "the bricks collide as rectangles with rounded corners" if collide else
-                  "bricks find no new contacts, so that results of bricks there are not valid from then on; give "
-                  "--new-contacts")
-        count, row, sample = ended
-        first = f"{count} joints ended, the first" if count > 1 else "1 joint ended,"
-        return [f"{first} {_at(history, row, sample)}: its faces no longer overlap"
-                f"{' or are apart' if collide else ''}, it has no forces any more; {others}"]
-    if slid is None or slid[0] < 1:
+    """Warning of joints that ended, a list of str."""
+    ended = ended_joints(history)
+    if ended is None:
         return []
-    share, row, sample = slid
-    return [f"a joint slid to {share:.2f} of the overlap of its faces, {_at(history, row, sample)}: beyond 1 it has "
-            "ended, but kept its forces in this run, whose results are not valid from then on; run the wall again"]
+    collide = bool(history.parameters.get("new_contacts"))
+    others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
+              "the bricks collide as rectangles with rounded corners" if collide else
+              "bricks find no new contacts, so that results of bricks there are not valid from then on; give "
+              "--new-contacts")
+    count, row, sample = ended
+    first = f"{count} joints ended, the first" if count > 1 else "1 joint ended,"
+    return [f"{first} {_at(history, row, sample)}: its faces no longer overlap"
+            f"{' or are apart' if collide else ''}, it has no forces any more; {others}"]
 
 
 def _at(history, row, sample):
     """Text: a contact point (row) and the time of a sample."""
     joint, time_s = history.joints.iloc[row], history.series["time_s"].iloc[sample]
     return f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t = {time_s:.2f} s)"
-
-
-def normal_warnings(history):
-    """Warning of an old run in YADE with joints between the centres of cells, a list of str."""
-    if history.joint_normals == "face":
-        return []
-    return ["joints between the centres of cells, as in YADE before version 0.2: a joint that slides leans; this "
-            "version has joints by face alone"]

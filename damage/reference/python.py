@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from damage.errors import InputError, RunWarning, heard
 from damage.history.in_memory import HistoryInMemory
 from damage.history.writer import HistoryWriter
+from damage.measure.warnings import warnings_of
 from damage.mechanics.compiled import COMPILING, is_cached
 from damage.motion.loading import Loading, Recorded
 from damage.motion.record import Record
@@ -30,9 +31,8 @@ def run(wall, motion=None, **options):
     """History of one run; arguments, errors and warnings: `damage.run`."""
     with heard() as found:
         try:
-            history = _run(wall, motion, options)
-            found.extend(history.warnings)
-            vars(history)["warnings"] = list(found)
+            history = replace(_run(wall, motion, options), heard=tuple(found))
+            found[:] = warnings_of(history)
         finally:
             for text in found:
                 warnings.warn(text, RunWarning, stacklevel=3)  # where the user called damage.run

@@ -130,8 +130,7 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def resume(self, state):
         for name in STATE_TABLES:
-            if name in state:  # older files have no bearings
-                getattr(self.system, name)[:] = state[name]
+            getattr(self.system, name)[:] = state[name]
         for kind, passed in self._passed.items():
             passed[:] = state[f"passed_{kind}"]
 

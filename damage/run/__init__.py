@@ -12,10 +12,10 @@ option of several values takes a tuple or a list, one without a value takes True
 `pictures=False` and `quiet=True`.
 
 Returns the `damage.History`: with `out="FILE.h5"` that of the file, otherwise one in memory alone.  It is the reference
-solver that runs, with the step and to the same bits as on the command line.  What the command line warns of is given
-by `warnings.warn` as `damage.RunWarning` and is in `history.warnings`, texts with a `code`; `history.evidence` has the
-range of validity.  Raises InputError for what the command line would refuse, RunError for a run that fails,
-KeyboardInterrupt where it is interrupted; a file keeps what there is by then.
+solver that runs, with the step and to the same bits as on the command line.  What the command line warns of is given by
+`warnings.warn` as `damage.RunWarning` and is in `damage.warnings_of(history)`, texts with a `code`;
+`damage.evidence_of(history)` has the range of validity.  Raises InputError for what the command line would refuse,
+RunError for a run that fails, KeyboardInterrupt where it is interrupted; a file keeps what there is by then.
 """
 
 import sys

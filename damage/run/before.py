@@ -1,18 +1,14 @@
 """What a wall went through before a run: the state at the end of another run, and cracks that were surveyed."""
 
 import io
-import zipfile
-import zlib
 from dataclasses import replace
 
-import h5py
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
-from damage.errors import InputError, one_line, warn
+from damage.errors import InputError, warn
 from damage.history.reader import opened, read_history
 from damage.history.schema import STATE
-from damage.history.structure import stored_bytes
 from damage.history.writer import layout_tables
 from damage.measure.crack_paths import crack_paths
 from damage.measure.survey import check_share
@@ -35,59 +31,31 @@ def read_state(path, layout, origin, solver):
     """State of the solver, {name: array}, at the end of the run with the history `path`.
 
     solver: another one of the same layout and settings, whose state has the same tables; other arguments and errors as
-    of `read_earlier`; raises InputError where the history has no state, or one that the solver cannot take, too.
+    of `read_earlier`; raises InputError where the history has no state, or that of other options, too.
     """
     read_earlier(path, layout, origin)
     like = with_zero((solver.saved_state() or {}) | {
         "set_in_motion_j": np.array(0.0), "base_moves": np.array(False)}, solver.instants())
-    most = sum(_UNPACKED_MORE + table.nbytes for table in like.values())
-    try:
-        with h5py.File(path, "r") as file:
-            packed = stored_bytes(file, STATE, most) if STATE in file else np.zeros(0, "u1")
-        if len(packed):
-            return unpacked(packed, like)
-    except UNREADABLE as error:
-        raise InputError(f"--continue {path}: its state of the solver cannot be read ({one_line(error)}); expected "
-                         "what a run of this wall wrote; run it again") from error
-    raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
-                     "of this version without --new-contacts; run it again")
+    with opened(path) as file:
+        packed = file[STATE][()]
+    if not len(packed):
+        raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
+                         "of this version without --new-contacts; run it again")
+    tables = unpacked(packed)
+    if _shapes(tables) != _shapes(like):
+        raise InputError(f"--continue {path}: its state of the solver is that of a run with other options; expected "
+                         "the bricks, joints and options of this one; give them, or run it again")
+    return tables
 
 
-_UNPACKED_MORE = 8192
-"""Bytes of an array's header in an archive, and of its name."""
-UNREADABLE = (InputError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, OSError, RuntimeError,
-              TypeError, SyntaxError)
-"""What reading a damaged archive raises."""
+def unpacked(packed):
+    """The tables of an archive (`as_bytes`), {name: array}."""
+    with np.load(io.BytesIO(packed.tobytes()), allow_pickle=False) as archive:
+        return dict(archive)
 
 
-def unpacked(packed, like=None):
-    """The tables of an archive (`as_bytes`), {name: array}, that have the names, types and shapes of `like`: nothing is
-    unpacked that is larger than its table, and no scalar fills one.  None: of any names and shapes, without objects."""
-    with zipfile.ZipFile(io.BytesIO(packed.tobytes())) as archive:
-        entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
-        if like is None:
-            return {name: np.load(io.BytesIO(archive.read(entry)), allow_pickle=False)
-                    for name, entry in entries.items()}
-        if entries.keys() != like.keys():
-            other = ", ".join(sorted(entries.keys() ^ like.keys()))
-            raise InputError(f"tables {other} are in it or in the wall's state, not in both")
-        return {name: _table_like(repack_fields(table), archive, entries[name]) for name, table in like.items()}
-
-
-def _table_like(table, archive, entry):
-    """The array of an entry of an archive; raises InputError unless it has the type and shape of a table."""
-    name = entry.filename.removesuffix(".npy")
-    if entry.file_size > table.nbytes + _UNPACKED_MORE:
-        raise InputError(f"table {name} has {entry.file_size} bytes, expected {table.nbytes}")
-    content = io.BytesIO(archive.read(entry))
-    version = np.lib.format.read_magic(content)
-    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, dtype = read_header(content)
-    if shape != table.shape or dtype != table.dtype:
-        raise InputError(f"table {name} is {dtype.itemsize} bytes {shape}, expected {table.dtype.itemsize} bytes "
-                         f"{table.shape}")
-    content.seek(0)
-    return np.load(content, allow_pickle=False)
+def _shapes(tables):
+    return {name: np.shape(table) for name, table in tables.items()}
 
 
 def read_earlier(path, layout, origin, option="--continue", ended=True):

@@ -15,11 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.errors import InputError, WriteError, one_line, warn
+from damage.errors import InputError, one_line, warn
 from damage.history.reader import opened, read_history
-from damage.history.schema import GROWING
 from damage.history.writer import File, HistoryWriter, lock
-from damage.run.before import UNREADABLE, as_bytes, read_earlier, unpacked
+from damage.run.before import as_bytes, read_earlier, unpacked
 
 _HEAD = b"masonry-damage-checkpoint 1 sha256 "
 
@@ -73,12 +72,9 @@ def _digest_of(attributes):
     return np.frombuffer(hashlib.sha256(words.encode()).digest(), "u1")
 
 
-def read_checkpoint(path, like=None):
-    """The tables of a checkpoint, {name: array}.
-
-    like: {name: array} of what its tables have to look like, beside those of the history; None where they hold a scene
-    of YADE, of which is said what it may do.  Raises InputError.
-    """
+def read_checkpoint(path, scene=True):
+    """The tables of a checkpoint, {name: array}; scene: whether they hold a scene of YADE, of which is said what it may
+    do.  Raises InputError where it is missing or damaged."""
     path = Path(path)
     if not path.is_file():
         raise InputError(f"no checkpoint {path}: expected a run that was interrupted, or was killed with --checkpoint "
@@ -86,16 +82,10 @@ def read_checkpoint(path, like=None):
     head, _, content = path.read_bytes().partition(b"\n")
     if head != _HEAD + hashlib.sha256(content).hexdigest().encode():
         raise InputError(f"{path} is no whole checkpoint: its digest is another one; run it again")
-    if like is None:
+    if scene:
         warn(f"{path}: YADE executes the names of the engines in the scene that it holds: continue runs of your own, "
              "or of someone you trust, only", code="scene")
-    else:
-        like = like | {"rows": np.zeros(len(GROWING), int), "run": np.zeros(32, "u1")}
-    try:
-        return unpacked(np.frombuffer(content, "u1"), like)
-    except UNREADABLE as error:
-        raise InputError(f"{path} cannot be read as a checkpoint of this run ({one_line(error)}); expected the wall "
-                         "and the options of the run that was interrupted; give them") from error
+    return unpacked(np.frombuffer(content, "u1"))
 
 
 def schemes_left(path, schemes):
@@ -111,11 +101,11 @@ def schemes_left(path, schemes):
     return schemes[came_to[0]:] if came_to else schemes, {name: had.get(name, one) for name, one in found.items()}
 
 
-def resumed(path, layout, parameters, origin, like):
+def resumed(path, layout, parameters, origin, scene):
     """What a run needs to continue from its checkpoint, (HistoryWriter, tables of the checkpoint); path: its history.
 
-    layout, parameters: of the run, which have to be those of the history; like: as of `read_checkpoint`; origin: as of
-    `damage.run.before.read_earlier`.  Raises InputError.
+    layout, parameters: of the run, which have to be those of the history; scene: as of `read_checkpoint`; origin: as
+    of `damage.run.before.read_earlier`.  Raises InputError.
     """
     history = read_earlier(path, layout, origin, option="--resume", ended=False)
     if history.complete:
@@ -128,19 +118,14 @@ def resumed(path, layout, parameters, origin, like):
         raise InputError(f"--resume {path}: {other[0]} is {one_line(now.get(other[0]))}, and was "
                          f"{one_line(history.parameters.get(other[0]))}; expected the options of the run that was "
                          f"interrupted ({history.command}); give them")
-    tables = _checkpoint_beside(history, f"--resume {path}", like)
-    try:
-        return _continued(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
-    except WriteError:
-        raise
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(f"--resume {path}: the history cannot be read up to its checkpoint ({one_line(error)}); run "
-                         "it again") from error
+    tables = _checkpoint_beside(history, f"--resume {path}", scene)
+    return _continued(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
 
 
-def _checkpoint_beside(history, option, like=None, again="run it again"):
-    """The tables of the checkpoint beside a History, which has to be of the same run; like: as of `read_checkpoint`."""
-    tables = read_checkpoint(checkpoint_path(history.path), like)
+def _checkpoint_beside(history, option, scene=True, again="run it again"):
+    """The tables of the checkpoint beside a History, which has to be of the same run; scene: as of
+    `read_checkpoint`."""
+    tables = read_checkpoint(checkpoint_path(history.path), scene)
     if not np.array_equal(tables["run"], _digest_of(history.attributes)):
         raise InputError(f"{option}: the checkpoint beside it is of another run; expected both of one run; {again}")
     return tables
@@ -150,13 +135,10 @@ def _continued(path, layout, counts, attributes):
     """A HistoryWriter that continues the history at `path` after so many rows of each group of GROWING.
 
     What the file holds up to there is copied into a new one, which takes its place once it is whole; attributes: of its
-    run, which stay.  Raises InputError where another run still writes it, ValueError where it has fewer rows.
+    run, which stay.  Raises InputError where another run still writes it.
     """
     lock(path, fcntl.LOCK_EX).close()  # HDF5 takes one of its own to read
     with opened(path) as old:
-        there = [len(next(iter(old[group].values()))) if group in old and len(old[group]) else 0 for group in GROWING]
-        if any(not 0 <= count <= has for count, has in zip(counts, there)):
-            raise ValueError(f"it has {there} rows, expected {counts}")
         beside = path.with_name(f".{path.stem}.{os.getpid()}.h5")
         file = File(beside, layout, attributes, overwrite=True)
         try:

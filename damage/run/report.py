@@ -5,6 +5,7 @@ from damage.measure.cycles import shocks_table
 from damage.measure.evidence import describe as describe_evidence
 from damage.measure.summary import summarise
 from damage.measure.tables import describe_spread, members_of, spread
+from damage.measure.warnings import warnings_of
 from damage.run.options import pictures_folder
 from damage.units import rounded
 from damage.wall.lintels import ElasticShare, describe_share
@@ -17,7 +18,7 @@ def report(history, pictures=True):
     """
     path = history.path
     if len(history.series) == 0:
-        warn(*history.warnings)
+        warn(*warnings_of(history))
         print(f"{history.status}: no sample was written")
         return
     summary = with_members(summarise(history), history)

@@ -296,10 +296,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     parameters["outside_validity"] = "; ".join(outside(evidence_for(wall, parameters))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
     if settings.resumed:
-        like = None  # of a solver whose checkpoints hold a scene
-        if backend.keeps_state:
-            like = Run(layout, settings, backend.make(layout, time_step, settings), None, None).tables()
-        writer, tables = resumed(settings.resumed, layout, parameters, origin, like)
+        writer, tables = resumed(settings.resumed, layout, parameters, origin, scene=not backend.keeps_state)
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None

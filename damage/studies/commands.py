@@ -3,7 +3,7 @@
 from damage.commands.table import command, out, program, save, tables
 from damage.errors import InputError
 from damage.files import json_text
-from damage.measure.columns import made_by_words, slip_criteria
+from damage.measure.columns import made_by_words
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.run.options import arg, file_arg, flag, group, number_from
@@ -105,7 +105,7 @@ def _fragility_curves(asked, runs, intensity, states):
     for write in WRITERS:
         write(asked, runs, fits, intensity)
     print(in_words(fits))
-    print(write_table(fragility_table(fits, intensity).assign(slip=" or ".join(slip_criteria(runs))),
+    print(write_table(fragility_table(fits, intensity).assign(slip="displacement"),
                       asked.out / f"fragility_{intensity}.csv"))
     tables = {"efficiency": efficiency_table(runs, states, intensity)}
     if asked.at:

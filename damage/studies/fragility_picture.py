@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.panels import add_heading, finish, grid, letter, slip_note
+from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, styled
 from damage.draw.words import record_label
 from damage.studies.fragility import FEW_RECORDS, curve, exceeding
@@ -50,7 +50,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
     n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
     add_heading(figure, f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
                 f"variation {runs['strength_cov'].iloc[0]:g}", _named(records),
-                slip_note(runs), few_note(len(records)))
+                few_note(len(records)))
     bands = [Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {words}")
              for kind, (alpha, words) in _BANDS.items() if any(kind in kinds for kinds in drawn)]
     return finish(figure, [
@@ -128,7 +128,7 @@ def picture_after_damage(wall, shocks, table, intensity, states=PSI):
     axes[0, 0].set_ylabel("probability of exceeding")
     records = shocks["record"].dropna().unique()
     add_heading(figure, f"{wall} wall, {len(shocks)} shocks, by the damage before",
-                _named(records), slip_note(shocks), few_note(len(records)))
+                _named(records), few_note(len(records)))
     return finish(figure, [Line2D([], [], color="0.3", label="lognormal fit"), Line2D(
         [], [], color="0.3", marker="o", ls="", ms=3, label="share of the shocks at one intensity")], columns=2)
 

@@ -7,9 +7,7 @@ are kept, "sha256": a checksum of all this}.  A line of a point is
 {"point": its name with the solver, "inputs": key, "of": its inputs (`damage.studies.inputs.as_json`), "sha256"}.  The
 last good line counts.  A line that a kill tore is none, and neither is one that was changed since.
 
-A slice of a study writes records-K-of-N.jsonl beside it.  Earlier versions kept the same in shards/*.rows,
-runs/*.members and runs/.inputs, which are read, too.  Lines of these alone may have no checksum: numbers must be such
-as a run can have.
+A slice of a study writes records-K-of-N.jsonl beside it.
 """
 
 import hashlib
@@ -28,11 +26,7 @@ TABLES = {"cycles": cycles_table, "shocks": shocks_table}
 """Those that every run has its rows in."""
 NAME = "records.jsonl"
 SUM = "sha256"
-_RUN = {"run": str, "intact": bool, "row": dict, **dict.fromkeys(TABLES, list)}
-_POINT = {"point": str, "inputs": str, "of": dict}
 _NAMED = re.compile(r'"(?:run|point)": "([^"]+)"')
-OLDER_NOTE = "digest"
-"""Key of inputs that the first versions kept as a digest alone."""
 
 
 @dataclass
@@ -40,14 +34,13 @@ class Records:
     """What the records of a folder say.
 
     runs: {name: record}; inputs: {key: inputs as JSON}; points: {StudyRun.id: key}, which holds for histories without a
-    record; members: {StudyRun.id: names of its runs} of older folders; faults: one line for each record that was
-    changed; orderly: whether NAME is the only source, with a good line for each run.
+    record; faults: one line for each record that was changed; orderly: whether NAME is the only source, with a good
+    line for each run.
     """
 
     runs: dict = field(default_factory=dict)
     inputs: dict = field(default_factory=dict)
     points: dict = field(default_factory=dict)
-    members: dict = field(default_factory=dict)
     faults: list = field(default_factory=list)
     orderly: bool = True
 
@@ -58,10 +51,7 @@ class Records:
             return [run.id] if run.id in self.runs or run.id in histories else []
         count = run.runs_needed(self.of_point(run))
         names = [run.name(number) for number in range(1, count + 1)]
-        if all(name in self.runs for name in names):
-            return names
-        older = self.members.get(run.id, [])
-        return older if all(name in self.runs or name in histories for name in older) else []
+        return names if all(name in self.runs for name in names) else []
 
     def of_point(self, run):
         """{number from 1: record} of the runs of a StudyRun."""
@@ -107,52 +97,31 @@ def key_of(content):
 def read_records(folder):
     """The Records of a study's folder."""
     found, sources = Records(), sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns)
-    older = _read_older(folder, found)
     for path in sources:
         _read_file(path, found)
-    found.orderly &= not older and not found.faults and [path.name for path in sources] in ([], [NAME])
+    found.orderly &= not found.faults and [path.name for path in sources] in ([], [NAME])
     return found
 
 
-def _read_file(path, found, note_of=None):
-    """Add what a file of records says; note_of(name of a run), of a file of earlier versions, whose records may have no
-    checksum: key of its inputs where the record has none."""
+def _read_file(path, found):
+    """Add what a file of records says."""
     *lines, torn = path.read_text(encoding="utf-8", errors="replace").split("\n")
     found.orderly &= not torn
     for number, line in enumerate([*lines, torn], start=1):
         if not line.rstrip().endswith("}"):  # empty, or torn
             continue
         try:
-            record = _believed(line, older=note_of is not None)
+            record = _believed(line)
         except ValueError as error:
             name = _NAMED.search(line)
             found.faults.append(f"{path} line {number}: the record of {name[1] if name else 'a run'} was changed since "
                                 f"it was written ({error}): it counts as not made")
             continue
         if "run" in record:
-            found.runs[record["run"]] = {"inputs": note_of and note_of(record["run"])} | record
+            found.runs[record["run"]] = {"inputs": None} | record
         else:
             found.inputs[record["inputs"]] = record["of"]
             found.points |= {record["point"]: record["inputs"]} if record["point"] else {}
-
-
-def _read_older(folder, found):
-    """Add what earlier versions kept; returns whether there is anything."""
-    notes = sorted((folder / "runs" / ".inputs").glob("*"))
-    for path in notes:
-        text = path.read_text(encoding="utf-8", errors="replace")
-        try:
-            inputs = json.loads(text)
-        except ValueError:
-            inputs = {OLDER_NOTE: text}
-        found.points[path.name] = key = key_of(inputs)
-        found.inputs[key] = inputs
-    shards = sorted((folder / "shards").glob("*.rows*"))
-    for path in shards:
-        _read_file(path, found, lambda name: found.points.get(point_of(name)))
-    members = sorted((folder / "runs").glob("*.members"))
-    found.members |= {path.stem: path.read_text(encoding="utf-8").split() for path in members}
-    return bool(notes or shards or members)
 
 
 def point_of(name):
@@ -165,23 +134,14 @@ def is_of_today(row):
     return row.get("measures_digest") == measures_digest()
 
 
-def _believed(line, older=False):
-    """The record of a line without its checksum; ValueError, which says what is wrong, where it was changed.
-
-    older: whether an earlier version wrote it, which may have written no checksum.
-    """
+def _believed(line):
+    """The record of a line without its checksum; ValueError, which says what is wrong, where it was changed."""
     try:
         record = json.loads(line)
     except ValueError:
         raise ValueError("it is no JSON") from None
-    parts = _POINT if isinstance(record, dict) and "point" in record else _RUN
-    if not isinstance(record, dict) or any(not isinstance(record.get(name), kind) for name, kind in parts.items()):
-        raise ValueError(f"it lacks one of {', '.join(parts)}")
-    total = record.pop(SUM, None)
-    if total != key_of(record) and not (older and total is None):
-        raise ValueError("its checksum is wrong" if total else "it has no checksum")
-    if parts is _RUN and (wrong := _wrong_number(record)) is not None:
-        raise ValueError(f"its {wrong}")
+    if not isinstance(record, dict) or record.pop(SUM, None) != key_of(record):
+        raise ValueError("its checksum is wrong")
     return record
 
 

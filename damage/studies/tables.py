@@ -18,7 +18,7 @@ from damage.errors import InputError, some_of
 from damage.files import whole_or_nothing
 from damage.history.reader import read_history
 from damage.history.schema import each
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, slip_criteria
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN
 from damage.measure.tables import repeated, summary_row, write_table
 from damage.studies.records import TABLES, is_of_today, read_records
 
@@ -62,8 +62,7 @@ def summary_of(study, folder, jobs=1, records=None):
     with ProcessPoolExecutor(jobs) if jobs > 1 and len(others) > 8 else nullcontext() as pool:
         rows |= zip((name for _, name, _ in others), (pool.map if pool else map)(row_of, *zip(*others))
                     if others else ())
-    # Rows that were kept may be older than this version.
-    table = before_offsets(pd.DataFrame([rows[name] for name, *_ in there]))
+    table = pd.DataFrame([rows[name] for name, *_ in there])
     table.insert(table.columns.get_loc("solver") + 1, "members", [len(names) for *_, names in there])
     return table
 
@@ -82,8 +81,6 @@ def _point(runs):
     first, fallen = runs.iloc[0], runs["collapsed_at_s"].astype(float).dropna()
     row = {name: first[name] for name in each(PARAMETERS) if name in runs}
     ended = runs["status"] == "complete"
-    if "slip" in runs:
-        row["slip"] = "; ".join(slip_criteria(runs))
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
             "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None,
             "repeated": repeated(runs)}

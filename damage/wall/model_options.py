@@ -168,5 +168,5 @@ def _lintel_word(lintel):
     return str(int(lintel)) if int(lintel) else "none"
 
 
-USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]} | {"joints": "face"}
-"""{column: default} of the choices that distinguish models; joints: `History.joint_normals`."""
+USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]}
+"""{column: default} of the choices that distinguish models."""
