@@ -14,6 +14,7 @@ if __name__ == "__main__":
 import logging
 from contextlib import nullcontext, redirect_stdout
 
+import damage.applications  # noqa: F401, each adds what it has
 import damage.commands  # noqa: F401, fills the table
 from damage.commands.table import COMMANDS, GROUPS, Silence, examples_of
 from damage.errors import InputError, did_you_mean, one_line

@@ -5,8 +5,6 @@ names.  Other inputs make the runs of a point again.  Another model keeps runs, 
 made again.  Other measures are worked out of the history, or refused where it was not kept.
 """
 
-import hashlib
-import json
 import re
 import shutil
 from collections import defaultdict
@@ -19,7 +17,6 @@ from damage.files import write_text
 from damage.history.head import read_head
 from damage.measure.kept import ENDING, FOLDER
 from damage.provenance import measures_digest, model_digest
-from damage.studies.definition import names_file
 from damage.studies.inputs import as_json, differences, inputs_of
 from damage.studies.records import NAME, OLDER_NOTE, is_of_today, key_of, point_line, point_of, read_records
 from damage.studies.tables import histories_in, refuse_other_measures
@@ -91,8 +88,7 @@ class Results:
         if then is None:
             return [_NO_NOTE]
         if OLDER_NOTE in then:
-            return [] if then[OLDER_NOTE] == _digest_before(run) else ["the note of them is of an older version, or "
-                                                                       "damaged"]
+            return ["the note of them is of an older version, or damaged"]
         return differences(then, inputs)
 
     def _versions(self, name, verdict):
@@ -204,10 +200,3 @@ def _model_of(path):
     except InputError:
         return None
     return head.model if head else OLD
-
-
-def _digest_before(run):
-    """What a note held before it named all inputs: a digest of words and files."""
-    paths = [run.wall] + [word for option, word in zip(run.words, run.words[1:]) if names_file(option, word)]
-    digests = [hashlib.sha256((ROOT / path).read_bytes()).hexdigest() for path in paths]
-    return hashlib.sha256(json.dumps([run.wall, run.words, run.varied, digests]).encode()).hexdigest()

@@ -153,8 +153,8 @@ def lives_of(folder, tables=()):
     records, found = read_records(folder), []
     more = [(path, *read_lives(path, COLUMNS)) for path in tables]
     for run in study.runs:
-        if run.varied == ("--life",):
-            draws = read_address(run.words[run.words.index("--address") + 1])
+        if run.varied == "life":
+            draws = read_address(dict(run.options)["address"])
             point = run.point.rpartition(FROM)[0]
             there = records.of_point(run)
             note = note_of(run, records) if run.offset == 0 else None

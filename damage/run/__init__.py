@@ -27,7 +27,8 @@ class _Callable(ModuleType):
     """This package as a function: its name is that of the function that users ask for."""
 
     def __call__(self, wall, motion=None, **options):
-        # The solver comes after this package in the order of imports.
+        # The solver, and the applications that add options, come after this package in the order of imports.
+        import_module("damage.applications")
         return import_module("damage.reference.python").run(wall, motion, **options)
 
     __call__.__doc__ = __doc__

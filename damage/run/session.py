@@ -31,7 +31,7 @@ from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
-from damage.run.before import read_state, with_cracks
+from damage.run.before import read_state, without_bond
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
 from damage.run.opening import event_lines, kept_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
@@ -315,8 +315,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
 def _laid_out(wall, settings):
     """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit it are refused."""
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
-    if settings.cracked:
-        layout = with_cracks(layout, settings.cracked)
+    if settings.joints_without_bond:
+        layout = without_bond(layout, settings.joints_without_bond.joints(layout))
     settings.check_offsets(layout.contacts)
     if settings.settlement:
         settings.settlement.check_length(wall.length)

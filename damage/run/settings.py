@@ -10,7 +10,6 @@ from damage.checks import check_range
 from damage.errors import InputError
 from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
 from damage.index import THRESHOLD
-from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
 from damage.motion.plausible import implausible_motion, implausible_peak, implausible_velocity
@@ -18,7 +17,7 @@ from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.wall.model_options import ModelOptions
-from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
+from damage.wall.plausible import ACCEPT, check_plausible
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
@@ -74,11 +73,13 @@ class RunSettings:
     of the command line, with its help.
 
     settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it needs a support below
-    each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
-    along which joints have no bond, or None; sequence: factors of the motion, an event each;
+    each brick of the base; continued: history of the run that this one continues, or None; joints_without_bond: what
+    names the joints that have none from the start, a frozen record with `joints(layout)`, (n_joints,) of bool, and
+    `implausible(wall)`, words or None; or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
-    life: what the events were drawn from (`damage.exposure.lives`), or None; event: the one event at an address whose
-    motion `loading` is, or None; rest_s: free vibration after each event [s], which ends with a settling stage;
+    life: what the events were drawn from, with its `number`, by which the joints' strengths are drawn, too, or None;
+    event: the one event that `loading` is the motion of, with its `life`, the number or None; or None;
+    rest_s: free vibration after each event [s], which ends with a settling stage;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); mass_scaling: None for what suits the wall (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
@@ -92,7 +93,7 @@ class RunSettings:
     model: ModelOptions
     settlement: Settlement | None = None
     continued: str | None = None
-    cracked: Surveyed | None = None
+    joints_without_bond: object | None = None
     sequence: tuple[float, ...] = (1.0,)
     events: tuple[Event, ...] = ()
     life: dict | None = None
@@ -141,6 +142,9 @@ class RunSettings:
     def __post_init__(self):
         if self.settlement and self.model.supports == "one":
             object.__setattr__(self, "model", replace(self.model, supports="bricks"))
+        number = self.life["number"] if self.life else self.event and self.event["life"]
+        if number is not None and self.model.strength_cov:
+            object.__setattr__(self, "model", replace(self.model, strength_seed=number))
         self._check_past()
         if not self.sequence:
             raise InputError("--sequence without a factor: expected factors of the motion, like 1,0.5,0.4")
@@ -213,10 +217,9 @@ class RunSettings:
             return
         check_plausible(wall)
         pgv = max((pgv_m_s(event.loading.applied()) * abs(event.factor) for event in self.recorded), default=0.0)
-        places = self.cracked and implausible_places(np.reshape(self.cracked.stretches, (-1, 2, 2)), wall)
         found = [*implausible_motion(self.loading, (1.0,) if self.life else self.sequence),
                  implausible_peak(self.peak_g) or implausible_velocity(pgv),
-                 places and f"--cracked {self.cracked.file}: {places}"]
+                 self.joints_without_bond and self.joints_without_bond.implausible(wall)]
         if found := list(filter(None, found)):
             raise InputError(f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given: "
                              f"{ACCEPT}")
@@ -287,7 +290,7 @@ class RunSettings:
                        "points": [list(place) for place in self.points]}
         return {"loading": self.loading.as_dict(), "settlement": self.settlement and asdict(self.settlement),
                 "continued": self.continued and Path(self.continued).name,
-                "cracked": self.cracked and asdict(self.cracked),
+                "cracked": self.joints_without_bond and asdict(self.joints_without_bond),
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
                 "model": asdict(self.model), "settle_s": SETTLE_S, "settling": self.settles,
                 **{name: getattr(self, name) for name in as_they_are},
