@@ -48,7 +48,7 @@ def summary_row(history, run="", point=""):
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
     row |= _motion_columns(history, numbers) | asdict(history.model) | {"joints": history.joint_normals}
     row |= {name: history.parameters.get(name) for name in (
-        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
+        "alpha_1_s", "beta_s", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
         "repeated_for", "eigen_period_s")}
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0

@@ -217,7 +217,7 @@ def _model_arguments(solver):
             "top: adaptive (default), or local as in YADE"),
         *_settings("settling", "mass_scaling")]
     return [*model_arguments(*(one.name for one in fields(ModelOptions))), *_settings("beta_s"), *of_reference,
-            *_settings("perturb_m", "scatter", "seed", "members"), ACCEPTING]
+            *_settings("scatter", "seed", "members"), ACCEPTING]
 
 
 def _run_arguments(solver):

@@ -317,7 +317,6 @@ def _laid_out(wall, settings):
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     if settings.joints_without_bond:
         layout = without_bond(layout, settings.joints_without_bond.joints(layout))
-    settings.check_offsets(layout.contacts)
     if settings.settlement:
         settings.settlement.check_length(wall.length)
     return layout

@@ -4,12 +4,9 @@ import math
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from damage.checks import check_range
 from damage.errors import InputError
 from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
-from damage.index import THRESHOLD
 from damage.motion.intensity import pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
 from damage.motion.plausible import implausible_motion, implausible_peak, implausible_velocity
@@ -39,9 +36,6 @@ AFTER_FALL_S = 10.0
 RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
 """Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still vibrate."""
 RELAXATIONS = ("adaptive", "local")
-OFFSETS_BELOW = 20
-"""A bond opens by up to six times the bricks' offsets [m] in a wall of thousands of them; they stay so much below
-f_t / k_n."""
 MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
 SCATTER, MOST_MEMBERS = 0.001, 100
@@ -112,12 +106,9 @@ class RunSettings:
     relaxation: str = "local"
     settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
                                   "YADE, and adaptive with mass scaling)")
-    perturb_m: float = quantity("m", 0, THRESHOLD, default=0.0, option="perturb", metavar="M",  # more is a crack
-                                help="random offsets of the bricks, for ensembles (default 0)")
     scatter: float = quantity("1", 0, MOST_SCATTER, default=0.0, metavar="COV", help="scatter of the joints' "
                               "strengths, for ensembles: coefficient of variation (default 0)")
-    seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, help="seed of the random offsets and of the scatter "
-                         "(default 0)")
+    seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, help="seed of the scatter (default 0)")
     members: int = quantity("1", 1, MOST_MEMBERS, whole=True, default=1, metavar="N", help="reference solver: N runs "
                             f"with strengths that scatter by --scatter (default {SCATTER:g}), seeds from --seed "
                             "(default 1) on; prints the median and range of what is measured, and keeps the history of "
@@ -237,14 +228,6 @@ class RunSettings:
         return replace(self, loading=driven[id(self.loading)], events=tuple(
             replace(event, loading=driven[id(event.loading)]) for event in self.events))
 
-    def check_offsets(self, contacts):
-        """InputError where the bricks' offsets come near what breaks a joint of these `Contacts`."""
-        reach = float(np.min((contacts.tensile_strength / contacts.normal_stiffness), initial=np.inf))
-        if 0 < reach < OFFSETS_BELOW * self.perturb_m:
-            raise InputError(f"--perturb {self.perturb_m:g} m: expected at most {reach / OFFSETS_BELOW:.2g} m, a "
-                             f"{OFFSETS_BELOW}th of the {reach:.2g} m at which the first bond of this wall breaks; "
-                             "give less, or --scatter")
-
     @property
     def ground_moves(self):
         """Whether the ground moves below the base, so that the drift leaves the base's rigid motion out."""
@@ -284,7 +267,7 @@ class RunSettings:
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files."""
-        as_they_are = ("rest_s", "alpha_1_s", "beta_s", "mass_scaling", "relaxation", "perturb_m", "scatter", "seed",
+        as_they_are = ("rest_s", "alpha_1_s", "beta_s", "mass_scaling", "relaxation", "scatter", "seed",
                        "past_collapse_s", "new_contacts", "after_fall", "command")
         where_given = {"life": self.life, "event": self.event, "stresses": self.stresses,
                        "points": [list(place) for place in self.points]}
