@@ -16,7 +16,7 @@ decides the values of a run."""
 DECIDES_NOTHING = {
     "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
                                  "history"),
-    "words": ("provenance.py", "version.py", "run/opening.py", "run/report.py",
+    "words": ("provenance.py", "version.py", "run/banner.py", "run/report.py",
               "measure/columns.py", "motion/plausible.py", "fields.py", "wall/plausible.py", "wall/as_built.py"),
     "options, whose values are inputs of a run": ("run/options.py",),
     "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (

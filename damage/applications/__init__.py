@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-NAMES = "damage.laboratory", "damage.life"
+NAMES = "damage.laboratory", "damage.life", "damage.batch"
 
 for _name in NAMES:
     import_module(f"{_name}.register")

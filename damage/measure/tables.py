@@ -189,10 +189,10 @@ def members_path(path):
     return Path(path).with_name(f"{Path(path).stem}_members.csv")
 
 
-def member_row(history, path):
-    """Row of a member's History in the table of members beside the history file at `path`."""
+def member_row(row, path):
+    """A row of summary.csv as that of a member in the table beside the history file at `path`."""
     point = Path(path).stem
-    return summary_row(history, run=f"{point}_s{history.parameters['seed']}", point=point)
+    return row | {"run": f"{point}_s{row['seed']}", "point": point}
 
 
 def members_of(history):

@@ -79,7 +79,7 @@ def run_references(lines, histories=None, settled=None):
             yield line and with_errors_reported(f"{name}: ", _run(name, line, histories, settled, keep_going))
 
     hold_buffers()
-    with attended("runs that step together", runs=0) as keep_going:
+    with attended("runs that step together", several=True) as keep_going:
         for number, status in as_they_end(runs(), BACKEND.move, BACKEND.most):
             if status == EXIT_INTERRUPTED:
                 interrupted.append(names[number])

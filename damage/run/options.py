@@ -306,6 +306,18 @@ def parse_run(arguments, prog, solver):
     return _settings_of(given, f"{prog} {shown_command(arguments)}".strip())
 
 
+def given_options(arguments, prog, solver):
+    """{name: value} of the options that a command line gives; arguments as of `parse_run`."""
+    parser = make_parser(prog, solver)
+    usual = vars(parser.parse_args([]))
+    given = vars(parser.parse_args(arguments))
+    return {name: _as_tuple(value) for name, value in given.items() if value != usual[name]}
+
+
+def _as_tuple(value):
+    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
+
+
 def settings_of(options, prog, solver):
     """RunSettings from a dictionary of options; otherwise as `parse_run`.
 
@@ -363,7 +375,7 @@ def names_file(name, value):
     """
     if name == "sequence":
         return isinstance(value, str) and value.lower().endswith(".csv")
-    return _action(options_of_a_run(), name).type is file_path and not (name == "settle" and value in PROFILES)
+    return _action(options_of_a_run(), name).type is file_path and not (name == "settle" and str(value) in PROFILES)
 
 
 def words_of(options, *solvers):

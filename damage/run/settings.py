@@ -251,13 +251,6 @@ class RunSettings:
             return self
         return replace(self, model=replace(self.model, brick_cells=cells))
 
-    def of_members(self):
-        """Settings of each member: seeds 1, 2, ... or from `seed` on, scatter SCATTER where neither it nor `perturb_m`
-        is given."""
-        first, scatter = self.seed or 1, self.scatter or (0.0 if self.perturb_m else SCATTER)
-        return [replace(self, members=1, seed=first + k, scatter=scatter, stresses=self.stresses and k == 0)
-                for k in range(self.members)]
-
     @property
     def duration_s(self):
         """From time zero to the end of the last settling stage [s]."""
