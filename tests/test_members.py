@@ -18,7 +18,7 @@ from damage.measure.summary import summarise
 from damage.measure.tables import SHOWN, member_row, members_of, members_path, spread, summary_row, write_table
 from damage.reference import session
 from damage.reference.session import run_reference
-from damage.run.options import given_options, parse_run
+from damage.run.options import parse_run
 from damage.run.report import describe
 from damage.run.session import Backend, Progress, run_session
 from damage.units import rounded
@@ -91,8 +91,8 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
 @pytest.mark.parametrize(("words", "scatter", "seeds"), [
     ((), 0.001, [1, 2]), (("--scatter", "0.01", "--seed", "7"), 0.01, [7, 8])])
 def test_members_have_a_scatter_and_seeds(tiny, words, scatter, seeds):
-    arguments = [*words, "--members", "2", "--settle", "hogging", "--quiet"], "p", "reference"
-    point = members._point(tiny, parse_run(*arguments), given_options(*arguments))
+    words = [*words, "--members", "2", "--settle", "hogging", "--quiet"]
+    point = members._point(tiny, parse_run(words, "p", "reference"), words)
     assert [point.settings(None, number).seed for number in (1, 2)] == seeds
     assert point.settings(None).scatter == scatter and point.settings(None).members == 1
     assert point.settings(None).settlement.profile == "hogging"

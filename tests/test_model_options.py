@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import pandas as pd
 import pytest
-from conftest import one_line_error, refused_with
+from conftest import one_line_error
 from small_history import make_history
 
 import damage
@@ -62,11 +62,6 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
 
 def test_an_old_history_has_the_defaults_of_younger_options(still_history):
     assert still_history.model == ModelOptions()  # its parameters hold no option
-
-
-def test_joints_are_by_face_alone():
-    assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
-    refused_with("--joints: invalid choice: 'centres'", parse_run, ["--joints", "centres"], "test", "yade")
 
 
 @pytest.mark.parametrize(("versions", "model", "normals"), [

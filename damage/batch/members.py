@@ -23,14 +23,15 @@ from damage.reference.session import BACKEND
 from damage.run.report import report
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK, check, output_of, plan_of
 from damage.run.settings import SCATTER
-from damage.studies.definition import StudyRun, with_paths
+from damage.studies.definition import StudyRun, option_table, with_paths
 
-OF_MEMBERS = "members", "seed", "scatter", "out", "overwrite", "pictures", "quiet"
+OF_MEMBERS = "members", "seed", "scatter", "out", "overwrite", "no-pictures", "quiet"
 """Options of a run with members that its members have otherwise."""
 
 
-def run_members(wall_file, make_wall, settings, options):
-    """Run all members of a run, up to eight of which step together; returns the exit status.
+def run_members(wall_file, make_wall, settings, words):
+    """Run all members of a run, up to eight of which step together; returns the exit status.  Arguments as of
+    `damage.run.session.RUN_MEMBERS`.
 
     The history of the first member is the file of the run, with the table of all that ended beside it; those of the
     others are not kept.
@@ -41,7 +42,7 @@ def run_members(wall_file, make_wall, settings, options):
     print(*plan_of(BACKEND, wall, settings).lines(), sep="\n", flush=True)
     print(f"history of the first member: {out}", flush=True)
     members_path(out).unlink(missing_ok=True)  # of the run that this one replaces
-    point = _point(wall_file, settings, options)
+    point = _point(wall_file, settings, words)
     with TemporaryDirectory(prefix="masonry-damage-") as folder:
         tasks = [Task(Path(folder), point, number, kept=number == 1) for number in range(1, point.members + 1)]
         rows, pool = _made(tasks, wall.name)
@@ -57,9 +58,9 @@ def run_members(wall_file, make_wall, settings, options):
     return EXIT_INTERRUPTED if pool.interrupted else EXIT_FAILED if pool.failed or pool.short else EXIT_OK
 
 
-def _point(wall_file, settings, options):
+def _point(wall_file, settings, words):
     """The StudyRun of the members, with absolute paths, as a batch changes its folder."""
-    alike = {name: value for name, value in options.items() if name not in OF_MEMBERS}
+    alike = {name: value for name, value in option_table(words).items() if name not in OF_MEMBERS}
     given = with_paths(alike | {"scatter": settings.scatter or SCATTER}, os.path.abspath)
     return StudyRun("members", os.path.abspath(wall_file), tuple(given.items()), BACKEND.name, "seed",
                     settings.members, offset=(settings.seed or 1) - 1)

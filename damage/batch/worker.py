@@ -183,7 +183,7 @@ def _run_yade_on(task, connection, lock, inputs):
         return CHANGED, found
     connection.send((None, f"{task.name}: started", None))
     status = _run_solver([*YADE, task.point.wall, *words_of(
-        task.point.options_of(task.number) | _where(task), "yade")], task.folder, lock,
+        task.point.options_of(task.number) | _where(task))], task.folder, lock,
                          lambda text: connection.send((None, f"{task.name}: {text}", None)))
     if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
         task.part.unlink()

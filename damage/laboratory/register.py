@@ -10,7 +10,7 @@ from damage.measure.crack_paths import crack_paths
 from damage.measure.cracks import ENDS
 from damage.measure.survey import check_share
 from damage.provenance import file_origin
-from damage.run.options import PAST, PASTS, Source, arg, file_arg, number_from, register
+from damage.run.options import PAST, Source, arg, file_arg, number_from, register
 from damage.units import MILLIMETRE
 from damage.wall.plausible import implausible_places
 
@@ -83,7 +83,7 @@ def _fields(given):
     return {"joints_without_bond": Surveyed.read(given.cracked, tolerance_m)}
 
 
-register(PASTS, Source(PAST, (
+register(Source(PAST, (
     file_arg("--cracked", "CRACKS.csv", "joints along these cracks have no bond from the start "
              "(docs/reference/crack-format.md; the last load level; widths are not used)"),
     arg("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a crack of "

@@ -7,7 +7,6 @@ from damage.exposure.lives import events_of, read_address
 from damage.fields import MOST_SEED
 from damage.motion.formats import shipped_records
 from damage.run.options import (
-    MOTIONS,
     Source,
     arg,
     fields_of_events,
@@ -62,9 +61,9 @@ def _digest(options):
     return kept["digest_then"]
 
 
-register(MOTIONS, Source("a life: the earthquakes at an address, one after the other, instead of a motion", (
+register(Source("a life: the earthquakes at an address, one after the other, instead of a motion", (
     file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/address.md)"),
-    arg("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a life: a "
-        "record scaled to its median PGV at the address; with --life to the PGV drawn there"),
+    arg("--event", type=str, metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a "
+        "life: a record scaled to its median PGV at the address; with --life to the PGV drawn there"),
     arg("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it motions are "
         "drawn and, where --strength-cov is given, the joints' strengths")), _fields, _digest))

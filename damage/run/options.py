@@ -130,6 +130,20 @@ def fraction(word):
         raise argparse.ArgumentTypeError(f"{word}: expected a number, or a fraction like 1/500; correct it") from error
 
 
+def numbers(value):
+    """The type of an option of several numbers: a word with commas between them, or numbers."""
+    try:
+        return tuple(map(float, value.split(",") if isinstance(value, str) else np.atleast_1d(value)))
+    except (TypeError, ValueError) as error:
+        raise argparse.ArgumentTypeError(f"{value}: expected numbers with commas between, like 1,0.5,0.4; correct it") \
+            from error
+
+
+def _factors(value):
+    """The type of --sequence: numbers, or the path of a table."""
+    return file_path(value) if str(value).lower().endswith(".csv") else numbers(value)
+
+
 def _field(one, default, help_):
     """The argument of a field of a record."""
     kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
@@ -167,6 +181,8 @@ PREPARATION = (
     file_arg("--across", "FILE", "the record's other horizontal component, which is not applied: with it there are "
              "measures of the largest of all directions (RotD100)"))
 """The options that prepare a record; `recorded` reads them."""
+PAST = "the wall's past"
+"""The title of the options of what a wall went through before the run."""
 _GROUPS = {
     "motion (one of; default --harmonic 0.2 0.05)": (
         arg("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
@@ -179,13 +195,13 @@ _GROUPS = {
         file_arg("--vertical", "FILE", "the record's vertical component"),
         flag("--free-vibration", "free vibration in the first mode, which starts with 1 mm/s at the top",
              default=None),
-        arg("--sequence", metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried over: the harmonic "
-            "or recorded motion times each factor, then rest and settling (default 1); or different records, a row of "
-            "a CSV file each (docs/guides/own-record.md)")),
+        arg("--sequence", type=_factors, metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried "
+            "over: the harmonic or recorded motion times each factor, then rest and settling (default 1); or different "
+            "records, a row of a CSV file each (docs/guides/own-record.md)")),
     "quasi-static loading, instead of a motion": (
         arg("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift, after --settle from where "
             "it stands then"),
-        arg("--cyclic", metavar="PCT,PCT,...", help="push the top cyclically to these drifts"),
+        arg("--cyclic", type=numbers, metavar="PCT,PCT,...", help="push the top cyclically to these drifts"),
         arg("--boundary", choices=BOUNDARIES,
             help="the pushed top may rotate (cantilever, default), or not (fixed)"),
         arg("--top-rotation", type=float, metavar="N_M_RAD", help="rotational spring between the pushed top and what "
@@ -198,15 +214,11 @@ _GROUPS = {
                  "profile, or by points x_m,uz_m, or levels x_m,height_m,date, of a file; without a motion the run "
                  "ends then"),
         arg("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection over half "
-            f"the wall's length, or the angle of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})"))}
-"""{title: arguments} of the groups of a run's options that drive the wall."""
-_PAST = (
-    file_arg("--continue", "FILE.h5", "start from the end of this run of the same wall, as if it had continued; in "
-             "YADE one with --checkpoint"),)
-"""The options of the group of what a wall went through before the run."""
-_NO_EFFECT = {"reference": [("--step", ("fast", "plain"), "there is one time step")],
-              "yade": [("--joints", ("face",), "joints keep their face's normal")]}
-"""{solver: [(option, its values, why it has no effect any more)]}."""
+            f"the wall's length, or the angle of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})")),
+    PAST: (
+        file_arg("--continue", "FILE.h5", "start from the end of this run of the same wall, as if it had continued; in "
+                 "YADE one with --checkpoint"),)}
+"""{title: arguments} of the groups of a run's options that every solver has, PAST the last of them."""
 
 
 def _model_arguments(solver):
@@ -245,8 +257,6 @@ def _run_arguments(solver):
              f"first fallen brick (default: they {free})"),
         flag("--after-fall", "with --new-contacts: follow the bricks until the wall rests, "
              f"{AFTER_FALL_S:g} s at most (default: end with the first fallen brick)"),
-        *(arg(option, choices=choices, help=f"of no effect since {why}; accepted in this version")
-          for option, choices, why in _NO_EFFECT.get(solver, ())),
         *of_yade]
 
 
@@ -273,16 +283,16 @@ class Source:
     digest: Callable | None = None
 
 
-MOTIONS, PASTS = [], []
-"""Sources of motions, and of what a wall went through before the run; applications fill them."""
-PAST = "the wall's past"
-"""The title of the options of PASTS, beside --continue."""
+SOURCES = []
+"""What applications add."""
 SOLVERS = "yade", "reference"
 
 
-def register(sources, source):
-    """Add a Source to MOTIONS or PASTS."""
-    sources.append(source)
+def register(source):
+    """Add a Source to SOURCES, and its options to the help, before those of the wall's past or among them."""
+    SOURCES.append(source)
+    _GROUPS[source.title] = (*_GROUPS.get(source.title, ()), *source.arguments)
+    _GROUPS[PAST] = _GROUPS.pop(PAST)
     make_parser.cache_clear()
 
 
@@ -306,18 +316,6 @@ def parse_run(arguments, prog, solver):
     return _settings_of(given, f"{prog} {shown_command(arguments)}".strip())
 
 
-def given_options(arguments, prog, solver):
-    """{name: value} of the options that a command line gives; arguments as of `parse_run`."""
-    parser = make_parser(prog, solver)
-    usual = vars(parser.parse_args([]))
-    given = vars(parser.parse_args(arguments))
-    return {name: _as_tuple(value) for name, value in given.items() if value != usual[name]}
-
-
-def _as_tuple(value):
-    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
-
-
 def settings_of(options, prog, solver):
     """RunSettings from a dictionary of options; otherwise as `parse_run`.
 
@@ -333,7 +331,7 @@ def settings_of(options, prog, solver):
         action = _action(actions, name)
         if value is not None:
             setattr(given, action.dest, _value_of(parser, action, name, value))
-    return _settings_of(given, f"{prog} {shown_command(words_of(options, solver))}".strip())
+    return _settings_of(given, f"{prog} {shown_command(words_of(options))}".strip())
 
 
 @lru_cache(maxsize=8)  # a study asks for one for each of its runs
@@ -341,10 +339,7 @@ def make_parser(prog, solver):
     """The parser of a run's command line."""
     parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES.get(solver, ()), description=(
         f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
-    drawn = [(one.title, one.arguments) for one in MOTIONS]
-    past = [(one.title, one.arguments) for one in PASTS]
-    for title, arguments in [*_GROUPS.items(), *drawn, (PAST, _PAST), *past,
-                             ("model", _model_arguments(solver)), ("run", _run_arguments(solver))]:
+    for title, arguments in (_GROUPS | {"model": _model_arguments(solver), "run": _run_arguments(solver)}).items():
         group(title, *arguments)(parser)
     return parser
 
@@ -378,14 +373,13 @@ def names_file(name, value):
     return _action(options_of_a_run(), name).type is file_path and not (name == "settle" and str(value) in PROFILES)
 
 
-def words_of(options, *solvers):
-    """The command line, a list of words, of a dictionary of options as `settings_of` takes it; solvers: whose options
-    there are, all without one.
+def words_of(options):
+    """The command line, a list of words, of a dictionary of options as `settings_of` takes it.
 
     >>> words_of({"harmonic": [0.2, 0.05], "rest": 1.0, "sequence": (1, 0.5), "new-contacts": True})
     ['--harmonic', '0.2', '0.05', '--rest', '1.0', '--sequence', '1,0.5', '--new-contacts']
     """
-    actions = options_of_a_run(*solvers)
+    actions = options_of_a_run()
     return [word for name, value in options.items() for word in _words(_action(actions, name), name, value)]
 
 
@@ -428,8 +422,6 @@ def _value_of(parser, action, name, value):
         if len(values) != action.nargs:
             parser.error(f"argument {action.option_strings[0]}: expected {action.nargs} arguments")
         return [_converted(parser, action, one) for one in values]
-    if action.type is None and action.choices is None:
-        return values if isinstance(value, (tuple, list, np.ndarray)) else str(value)
     return _converted(parser, action, value)
 
 
@@ -449,7 +441,7 @@ def _converted(parser, action, value):
 def _settings_of(given, command):
     """RunSettings from parsed options, with the command line that asks for them."""
     added = {}
-    for source in (*MOTIONS, *PASTS):
+    for source in SOURCES:
         added |= source.fields(given)
     alpha_1_s, beta_s = _damping(given)
     before = getattr(given, "continue")
@@ -498,14 +490,13 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"),
 
 
 def _motion(parsed):
-    if not names_file("sequence", parsed.sequence):
-        factors = (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
-        return {"loading": _loading(parsed), "sequence": factors}
+    if not isinstance(parsed.sequence, Path):
+        return {"loading": _loading(parsed), "sequence": parsed.sequence or (1.0,)}
     owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
                          "the file has the records, their scales and windows; leave the other out")
-    return fields_of_events(read_sequence(check_path(parsed.sequence), parsed.rest, **_given(
+    return fields_of_events(read_sequence(parsed.sequence, parsed.rest, **_given(
         baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band))))
 
 
@@ -558,13 +549,6 @@ def _given(**options):
     return {name: value for name, value in options.items() if value is not None}
 
 
-def _numbers(option, words, what, example):
-    try:
-        return tuple(float(word) for word in (words.split(",") if isinstance(words, str) else words))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{option} {words}: expected {what} with commas between, like {example}") from error
-
-
 def _pushed(parsed):
     more = _given(boundary=parsed.boundary, speed_m_s=parsed.speed, local_damping=parsed.damping,
                   top_rotation=parsed.top_rotation)
@@ -572,8 +556,7 @@ def _pushed(parsed):
         return TopDisplacement((parsed.pushover,), cycles=0, **more)
     if parsed.cycles is not None and parsed.cycles < 1:
         raise InputError(f"--cycles {parsed.cycles}: expected at least one cycle at each drift; correct it")
-    return TopDisplacement(_numbers("--cyclic", parsed.cyclic, "drifts in percent", "0.05,0.1,0.2"),
-                           **_given(cycles=parsed.cycles), **more)
+    return TopDisplacement(parsed.cyclic, **_given(cycles=parsed.cycles), **more)
 
 
 def recorded(parsed):

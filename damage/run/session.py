@@ -28,7 +28,7 @@ from damage.provenance import file_origin, versions
 from damage.run.banner import event_lines, kept_lines, record_lines, sequence_lines, wall_lines
 from damage.run.before import read_state, without_bond
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
-from damage.run.options import free_name, given_options, parse_run
+from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
@@ -121,7 +121,7 @@ def with_errors_reported(name, run):
 
 
 RUN_MEMBERS = []
-"""What runs the members of a run: function(wall_file, make_wall, settings, {name: value} of its options), which returns
+"""What runs the members of a run: function(wall_file, make_wall, settings, words of the command line), which returns
 the exit status.  An application adds it."""
 
 
@@ -134,7 +134,7 @@ def _run(backend, wall_file, make_wall, arguments, prog):
                 raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the "
                                  "reference solver, python3 -m damage reference WALL.py --members N; or give "
                                  "--scatter 0.001 --seed 1, then 2, ..., a run each")
-            return RUN_MEMBERS[0](wall_file, make_wall, settings, given_options(arguments, prog, backend.name))
+            return RUN_MEMBERS[0](wall_file, make_wall, settings, arguments)
         show = backend.open_view() if settings.view and backend.open_view else None  # before there is a history
         return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
 
@@ -200,7 +200,7 @@ class RunPlan:
                 *event_lines(settings), *record_lines(settings), *sequence_lines(settings),
                 *kept_lines(settings, layout, self.time_step)]
 
-    def parameters(self, wall_file):
+    def parameters_with(self, wall_file):
         """Parameters of its history."""
         loading, wall, period_s = self.settings.loading, self.layout.wall, float(self.modes.period_s[0])
         found = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **self.settings.as_dict(),
@@ -210,7 +210,7 @@ class RunPlan:
                  **applied_measures(loading.applied(), period_s, loading.applied_across())}
         return found | {"outside_validity": "; ".join(outside(evidence_for(wall, found))) or None}
 
-    def state(self):
+    def past(self):
         """`state` of a Prepared run."""
         if not self.settings.continued:
             return None
@@ -220,22 +220,18 @@ class RunPlan:
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it continues,
-    None of a run that begins; checkpoints: what writes them, None where there is no file; repeats: as of RunPlan;
-    parameters: of the history; write(parameters=...): makes a history."""
+class Prepared(RunPlan):
+    """A run that can begin: its history is there, without a sample.
 
-    backend: Backend
-    settings: RunSettings
-    layout: Layout
-    modes: Modes
-    time_step: float
+    writer: keeps it; state: of the run that it continues, None without one; resumed: tables of the checkpoint from
+    which it continues, None of a run that begins; checkpoints: what writes them, None where there is no file;
+    parameters: of the history; write(parameters=...): makes a history.
+    """
+
     writer: Buffer
     state: dict | None
     resumed: dict | None
     checkpoints: Checkpoints | None
-    repeats: tuple[tuple[RunSettings, float], ...]
     parameters: dict
     write: Callable
 
@@ -263,9 +259,9 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     settings = check(backend, wall, settings)
     out = output_of(backend, wall, settings)
     plan = plan_of(backend, wall, settings)
-    state = plan.state()
+    state = plan.past()
     print(*plan.lines(), sep="\n", flush=True)
-    return _opened(plan, state, plan.parameters(wall_file), out, write)
+    return _opened(plan, state, plan.parameters_with(wall_file), out, write)
 
 
 def check(backend, wall, settings):
@@ -320,8 +316,8 @@ def _opened(plan, state, parameters, out, write):
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, plan.modes, plan.time_step, writer, state, tables, checkpoints,
-                    plan.repeats, parameters, write)
+    return Prepared(**vars(plan), writer=writer, state=state, resumed=tables, checkpoints=checkpoints,
+                    parameters=parameters, write=write)
 
 
 def _laid_out(wall, settings):

@@ -44,8 +44,6 @@ RESERVED_OPTIONS = ("members", "out", "overwrite", "pictures", "quiet", "view", 
 PICTURES = ("all", "none")
 CONCLUSION = re.compile(r"python3 -m (damage|paper) ([a-z][a-z-]*)")
 """A command of this software; it gets the study's folder and `--markdown tables/NAME.md`."""
-_OLDER_CONCLUSIONS = {"readings": "python3 -m paper readings", "combinations": "python3 -m paper combinations",
-                      "lives": "python3 -m damage lives"}
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 _ENSEMBLES = "members", "samples", "lives"
@@ -218,12 +216,9 @@ def load_study(path, solver="yade", root=None):
     check_choices(path, table.get("states", []), table.get("intensity"))
     runs = [run for entry, where in _entries(table, path, root) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
-    conclusion = table.get("conclusion")
-    if isinstance(conclusion, str):  # an older version named it alone
-        conclusion = _OLDER_CONCLUSIONS.get(conclusion, conclusion)
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
                   runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
-                  pictures=table.get("pictures", "all"), conclusion=conclusion)
+                  pictures=table.get("pictures", "all"), conclusion=table.get("conclusion"))
     for run, where in chosen:  # last, as each may read a record
         _try_options(run, where, root)
     return study

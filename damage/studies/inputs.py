@@ -15,7 +15,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 
 from damage.checks import check_file
 from damage.motion.record import Record
-from damage.run.options import MOTIONS
+from damage.run.options import SOURCES
 from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
@@ -53,7 +53,7 @@ def _drawn_from(run, root):
     if run.varied != "life":
         return None
     options = run.options_of(1, root)
-    return next(source.digest(options) for source in MOTIONS if source.digest)
+    return next(source.digest(options) for source in SOURCES if source.digest)
 
 
 def as_json(inputs):
