@@ -26,6 +26,7 @@ ROOMS = [
     ("damage.claim",),
     ("damage.app",),
     ("damage.commands",),
+    ("damage.applications",),
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),
     ("walls",),
