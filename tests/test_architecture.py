@@ -38,8 +38,6 @@ ROOMS = [
 ]
 GROUND = ROOMS[0]  # small modules: they may import one another
 LONGEST = 60  # lines of a function
-LONGEST_CHAIN = 14  # modules of the package of which each imports the next as it is imported itself
-SMALL, MOST_SMALL = 40, 13  # lines of a module; so many are shorter, those of one line not counted
 RANK = {room: rank for rank, line in enumerate(ROOMS) for room in line}
 
 
@@ -140,30 +138,6 @@ def test_every_module_of_the_package_is_named_in_the_document():
 
 def test_no_function_is_longer_than_a_screen():
     assert {name: long for name in MODULES if (long := long_functions(_source(name)))} == {}
-
-
-def longest_chain(modules):
-    """The longest list of modules of which each imports the next; modules: {name: names}, without circles."""
-    chains = {}
-    for name in TopologicalSorter(modules).static_order():
-        chains[name] = [name, *max((chains[one] for one in modules.get(name, ())), key=len, default=())]
-    return max(chains.values(), key=len)
-
-
-def test_chains_of_imports_are_short():
-    """Imports within functions do not count: they are for what few need."""
-    package = {name: set(_imports(name, MODULES, {}, within=False)) for name in MODULES
-               if name.startswith(("damage", "yade_scripts"))}
-    assert len(chain := longest_chain(package)) <= LONGEST_CHAIN, chain
-
-
-def test_a_long_chain_is_found():
-    assert longest_chain({"a": {"b", "d"}, "b": {"c"}, "c": set(), "d": set()}) == ["a", "b", "c"]
-
-
-def test_few_modules_are_small():
-    lines = {name: len(_source(name).splitlines()) for name in MODULES if name.startswith(("damage", "yade_scripts"))}
-    assert len(small := [name for name, n in lines.items() if 1 < n < SMALL]) <= MOST_SMALL, small
 
 
 def test_a_long_function_is_found():

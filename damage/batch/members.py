@@ -21,7 +21,7 @@ from damage.measure.tables import member_row, members_path, write_table
 from damage.measure.warnings import energy_warnings
 from damage.reference.session import BACKEND
 from damage.run.report import report
-from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK, check, output_of, plan_of
+from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK, announce, check, output_of, plan_of
 from damage.run.settings import SCATTER
 from damage.studies.definition import StudyRun, option_table, with_paths
 
@@ -31,7 +31,7 @@ OF_MEMBERS = "members", "seed", "scatter", "out", "overwrite", "no-pictures", "q
 
 def run_members(wall_file, make_wall, settings, words):
     """Run all members of a run, up to eight of which step together; returns the exit status.  Arguments as of
-    `damage.run.session.RUN_MEMBERS`.
+    `damage.run.options.RUN_MEMBERS`.
 
     The history of the first member is the file of the run, with the table of all that ended beside it; those of the
     others are not kept.
@@ -39,7 +39,7 @@ def run_members(wall_file, make_wall, settings, words):
     wall = make_wall()
     settings = check(BACKEND, wall, settings)
     out = Path(output_of(BACKEND, wall, settings))
-    print(*plan_of(BACKEND, wall, settings).lines(), sep="\n", flush=True)
+    announce(plan_of(BACKEND, wall, settings))
     print(f"history of the first member: {out}", flush=True)
     members_path(out).unlink(missing_ok=True)  # of the run that this one replaces
     point = _point(wall_file, settings, words)
@@ -77,8 +77,6 @@ def _made(tasks, name):
         print(f"{name}: {len(rows)} of {len(tasks)} members ended", flush=True)
         return ()
 
-    for part in ("logs", "runs", "tables"):
-        (folder / part).mkdir()
     with held(folder, "members") as lock:
         jobs = min(os.cpu_count(), math.ceil(len(tasks) / BACKEND.most))
         pool = Pool(jobs, partial(work, inputs={}), lock, folder, say=partial(print, flush=True))

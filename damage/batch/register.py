@@ -1,6 +1,6 @@
 """The option --members of a run, whose members a study of one point makes."""
 
-from damage.run.session import RUN_MEMBERS
+from damage.run.options import RUN_MEMBERS
 
 
 def _run_members(*asked):

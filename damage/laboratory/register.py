@@ -6,9 +6,7 @@ import numpy as np
 
 from damage.errors import InputError, warn
 from damage.measure.crack_file import read_cracks
-from damage.measure.crack_paths import crack_paths
 from damage.measure.cracks import ENDS
-from damage.measure.survey import check_share
 from damage.provenance import file_origin
 from damage.run.options import PAST, Source, arg, file_arg, number_from, register
 from damage.units import MILLIMETRE
@@ -57,6 +55,9 @@ class Surveyed:
         stay as they are, with a warning; what the survey comes to is printed.  Raises InputError where less than half
         of it lies on joints.
         """
+        from damage.measure.crack_paths import crack_paths  # whose libraries no other run needs
+        from damage.measure.survey import check_share
+
         contacts = layout.contacts
         paths = crack_paths(self.lines, layout, self.tolerance_m)
         check_share(paths, f"--cracked {self.file}", layout)

@@ -283,8 +283,9 @@ class Source:
     digest: Callable | None = None
 
 
-SOURCES = []
-"""What applications add."""
+SOURCES, RUN_MEMBERS = [], []
+"""What applications add: each Source, and what runs --members, a function(wall_file, make_wall, RunSettings, words of
+the command line), which returns the exit status."""
 SOLVERS = "yade", "reference"
 
 

@@ -28,7 +28,7 @@ from damage.provenance import file_origin, versions
 from damage.run.banner import event_lines, kept_lines, record_lines, sequence_lines, wall_lines
 from damage.run.before import read_state, without_bond
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
-from damage.run.options import free_name, parse_run
+from damage.run.options import RUN_MEMBERS, free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
@@ -120,11 +120,6 @@ def with_errors_reported(name, run):
         return report_error(error, name)
 
 
-RUN_MEMBERS = []
-"""What runs the members of a run: function(wall_file, make_wall, settings, words of the command line), which returns
-the exit status.  An application adds it."""
-
-
 def _run(backend, wall_file, make_wall, arguments, prog):
     hold_buffers()
     settings = parse_run(arguments, prog=prog, solver=backend.name)
@@ -193,13 +188,6 @@ class RunPlan:
         """A new solver of the run."""
         return self.backend.make(self.layout, self.time_step, self.settings)
 
-    def lines(self):
-        """What the run will be, a list of lines; raises InputError where a point lies in no brick."""
-        settings, layout = self.settings, self.layout
-        return [*wall_lines(layout, settings.loading, self.modes, self.time_step, settings.mass_scaling),
-                *event_lines(settings), *record_lines(settings), *sequence_lines(settings),
-                *kept_lines(settings, layout, self.time_step)]
-
     def parameters_with(self, wall_file):
         """Parameters of its history."""
         loading, wall, period_s = self.settings.loading, self.layout.wall, float(self.modes.period_s[0])
@@ -259,8 +247,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     settings = check(backend, wall, settings)
     out = output_of(backend, wall, settings)
     plan = plan_of(backend, wall, settings)
+    announce(plan)
     state = plan.past()
-    print(*plan.lines(), sep="\n", flush=True)
     return _opened(plan, state, plan.parameters_with(wall_file), out, write)
 
 
@@ -286,7 +274,7 @@ def output_of(backend, wall, settings):
 
 
 def plan_of(backend, wall, settings):
-    """The RunPlan of a run of settings that were checked, with warnings; raises InputError."""
+    """The RunPlan of a run of settings that were checked; raises InputError."""
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     period_s, critical_s = float(modes.period_s[0]), modes.critical_time_step_s
@@ -295,7 +283,6 @@ def plan_of(backend, wall, settings):
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
-    _warn_of(backend, settings, wall, time_step, critical_s)
     return RunPlan(backend, settings, layout, modes, time_step, tuple(repeats), so_far)
 
 
@@ -330,17 +317,24 @@ def _laid_out(wall, settings):
     return layout
 
 
-def _warn_of(backend, settings, wall, time_step, critical_s):
+def announce(plan):
+    """Print what a RunPlan will be, and warn of what is doubtful in it; raises InputError where a point lies in no
+    brick."""
+    settings, wall, loading = plan.settings, plan.layout.wall, plan.settings.loading
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
     for text in dict.fromkeys(text for event in settings.recorded for text in record_warnings(event.loading)):
         warn(text, code="record")
-    if isinstance(settings.loading, Recorded) and not settings.events:
-        warn(*end_warnings(settings.loading.applied()), code="end_velocity")
+    if isinstance(loading, Recorded) and not settings.events:
+        warn(*end_warnings(loading.applied()), code="end_velocity")
     if wall.joint.softens:
-        warn(*softening_warnings(settings, time_step, critical_s, backend.softening), code="softening_step")
+        warn(*softening_warnings(settings, plan.time_step, plan.modes.critical_time_step_s, plan.backend.softening),
+             code="softening_step")
+    lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
+    print(*lines, *event_lines(settings), *record_lines(settings), *sequence_lines(settings),
+          *kept_lines(settings, plan.layout, plan.time_step), sep="\n", flush=True)
 
 
 @contextmanager

@@ -38,7 +38,8 @@ from damage.studies.states import STUDY_FILE, check_choices
 from damage.toml_file import read_toml
 from damage.wall.file import shipped_walls
 
-RESERVED_OPTIONS = ("members", "out", "overwrite", "pictures", "quiet", "view", "console", "checkpoint", "resume")
+RESERVED_OPTIONS = ("members", "out", "overwrite", "pictures", "no-pictures", "quiet", "view", "console", "checkpoint",
+                    "resume", "help")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 PICTURES = ("all", "none")
@@ -268,22 +269,16 @@ def _load_entry(table, where, folder, root):
         name = table.get("id", run_name(wall, options))
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
-    ensemble = _ensemble(table, where)
+    drawing, ensemble = _ensemble(table, where)
     drawn = {"samples", "lives"} & set(table)
     solvers = [solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and drawn)]
     try:
-        return [(StudyRun(name + block, wall, **_for_solver(options, ensemble, solver), solver=solver, **part), where)
+        given = {"yade": tuple(options.items()), "reference": (*options.items(), *drawing)}
+        return [(StudyRun(name + block, wall, given[solver], solver, **(ensemble if solver == "reference" else {}),
+                          **part), where)
                 for solver in solvers for block, part in _blocks(table)]
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
-
-
-def _for_solver(options, ensemble, solver):
-    """Fields of a StudyRun: its options, with what an ensemble adds to them in the reference solver."""
-    if solver != "reference":
-        return {"options": tuple(options.items())}
-    more = dict(ensemble)
-    return {"options": (*options.items(), *more.pop("options", ()))} | more
 
 
 def _blocks(table):
@@ -295,7 +290,7 @@ def _blocks(table):
 
 
 def _ensemble(table, where):
-    """The ensemble of a StudyRun, by its `members`, `samples` or `lives`; empty without."""
+    """Further options and fields of the StudyRun of an ensemble, by `members`, `samples` or `lives`; empty without."""
     given = [name for name in _ENSEMBLES if name in table]
     if len(given) > 1:
         raise InputError(f"{where}: {given[0]} and {given[1]} given together; expected one kind of ensemble, leave the "
@@ -308,10 +303,10 @@ def _ensemble(table, where):
         size = table.get("scatter", SCATTER)
         if type(size) not in (int, float) or not size > 0:
             raise InputError(f"{where}: scatter = {size!r}; expected a number above zero, like 0.001; correct it")
-        return {"options": (("scatter", size),), "varied": "seed", "members": table["members"], "adaptive": True}
+        return (("scatter", size),), {"varied": "seed", "members": table["members"], "adaptive": True}
     if "lives" in table:
-        return {"varied": "life"}
-    return {"varied": "strength_seed", "members": table["samples"]} if "samples" in table else {}
+        return (), {"varied": "life"}
+    return (), {"varied": "strength_seed", "members": table["samples"]} if "samples" in table else {}
 
 
 def _existing_files(options, where, folder, root):
