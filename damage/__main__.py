@@ -14,6 +14,7 @@ if __name__ == "__main__":
 import logging
 from contextlib import nullcontext, redirect_stdout
 
+import damage.applications  # noqa: F401, each adds what it has
 import damage.commands  # noqa: F401, fills the table
 from damage.applications import GROUPS
 from damage.commands.table import COMMANDS, PROGRAMS, Silence, examples_of

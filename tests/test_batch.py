@@ -234,14 +234,14 @@ class TestPool:
         def make(work, jobs=2):
             (tmp_path / "logs").mkdir(exist_ok=True)
             monkeypatch.setattr("damage.batch.pool.load_compiled", lambda *_: None)
-            monkeypatch.setattr("damage.batch.tasks.company_of", lambda point: point.words)
+            monkeypatch.setattr("damage.batch.tasks.company_of", lambda point: point.options)
             lines = []
             return Pool(jobs, work, -1, tmp_path, lines.append), lines
         return make
 
     @staticmethod
     def tasks(folder, n=5, solver="reference"):
-        return [Task(folder, StudyRun(f"p{k}", "w.py", (str(k % 2),), solver), 1, True) for k in range(n)]
+        return [Task(folder, StudyRun(f"p{k}", "w.py", (("seed", k % 2),), solver), 1, True) for k in range(n)]
 
     def test_every_task_is_done_once_those_that_are_alike_one_after_the_other(self, pool, tmp_path):
         def work(connection, *_):
@@ -352,9 +352,9 @@ class TestPool:
                 os.kill(left, signal.SIGKILL)
 
     def test_runs_of_one_wall_and_model_are_company(self):
-        point = StudyRun("p", "walls/symmetric.py", ("--rest", "1"), "reference", ("--strength-seed",), 2)
-        alike = StudyRun("q", "walls/symmetric.py", ("--harmonic", "0.2", "0.1"), "reference")
-        other = StudyRun("r", "walls/symmetric.py", ("--cells", "4"), "reference")
+        point = StudyRun("p", "walls/symmetric.py", (("rest", 1),), "reference", "strength_seed", 2)
+        alike = StudyRun("q", "walls/symmetric.py", (("harmonic", (0.2, 0.1)),), "reference")
+        other = StudyRun("r", "walls/symmetric.py", (("cells", 4),), "reference")
         assert company_of(point) == company_of(alike) != company_of(other)
 
 
@@ -480,7 +480,7 @@ class TestInputsThatChange:
 
     def test_yade_reads_by_itself_and_is_compared_by_the_wall_of_its_history(self, tmp_path, monkeypatch):
         wall_file(tmp_path / "tiny.py", TINY)
-        run = StudyRun("p", str(tmp_path / "tiny.py"), ("--harmonic", "0.1", "0.5"), "yade")
+        run = StudyRun("p", str(tmp_path / "tiny.py"), (("harmonic", (0.1, 0.5)),), "yade")
         task, sent = Task(tmp_path, run, 1, True), []
         note = {run.id: as_json(inputs_of(run, REPOSITORY))}
         task.part.parent.mkdir()

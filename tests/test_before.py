@@ -13,10 +13,11 @@ from damage.errors import InputError
 from damage.history.moments import choose_samples
 from damage.history.reader import read_history
 from damage.laboratory.crack_report import history_drawn
-from damage.measure.crack_file import Surveyed, read_cracks
+from damage.laboratory.register import Surveyed
+from damage.measure.crack_file import read_cracks
 from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.summary import summarise
-from damage.run.before import with_cracks
+from damage.run.before import without_bond
 from damage.run.options import parse_run
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall
@@ -97,6 +98,11 @@ CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
 """A bed joint through the left pier, at mid-height of the opening."""
 
 
+def with_cracks(layout, cracks):
+    """The layout whose contact points along Surveyed cracks have no bond."""
+    return without_bond(layout, cracks.joints(layout))
+
+
 def test_joints_along_surveyed_cracks_have_no_bond(tmp_path):
     path = written(tmp_path / "cracks.csv", CRACK)
     layout = lay_out(SMALL)
@@ -146,9 +152,9 @@ def test_the_tolerance_of_a_survey(tmp_path):
     """A crack 20 mm above its bed joint is on it within half a brick's length, not within 10 mm."""
     path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "0.32,1"))
     settings = parse_run(["--cracked", str(path), "--tolerance-mm", "10"], "", "reference")
-    assert settings.cracked.tolerance_m == 0.01 and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
+    assert settings.joints_without_bond.tolerance_m == 0.01 and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
     with pytest.raises(InputError, match=r"0.00 of 0.34 m of its cracks run along joints of wall small \(0 %\)"):
-        with_cracks(lay_out(SMALL), settings.cracked)
+        with_cracks(lay_out(SMALL), settings.joints_without_bond)
     assert (with_cracks(lay_out(SMALL), Surveyed.read(path)).contacts.tensile_strength == 0).sum() == 6
     refused_with("--tolerance-mm belongs to --cracked", parse_run, ["--tolerance-mm", "10"], "", "reference")
 

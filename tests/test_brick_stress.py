@@ -12,7 +12,7 @@ from damage.law.modes import natural_modes
 from damage.measure.brick_stress import bricks_table, principal_stresses, stress_measures, warn_of_splitting
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
-from damage.run.opening import describe_brick
+from damage.run.banner import describe_brick
 from damage.studies.records import record_of
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP

@@ -10,7 +10,7 @@ import damage
 from damage.law.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
-from damage.run.opening import describe_brick
+from damage.run.banner import describe_brick
 from damage.run.options import parse_run
 from damage.run.settings import RunSettings
 from damage.wall.file import load_wall

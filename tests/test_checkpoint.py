@@ -28,7 +28,7 @@ RUNS = {
                 "--quiet"),
     "deformable": ("--bricks", "deformable", "--rest", "0"),
     "scaled": ("window.toml", "--harmonic", "0.06", "1.5", "--cycles", "2", "--rest", "0", "--no-pictures", "--quiet"),
-    "fibres": ("soft.toml", "--harmonic", "0.06", "0.9", "--rest", "0", "--fibres", "4", "--perturb", "1e-8", "--seed",
+    "fibres": ("soft.toml", "--harmonic", "0.06", "0.9", "--rest", "0", "--fibres", "4", "--scatter", "0.01", "--seed",
                "2", "--no-pictures", "--quiet"),
 }
 SOFT = ('name = "soft"\nlength = 0.9\nheight = 0.6\nprecompression = 0.1e6\n'

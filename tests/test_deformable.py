@@ -29,7 +29,7 @@ from damage.mechanics.tables import DAMPING, ENDED, FRICTION, HAS_FAILED, INPUT,
 from damage.motion.loading import Harmonic
 from damage.reference.solver import ReferenceSolver
 from damage.rounded import to_bits
-from damage.run.opening import describe_brick
+from damage.run.banner import describe_brick
 from damage.run.options import parse_run
 from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY

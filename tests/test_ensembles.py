@@ -41,9 +41,9 @@ class TestGrid:
         study = load_study(write_study(tmp_path, (
             '[[grid]]\nwall = "walls/{wall}.py"\nrows = "list.csv"\nvary = { wall = ["solid", "symmetric"] }\n'
             'options = { record = "{record}", window = ["{start}", "{end}"], scale = "{scale}" }\n')), "reference")
-        assert [(run.wall, *run.words[3:]) for run in study.runs] == [
-            (f"walls/{wall}.py", "18" if scale == "2" else "18.5", end, "--scale", scale)
-            for end, scale in (("19", "2"), ("20", "0.5")) for wall in ("solid", "symmetric")]
+        assert [(run.wall, *run.options[1:]) for run in study.runs] == [
+            (f"walls/{wall}.py", ("window", window), ("scale", scale))
+            for window, scale in (((18, 19), 2), ((18.5, 20), 0.5)) for wall in ("solid", "symmetric")]
 
     @pytest.mark.parametrize(("table", "vary", "message"), [
         (None, "", "no file list.csv"),
@@ -75,9 +75,8 @@ class TestGrid:
         (f'grid = 3\n[[runs]]\n{WALL}{SINE}', "grid is no list of tables"),
         (f'[[runs]]\n{WALL}{SINE}members = 0', "members = 0"),
         (f'[[runs]]\n{WALL}{SINE}members = true', "members = True"),
-        (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9', "perturb without members"),
-        (f'[[runs]]\n{WALL}{SINE}perturb = -1\nmembers = 2', "perturb = -1"),
-        (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9\nscatter = 0.1\nmembers = 2', "expected one kind"),
+        (f'[[runs]]\n{WALL}{SINE}scatter = 0.1', "scatter without members"),
+        (f'[[runs]]\n{WALL}{SINE}scatter = -1\nmembers = 2', "scatter = -1"),
         (f'[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2', "expected one kind"),
         (f'[[runs]]\n{WALL}{SINE}samples = 2', "strengths do not scatter"),
         (f'[[runs]]\n{WALL}options = {{ seed = 3 }}\nmembers = 2', "--seed is set by members"),
@@ -91,25 +90,25 @@ class TestGrid:
 
     def test_the_first_file_that_is_there_counts(self, tmp_path):
         path = write_study(tmp_path, f'[[runs]]\n{WALL}options = {{ record = ["own.csv", "{BGAR}"] }}\n')
-        assert load_study(path).runs[0].words == ("--record", BGAR)
+        assert load_study(path).runs[0].options == (("record", BGAR),)
         (tmp_path / "own.csv").write_text("time_s,acc_g\n0,0\n0.01,1\n0.02,0\n")
-        assert load_study(path).runs[0].words == ("--record", str(tmp_path / "own.csv"))
+        assert load_study(path).runs[0].options == (("record", str(tmp_path / "own.csv")),)
 
 
 class TestShipped:
     def test_harmonic_is_the_papers_matrix(self):
         runs = load_study(REPOSITORY / "studies" / "harmonic.toml", "reference").runs
-        assert {(run.wall, run.words[1], run.words[2]) for run in runs} == {
-            (f"walls/{wall}.py", str(period), str(amplitude)) for wall in ("solid", "symmetric", "asymmetric")
+        assert {(run.wall, *run.options[0][1]) for run in runs} == {
+            (f"walls/{wall}.py", period, amplitude) for wall in ("solid", "symmetric", "asymmetric")
             for period in (0.06, 0.2, 0.33, 1.0) for amplitude in (0.01, 0.025, 0.05, 0.075, 0.1)}
         assert {(run.members, run.adaptive, run.varied) for run in runs} == {
-            (5, True, ("--scatter", "0.001", "--seed"))}
+            (5, True, "seed")}
 
     def test_ida_is_two_records_at_eight_scales_on_two_walls(self):
         study = load_study(REPOSITORY / "studies" / "ida.toml", "both")
         for solver, members in (("yade", 1), ("reference", 5)):
             runs = [run for run in study.runs if run.solver == solver]
-            assert len({(run.wall, run.words[1], run.words[3]) for run in runs}) == len(runs) == 32
+            assert len({(run.wall, *run.options) for run in runs}) == len(runs) == 32
             assert {run.members for run in runs} == {members}
 
 

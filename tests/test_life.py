@@ -34,7 +34,7 @@ from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence
 from damage.reference.session import run_references
 from damage.rounded import to_bits
-from damage.run.opening import event_lines
+from damage.run.banner import event_lines
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records

@@ -14,7 +14,7 @@ from damage.html.report import page
 from damage.law.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.run.opening import opening_lines
+from damage.run.banner import wall_lines
 from damage.run.options import parse_run
 from damage.run.report import describe
 from damage.wall.geometry import body_table, joint_table
@@ -82,7 +82,7 @@ def test_every_summary_tells_the_share(run):
 def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
     layout, loading = lay_out(DOOR), parse_run([], "test", "reference").loading
     modes, brickwork_t = natural_modes(layout), 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
-    lines = "\n".join(opening_lines(layout, loading, modes, 1e-5))
+    lines = "\n".join(wall_lines(layout, loading, modes, 1e-5))
     for words in (
             f"{layout.n_bricks} bricks ({brickwork_t:.3g} t together)", "top: 5.64 t", "tensile strength 0.21 MPa",
             "cohesion 0.24 MPa", "friction angle 32 deg, brittle", "modulus 5200 MPa",

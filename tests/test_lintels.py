@@ -12,7 +12,7 @@ from test_widths import check_widths
 import damage
 from damage.draw.preview import wall_preview
 from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
-from damage.run.opening import opening_lines
+from damage.run.banner import wall_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.file import wall_from
@@ -187,7 +187,7 @@ class TestOptions:
 
     def test_a_run_tells_its_lintels(self):
         layout = lay_out(wall((DOOR, Opening(1.9, 0.3, 0.2, 0.4, "arch"))))
-        lines = opening_lines(layout, parse_run([], "test", "reference").loading, natural_modes(layout), 1e-5)
+        lines = wall_lines(layout, parse_run([], "test", "reference").loading, natural_modes(layout), 1e-5)
         assert "concrete lintel at 0.8 m, x = 0.7 to 1.7 m: 0.1 x 0.15 m, modulus 30 GPa" in lines
         assert any(line.startswith("arch lintel at 0.6 m") for line in lines)
         assert "lintels of their own: no joint is elastic, all can fail" in lines

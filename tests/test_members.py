@@ -4,20 +4,20 @@ import io
 import json
 import re
 import time
-from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import TINY, contents, run_here, wall_file, without_progress
+from conftest import TINY, contents, run_here, wall_file
 from small_history import make_history
 
+from damage.batch import members
 from damage.history.reader import read_history
 from damage.html.run_part import run_part
 from damage.measure.summary import summarise
 from damage.measure.tables import SHOWN, member_row, members_of, members_path, spread, summary_row, write_table
+from damage.reference import session
 from damage.reference.session import run_reference
-from damage.run import session
 from damage.run.options import parse_run
 from damage.run.report import describe
 from damage.run.session import Backend, Progress, run_session
@@ -58,18 +58,20 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
 
 
 def test_an_interruption_keeps_the_members_that_had_ended(tiny, tmp_path, capsys, monkeypatch):
-    """Of nine the first eight, which stepped together."""
-    @contextmanager
-    def attended(*words, **options):
-        yield lambda run, time_s: run.settings.seed <= 8
+    def made(tasks, name):
+        rows, pool = made_as_before(tasks, name)
+        del rows[3]
+        pool.interrupted = True
+        return rows, pool
 
-    monkeypatch.setattr("damage.run.session.attended", attended)
+    made_as_before = members._made
+    monkeypatch.setattr(members, "_made", made)
     out = tmp_path / "run.h5"
-    assert run_reference([tiny, *SHAKEN, "--members", "9", "--out", str(out)]) == 130
+    assert run_reference([tiny, *SHAKEN, "--members", "3", "--out", str(out)]) == 130
     printed = capsys.readouterr()
-    assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == [f"run_s{k}" for k in range(1, 9)]
-    assert read_history(out).complete and "interrupted: 8 of 9 members had ended" in printed.err
-    assert "8 members: median (min to max)" in printed.out and "median and range are of these" in printed.out
+    assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == ["run_s1", "run_s2"]
+    assert read_history(out).complete and "interrupted: 2 of 3 members had ended" in printed.err
+    assert "2 members: median (min to max)" in printed.out and "median and range are of these" in printed.out
 
 
 def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
@@ -78,7 +80,7 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
     first, second = (make_history(tmp_path / name, drift=drift) for name, drift in (("run.h5", 1e-3), ("b.h5", 2e-3)))
     for one, seed in ((first, 1), (second, 2)):
         one.parameters["seed"], one.parameters["scatter"] = seed, 0.001
-    write_table(pd.DataFrame([member_row(one, out) for one in (first, second)]), members_path(out))
+    write_table(pd.DataFrame([member_row(summary_row(one), out) for one in (first, second)]), members_path(out))
     table = members_of(first)
     assert table["run"].to_list() == ["run_s1", "run_s2"]
     assert spread(table)["max_drift_ratio"] == {"median": 1.5e-3, "min": 1e-3, "max": 2e-3}
@@ -86,14 +88,14 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
     assert members_of(second) is None  # beside which there is none
 
 
-def test_settings_of_members():
-    def of(*words):
-        return [(one.members, one.scatter, one.perturb_m, one.seed)
-                for one in parse_run([*words, "--members", "2"], "p", "reference").of_members()]
-
-    assert of() == [(1, 0.001, 0.0, 1), (1, 0.001, 0.0, 2)]
-    assert of("--scatter", "0.01", "--seed", "7") == [(1, 0.01, 0.0, 7), (1, 0.01, 0.0, 8)]
-    assert of("--perturb", "1e-9") == [(1, 0.0, 1e-9, 1), (1, 0.0, 1e-9, 2)]
+@pytest.mark.parametrize(("words", "scatter", "seeds"), [
+    ((), 0.001, [1, 2]), (("--scatter", "0.01", "--seed", "7"), 0.01, [7, 8])])
+def test_members_have_a_scatter_and_seeds(tiny, words, scatter, seeds):
+    words = [*words, "--members", "2", "--settle", "hogging", "--quiet"]
+    point = members._point(tiny, parse_run(words, "p", "reference"), words)
+    assert [point.settings(None, number).seed for number in (1, 2)] == seeds
+    assert point.settings(None).scatter == scatter and point.settings(None).members == 1
+    assert point.settings(None).settlement.profile == "hogging"
 
 
 @pytest.mark.parametrize("count", ["0", "101", "2.5"])
@@ -119,28 +121,25 @@ def test_a_member_that_fails_is_named_and_the_others_are_reported(tiny, tmp_path
     monkeypatch.setattr(session, "simulate", simulate)
     assert run_reference([tiny, *SHAKEN, "--members", "3", "--out", str(tmp_path / "run.h5")]) == 1
     printed = capsys.readouterr()
-    assert without_progress(printed.err).startswith("error: member of seed 2: out of memory")
+    assert "error: member of seed 2 (error: members_reference_s2: out of memory" in printed.err
     assert "2 of 3 members ended: median and range are of these" in printed.out
     assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == ["run_s1", "run_s3"]
 
 
-def test_the_time_left_is_of_all_members(monkeypatch):
-    """Three runs of 10 s of motion, one after the other in pairs, a second of work for each of motion."""
+def test_the_time_left_of_a_run(monkeypatch):
+    """A second of work for each of motion."""
     clock, stream = [100.0], io.StringIO()
     monkeypatch.setattr(time, "monotonic", lambda: clock[0])
-    progress = Progress("wall, 3 members", stream, runs=3)
-    one, two, three = (Run() for _ in range(3))
+    progress, one = Progress("wall", stream), Run()
 
-    def left_after(work_s, run, simulated_s):
+    def left_after(work_s, simulated_s):
         clock[0] += work_s
-        progress.show(simulated_s, run)
+        progress.show(simulated_s, one)
         return stream.getvalue().splitlines()[-1].split()[-2]
 
     progress.show(0.0, one)
-    assert left_after(10, one, 5.0) == "0:50"  # 5 of 30 s of motion in 10 s
-    assert left_after(10, two, 10.0) == "0:20"
-    assert left_after(10, one, 10.0) == "0:15"  # as where it collapsed and ended
-    assert left_after(10, three, 4.0) == "0:10"
+    assert left_after(10, 5.0) == "0:10"  # 5 of 10 s of motion in 10 s
+    assert left_after(10, 8.0) == "0:05"
 
 
 class Run:

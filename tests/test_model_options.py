@@ -1,7 +1,8 @@
 """The default model stands once, in ModelOptions: command lines, names and tables follow from its fields."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
+import numpy as np
 import pandas as pd
 import pytest
 from conftest import refused_with
@@ -9,7 +10,7 @@ from conftest import refused_with
 from damage.measure.columns import read_table
 from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
-from damage.run.options import free_name, make_parser, parse_run
+from damage.run.options import free_name, make_parser, parse_run, settings_of, words_of
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
 from damage.wall.parameters import Wall
@@ -60,6 +61,34 @@ def test_an_old_history_has_the_defaults_of_younger_options(still_history):
     assert still_history.model == ModelOptions()  # its parameters hold no option
 
 
-def test_joints_are_by_face_alone():
-    assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
-    refused_with("--joints: invalid choice: 'centres'", parse_run, ["--joints", "centres"], "test", "yade")
+@pytest.mark.parametrize(("options", "words"), [
+    ({"harmonic": (0.2, 0.05), "cycles": 2, "rest": np.float64(1)}, "--harmonic 0.2 0.05 --cycles 2 --rest 1.0"),
+    ({"harmonic": [1, "0.05"], "sequence": (1, 0.5)}, "--harmonic 1 0.05 --sequence 1.0,0.5"),
+    ({"cyclic": "0.1,0.2", "top-rotation": 0, "stresses": True, "pictures": False},
+     "--cyclic 0.1,0.2 --top-rotation 0 --stresses --no-pictures"),
+    ({"settle": "tilt", "distortion": "1/200", "point": [(0.3, 0.3), (0.5, 0.1)], "beta": None, "quiet": False},
+     "--settle tilt --distortion 0.005 --point 0.3 0.3 --point 0.5 0.1")])
+def test_a_command_line_is_one_way_to_give_options(options, words):
+    given, parsed = settings_of(options, "", "reference"), parse_run(words.split(), "", "reference")
+    assert replace(given, command="") == replace(parsed, command="")
+    assert parse_run(words_of(options), "", "reference") == given
+
+
+@pytest.mark.parametrize(("options", "words", "said"), [
+    ({"harmonic": 0.2}, "--harmonic 0.2", "argument --harmonic: expected 2 arguments"),
+    ({"rest": "x"}, "--rest x", "argument --rest: invalid float value: 'x'"),
+    ({"cycles": "2.5"}, "--cycles 2.5", "argument --cycles: invalid int value: '2.5'"),
+    ({"top": "flat"}, "--top flat", "argument --top: invalid choice: 'flat'"),
+    ({"cyclic": "1,x"}, "--cyclic 1,x", "argument --cyclic: 1,x: expected numbers with commas between"),
+    ({"scale": 2}, "--scale 2", "--scale belongs to --record")])
+def test_a_wrong_option_is_refused_alike_however_it_is_given(options, words, said):
+    refused_with(said, settings_of, options, "", "reference")
+    refused_with(said, parse_run, words.split(), "", "reference")
+
+
+@pytest.mark.parametrize(("options", "said"), [
+    ({"cycles": 2.5}, "argument --cycles: invalid int value: 2.5"), ({"rest": True}, "invalid float value: True"),
+    ({"quiet": 1}, "quiet = 1: expected True or False"), ({"point": 3}, "point = 3: expected X_M Z_M"),
+    ({"harmonc": 1}, "did you mean harmonic")])
+def test_a_value_that_no_command_line_can_have_is_refused(options, said):
+    refused_with(said, settings_of, options, "", "reference")

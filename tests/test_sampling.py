@@ -12,7 +12,7 @@ from damage.measure.tables import summary_row
 from damage.motion.formats import read_record
 from damage.motion.intensity import sa_g
 from damage.motion.loading import Recorded
-from damage.run.opening import describe_sampling
+from damage.run.banner import describe_sampling
 from damage.run.options import parse_run
 from damage.run.report import describe
 

@@ -16,7 +16,7 @@ from damage.motion.intensity import pga_g, pgv_cm_s
 from damage.motion.loading import Recorded, loading_from_dict
 from damage.motion.plausible import faint_warnings, implausible_velocity
 from damage.motion.sequence import read_sequence
-from damage.run.opening import record_lines
+from damage.run.banner import record_lines
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.inputs import as_json, differences

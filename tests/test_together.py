@@ -22,7 +22,7 @@ from damage.run.run import LOOK_STEPS
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
 OTHERS = {3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
           4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
-          5: (*SHAKEN, "--perturb", "1e-8"),
+          5: (*SHAKEN, "--scatter", "0.01"),
           6: (*SHAKEN, "--cells", "3")}  # cannot be in a batch with the others
 PROGRAM = '''
 import sys
@@ -130,7 +130,7 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
     assert 10 < of_one < resting / 2
     for name in list(some)[:-1]:
         assert some[name] == again[name]
-    assert run("others", range(1, 8), "--perturb", "1e-8")[1] > 10
+    assert run("others", range(1, 8), "--scatter", "0.01")[1] > 10
 
 
 def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):

@@ -105,16 +105,16 @@ def open_wall(wall, engines, options):
     """Implementation of `yade_scripts.open_scene`."""
     import damage.applications  # noqa: F401, each adds its options
     from damage.provenance import shown_path
-    from damage.run.options import parse_run, words_of
+    from damage.run.options import settings_of
     from damage.wall.file import load_wall, wall_path
     from damage.wall.parameters import Wall
     from yade_scripts.leaving import close_with_a_word
     from yade_scripts.opened import engines_beside, open_scene
 
     close_with_a_word()
-    words = words_of({"pictures": False, "quiet": True} | options, "yade", "open_scene")
     file = "" if isinstance(wall, Wall) else wall_path(wall)
-    settings = parse_run(words, prog=f"yade, open_scene of {shown_path(file) if file else wall.name}:", solver="yade")
+    given = {"pictures": False, "quiet": True} | options
+    settings = settings_of(given, f"yade, open_scene of {shown_path(file) if file else wall.name}:", "yade")
     if settings.members > 1 or settings.console or settings.view or settings.pictures:
         raise InputError("open_scene with members, console, view or pictures: expected options of the wall and its "
                          "motion; leave them out: YADE's prompt follows the script")

@@ -82,10 +82,6 @@ class YadeSolver(Solver):
             raise NotImplementedError(f"adaptive {adaptive}, alpha {alpha}, beta {beta}: YADE damps locally alone")
         self.model.newton.damping = local
 
-    def shift(self, offsets):
-        for state, (dx, dz) in zip(self.scene.states, np.where(self.layout.held[:, :2], 0.0, offsets)):
-            state.pos += Vector3(dx, 0, dz)
-
     def damp_impacts(self):
         self._armed = True
         self.model.damp_impacts()

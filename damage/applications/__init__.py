@@ -1,12 +1,12 @@
 """What is built on the core: importing this package lets each application register what it adds.
 
-`python3 -m damage` imports it, the core does not.
+`python3 -m damage`, `damage.run` and YADE's entry import it, the core does not.
 """
 
 from importlib import import_module
 
-MODULES = ("damage.laboratory.commands", "damage.studies.commands", "damage.html.commands",
-           "damage.exposure.commands")
+MODULES = ("damage.laboratory.register", "damage.life.register", "damage.batch.register", "damage.laboratory.commands",
+           "damage.studies.commands", "damage.html.commands", "damage.exposure.commands")
 """Of cracks, studies, report, groningen."""
 GROUPS = {
     "first steps": ("demo", "new-wall", "check-bits", "help"),

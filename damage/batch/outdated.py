@@ -17,7 +17,6 @@ from damage.files import write_text
 from damage.history.head import read_head
 from damage.measure.kept import ENDING, FOLDER
 from damage.provenance import model_digest
-from damage.studies.definition import names_file
 from damage.studies.inputs import as_json, differences, inputs_of
 from damage.studies.records import NAME, is_of_today, key_of, point_line, point_of, read_records
 from damage.studies.tables import histories_in, refuse_other_measures

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
+from damage.batch.folder import ROOT
 from damage.measure import kept
-from damage.run.options import parse_run
 from damage.studies.definition import StudyRun
 
 RUN, PICTURES = "run", "pictures"
@@ -73,7 +73,7 @@ def company_of(point):
     """As Task.company, of all runs of a point."""
     if point.solver != "reference":
         return None
-    settings = parse_run(point.command(1)[1:], prog="", solver="reference")
+    settings = point.settings(ROOT)
     return (point.wall, replace(settings.model, strength_seed=0), settings.time_step_s, settings.alpha_1_s,
             settings.beta_s)
 

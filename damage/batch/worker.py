@@ -26,6 +26,7 @@ from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
 from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
+from damage.run.options import words_of
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from damage.studies.inputs import differences, inputs_of
 from damage.studies.records import record_of
@@ -82,7 +83,7 @@ def _do_runs(first, connection, waiting, settled, inputs):
     tasks, histories, interrupted = {}, {}, EXIT_OK
 
     def lines():
-        """(name, words) of the next runs, as `run_references` takes them; (None, None) where there is none now."""
+        """(name, run) of the next runs, as `run_references` takes them; (None, None) where there is none now."""
         while True:
             while connection.poll():
                 waiting.append(connection.recv())
@@ -96,7 +97,7 @@ def _do_runs(first, connection, waiting, settled, inputs):
             tasks[task.name] = task
             histories[task.name] = Begun(task, inputs, HistoryKept if task.kept else HistoryInMemory)
             print("---", task.name, flush=True)
-            yield task.name, [*task.point.command(task.number), *_where(task)]
+            yield task.name, (task.point.wall, partial(_settings, task))
 
     for name, status in run_references(lines(), histories, settled):
         interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
@@ -133,8 +134,14 @@ def changes(task, inputs, wall=None):
     return differences(note, inputs_of(task.point, ROOT, wall)) if note else []
 
 
+def _settings(task, prog):
+    """RunSettings of a task, whose paths start from the working folder."""
+    return task.point.settings(None, task.number, prog, _where(task))
+
+
 def _where(task):
-    return ["--out", str(task.part), "--overwrite", "--no-pictures"]
+    """The options of a task beside those of its point."""
+    return {"out": str(task.part), "overwrite": True, "pictures": False}
 
 
 def conclude(task, kept=None):
@@ -175,7 +182,8 @@ def _run_yade_on(task, connection, lock, inputs):
     if found := changes(task, inputs):
         return CHANGED, found
     connection.send((None, f"{task.name}: started", None))
-    status = _run_solver([*YADE, *task.point.command(task.number), *_where(task)], task.folder, lock,
+    status = _run_solver([*YADE, task.point.wall, *words_of(
+        task.point.options_of(task.number) | _where(task))], task.folder, lock,
                          lambda text: connection.send((None, f"{task.name}: {text}", None)))
     if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
         task.part.unlink()

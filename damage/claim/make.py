@@ -19,7 +19,7 @@ from damage.html.words import number
 from damage.measure.evidence import evidence_for
 from damage.measure.summary import summarise
 from damage.measure.survey import on_joints, read_survey
-from damage.run.options import fraction, parse_run
+from damage.run.options import fraction, settings_of
 from damage.studies.definition import load_study
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
@@ -55,8 +55,7 @@ def make_claim(claim, out, jobs, remake=False):
     choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
     layout = layout_of(claim.wall)
-    settled = parse_run([word for name, value in claim.settlement.items() for word in (f"--{name}", value)], "",
-                        "reference").settlement
+    settled = settings_of(claim.settlement, "", "reference").settlement
     if settled is not None:
         settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)

@@ -153,8 +153,7 @@ def draws_report(histories, to=None):
             raise InputError(f"{history.path}: another wall, push or model than {first.path}; expected draws of one, "
                              "which differ in --strength-seed alone; leave it out")
         model, seeds = history.model, history.parameters
-        draw = (model.strength_cov and model.strength_seed,
-                (seeds.get("scatter") or seeds.get("perturb_m")) and seeds.get("seed"))
+        draw = model.strength_cov and model.strength_seed, seeds.get("scatter") and seeds.get("seed")
         if draw in drawn:
             raise InputError(f"{history.path}: the same draw of the strengths as {drawn[draw]}; expected "
                              "--strength-cov and another --strength-seed; leave one out")

@@ -149,8 +149,8 @@ def lives_of(folder):
     study = load_study(folder / "study.toml", "reference")
     records, found = read_records(folder), []
     for run in study.runs:
-        if run.varied == ("--life",):
-            draws = read_address(run.words[run.words.index("--address") + 1])
+        if run.varied == "life":
+            draws = read_address(dict(run.options)["address"])
             point = run.point.rpartition(FROM)[0]
             found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point))
                       for number, record in records.of_point(run).items()]

@@ -62,7 +62,6 @@ PARAMETERS = {
     "motion_duration_s, rest_s": Column("s", "of the base's motion, and of the free vibration after it"),
     **_model(seeds=False),
     "alpha_1_s, beta_s": Column("1/s, s", "damping proportional to mass, and to stiffness"),
-    "perturb_m": Column("m", "size of the bricks' random offsets"),
     "scatter": Column("1", "coefficient of variation of the strengths, by which the members of an ensemble differ"),
     "mode_i_fracture_energy_j_m2, mode_ii_fracture_energy_j_m2": Column("J/m2", "of the joints, 0 where brittle"),
     "time_step_s": Column("s", "of the solver, in points.csv that of the first run"),

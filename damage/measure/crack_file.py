@@ -17,7 +17,6 @@ from damage.files import write_text
 from damage.history.schema import Column
 from damage.index import THRESHOLD
 from damage.measure.cracks import ENDS, cracks_at
-from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.parameters import LONGEST_M
 
@@ -277,21 +276,3 @@ def patterns_of(history, samples, threshold=THRESHOLD):
     drift = history.series["drift_ratio"].to_numpy()
     return [pattern_of(cracks_at(history, sample, threshold), number, drift[sample], threshold)
             for number, sample in enumerate(samples, start=1)]
-
-
-@dataclass(frozen=True)
-class Surveyed:
-    """Cracks of a file in the format of docs/reference/crack-format.md, at its last load level; file: name without
-    its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m];
-    tolerance_m: how far from a joint a crack may be drawn [m], None for half a brick's length."""
-
-    file: str
-    sha256: str
-    stretches: tuple[tuple[float, ...], ...]
-    tolerance_m: float | None = None
-
-    @classmethod
-    def read(cls, path, tolerance_m=None):
-        """The cracks of a file; raises InputError."""
-        ends = read_cracks(path)[-1].stretches[list(ENDS)].to_numpy(float).tolist()
-        return cls(**file_origin(path), stretches=tuple(map(tuple, ends)), tolerance_m=tolerance_m)

@@ -48,7 +48,7 @@ def summary_row(history, run="", point=""):
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
     row |= _motion_columns(history, numbers) | asdict(history.model)
     row |= {name: history.parameters.get(name) for name in (
-        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
+        "alpha_1_s", "beta_s", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
         "repeated_for", "eigen_period_s")}
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0
@@ -185,10 +185,10 @@ def members_path(path):
     return Path(path).with_name(f"{Path(path).stem}_members.csv")
 
 
-def member_row(history, path):
-    """Row of a member's History in the table of members beside the history file at `path`."""
+def member_row(row, path):
+    """A row of summary.csv as that of a member in the table beside the history file at `path`."""
     point = Path(path).stem
-    return summary_row(history, run=f"{point}_s{history.parameters['seed']}", point=point)
+    return row | {"run": f"{point}_s{row['seed']}", "point": point}
 
 
 def members_of(history):

@@ -56,7 +56,6 @@ CASES = {
     "soil": Case(SMALL, f"--soil 1e9 --soil-velocity 100 {SHAKEN}"),
     "falling": Case(SMALL, "--new-contacts --harmonic 0.1 1.5 --rest 0.2"),
     "drawn": Case(SMALL, f"--strength-cov 0.3 --strength-seed 7 {SHAKEN}"),
-    "shifted": Case(SMALL, f"--perturb 5e-8 --seed 3 {SHAKEN}"),
     "eight": Case(SMALL, f"--scatter 0.1 {SHAKEN}", members=True),
     "deformable": Case(SMALL, "--bricks deformable --contacts gauss --harmonic 0.06 0.8 --rest 0.1"),
     "cells": Case(SMALL, "--bricks deformable --brick-cells 4 --harmonic 0.06 0.8 --rest 0.1"),

@@ -17,7 +17,7 @@ from damage.motion.loading import Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
 from damage.reference.session import BACKEND, PROG
-from damage.run.options import free_name, parse_run, pictures_folder, words_of
+from damage.run.options import free_name, pictures_folder, settings_of
 from damage.run.session import EXIT_INTERRUPTED, attended, prepare, simulate
 from damage.run.turns import take_turns
 from damage.wall.file import load_wall, wall_path
@@ -69,11 +69,11 @@ def _asked(wall, motion, options):
     if not (motion is None or is_record or is_loading):
         raise InputError(f"motion = {motion!r}: expected a record's path or name, a Loading, or None with options like "
                          "harmonic=(0.2, 0.05)")
-    words = words_of(DEFAULTS | options | ({"record": motion} if is_record else {}), BACKEND.name, "damage.run")
     file = "" if isinstance(wall, Wall) else wall_path(wall)
     # the command line is complete unless Python objects are among the arguments
     prog = f"{PROG} {shown_path(wall)}" if file and not is_loading else f"damage.run, {getattr(wall, 'name', wall)}:"
-    settings = parse_run(words, prog=prog, solver=BACKEND.name)
+    given = DEFAULTS | options | ({"record": motion} if is_record else {})
+    settings = settings_of(given, prog, BACKEND.name)
     if is_loading:
         settings = _driven_by(motion if isinstance(motion, Loading) else Recorded(motion), settings)
     if settings.members > 1:
@@ -86,7 +86,7 @@ def _asked(wall, motion, options):
 
 def _driven_by(loading, settings):
     """The settings with a Loading in place of their motion; raises InputError where the options name one, too."""
-    if settings.loading != parse_run([], prog="", solver=BACKEND.name).loading:
+    if settings.loading != settings_of({}, "", BACKEND.name).loading:
         raise InputError(f"the motion {loading.name} and options of another: expected one of them; leave one out")
     if settings.sequence != (1.0,) and loading.drive.base is None:
         raise InputError(f"sequence with the motion {loading.name}: expected a harmonic or recorded one; leave it out")

@@ -1,6 +1,7 @@
 """Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver, or many."""
 
 import sys
+from functools import partial
 from pathlib import Path
 
 import numba
@@ -59,8 +60,9 @@ def run_references(lines, histories=None, settled=None):
     """Run command lines as `run_reference`, up to eight at a time, the next where one has ended, without summaries and
     pictures; the results of a run do not depend on the others, bit for bit.
 
-    lines: iterable of (name, words), the wall file first, each with an --out of its own; an element is taken when a run
-    can begin, and (None, None) means that there is none now; if no run is in progress then, all ends.  histories:
+    lines: iterable of (name, words), the wall file first, each with an --out of its own, or (name, (wall file, function
+    of the words before its options that returns RunSettings)); an element is taken when a run can begin, and (None,
+    None) means that there is none now; if no run is in progress then, all ends.  histories:
     {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class is replaced by the
     object.  settled: SettledWalls of earlier runs.
 
@@ -77,7 +79,7 @@ def run_references(lines, histories=None, settled=None):
             yield line and with_errors_reported(f"{name}: ", _run(name, line, histories, settled, keep_going))
 
     hold_buffers()
-    with attended("runs that step together", runs=0) as keep_going:
+    with attended("runs that step together", several=True) as keep_going:
         for number, status in as_they_end(runs(), BACKEND.move, BACKEND.most):
             if status == EXIT_INTERRUPTED:
                 interrupted.append(names[number])
@@ -85,9 +87,10 @@ def run_references(lines, histories=None, settled=None):
 
 
 def _run(name, line, histories, settled, keep_going):
-    """One run from its command line: a generator as `damage.run.session.simulate`."""
+    """One run: a generator as `damage.run.session.simulate`."""
     wall, *words = line
-    settings = parse_run(words, prog=f"{PROG} {shown_path(wall)}", solver=BACKEND.name)
+    make_settings = words[0] if callable(words[0]) else partial(parse_run, words, solver=BACKEND.name)
+    settings = make_settings(prog=f"{PROG} {shown_path(wall)}")
     one = prepare(BACKEND, wall, lambda: load_wall(wall), settings, histories.get(name, HistoryWriter))
     if name in histories:
         histories[name] = one.writer

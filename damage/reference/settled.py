@@ -64,8 +64,8 @@ def digest_of(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
     settings, content = prepared.settings, io.BytesIO()
     layout = replace(prepared.layout, plan=None)  # which follows from the wall and the options
-    begins = (layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
-              settings.new_contacts, settings.mass_scaling == SELECTIVE and settings.beta_s)
+    begins = (layout, prepared.time_step, settings.relaxation, settings.new_contacts,
+              settings.mass_scaling == SELECTIVE and settings.beta_s)
     pickler = pickle.Pickler(content)
     pickler.fast = True  # equal values give equal bytes, be they one object or two
     pickler.dump(begins)

@@ -7,7 +7,7 @@ from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
 from damage.mechanics.loose import LARGEST, PAIRS
 from damage.mechanics.samples import ELASTIC, KINETIC
-from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables, X, Z
+from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
 
@@ -39,10 +39,6 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
         self.local_damping, self.adaptive_damping, self.alpha, self.beta = local, adaptive, alpha, beta
-
-    def shift(self, offsets):
-        self.system.place[:len(self.layout.bodies), X:Z + 1] += np.where(self.layout.held[:, :2], 0.0, offsets)
-        self.refresh()
 
     def set_velocities(self, velocities):
         self.velocity = velocities

@@ -1,4 +1,4 @@
-"""What a wall went through before a run: the state at the end of another run, and cracks that were surveyed."""
+"""What a wall went through before a run: the state at the end of another run, and joints that lost their bond."""
 
 import io
 from dataclasses import replace
@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
-from damage.errors import InputError, warn
+from damage.errors import InputError
 from damage.history.reader import opened, read_history
 from damage.history.schema import STATE
 from damage.history.writer import layout_tables
-from damage.measure.crack_paths import crack_paths
-from damage.measure.survey import check_share
 
 KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j", "strain"
 """Of the Instants at the first run's time zero, from which displacements and energies count; the strain of deformable
@@ -97,28 +95,12 @@ def with_zero(state, zero):
     return state | {f"zero_{name}": np.asarray(value) for name, value in values.items() if value is not None}
 
 
-# --- surveyed cracks ---------------------------------------------------------------------------------------
+# --- joints without bond --------------------------------------------------------------------------------
 
-def with_cracks(layout, cracks):
-    """The layout whose contact points along Surveyed cracks have no bond: they carry compression and friction alone.
-
-    Straight lines become the nearest paths along joints (`damage.measure.crack_paths`).  Elastic contact points stay as
-    they are, with a warning; what the survey comes to is printed.  Raises InputError where less than half of it lies on
-    joints.
-    """
-    contacts = layout.contacts
-    paths = crack_paths(np.reshape(cracks.stretches, (-1, 2, 2)), layout, cracks.tolerance_m)
-    check_share(paths, f"--cracked {cracks.file}", layout)
-    failed = np.zeros(len(contacts), bool)
-    failed[paths.table["joint"]] = True
-    if elastic := int(contacts.elastic[failed].sum()):
-        warn(f"--cracked {cracks.file}: {elastic} of {failed.sum()} contact points are elastic by --lintel and stay so")
-    failed &= ~contacts.elastic
-    print(f"cracks of {cracks.file}: {paths.drawn_m:.2f} m, {100 * paths.share:.0f} % of it on joints up to "
-          f"{1e3 * paths.apart_m:.0f} mm away; {failed.sum()} of {layout.n_joints} contact points "
-          f"({contacts.length[failed].sum():.2f} m) start without bond; widths are not used")
-    fibres = layout.fibres and _without_bond(layout.fibres, failed[layout.fibres.contact])
-    return replace(layout, contacts=_without_bond(contacts, failed), fibres=fibres)
+def without_bond(layout, joints):
+    """The layout whose contact points `joints`, (n_joints,) of bool, carry compression and friction alone."""
+    fibres = layout.fibres and _without_bond(layout.fibres, joints[layout.fibres.contact])
+    return replace(layout, contacts=_without_bond(layout.contacts, joints), fibres=fibres)
 
 
 def _without_bond(table, failed):

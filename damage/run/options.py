@@ -6,7 +6,8 @@ import math
 import os
 import re
 import sys
-from dataclasses import fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
@@ -15,9 +16,7 @@ import numpy as np
 
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
-from damage.exposure.lives import events_of, read_address
-from damage.fields import MOST_SEED, option_of
-from damage.measure.crack_file import Surveyed
+from damage.fields import option_of
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
@@ -26,7 +25,6 @@ from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
 from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
-from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
 from damage.wall.plausible import ACCEPT
 
@@ -125,11 +123,25 @@ def group(title, *arguments):
 
 def fraction(word):
     """The type of an option that is a number, or two with a stroke between, like 1/500."""
-    over, _, under = word.partition("/")
+    over, _, under = str(word).partition("/")
     try:
         return float(over) / (float(under) if under else 1.0)
     except (ValueError, ZeroDivisionError) as error:
         raise argparse.ArgumentTypeError(f"{word}: expected a number, or a fraction like 1/500; correct it") from error
+
+
+def numbers(value):
+    """The type of an option of several numbers: a word with commas between them, or numbers."""
+    try:
+        return tuple(map(float, value.split(",") if isinstance(value, str) else np.atleast_1d(value)))
+    except (TypeError, ValueError) as error:
+        raise argparse.ArgumentTypeError(f"{value}: expected numbers with commas between, like 1,0.5,0.4; correct it") \
+            from error
+
+
+def _factors(value):
+    """The type of --sequence: numbers, or the path of a table."""
+    return file_path(value) if str(value).lower().endswith(".csv") else numbers(value)
 
 
 def _field(one, default, help_):
@@ -169,6 +181,8 @@ PREPARATION = (
     file_arg("--across", "FILE", "the record's other horizontal component, which is not applied: with it there are "
              "measures of the largest of all directions (RotD100)"))
 """The options that prepare a record; `recorded` reads them."""
+PAST = "the wall's past"
+"""The title of the options of what a wall went through before the run."""
 _GROUPS = {
     "motion (one of; default --harmonic 0.2 0.05)": (
         arg("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
@@ -181,13 +195,13 @@ _GROUPS = {
         file_arg("--vertical", "FILE", "the record's vertical component"),
         flag("--free-vibration", "free vibration in the first mode, which starts with 1 mm/s at the top",
              default=None),
-        arg("--sequence", metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried over: the harmonic "
-            "or recorded motion times each factor, then rest and settling (default 1); or different records, a row of "
-            "a CSV file each (docs/guides/own-record.md)")),
+        arg("--sequence", type=_factors, metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried "
+            "over: the harmonic or recorded motion times each factor, then rest and settling (default 1); or different "
+            "records, a row of a CSV file each (docs/guides/own-record.md)")),
     "quasi-static loading, instead of a motion": (
         arg("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift, after --settle from where "
             "it stands then"),
-        arg("--cyclic", metavar="PCT,PCT,...", help="push the top cyclically to these drifts"),
+        arg("--cyclic", type=numbers, metavar="PCT,PCT,...", help="push the top cyclically to these drifts"),
         arg("--boundary", choices=BOUNDARIES,
             help="the pushed top may rotate (cantilever, default), or not (fixed)"),
         arg("--top-rotation", type=float, metavar="N_M_RAD", help="rotational spring between the pushed top and what "
@@ -201,23 +215,10 @@ _GROUPS = {
                  "ends then"),
         arg("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection over half "
             f"the wall's length, or the angle of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})")),
-    "a life: the earthquakes at an address, one after the other, instead of a motion": (
-        file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/address.md)"),
-        arg("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a life: a "
-            "record scaled to its median PGV at the address; with --life to the PGV drawn there"),
-        arg("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it motions are "
-            "drawn and, where --strength-cov is given, the joints' strengths")),
-    "the wall's past": (
+    PAST: (
         file_arg("--continue", "FILE.h5", "start from the end of this run of the same wall, as if it had continued; in "
-                 "YADE one with --checkpoint"),
-        file_arg("--cracked", "CRACKS.csv", "joints along these cracks have no bond from the start "
-                 "(docs/reference/crack-format.md; the last load level; widths are not used)"),
-        arg("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a crack of "
-            "--cracked may be drawn (default: half a brick's length)"))}
-"""{title: arguments} of the groups of a run's options that every solver has."""
-_NO_EFFECT = {"reference": [("--step", ("fast", "plain"), "there is one time step")],
-              "yade": [("--joints", ("face",), "joints keep their face's normal")]}
-"""{solver: [(option, its values, why it has no effect any more)]}."""
+                 "YADE one with --checkpoint"),)}
+"""{title: arguments} of the groups of a run's options that every solver has, PAST the last of them."""
 
 
 def _model_arguments(solver):
@@ -228,7 +229,7 @@ def _model_arguments(solver):
             "top: adaptive (default), or local as in YADE"),
         *_settings("settling", "mass_scaling")]
     return [*model_arguments(*(one.name for one in fields(ModelOptions))), *_settings("beta_s"), *of_reference,
-            *_settings("perturb_m", "scatter", "seed", "members"), ACCEPTING]
+            *_settings("scatter", "seed", "members"), ACCEPTING]
 
 
 def _run_arguments(solver):
@@ -256,28 +257,85 @@ def _run_arguments(solver):
              f"first fallen brick (default: they {free})"),
         flag("--after-fall", "with --new-contacts: follow the bricks until the wall rests, "
              f"{AFTER_FALL_S:g} s at most (default: end with the first fallen brick)"),
-        *(arg(option, choices=choices, help=f"of no effect since {why}; accepted in this version")
-          for option, choices, why in _NO_EFFECT.get(solver, ())),
         *of_yade]
 
 
+@dataclass(frozen=True)
+class Source:
+    """Options that an application adds to those of a run, and what they make of its settings.
+
+    Attributes
+    ----------
+    title : str
+        Of the group of the options in the help.
+    arguments : tuple of callable
+        Each adds an option to a parser, as of `arg`.
+    fields : callable
+        From parsed options {field of RunSettings: value}, empty where none of its own is given.
+        Raises InputError where they do not go with the others.
+    digest : callable, optional
+        From options {name: value} the SHA-256 of the files that motions are drawn from.
+    """
+
+    title: str
+    arguments: tuple
+    fields: Callable
+    digest: Callable | None = None
+
+
+SOURCES, RUN_MEMBERS = [], []
+"""What applications add: each Source, and what runs --members, a function(wall_file, make_wall, RunSettings, words of
+the command line), which returns the exit status."""
+SOLVERS = "yade", "reference"
+
+
+def register(source):
+    """Add a Source to SOURCES, and its options to the help, before those of the wall's past or among them."""
+    SOURCES.append(source)
+    _GROUPS[source.title] = (*_GROUPS.get(source.title, ()), *source.arguments)
+    _GROUPS[PAST] = _GROUPS.pop(PAST)
+    make_parser.cache_clear()
+
+
 def parse_run(arguments, prog, solver):
-    """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
-    parsed = make_parser(prog, solver).parse_args(arguments)
-    life, model = _life_of(parsed), model_of(parsed)
-    if parsed.life is not None and model.strength_cov:  # strengths are drawn by the number of a life, too
-        model = replace(model, strength_seed=parsed.life)
-    alpha_1_s, beta_s = _damping(parsed)
-    return RunSettings(**_fields_of(RunSettings, parsed) | _motion(parsed) | {
-        "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": model,
-        "continued": getattr(parsed, "continue") and str(getattr(parsed, "continue")), "alpha_1_s": alpha_1_s,
-        "checkpoint_s": math.inf if parsed.checkpoint is None else 60 * parsed.checkpoint,
-        "points": tuple(map(tuple, parsed.point or ())),
-        "resumed": parsed.resume and str(parsed.resume), "out": parsed.out or parsed.resume,
-        "beta_s": beta_s, "command": f"{prog} {shown_command(arguments)}".strip()})
+    """RunSettings from a command line.
+
+    Parameters
+    ----------
+    arguments : list of str
+        Its words.
+    prog : str
+        What stands before them.
+    solver : {"yade", "reference"}
+
+    Raises
+    ------
+    InputError
+        Where an option, its value or a file is not valid.
+    """
+    given = make_parser(prog, solver).parse_args(arguments)
+    return _settings_of(given, f"{prog} {shown_command(arguments)}".strip())
 
 
-@lru_cache(maxsize=4)  # a study asks for one for each of its runs
+def settings_of(options, prog, solver):
+    """RunSettings from a dictionary of options; otherwise as `parse_run`.
+
+    Parameters
+    ----------
+    options : dict
+        {name: value}: the name without its dashes, - or _ inside of it.  An option of several
+        values has a tuple or a list, one without a value True.  None stands for the default.
+    """
+    parser = make_parser("", solver)
+    given, actions = parser.parse_args([]), options_of_a_run(solver)
+    for name, value in options.items():
+        action = _action(actions, name)
+        if value is not None:
+            setattr(given, action.dest, _value_of(parser, action, name, value))
+    return _settings_of(given, f"{prog} {shown_command(words_of(options))}".strip())
+
+
+@lru_cache(maxsize=8)  # a study asks for one for each of its runs
 def make_parser(prog, solver):
     """The parser of a run's command line."""
     parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES.get(solver, ()), description=(
@@ -287,66 +345,130 @@ def make_parser(prog, solver):
     return parser
 
 
-def words_of(options, solver, call):
-    """Command line, a list of words, for options of a solver by their names in Python; call: the function that took
-    them.  Raises InputError for an unknown name."""
-    actions = {action.dest: action for action in make_parser("", solver)._actions if action.dest != "help"}
-    unknown = [name for name in options if name not in actions]
-    if unknown:
-        raise InputError(f"{call}({unknown[0]}=...): expected one of {', '.join(actions)}"
-                         f"{did_you_mean(unknown[0], actions)}")
-    return [word for name, value in options.items() for word in _option(actions[name], name, value)]
+def options_of_a_run(*solvers):
+    """{name in Python: argparse's action} of the options of a run in these solvers, all of them without one."""
+    return {action.dest: action for solver in solvers or SOLVERS for action in make_parser("", solver)._actions
+            if action.dest != "help"}
 
 
-def _option(action, name, value):
+def _action(actions, name):
+    """The action of an option; InputError where there is none of its name."""
+    if name.replace("-", "_") not in actions:
+        raise InputError(f"no option {name}: expected one of {', '.join(actions)}{did_you_mean(name, actions)}")
+    return actions[name.replace("-", "_")]
+
+
+def file_options():
+    """The names of the options of a run that name a file."""
+    return [name for name, action in options_of_a_run().items() if action.type is file_path]
+
+
+def names_file(name, value):
+    """Whether the value of an option names a file.
+
+    >>> names_file("settle", "hogging"), names_file("settle", "dip.csv"), names_file("sequence", "1,0.5")
+    (False, True, False)
+    """
+    if name == "sequence":
+        return isinstance(value, str) and value.lower().endswith(".csv")
+    return _action(options_of_a_run(), name).type is file_path and not (name == "settle" and str(value) in PROFILES)
+
+
+def words_of(options):
+    """The command line, a list of words, of a dictionary of options as `settings_of` takes it.
+
+    >>> words_of({"harmonic": [0.2, 0.05], "rest": 1.0, "sequence": (1, 0.5), "new-contacts": True})
+    ['--harmonic', '0.2', '0.05', '--rest', '1.0', '--sequence', '1,0.5', '--new-contacts']
+    """
+    actions = options_of_a_run()
+    return [word for name, value in options.items() for word in _words(_action(actions, name), name, value)]
+
+
+def _words(action, name, value):
     """Words of one option on the command line; none where its value is None or the default of a flag."""
+    option = action.option_strings[0]
     if value is None:
         return []
-    option = action.option_strings[0]
     if action.nargs == 0:
-        if not isinstance(value, bool):
-            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return [option] if value is action.const else []
     if isinstance(action, argparse._AppendAction):
-        try:
-            rows = np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
-        except (TypeError, ValueError):
-            raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these; "
-                             "correct it") from None
-        return [word for one in rows for word in (option, *map(str, one))]
-    values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
-    words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
+        return [word for one in _rows(action, name, value) for word in (option, *map(str, one))]
+    words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in _listed(value)]
     return [option, *words] if action.nargs else [option, ",".join(words)]
 
 
-def _surveyed(parsed):
-    tolerance_mm = parsed.tolerance_mm
-    if parsed.cracked is None:
-        if tolerance_mm is not None:
-            raise InputError("--tolerance-mm belongs to --cracked; give both")
-        return None
-    return Surveyed.read(parsed.cracked, None if tolerance_mm is None else tolerance_mm * MILLIMETRE)
+def _listed(value):
+    return list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
 
 
-def settlement_of(parsed):
+def _rows(action, name, value):
+    """Rows of numbers of an option that may be repeated."""
+    try:
+        return np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these; correct "
+                         "it") from None
+
+
+def _value_of(parser, action, name, value):
+    """The value of an option, checked and converted as that of a command line is."""
+    if action.nargs == 0:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
+        return value if value is action.const else action.default
+    if isinstance(action, argparse._AppendAction):
+        return [[_converted(parser, action, one) for one in row] for row in _rows(action, name, value)]
+    values = _listed(value)
+    if isinstance(action.nargs, int):
+        if len(values) != action.nargs:
+            parser.error(f"argument {action.option_strings[0]}: expected {action.nargs} arguments")
+        return [_converted(parser, action, one) for one in values]
+    return _converted(parser, action, value)
+
+
+def _converted(parser, action, value):
+    """One value of an option by its type and choices."""
+    try:
+        found = parser._get_value(action, value)
+        parser._check_value(action, found)
+    except argparse.ArgumentError as error:
+        parser.error(str(error))
+    is_cut = isinstance(found, int) and not isinstance(value, str) and found != value
+    if is_cut or isinstance(value, bool):
+        parser.error(f"argument {action.option_strings[0]}: invalid {action.type.__name__} value: {value!r}")
+    return found
+
+
+def _settings_of(given, command):
+    """RunSettings from parsed options, with the command line that asks for them."""
+    added = {}
+    for source in SOURCES:
+        added |= source.fields(given)
+    alpha_1_s, beta_s = _damping(given)
+    before = getattr(given, "continue")
+    return RunSettings(**_fields_of(RunSettings, given) | ({} if "loading" in added else _motion(given)) | {
+        "settlement": settlement_of(given), "model": model_of(given), "continued": before and str(before),
+        "alpha_1_s": alpha_1_s, "beta_s": beta_s,
+        "checkpoint_s": math.inf if given.checkpoint is None else 60 * given.checkpoint,
+        "points": tuple(map(tuple, given.point or ())),
+        "resumed": given.resume and str(given.resume), "out": given.out or given.resume, "command": command} | added)
+
+
+def settlement_of(given):
     """The Settlement of parsed options, None without one."""
-    drawn = parsed.life is not None and read_address(parsed.address).settlement(parsed.life)
-    if drawn and parsed.settle is not None:
-        raise InputError(f"--settle {parsed.settle} and {parsed.address}, whose lives draw the settlement: expected "
-                         "one of them; leave --settle or the key settle out")
-    if parsed.settle is None:
-        if parsed.distortion is not None:
+    if given.settle is None:
+        if given.distortion is not None:
             raise InputError("--distortion belongs to --settle; give both")
-        return drawn or None
-    if str(parsed.settle) in PROFILES:
-        given = parsed.distortion
-        return Settlement(str(parsed.settle), USUAL_DISTORTION if given is None else given)
-    if parsed.settle.suffix.lower() != ".csv":
-        raise InputError(f"--settle {parsed.settle}: expected one of {', '.join(PROFILES)}, or a CSV file; correct it")
-    if parsed.distortion is not None:
+        return None
+    if str(given.settle) in PROFILES:
+        distortion = USUAL_DISTORTION if given.distortion is None else given.distortion
+        return Settlement(str(given.settle), distortion)
+    if given.settle.suffix.lower() != ".csv":
+        raise InputError(f"--settle {given.settle}: expected one of {', '.join(PROFILES)}, or a CSV file; correct it")
+    if given.distortion is not None:
         raise InputError("--distortion beside a profile from a file: the file says how far the ground settles; leave "
                          "it out")
-    return read_profile(parsed.settle)
+    return read_profile(given.settle)
 
 
 def _fields_of(kind, parsed):
@@ -369,48 +491,27 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"),
 
 
 def _motion(parsed):
-    if parsed.event is not None:
-        return _event(parsed)
-    if parsed.life is not None:
-        return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
-    if not (parsed.sequence or "").lower().endswith(".csv"):
-        factors = (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
-        return {"loading": _loading(parsed), "sequence": factors}
+    if not isinstance(parsed.sequence, Path):
+        return {"loading": _loading(parsed), "sequence": parsed.sequence or (1.0,)}
     owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
                          "the file has the records, their scales and windows; leave the other out")
-    events = read_sequence(check_path(parsed.sequence), parsed.rest, **_given(
-        baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band)))
-    return _events(events)
+    return fields_of_events(read_sequence(parsed.sequence, parsed.rest, **_given(
+        baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band))))
 
 
-def _event(parsed):
-    """The fields of RunSettings that are about --event: the motion of a record, scaled."""
-    draws = read_address(parsed.address)
-    table = draws.event(parsed.event, parsed.life)
-    (motion,), (row,) = events_of(table, parsed.rest), table.to_dict("records")
-    return {"loading": replace(motion.loading, scale=motion.factor), "sequence": (1.0,),
-            "event": row | {"life": parsed.life, **draws.as_dict()}}
-
-
-def _events(events):
+def fields_of_events(events):
+    """{field of RunSettings: value} of a sequence of different motions, a tuple of Event."""
     return {"loading": strongest(events).loading, "sequence": tuple(event.factor for event in events), "events": events}
 
 
-def _life_of(parsed):
-    """What decides the life of parsed options, fit for JSON; None without one, or for one event.  Raises InputError
-    where an option does not go with it."""
-    asked = "event" if parsed.event is not None else "life"
-    if (parsed.address is None) != (getattr(parsed, asked) is None):
-        raise InputError("--address ADDRESS.toml and --life N, or --event DATE: expected both; give the other one, too")
-    if parsed.address is None:
-        return None
+def refuse_motions(parsed, option, why):
+    """InputError where a motion, or what prepares one, is among parsed options beside the option of another."""
     others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
-        raise InputError(f"--{asked} and --{given[0].replace('_', '-')}: expected one of them, as the address decides "
-                         "the motions; leave the other out")
-    return None if asked == "event" else {"number": parsed.life, **read_address(parsed.address).as_dict()}
+        raise InputError(f"{option} and --{given[0].replace('_', '-')}: expected one of them, as {why}; leave the "
+                         "other out")
 
 
 _MOTIONS = ("harmonic", "record", "free_vibration", "pushover", "cyclic")
@@ -449,13 +550,6 @@ def _given(**options):
     return {name: value for name, value in options.items() if value is not None}
 
 
-def _numbers(option, words, what, example):
-    try:
-        return tuple(float(word) for word in words.split(","))
-    except ValueError as error:
-        raise InputError(f"{option} {words}: expected {what} with commas between, like {example}") from error
-
-
 def _pushed(parsed):
     more = _given(boundary=parsed.boundary, speed_m_s=parsed.speed, local_damping=parsed.damping,
                   top_rotation=parsed.top_rotation)
@@ -463,8 +557,7 @@ def _pushed(parsed):
         return TopDisplacement((parsed.pushover,), cycles=0, **more)
     if parsed.cycles is not None and parsed.cycles < 1:
         raise InputError(f"--cycles {parsed.cycles}: expected at least one cycle at each drift; correct it")
-    return TopDisplacement(_numbers("--cyclic", parsed.cyclic, "drifts in percent", "0.05,0.1,0.2"),
-                           **_given(cycles=parsed.cycles), **more)
+    return TopDisplacement(parsed.cyclic, **_given(cycles=parsed.cycles), **more)
 
 
 def recorded(parsed):

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from damage.draws import Draws
 from damage.elementary import total
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
@@ -71,9 +70,6 @@ class Run:
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
         self._balance_j, self._damped_j = state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
-        if settings.perturb_m > 0 and state is None and resumed is None:
-            normal = Draws(settings.seed).normal(2 * len(layout.bodies))
-            solver.shift(settings.perturb_m * normal.reshape(-1, 2))
 
     @property
     def time(self):

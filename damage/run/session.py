@@ -8,39 +8,33 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import contextmanager, nullcontext, redirect_stderr, redirect_stdout
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from weakref import WeakKeyDictionary
-
-import pandas as pd
 
 from damage.errors import InputError, RunError, WriteError, warn
 from damage.history.buffer import Buffer
-from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.law.modes import Modes, natural_modes
-from damage.measure.energy import ENERGY_FAILURE, balance_error
+from damage.measure.energy import ENERGY_FAILURE
 from damage.measure.evidence import evidence_for, outside
-from damage.measure.tables import member_row, members_path, write_table
-from damage.measure.warnings import energy_warnings
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
-from damage.run.before import read_state, with_cracks
+from damage.run.banner import event_lines, kept_lines, record_lines, sequence_lines, wall_lines
+from damage.run.before import read_state, without_bond
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
-from damage.run.opening import event_lines, kept_lines, opening_lines, record_lines, sequence_lines
-from damage.run.options import free_name, parse_run
+from damage.run.options import RUN_MEMBERS, free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
 from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
-from damage.run.turns import as_they_end, run_each, take_turns
+from damage.run.turns import run_each, take_turns
 from damage.run.watch import DROP, FAILURE
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
@@ -131,80 +125,13 @@ def _run(backend, wall_file, make_wall, arguments, prog):
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
         if settings.members > 1:
-            return _run_members(backend, wall_file, make_wall, settings)
+            if backend.most == 1:
+                raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the "
+                                 "reference solver, python3 -m damage reference WALL.py --members N; or give "
+                                 "--scatter 0.001 --seed 1, then 2, ..., a run each")
+            return RUN_MEMBERS[0](wall_file, make_wall, settings, arguments)
         show = backend.open_view() if settings.view and backend.open_view else None  # before there is a history
         return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
-
-
-def _run_members(backend, wall_file, make_wall, settings):
-    """Run all members of a run, some at a time, the next where one has ended, as a study runs those of a point; returns
-    the exit status, that of the first member where it failed, else the largest of all.
-
-    The history of the first member is the file of the run, with the table of all that ended beside it.  Histories of
-    the others are discarded, unless they failed or were interrupted: then they are in FILE_sSEED.h5.
-    """
-    if backend.most == 1:
-        raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the reference "
-                         "solver, python3 -m damage reference WALL.py --members N; or give --scatter 0.001 --seed 1, "
-                         "then 2, ..., a run each")
-    out = Path(settings.out or free_name(make_wall(), settings, backend.name))
-    first, *others = (replace(one, out=out.with_name(f"{out.stem}_s{one.seed}{out.suffix}"))
-                      for one in settings.of_members())
-    for one in others:
-        check_output(one.out, settings.overwrite)
-    begun = [prepare(backend, wall_file, make_wall, replace(first, out=out), HistoryKept)]
-    members_path(out).unlink(missing_ok=True)  # of the run that this one replaces
-    statuses, ended = {}, {}
-
-    def runs(keep_going):
-        """Each member as it begins; only the first prints its opening lines."""
-        for number in range(settings.members):
-            if EXIT_INTERRUPTED in statuses.values():
-                return
-            if number > 0:
-                with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
-                    begun.append(prepare(backend, wall_file, make_wall, others[number - 1], HistoryInMemory))
-            yield with_errors_reported(f"member of seed {first.seed + number}: ", simulate(begun[number], keep_going))
-
-    label = f"{begun[0].layout.wall.name}, {settings.members} members"
-    with attended(label, quiet=settings.quiet, runs=settings.members) as keep_going:
-        for number, status in as_they_end(runs(keep_going), backend.move, backend.most):
-            statuses[number], one, begun[number] = status, begun[number], None  # which held its history in memory
-            if status == EXIT_OK:
-                ended[number] = _ended_member(one, out)
-    return _report_members(settings, statuses, ended, out)
-
-
-def _ended_member(prepared, out):
-    """(row of the table of members, warnings on its energy balance, None); of the first member, of which `report`
-    warns, (row, no warnings, its History); out: path of the first one's history."""
-    history, path = prepared.writer.history(), prepared.writer.path
-    row = member_row(history, out)
-    if path == out:
-        return row, (), history
-    path.unlink(missing_ok=True)  # written where a history outgrew the memory
-    return row, [f"member of seed {prepared.settings.seed}: {text}"
-                 for text in energy_warnings(balance_error(history))], None
-
-
-def _report_members(settings, statuses, ended, out):
-    """Print and write what members left; returns the exit status.
-
-    statuses: {number: exit status} of those that began; ended: {number: as of `_ended_member`}; out: path of the first
-    one's history.
-    """
-    worst = max(statuses.values())
-    if worst == EXIT_INTERRUPTED:
-        print(f"interrupted: {len(ended)} of {settings.members} members had ended", file=sys.stderr)
-    if 0 not in ended:
-        return max(statuses[0], EXIT_INTERRUPTED * (worst == EXIT_INTERRUPTED))
-    in_order = [ended[number] for number in sorted(ended)]
-    print(f"members: {write_table(pd.DataFrame([row for row, *_ in in_order]), members_path(out))}")
-    warn(*(text for _, warnings, _ in in_order for text in warnings))
-    report(ended[0][2], pictures=settings.pictures)
-    if len(ended) < settings.members:
-        print(f"{len(ended)} of {settings.members} members ended: median and range are of these")
-    return worst
 
 
 def _run_to_its_pictures(prepared, show):
@@ -222,23 +149,77 @@ def _run_to_its_pictures(prepared, show):
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it continues,
-    None of a run that begins; checkpoints: what writes them, None where there is no file; repeats: (RunSettings, time
-    step [s]) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of the history;
-    write(parameters=...): makes a history."""
+class RunPlan:
+    """A run as it will be, before anything is written.
+
+    Attributes
+    ----------
+    backend : Backend
+    settings : RunSettings
+    layout : Layout
+    modes : Modes
+    time_step : float
+        [s]
+    repeats : tuple of (RunSettings, float)
+        Of runs with these time steps [s] that follow until one is accepted (`damage.run.scheme`).
+    so_far : dict
+        Parameters of a resumed run that say how it was repeated.
+    """
 
     backend: Backend
     settings: RunSettings
     layout: Layout
     modes: Modes
     time_step: float
+    repeats: tuple[tuple[RunSettings, float], ...]
+    so_far: dict
+
+    @property
+    def made_by(self):
+        """{software: version}."""
+        return versions(self.backend.code) | self.backend.versions
+
+    @property
+    def origin(self):
+        """As of `read_earlier`."""
+        return self.backend.name, self.made_by["model"]
+
+    def solver(self):
+        """A new solver of the run."""
+        return self.backend.make(self.layout, self.time_step, self.settings)
+
+    def parameters_with(self, wall_file):
+        """Parameters of its history."""
+        loading, wall, period_s = self.settings.loading, self.layout.wall, float(self.modes.period_s[0])
+        found = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **self.settings.as_dict(),
+                 "time_step_s": self.time_step, **self.so_far,
+                 "critical_time_step_s": self.modes.critical_time_step_s, "eigen_period_s": period_s,
+                 "pier_stress_pa": self.layout.pier_stress,
+                 **applied_measures(loading.applied(), period_s, loading.applied_across())}
+        return found | {"outside_validity": "; ".join(outside(evidence_for(wall, found))) or None}
+
+    def past(self):
+        """`state` of a Prepared run."""
+        if not self.settings.continued:
+            return None
+        if self.backend.keeps_state:
+            return read_state(self.settings.continued, self.layout, self.origin, self.solver())
+        return read_end(self.settings.continued, self.layout, self.origin, self.time_step)
+
+
+@dataclass(frozen=True)
+class Prepared(RunPlan):
+    """A run that can begin: its history is there, without a sample.
+
+    writer: keeps it; state: of the run that it continues, None without one; resumed: tables of the checkpoint from
+    which it continues, None of a run that begins; checkpoints: what writes them, None where there is no file;
+    parameters: of the history; write(parameters=...): makes a history.
+    """
+
     writer: Buffer
     state: dict | None
     resumed: dict | None
     checkpoints: Checkpoints | None
-    repeats: tuple[tuple[RunSettings, float], ...]
     parameters: dict
     write: Callable
 
@@ -263,40 +244,54 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to be no file.
     """
     wall = make_wall()
+    settings = check(backend, wall, settings)
+    out = output_of(backend, wall, settings)
+    plan = plan_of(backend, wall, settings)
+    announce(plan)
+    state = plan.past()
+    return _opened(plan, state, plan.parameters_with(wall_file), out, write)
+
+
+def check(backend, wall, settings):
+    """RunSettings with what this solver adds to them for this wall; raises InputError where they do not go together."""
     settings.check_plausible(wall)
     if wall.joint.softens and not backend.softening:
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     backend.check(settings, wall)
+    return settings
+
+
+def output_of(backend, wall, settings):
+    """Path of the history; raises InputError where it, or its pictures, cannot be written."""
     out = settings.out or free_name(wall, settings, backend.name)
     if not settings.resumed:
         check_output(out, settings.overwrite)
         if settings.pictures:
             check_pictures(out, settings.overwrite)
+    return out
+
+
+def plan_of(backend, wall, settings):
+    """The RunPlan of a run of settings that were checked; raises InputError."""
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
-    settings = settings.for_period(float(modes.period_s[0]))
-    options = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]), fastest_decay(layout))
+    period_s, critical_s = float(modes.period_s[0]), modes.critical_time_step_s
+    settings = settings.for_period(period_s)
+    options = schemes(settings, wall, critical_s, period_s, fastest_decay(layout))
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
-    _warn_of(backend, settings, wall, time_step, modes.critical_time_step_s)
-    made_by = versions(backend.code) | backend.versions
-    origin = backend.name, made_by["model"]
-    state = _past(backend, settings, layout, origin, time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *event_lines(settings),
-          *record_lines(settings), *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n",
-          flush=True)
-    parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, **so_far, "critical_time_step_s": modes.critical_time_step_s,
-                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
-                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
-                                     settings.loading.applied_across())}
-    parameters["outside_validity"] = "; ".join(outside(evidence_for(wall, parameters))) or None
-    write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
+    return RunPlan(backend, settings, layout, modes, time_step, tuple(repeats), so_far)
+
+
+def _opened(plan, state, parameters, out, write):
+    """The Prepared run of a RunPlan, whose history is opened."""
+    backend, settings, layout = plan.backend, plan.settings, plan.layout
+    write = partial(write, out, layout, solver=backend.name, versions=plan.made_by, overwrite=settings.overwrite)
     if settings.resumed:
-        writer, tables = resumed(settings.resumed, layout, parameters, origin, scene=not backend.keeps_state)
+        writer, tables = resumed(settings.resumed, layout, parameters, plan.origin, scene=not backend.keeps_state)
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
@@ -305,48 +300,45 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, tables, checkpoints, tuple(repeats),
-                    parameters, write)
+    return Prepared(**vars(plan), writer=writer, state=state, resumed=tables, checkpoints=checkpoints,
+                    parameters=parameters, write=write)
 
 
 def _laid_out(wall, settings):
     """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit it are refused."""
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
-    if settings.cracked:
-        layout = with_cracks(layout, settings.cracked)
-    settings.check_offsets(layout.contacts)
+    if settings.joints_without_bond:
+        layout = without_bond(layout, settings.joints_without_bond.joints(layout))
     if settings.settlement:
         settings.settlement.check_length(wall.length)
     return layout
 
 
-def _warn_of(backend, settings, wall, time_step, critical_s):
+def announce(plan):
+    """Print what a RunPlan will be, and warn of what is doubtful in it; raises InputError where a point lies in no
+    brick."""
+    settings, wall, loading = plan.settings, plan.layout.wall, plan.settings.loading
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
     for text in dict.fromkeys(text for event in settings.recorded for text in record_warnings(event.loading)):
         warn(text, code="record")
-    if isinstance(settings.loading, Recorded) and not settings.events:
-        warn(*end_warnings(settings.loading.applied()), code="end_velocity")
+    if isinstance(loading, Recorded) and not settings.events:
+        warn(*end_warnings(loading.applied()), code="end_velocity")
     if wall.joint.softens:
-        warn(*softening_warnings(settings, time_step, critical_s, backend.softening), code="softening_step")
-
-
-def _past(backend, settings, layout, origin, time_step):
-    """`state` of a Prepared run; origin: as of `read_earlier`; time_step [s]."""
-    if not settings.continued:
-        return None
-    if backend.keeps_state:
-        return read_state(settings.continued, layout, origin, backend.make(layout, time_step, settings))
-    return read_end(settings.continued, layout, origin, time_step)
+        warn(*softening_warnings(settings, plan.time_step, plan.modes.critical_time_step_s, plan.backend.softening),
+             code="softening_step")
+    lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
+    print(*lines, *event_lines(settings), *record_lines(settings), *sequence_lines(settings),
+          *kept_lines(settings, plan.layout, plan.time_step), sep="\n", flush=True)
 
 
 @contextmanager
-def attended(label, show=None, quiet=False, runs=1):
+def attended(label, show=None, quiet=False, several=False):
     """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run, which shows their
-    progress, too.  show: called now and then; runs: how many equally long ones there will be, 0 where nobody knows."""
-    progress, interrupts = Progress(label, io.StringIO() if quiet else None, runs), []
+    progress, too.  show: called now and then; several: whether nobody knows how many runs there will be."""
+    progress, interrupts = Progress(label, io.StringIO() if quiet else None, several), []
 
     def keep_going(run, time_s):
         progress.show(time_s, run)
@@ -417,34 +409,30 @@ def _simulate(prepared, keep_going, settled):
 class Progress:
     """Rewrites one line on a terminal; prints one every few seconds into a log."""
 
-    def __init__(self, label, stream=None, runs=1):
-        self.label, self.runs = label, runs
+    def __init__(self, label, stream=None, several=False):
+        self.label, self.several = label, several
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
         self.shown, self.shown_any = time.monotonic(), False
         self.started = None  # when the first stage after the static one began
-        self._simulated_s, self._reached_s = 0.0, WeakKeyDictionary()  # by all runs, {Run: by this one}
 
     def show(self, simulated_s, run):
         """Show the stage and the index of a Run, at most twice a second (every ten seconds in a log)."""
         now, stage = time.monotonic(), run.stage
         if stage != "static":
             self.started = self.started or now
-            reached_s = min(max(simulated_s, 0.0), run.duration_s)
-            self._simulated_s += reached_s - self._reached_s.get(run, 0.0)
-            self._reached_s[run] = reached_s
         if now - self.shown < (0.5 if self.live else 10.0):
             return
         self.shown, self.shown_any = now, True
         line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
         if stage != "static":
             line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
-                    f"DI = {run.index:.3f}  {self._left(now, run.duration_s)} left")
+                    f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left")
         self._write(f"\r{line}\033[K" if self.live else f"{line}\n")
 
-    def _left(self, now, duration_s):
-        """Time left for all runs, each of this length [s], by what they have simulated so far."""
-        share = self._simulated_s / (self.runs * duration_s) if self.runs * duration_s else 0.0
+    def _left(self, now, simulated_s, duration_s):
+        """Time left for a run of this length [s], by what it has simulated so far."""
+        share = min(max(simulated_s, 0.0), duration_s) / duration_s if duration_s and not self.several else 0.0
         if share < 0.01:
             return "--:--"
         left = int((now - self.started) * max(0.0, 1 / share - 1))

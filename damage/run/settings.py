@@ -4,13 +4,9 @@ import math
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from damage.checks import check_range
 from damage.errors import InputError
 from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
-from damage.index import THRESHOLD
-from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
 from damage.motion.plausible import implausible_motion, implausible_peak, implausible_velocity
@@ -18,7 +14,7 @@ from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.wall.model_options import ModelOptions
-from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
+from damage.wall.plausible import ACCEPT, check_plausible
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
@@ -40,9 +36,6 @@ AFTER_FALL_S = 10.0
 RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
 """Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still vibrate."""
 RELAXATIONS = ("adaptive", "local")
-OFFSETS_BELOW = 20
-"""A bond opens by up to six times the bricks' offsets [m] in a wall of thousands of them; they stay so much below
-f_t / k_n."""
 MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
 SCATTER, MOST_MEMBERS = 0.001, 100
@@ -74,11 +67,13 @@ class RunSettings:
     of the command line, with its help.
 
     settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it needs a support below
-    each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
-    along which joints have no bond, or None; sequence: factors of the motion, an event each;
+    each brick of the base; continued: history of the run that this one continues, or None; joints_without_bond: what
+    names the joints that have none from the start, a frozen record with `joints(layout)`, (n_joints,) of bool, and
+    `implausible(wall)`, words or None; or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
-    life: what the events were drawn from (`damage.exposure.lives`), or None; event: the one event at an address whose
-    motion `loading` is, or None; rest_s: free vibration after each event [s], which ends with a settling stage;
+    life: what the events were drawn from, with its `number`, by which the joints' strengths are drawn, too, or None;
+    event: the one event that `loading` is the motion of, with its `life`, the number or None; or None;
+    rest_s: free vibration after each event [s], which ends with a settling stage;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); mass_scaling: None for what suits the wall (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
@@ -92,7 +87,7 @@ class RunSettings:
     model: ModelOptions
     settlement: Settlement | None = None
     continued: str | None = None
-    cracked: Surveyed | None = None
+    joints_without_bond: object | None = None
     sequence: tuple[float, ...] = (1.0,)
     events: tuple[Event, ...] = ()
     life: dict | None = None
@@ -111,12 +106,9 @@ class RunSettings:
     relaxation: str = "local"
     settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
                                   "YADE, and adaptive with mass scaling)")
-    perturb_m: float = quantity("m", 0, THRESHOLD, default=0.0, option="perturb", metavar="M",  # more is a crack
-                                help="random offsets of the bricks, for ensembles (default 0)")
     scatter: float = quantity("1", 0, MOST_SCATTER, default=0.0, metavar="COV", help="scatter of the joints' "
                               "strengths, for ensembles: coefficient of variation (default 0)")
-    seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, help="seed of the random offsets and of the scatter "
-                         "(default 0)")
+    seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, help="seed of the scatter (default 0)")
     members: int = quantity("1", 1, MOST_MEMBERS, whole=True, default=1, metavar="N", help="reference solver: N runs "
                             f"with strengths that scatter by --scatter (default {SCATTER:g}), seeds from --seed "
                             "(default 1) on; prints the median and range of what is measured, and keeps the history of "
@@ -141,6 +133,9 @@ class RunSettings:
     def __post_init__(self):
         if self.settlement and self.model.supports == "one":
             object.__setattr__(self, "model", replace(self.model, supports="bricks"))
+        number = self.life["number"] if self.life else self.event and self.event["life"]
+        if number is not None and self.model.strength_cov:
+            object.__setattr__(self, "model", replace(self.model, strength_seed=number))
         self._check_past()
         if not self.sequence:
             raise InputError("--sequence without a factor: expected factors of the motion, like 1,0.5,0.4")
@@ -213,10 +208,9 @@ class RunSettings:
             return
         check_plausible(wall)
         pgv = max((pgv_m_s(event.loading.applied()) * abs(event.factor) for event in self.recorded), default=0.0)
-        places = self.cracked and implausible_places(np.reshape(self.cracked.stretches, (-1, 2, 2)), wall)
         found = [*implausible_motion(self.loading, (1.0,) if self.life else self.sequence),
                  implausible_peak(self.peak_g) or implausible_velocity(pgv),
-                 places and f"--cracked {self.cracked.file}: {places}"]
+                 self.joints_without_bond and self.joints_without_bond.implausible(wall)]
         if found := list(filter(None, found)):
             raise InputError(f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given: "
                              f"{ACCEPT}")
@@ -233,14 +227,6 @@ class RunSettings:
         driven = {key: one.for_period(period_s) for key, one in motions.items()}
         return replace(self, loading=driven[id(self.loading)], events=tuple(
             replace(event, loading=driven[id(event.loading)]) for event in self.events))
-
-    def check_offsets(self, contacts):
-        """InputError where the bricks' offsets come near what breaks a joint of these `Contacts`."""
-        reach = float(np.min((contacts.tensile_strength / contacts.normal_stiffness), initial=np.inf))
-        if 0 < reach < OFFSETS_BELOW * self.perturb_m:
-            raise InputError(f"--perturb {self.perturb_m:g} m: expected at most {reach / OFFSETS_BELOW:.2g} m, a "
-                             f"{OFFSETS_BELOW}th of the {reach:.2g} m at which the first bond of this wall breaks; "
-                             "give less, or --scatter")
 
     @property
     def ground_moves(self):
@@ -265,13 +251,6 @@ class RunSettings:
             return self
         return replace(self, model=replace(self.model, brick_cells=cells))
 
-    def of_members(self):
-        """Settings of each member: seeds 1, 2, ... or from `seed` on, scatter SCATTER where neither it nor `perturb_m`
-        is given."""
-        first, scatter = self.seed or 1, self.scatter or (0.0 if self.perturb_m else SCATTER)
-        return [replace(self, members=1, seed=first + k, scatter=scatter, stresses=self.stresses and k == 0)
-                for k in range(self.members)]
-
     @property
     def duration_s(self):
         """From time zero to the end of the last settling stage [s]."""
@@ -281,13 +260,13 @@ class RunSettings:
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files."""
-        as_they_are = ("rest_s", "alpha_1_s", "beta_s", "mass_scaling", "relaxation", "perturb_m", "scatter", "seed",
+        as_they_are = ("rest_s", "alpha_1_s", "beta_s", "mass_scaling", "relaxation", "scatter", "seed",
                        "past_collapse_s", "new_contacts", "after_fall", "command")
         where_given = {"life": self.life, "event": self.event, "stresses": self.stresses,
                        "points": [list(place) for place in self.points]}
         return {"loading": self.loading.as_dict(), "settlement": self.settlement and asdict(self.settlement),
                 "continued": self.continued and Path(self.continued).name,
-                "cracked": self.cracked and asdict(self.cracked),
+                "cracked": self.joints_without_bond and asdict(self.joints_without_bond),
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
                 "model": asdict(self.model), "settle_s": SETTLE_S, "settling": self.settles,
                 **{name: getattr(self, name) for name in as_they_are},

@@ -77,9 +77,6 @@ class Solver(Protocol):
     def add_static_displacement(self):
         """Move by the linear static solution of the intact wall under its weight; of solvers with deformable bricks."""
 
-    def shift(self, offsets):
-        """Move the bodies by (n_bodies, 2) [m]."""
-
     def set_velocities(self, velocities):
         """(n_bodies, 3) [m/s, m/s, rad/s], or with those of the strain modes of deformable bricks."""
 

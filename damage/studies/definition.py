@@ -23,6 +23,7 @@ import hashlib
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -30,21 +31,17 @@ from damage.checks import check_path, check_whole
 from damage.errors import InputError, did_you_mean
 from damage.files import is_there, shipped_path
 from damage.motion.formats import shipped_records
-from damage.motion.settlement import PROFILES
-from damage.run.options import parse_run
+from damage.run.options import SOLVERS, file_options, names_file, settings_of, words_of
 from damage.run.settings import SCATTER
 from damage.studies.grid import expand, read_rows
 from damage.studies.states import STUDY_FILE, check_choices
 from damage.toml_file import read_toml
 from damage.wall.file import shipped_walls
 
-PATH_OPTIONS = ("--record", "--vertical", "--across", "--cracked", "--settle", "--address", "--continue")
-"""Options that name a file; --settle may name a profile instead.  So does --sequence, where it ends in .csv."""
-RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--console",
-                    "--checkpoint", "--resume", "--help", "-h")
+RESERVED_OPTIONS = ("members", "out", "overwrite", "pictures", "no-pictures", "quiet", "view", "console", "checkpoint",
+                    "resume", "help")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
-SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
 CONCLUSION = re.compile(r"python3 -m (damage|paper) ([a-z][a-z-]*)")
 """A command of this software; it gets the study's folder and `--markdown tables/NAME.md`."""
@@ -75,7 +72,6 @@ ENTRY_KEYS = {
     "solvers": "which solvers the point is for (default both)",
     "members": "an ensemble in the reference solver: how many runs, whose joints' strengths scatter a little",
     "scatter": f"of members: coefficient of variation of the strengths (default {SCATTER:g})",
-    "perturb": "of members: instead of scatter, size of the bricks' random offsets [m]",
     "samples": "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov",
     "lives": "an ensemble in the reference solver: lives 1, 2, ... at the address of the options"}
 GRID_KEYS = {
@@ -92,18 +88,18 @@ class StudyRun:
     """One point of a study in one solver: a run, or an ensemble of them.
 
     point: unique in the study, fit for file names.
-    wall: the wall file; words: the rest of its command line.  Paths within the repository are
-    relative to it, others absolute.
-    varied: words that end each member's command line, before its number 1, 2, ...; empty for a single run.
-    members: their number; adaptive: one only where no joint fails in the first; offset: the number in the command line
-    is so much larger.
+    wall: the wall file; options: (name, value) of each option of its run, as of `damage.run.options.settings_of`.
+    Paths within the repository are relative to it, others absolute.
+    varied: name of the option that has the number 1, 2, ... of each member; empty for a single run.
+    members: their number; adaptive: one only where no joint fails in the first; offset: the option's value is so much
+    larger.
     """
 
     point: str
     wall: str
-    words: tuple[str, ...]
+    options: tuple[tuple[str, object], ...]
     solver: str = "yade"
-    varied: tuple[str, ...] = ()
+    varied: str = ""
     members: int = 1
     adaptive: bool = False
     offset: int = 0
@@ -150,17 +146,16 @@ class StudyRun:
         """Name of the run with this number, from 1."""
         return f"{self.id}_s{number}" if self.is_ensemble else self.id
 
-    def command(self, number):
-        """The words of its command line, the wall file first."""
-        return [self.wall, *self.words, *self.varied, *([str(self.offset + number)] if self.is_ensemble else [])]
+    def options_of(self, number, root=None):
+        """{name: value} of the options of the run with this number; root: the repository, which relative paths then
+        start from."""
+        options = dict(self.options) if root is None else with_paths(dict(self.options), lambda path: str(root / path))
+        return options | ({self.varied: self.offset + number} if self.is_ensemble else {})
 
-    def settings(self, root):
-        """RunSettings of its first, or only, run; root: the repository, which relative paths start from.
-
-        Raises InputError where the options or a record are not accepted.
-        """
-        words = with_paths(self.command(1)[1:], lambda path: str(root / path))
-        return parse_run(words, prog="study", solver=self.solver)
+    def settings(self, root, number=1, prog="study", more=MappingProxyType({})):
+        """RunSettings of the run with this number; prog: what stands before its options in their `command`; more:
+        further options.  Raises InputError where the options or a record are not accepted."""
+        return settings_of(self.options_of(number, root) | more, prog, self.solver)
 
 
 def tails_are_heavy(rows):
@@ -265,18 +260,22 @@ def _load_entry(table, where, folder, root):
     solvers = table.get("solvers", list(SOLVERS))
     if not isinstance(solvers, list) or not solvers or not set(solvers) <= set(SOLVERS):
         raise InputError(f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; correct it")
-    words = option_words(_existing_files(table.get("options", {}), where, folder, root), where)
-    if reserved := [word for word in words if word in RESERVED_OPTIONS]:
-        raise InputError(f"{where}: {reserved[0]} is set by the batch itself; take it out")
+    options = option_table(_existing_files(table.get("options", {}), where, folder, root), where)
+    if reserved := [name for name in options if name in RESERVED_OPTIONS]:
+        raise InputError(f"{where}: --{reserved[0]} is set by the batch itself; take it out")
     wall = _find(table["wall"], where, folder, root)
-    words = with_paths(words, lambda path: _find(path, where, folder, root))
-    name = table.get("id", run_name(wall, words))
-    ensemble = _ensemble(table, where)
+    try:
+        options = with_paths(options, lambda path: _find(path, where, folder, root))
+        name = table.get("id", run_name(wall, options))
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    drawing, ensemble = _ensemble(table, where)
     drawn = {"samples", "lives"} & set(table)
     solvers = [solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and drawn)]
     try:
-        return [(StudyRun(point=name + block, wall=wall, words=tuple(words), solver=solver,
-                          **(ensemble if solver == "reference" else {}), **part), where)
+        given = {"yade": tuple(options.items()), "reference": (*options.items(), *drawing)}
+        return [(StudyRun(name + block, wall, given[solver], solver, **(ensemble if solver == "reference" else {}),
+                          **part), where)
                 for solver in solvers for block, part in _blocks(table)]
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
@@ -291,26 +290,23 @@ def _blocks(table):
 
 
 def _ensemble(table, where):
-    """The ensemble of a StudyRun, by its `members`, `samples` or `lives`; empty without."""
-    given, kinds = ([name for name in names if name in table] for names in (_ENSEMBLES, ("scatter", "perturb")))
-    for names in (given, kinds):
-        if len(names) > 1:
-            raise InputError(f"{where}: {names[0]} and {names[1]} given together; expected one kind of ensemble, leave "
-                             "the other out")
-    if kinds and "members" not in table:
-        raise InputError(f"{where}: {kinds[0]} without members; expected both; add members = 5")
+    """Further options and fields of the StudyRun of an ensemble, by `members`, `samples` or `lives`; empty without."""
+    given = [name for name in _ENSEMBLES if name in table]
+    if len(given) > 1:
+        raise InputError(f"{where}: {given[0]} and {given[1]} given together; expected one kind of ensemble, leave the "
+                         "other out")
+    if "scatter" in table and "members" not in table:
+        raise InputError(f"{where}: scatter without members; expected both; add members = 5")
     for name in given:
         check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)
     if "members" in table:
-        kind = kinds[0] if kinds else "scatter"
-        size = table.get(kind, SCATTER)
+        size = table.get("scatter", SCATTER)
         if type(size) not in (int, float) or not size > 0:
-            raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.001 of scatter or "
-                             "1e-9 m of perturb; correct it")
-        return {"varied": (f"--{kind}", f"{size:g}", "--seed"), "members": table["members"], "adaptive": True}
+            raise InputError(f"{where}: scatter = {size!r}; expected a number above zero, like 0.001; correct it")
+        return (("scatter", size),), {"varied": "seed", "members": table["members"], "adaptive": True}
     if "lives" in table:
-        return {"varied": ("--life",)}
-    return {"varied": ("--strength-seed",), "members": table["samples"]} if "samples" in table else {}
+        return (), {"varied": "life"}
+    return (), {"varied": "strength_seed", "members": table["samples"]} if "samples" in table else {}
 
 
 def _existing_files(options, where, folder, root):
@@ -318,7 +314,7 @@ def _existing_files(options, where, folder, root):
     if not isinstance(options, dict):
         return options
     chosen = dict(options)
-    for name in (option[2:] for option in PATH_OPTIONS):
+    for name in file_options():
         paths = options.get(name)
         if isinstance(paths, list):
             there = [path for path in paths if isinstance(path, str)
@@ -330,32 +326,39 @@ def _existing_files(options, where, folder, root):
     return chosen
 
 
-def option_words(options, where="options"):
-    """The words of a command line from a table of options or a list of words.
+def option_table(options, where="options"):
+    """{name: value} of the options of a run from a table, or from a list of words; lists become tuples.
 
-    >>> option_words({"harmonic": [0.2, 0.05], "rest": 1.0})
-    ['--harmonic', '0.2', '0.05', '--rest', '1.0']
+    >>> option_table({"harmonic": [0.2, 0.05], "rest": 1.0})
+    {'harmonic': (0.2, 0.05), 'rest': 1.0}
+    >>> option_table(["--harmonic", 0.2, 0.05, "--free-vibration"])
+    {'harmonic': (0.2, 0.05), 'free-vibration': True}
     """
-    if isinstance(options, dict):
-        return [word for name, value in options.items() for word in _option(name, value, where)]
-    if not isinstance(options, list):
+    if isinstance(options, list):
+        options = _of_words(options, where)
+    if not isinstance(options, dict):
         raise InputError(f"{where}: options = {options!r}; expected a table or a list of words; write "
                          "options = { rest = 1 }")
-    words = [_word(value, "options", where) for value in options]
-    return [part for word in words for part in (word.split("=", 1) if word.startswith("--") else [word])]
+    table = {name: tuple(value) if isinstance(value, list) else value for name, value in options.items()}
+    for name, value in table.items():
+        for one in value if isinstance(value, tuple) else () if isinstance(value, bool) else (value,):
+            if isinstance(one, bool) or not isinstance(one, (str, int, float)):
+                raise InputError(f"{where}: {name} holds {one!r}; expected numbers and strings; correct it")
+    return table
 
 
-def _option(name, value, where):
-    if value is False:
-        return []
-    values = [] if value is True else value if isinstance(value, list) else [value]
-    return [f"--{name}", *(_word(one, name, where) for one in values)]
-
-
-def _word(value, name, where):
-    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise InputError(f"{where}: {name} holds {value!r}; expected numbers and strings; correct it")
-    return str(value)
+def _of_words(words, where):
+    """The table of options that a list of words stands for."""
+    table, name = {}, None
+    for word in words:
+        if isinstance(word, str) and word.startswith("--"):
+            name, _, value = word[2:].partition("=")
+            table[name] = [*table.get(name, ()), *([value] if value else ())]
+        elif name is None:
+            raise InputError(f"{where}: options begin with {word!r}; expected an option like --rest; correct it")
+        else:
+            table[name].append(word)
+    return {name: values[0] if len(values) == 1 else values or True for name, values in table.items()}
 
 
 def _candidates(path, folder, root):
@@ -379,45 +382,36 @@ def _find(path, where, folder, root):
 
 def _try_options(run, where, root):
     """Check the options by the parser of a run, those of the first member included."""
-    if taken := [word for word in run.varied if word.startswith("--") and word in run.words]:
-        raise InputError(f"{where}: {taken[0]} is set by members, samples or lives; take it out")
+    if taken := [name for name, _ in run.options if name.replace("-", "_") == run.varied]:
+        raise InputError(f"{where}: --{taken[0]} is set by members, samples or lives; take it out")
     try:
         settings = run.settings(root)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
-    if run.varied == ("--strength-seed",) and not settings.model.strength_cov:
+    if run.varied == "strength_seed" and not settings.model.strength_cov:
         raise InputError(f"{where}: samples of walls whose strengths do not scatter; expected strength-cov = 0.3 or "
                          "the like among the options; add it")
 
 
-def names_file(option, word):
-    """Whether the word after an option names a file.
-
-    >>> names_file("--settle", "hogging"), names_file("--settle", "dip.csv"), names_file("--sequence", "1,0.5")
-    (False, True, False)
-    """
-    if option == "--sequence":
-        return word.lower().endswith(".csv")
-    return option in PATH_OPTIONS and not (option == "--settle" and word in PROFILES)
+def with_paths(options, change):
+    """The options of a run, {name: value}, with each that names a file replaced by change(value)."""
+    return {name: change(value) if names_file(name, value) else value for name, value in options.items()}
 
 
-def with_paths(words, change):
-    """The words of a command line with each that names a file replaced by change(word)."""
-    return [change(word) if names_file(option, word) else word for option, word in zip(["", *words], words)]
-
-
-def run_name(wall, words):
+def run_name(wall, options):
     """A name of a run fit for a file name: its wall, then each option with its values.
 
-    >>> run_name("walls/solid.py", ["--record", "data/BGAR.csv", "--scale", "2"])
+    >>> run_name("walls/solid.py", {"record": "data/BGAR.csv", "scale": 2})
     'solid_record-BGAR_scale-2'
     """
+    words = words_of(options)
+    shown = words_of({name: Path(value).stem if names_file(name, value) else value for name, value in options.items()})
     parts = [Path(wall).stem]
-    for option, word in zip(["", *words], words):
+    for word in shown:
         if word.startswith("--"):
             parts.append(word[2:])
         else:
-            parts[-1] += "-" + (Path(word).stem if names_file(option, word) else word)
+            parts[-1] += f"-{word}"
     name = "_".join(re.sub(r"[^A-Za-z0-9._-]+", "-", part) for part in parts)
     if len(name) <= LONGEST_ID - 12:
         return name

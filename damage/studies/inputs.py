@@ -14,9 +14,8 @@ import json
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 
 from damage.checks import check_file
-from damage.exposure.lives import read_address
-from damage.motion.formats import shipped_records
 from damage.motion.record import Record
+from damage.run.options import SOURCES
 from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
@@ -46,18 +45,15 @@ def inputs_of(run, root, wall=None):
     settings = run.settings(root)
     continued = settings.continued and hashlib.sha256(
         check_file(settings.continued, "the history of the run that is continued (.h5)").read_bytes()).hexdigest()
-    lives = run.varied == ("--life",)
-    address = root / run.words[run.words.index("--address") + 1] if lives else None
-    return Inputs(wall or load_wall(root / run.wall), settings, continued,
-                  _digest_of(read_address(address)) if lives else None)
+    return Inputs(wall or load_wall(root / run.wall), settings, continued, _drawn_from(run, root))
 
 
-def _digest_of(draws):
-    """`Draws.digest`, which takes a quarter of a second and is asked for of each run: once while no record changes."""
-    kept, times = vars(draws), [path.stat().st_mtime_ns for path in shipped_records().values()]
-    if kept.get("digest_at") != times:
-        kept |= {"digest_at": times, "digest_then": draws.digest()}
-    return kept["digest_then"]
+def _drawn_from(run, root):
+    """Digest of what the motions of an ensemble of lives are drawn from; None of other runs."""
+    if run.varied != "life":
+        return None
+    options = run.options_of(1, root)
+    return next(source.digest(options) for source in SOURCES if source.digest)
 
 
 def as_json(inputs):

@@ -6,7 +6,7 @@ Editors with a TOML language server (Taplo, Even Better TOML) complete and check
 and values make sense is for `load_study` to say, which every command calls.
 """
 
-from damage.run.options import file_path, make_parser
+from damage.run.options import file_path, options_of_a_run
 from damage.studies import definition
 from damage.toml_file import DRAFT
 
@@ -53,10 +53,10 @@ def _entry(grid):
             "id": _varied(_identifier(definition.LONGEST_ID), grid), "wall": {"type": "string"},
             "options": _options(grid),
             "solvers": {"type": "array", "items": {"enum": list(definition.SOLVERS)}, "minItems": 1},
-            "members": whole, "scatter": positive, "perturb": positive, "samples": whole, "lives": whole}),
-        "dependencies": {"scatter": ["members"], "perturb": ["members"]},
+            "members": whole, "scatter": positive, "samples": whole, "lives": whole}),
+        "dependencies": {"scatter": ["members"]},
         "not": {"anyOf": [{"required": pair} for pair in (["members", "samples"], ["members", "lives"],
-                                                         ["samples", "lives"], ["scatter", "perturb"])]}}
+                                                         ["samples", "lives"])]}}
     if grid:
         values = {"type": ["array", "object"], "minItems": 1, "required": ["from", "to"],
                   "additionalProperties": False, "properties": {key: {"type": "integer"} for key in ("from", "to")}}
@@ -74,22 +74,21 @@ def _described(meanings, schemas):
 
 def _options(grid):
     """A table of a run's options, those of either solver, or a list of words."""
-    actions = {action.option_strings[0]: action for solver in definition.SOLVERS
-               for action in make_parser("study", solver)._actions}
-    properties = {
-        name.removeprefix("--"): {"description": action.help, **_varied(_option(name, action, grid), grid)}
-        for name, action in actions.items() if not {*action.option_strings} & {*definition.RESERVED_OPTIONS}}
+    actions = {action.option_strings[0]: action for name, action in options_of_a_run().items()
+               if name not in definition.RESERVED_OPTIONS}
+    properties = {name.removeprefix("--"): {"description": action.help, **_varied(_option(action, grid), grid)}
+                  for name, action in actions.items()}
     return {"type": ["object", "array"], "properties": properties, "additionalProperties": False,
             "items": {"type": ["string", "number"]}}
 
 
-def _option(name, action, grid):
+def _option(action, grid):
     if action.nargs == 0:
         return {"type": "boolean"}
     one = _word(action)
     if isinstance(action.nargs, int):
         return {"type": "array", "items": _varied(one, grid), "minItems": action.nargs, "maxItems": action.nargs}
-    if name in definition.PATH_OPTIONS:  # a list: the first of them that is there
+    if action.type is file_path:  # a list: the first of them that is there
         return {"type": ["string", "array"], "items": one, "minItems": 1}
     return one
 

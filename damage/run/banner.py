@@ -12,7 +12,7 @@ from damage.wall.lintels import describe_share, elastic_share
 MEGA, TONNE = 1e6, 1e3
 
 
-def opening_lines(layout, loading, modes, time_step, mass_scaling="none"):
+def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
     """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
     wall, plan, options = layout.wall, layout.plan, layout.options
     lintels = describe_lintels(plan)
