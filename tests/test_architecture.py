@@ -42,8 +42,9 @@ ROOMS = [
 ]
 GROUND = ROOMS[0]  # small modules: they may import one another
 LONGEST = 60  # lines of a function
-CALLED = {("damage.run", "damage.reference.python")}
-"""Imports against the order: `damage.run` is also the function that users call, which runs the reference solver."""
+CALLED = {("damage.run", "damage.reference.python"), ("damage.run", "damage.applications")}
+"""Imports against the order: `damage.run` is also the function that users call, which runs the reference solver with
+the options that applications add."""
 RANK = {room: rank for rank, line in enumerate(ROOMS) for room in line}
 
 

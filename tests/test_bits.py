@@ -114,8 +114,7 @@ def moved(kind, factor, number):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_last_bit_of_an_input_does_not_reach_the_step(kind):
     """The chance is some 1e-8 a rounded value (docs/model/model.md); a relative change of 1e-5 arrives, but for the
-    step,
-    of which three digits are kept."""
+    step, of which three digits are kept."""
     assert moved(kind, LAST_BIT, 20) == 0
     assert moved(kind, VISIBLE, 20) == 20 or kind == "critical step"
 
