@@ -59,8 +59,8 @@ JOINTS_OF_A_RUN = {
     "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
     "crushed": Column("bool", "whether it had been crushed by then"),
     "ended": Column("bool", "whether it had ended by then, as its faces no longer overlapped"),
-    "final_offset_m": Column("m", "offset of the faces at the last sample, signed; empty of a history without offsets"),
-    "max_abs_offset_m": Column("m", "largest absolute offset of all samples; empty of a history without offsets")}
+    "final_offset_m": Column("m", "offset of the faces at the last sample, signed"),
+    "max_abs_offset_m": Column("m", "largest absolute offset of all samples")}
 _SPAN = {"start_s": Column("s", "its start"), "end_s": Column("s", "its end")}
 CYCLES = {
     "shock": Column("1", "number of the shock, from 1"), "cycle": Column("1", "number within the shock, from 1"),
