@@ -173,13 +173,12 @@ class WallCells:
                 for name, values in fields.items()}
 
     def joint_fields(self, sample):
-        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m (not of
-        a history without), crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
+        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m,
+        crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
         at_shear_limit; joint_normal_stress_pa, joint_shear_stress_pa of a run with --stresses."""
         history, slip = self.history, "displacement"
         numbers = {"opening_m": history.opening_m[sample], "accumulated_slip_m": history.slip_m[sample]}
-        if history.offset_m is not None:
-            numbers["offset_m"] = history.offset_m[sample]
+        numbers["offset_m"] = history.offset_m[sample]
         numbers["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
         if history.joint_stress_pa is not None:
             numbers |= dict(zip(("joint_normal_stress_pa", "joint_shear_stress_pa"), history.joint_stress_pa[sample].T))

@@ -46,7 +46,7 @@ def describe_check(checked):
 
 
 def made_by(history):
-    """{"software", "commit", "model_digest"} of a History; "unknown" where an older file lacks it."""
+    """{"software", "commit", "model_digest"} of a History; "unknown" outside git and of other writers."""
     return {name: history.versions.get(key, UNKNOWN) for name, key in (
         ("software", "masonry-damage"), ("commit", "commit"), ("model_digest", "model"))}
 

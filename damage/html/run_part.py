@@ -93,13 +93,12 @@ def _key_numbers(history, summary, index):
         return f"; {found['count']} members: {members_in_words(found, name)}" if name in found else ""
 
     time_s, drift = (history.series[name].to_numpy() for name in ("time_s", "drift_ratio"))
-    (factor, unit), residual, offset = drift_scale(drift), summary["residual"], summary["max_offset_mm"]
-    by = "" if offset is not None else ", slip accumulated"
+    (factor, unit), residual = drift_scale(drift), summary["residual"]
     found_here = [
         ("Maximum DI", summary["max"]["DI"], None, "",
-         f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{by}{of_members('max_DI')}"),
+         f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{of_members('max_DI')}"),
         ("Residual DI", residual and residual["DI"], None, "",
-         f"at the end{by}{of_members('residual_DI')}" if residual else "no end, no residual"),
+         f"at the end{of_members('residual_DI')}" if residual else "no end, no residual"),
         ("Largest drift", factor * summary["max_drift_ratio"], 3, unit,
          f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s{of_members('max_drift_ratio')}"),
         ("Widest crack", summary["max_crack_width_mm"], 2, "mm",

@@ -58,16 +58,16 @@ def with_bond(history):
 
 @measure({
     "max_opening_mm, max_slip_mm": Column("mm", "largest opening and accumulated slip of any contact point"),
-    "max_offset_mm": Column("mm", "largest offset of any contact point, empty of a history without offsets"),
+    "max_offset_mm": Column("mm", "largest offset of any contact point"),
     "max_offset_over_overlap": Column("1", "largest offset of any contact point over that at which the faces of its "
                                       "joint no longer overlap, where the joint ends"),
     "ended_joints": Column("1", "joints that had ended by the run's end, all contact points between two bodies as "
                            "one")})
 def motions_of_faces(history):
     """Largest motions of the faces of a History's joints, zero where nothing failed, and how many have ended."""
-    opening, slip, offset = (frames if frames is None else _largest(frames) * 1e3 for frames in (
+    opening, slip, offset = (_largest(frames) * 1e3 for frames in (
         history.active.opening_m, history.active.slip_m, history.active.offset_m))
-    share = None if offset is None else (offset_over_overlap(history) or [0.0])[0]
+    share = (offset_over_overlap(history) or [0.0])[0]
     return opening, slip, offset, share, (ended_joints(history) or [0])[0]
 
 

@@ -110,8 +110,8 @@ def joints_table(history):
         final_slip_m=column(active, slip[-1]), max_abs_slip_m=column(active, np.abs(slip).max(axis=0)),
         broken=column(states, states.broken[-1]), at_shear_limit=column(states, states.at_limit[-1]),
         crushed=column(states, states.crushed[-1]), ended=column(states, states.ended[-1]),
-        final_offset_m=np.nan if offset is None else column(active, offset[-1]),
-        max_abs_offset_m=np.nan if offset is None else column(active, np.abs(offset).max(axis=0)))
+        final_offset_m=column(active, offset[-1]),
+        max_abs_offset_m=column(active, np.abs(offset).max(axis=0)))
 
 
 def _with_first(table, *columns):
@@ -130,9 +130,8 @@ def write_run_tables(history, stem):
     paths.  Raises InputError where the history has no sample."""
     check_samples(history)
     has = {"shocks": history.series["shock"].iloc[-1] > 1, "storeys": history.masonry_wall.floors,
-           "bricks": has_stresses(history), "static_stage": history.static_stage is not None,
-           "stresses": history.joint_stress_pa is not None, "sections": history.joint_stress_pa is not None,
-           "points": history.point_displacement is not None}
+           "bricks": has_stresses(history), "points": history.point_displacement is not None,
+           **dict.fromkeys(("stresses", "sections"), history.joint_stress_pa is not None)}
     return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
             *(write_table(table_of(history), Path(f"{stem}_{name}.csv")) for name, table_of in RUN_TABLES.items()
               if has.get(name, True))]
