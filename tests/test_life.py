@@ -35,7 +35,7 @@ from damage.motion.sequence import read_sequence
 from damage.reference.session import run_references
 from damage.rounded import to_bits
 from damage.run.banner import event_lines
-from damage.run.options import parse_run
+from damage.run.options import parse_run, words_of
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records
 from paper import lives_walls
@@ -231,8 +231,8 @@ def lived(tmp_path_factory):
         'name = "s"\npictures = "none"\n[[runs]]\nid = "n"\nwall = "narrow.py"\n'
         'options = { address = "a.toml", rest = 0.1, strength-cov = 0.3 }\nlives = 6\n')
     (point,) = load_study(folder / "study.toml", "reference").runs
-    lines = [(str(number), [*point.command(number), "--out", str(folder / f"{number}.h5"), "--no-pictures", "--quiet"])
-             for number in range(1, 7)]
+    lines = [(str(number), [point.wall, *words_of(point.options_of(number) | {
+        "out": folder / f"{number}.h5", "pictures": False, "quiet": True})]) for number in range(1, 7)]
     assert [status for _, status in run_references(iter(lines))] == [0] * 6
     return folder, point, {number: contents(folder / f"{number}.h5") for number in range(1, 7)}
 
@@ -306,8 +306,8 @@ class TestStudy:
         folder, *_ = lived
         text = (folder / "study.toml").read_text().replace("lives = 6", "lives = 100")
         points = load_study(written(folder / "many.toml", text), "both").runs
-        assert [(one.point, one.members, one.command(1)[-1]) for one in points] == [
-            ("n_from1", 48, "1"), ("n_from49", 48, "49"), ("n_from97", 4, "97")]
+        assert [(one.point, one.members, one.options_of(1)["life"]) for one in points] == [
+            ("n_from1", 48, 1), ("n_from49", 48, 49), ("n_from97", 4, 97)]
         assert {one.solver for one in points} == {"reference"}
         (folder / "both.toml").write_text(text + "samples = 3\n")
         assert "samples and lives" in one_line_error(load_study, folder / "both.toml", "reference")
