@@ -61,7 +61,7 @@ class TestNames:
         assert "No such file" in one_line_error(read_record, tmp_path / "absent.csv")
         assert "a directory" in one_line_error(read_record, tmp_path)
         path = written(tmp_path / "motion.csv", bytes(range(255, 0, -1)))
-        assert "line" in one_line_error(read_record, path)
+        assert "0 data rows" in one_line_error(read_record, path)
 
 
 class TestMiniSeed:

@@ -24,7 +24,7 @@ from damage.exposure.ground_motion import model_named
 from damage.exposure.places import at
 from damage.files import write_text
 from damage.html.words import LANGUAGES, all_words
-from damage.measure.crack_file import COLUMNS, OF_SURVEY, read_cracks
+from damage.measure.crack_file import OF_SURVEY, read_cracks
 from damage.measure.cracks import ENDS
 from damage.measure.survey import read_survey
 from damage.motion.settlement import PROFILES, read_profile
@@ -305,7 +305,7 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
     check_range("error of widths [mm]", error_mm, 0, 100)
     if not isinstance(cracks, list) or not isinstance(areas, list) or len(cracks) + len(areas) > MOST_LINES:
         raise InputError(f"the survey: expected up to {MOST_LINES} cracks and areas; take some out")
-    names = [*COLUMNS[2:6], "width_mm", "mode", *OF_SURVEY]
+    names = ["crack", "point", "x_m", "z_m", "width_mm", "mode", *OF_SURVEY]
     file = io.StringIO()
     writer = csv.DictWriter(file, names, restval="", lineterminator="\n")
     writer.writeheader()

@@ -17,6 +17,7 @@ from damage.life.comparison import CHOICES, READINGS
 from damage.life.results import COLUMNS as LIVES
 from damage.life.results import CONTRIBUTIONS, YEARLY
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
+from damage.measure.crack_file import COLUMNS as CRACKS
 from damage.measure.cycles import BY_OTHERS
 from damage.measure.joint_stress import JOINT, SECTIONS, STRESSES
 from damage.measure.joint_stress import POINTS as MATERIAL_POINTS
@@ -184,14 +185,6 @@ COEFFICIENTS = {
     **{f"new_record_{end}": Column("as `intensity_unit` says", f"{words} bound of a new record's own median")
        for end, words in _ENDS}}
 COEFFICIENTS["dispersion"] = Column("1", "standard deviation of the intensity's logarithm, empty of a step")
-CRACKS = {
-    "load_level": Column("1", "successive load levels"),
-    "drift_pct": Column("%", "top displacement over height; one value a level"),
-    "crack": Column("", "label of a crack; all its polylines have it"),
-    "point": Column("1", "number along a polyline, which begins at 1"),
-    "x_m": Column("m", "place of the point, along the wall"), "z_m": Column("m", "the same, upwards"),
-    "opening_mm": Column("mm", "across the crack, zero or more"), "slip_mm": Column("mm", "along it, signed"),
-    "width_mm": Column("mm", "sqrt(opening² + slip²)"), "mode": Column("", "tension, shear, mixed, unknown")}
 
 DICTIONARY = {
     "summary.csv, study.h5 runs": RUNS | MEMBERS, "points.csv, study.h5 points": POINTS,

@@ -1,18 +1,20 @@
 """Columns of text, time and acceleration: CSV as programs and countries write it, and plain text with blanks."""
 
-import csv
 import math
 import re
 
 import numpy as np
 
+from damage.csv_table import CsvTable, as_float, is_number, uncommented
 from damage.errors import InputError
+from damage.fields import Column
 from damage.motion.record import MOST_SAMPLES, _shown
 from damage.units import GRAVITY
 
 UNITS_M_S2 = {"m_s2": 1.0, "cm_s2": 0.01, "mm_s2": 0.001, "gal": 0.01, "g": GRAVITY, "mg": GRAVITY / 1000}
 """Units of the acceleration, and their factors to m/s2; 1 gal is 1 cm/s2, 1 mg a thousandth of g."""
 
+COLUMNS = {"time": Column("s", "of a sample"), "acceleration": Column("as named", "of the ground")}
 EXPECTED_HEADER = ("two columns, separated as the rows: time_s and one of "
                    + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
                    + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"')
@@ -38,43 +40,33 @@ def read_columns(
     or blanks; numbers have a decimal point or, unless commas separate the columns, a decimal comma.
     Raises InputError with the line that does not fit.
     """
-    rows = _plain([(i, line) for i, line in enumerate(lines, 1) if line.split("#")[0].strip()])
+    rows = uncommented(lines)
     header = rows.pop(0) if rows and _is_header(rows[0][1]) else None
     if len(rows) < 2:
         raise InputError(f"{path}: {len(rows)} data rows; expected 2 or more of time_s,acc_m_s2")
     if len(rows) > MOST_SAMPLES:
         raise InputError(f"{path}: {len(rows)} samples; expected up to {MOST_SAMPLES}, cut the record")
-    separator = _separator(rows[0][1])
-    alone = sample_step_s is not None and len(rows[0][1].split(separator)) == 1
+    first = rows[0][1].rstrip(" ,;\t")
+    separator = _separator(first)
+    alone = len(first.split(separator)) == 1
+    if alone and sample_step_s is None:
+        raise bad_line(path, *rows[0], "has one column", "two, time and one component of the "
+                       "acceleration, with a comma, a semicolon, a tabulator or blanks between; of "
+                       "accelerations alone give --sample-step S")
     named_by = header or _comment_above(lines, rows[0][0])
     named = _named_unit(named_by[1], separator, alone)
     if header and not named:
         raise bad_line(path, *header, "is an unknown header", f"{EXPECTED_HEADER}; name the unit "
                        "there, and begin lines above the header with #")
-    values = _values(path, rows, separator, 1 if alone else 2)
-    first_s = 0.0 if alone else float(values[0, 0])
-    step_s = (sample_step_s if alone else
-              uniform_step(path, [i for i, _ in rows], values[:, 0], sample_step_s))
+    names = ["acceleration"] if alone else ["time", "acceleration"]
+    table = CsvTable(path, names, rows, separator, COLUMNS)
+    table.refuse_empty(*names)
+    time_s, acceleration = table.rows.to_numpy().T
+    step_s = sample_step_s if alone else uniform_step(path, table.line, time_s, sample_step_s)
     check_step(path, step_s)
     taken, words = _unit(path, named_by, named, unit)
-    return step_s, first_s, values[:, -1] * UNITS_M_S2[taken], words
-
-
-def _plain(rows):
-    """Lines (number, text) without quotes around cells, and without the empty columns at the end that spreadsheets
-    write.
-
-    >>> _plain([(1, '"time_s","acc_g",'), (2, '"0,01","-0,2",')])
-    [(1, 'time_s;acc_g'), (2, '0,01;-0,2')]
-    """
-    if any('"' in line for _, line in rows):
-        mark = max(",;\t", key=rows[0][1].count)
-        cells = csv.reader((line for _, line in rows), delimiter=mark, skipinitialspace=True)
-        rows = [(number, ";".join(row)) for (number, _), row in zip(rows, cells)]
-    first = int(bool(rows) and _is_header(rows[0][1]))
-    while len(rows) > 1 and all(line.rstrip(" ")[-1:] in (",", ";", "\t") for _, line in rows[first:]):
-        rows = [(number, re.sub(r"[,;\t] *$", "", line)) for number, line in rows]
-    return rows
+    first_s = 0.0 if alone else float(time_s[0])
+    return step_s, first_s, acceleration * UNITS_M_S2[taken], words
 
 
 def _is_header(line: str) -> bool:
@@ -97,7 +89,7 @@ def _named_unit(header: str, separator: str | None, alone: bool) -> str | None:
     """
     # where blanks separate them, the next column begins with a letter: "time [s]  acc [g]"
     between = re.escape(separator) if separator else r"\s+(?=[A-Za-z])"
-    names = [header] if alone else re.split(between, header.lstrip(" \t#"))
+    names = [header] if alone else re.split(between, header.strip(" \t#,;"))
     *time, acceleration = (name.strip(' "\t#').lower() for name in names)
     of_time = alone or (len(time) == 1 and _TIME.fullmatch(time[0]))
     found = _ACCELERATION.fullmatch(acceleration)
@@ -145,68 +137,10 @@ def _plain_unit(unit: str) -> str:
     return "gal" if unit == "gals" else unit
 
 
-def _values(path, rows, separator: str | None, columns: int) -> np.ndarray:
-    """The columns of all lines (number, text), (n_samples, columns)."""
-    if separator != ",":
-        rows = _with_points(path, rows)
-    try:
-        values = np.array([[float(cell) for cell in line.split(separator)] for _, line in rows])
-        fit = values.shape[1:] == (columns,) and np.isfinite(values).all()
-    except ValueError:
-        fit = False
-    # all at once for speed; one by one to name the line that does not fit
-    return values if fit else np.array([_row(path, *row, separator, columns) for row in rows])
-
-
-def _with_points(path, rows):
-    """The lines with decimal points; InputError where some have commas and some have points, as of thousands."""
-    if not any("," in line for _, line in rows):
-        return rows
-    for number, line in rows:
-        if "." in line:
-            raise bad_line(path, number, line, "has a decimal point in a file with decimal commas",
-                           "one of them, and nothing between thousands")
-    return [(number, line.replace(",", ".")) for number, line in rows]
-
-
-def _row(path, number: int, line: str, separator: str | None, columns: int) -> list[float]:
-    """The columns of one line."""
-    values = numbers(path, number, line, separator)
-    if len(values) != columns:
-        expected = ("one, as the first row" if columns == 1 else
-                    "two, time and one component of the acceleration, with a comma, a semicolon, a tabulator or blanks "
-                "between")
-        expected += "; of a column of accelerations alone give --sample-step S" if len(values) == 1 else ""
-        raise bad_line(path, number, line, f"has {len(values)} column(s)", expected)
-    return values
-
-
-def as_float(cell: str) -> float:
-    """The number of a cell, with an exponent of Fortran, too; ValueError where it is none.
-
-    >>> [as_float(cell) for cell in ("1.5D-03", "-.25", "0.15-101")]
-    [0.0015, -0.25, 1.5e-102]
-    """
-    try:
-        return float(cell)
-    except ValueError:
-        cell = re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", cell)
-    return float(re.sub(r"(?<=\d)([-+]\d{3})$", r"e\1", cell) if "." in cell and "e" not in cell.lower() else cell)
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell is a number with a decimal point; so are nan and inf."""
-    try:
-        as_float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def numbers(path, number: int, line: str, separator: str | None = None) -> list[float]:
-    """The finite numbers of one line; None separates them at blanks, and where a sign begins the next fixed column."""
-    cells = line.split(separator)
-    if separator is None and not all(map(is_number, cells)):
+def numbers(path, number: int, line: str) -> list[float]:
+    """The finite numbers of one line, separated by blanks or by the sign of the next fixed column."""
+    cells = line.split()
+    if not all(map(is_number, cells)):
         cells = [part for cell in cells for part in _fixed_columns(cell)]
     if not all(map(is_number, cells)):
         joined = re.search(r"\.\d+\.\d", line)

@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from damage.checks import check_choice, check_file, check_path
+from damage.csv_table import as_float, is_number
 from damage.errors import InputError, did_you_mean
 from damage.files import DATA, is_there, text_lines, write_text
-from damage.motion.columns import UNITS_M_S2, as_float, bad_line, check_step, is_number, numbers, read_columns
+from damage.motion.columns import UNITS_M_S2, bad_line, check_step, numbers, read_columns
 from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
 
 MOST_MB, MOST_LINES = 50, 2 * MOST_SAMPLES
