@@ -191,8 +191,8 @@ def test_bad_surveys_are_one_line(tmp_path, rows, said):
 
 
 @pytest.mark.parametrize("rows, said", [
-    (line(0, 0.15, 0.45, 0.15, 0.0004, limit=""), "the widest crack has 0.0004 mm: expected 0.01 to 200 mm; correct"),
-    (line(0, 0.15, 0.45, 0.15, 300), "the widest crack has 300 mm: expected 0.01 to 200 mm"),
+    (line(0, 0.15, 0.45, 0.15, 0.0004, limit=""), "the widest crack = 0.0004 mm, expected 0.01 to 200 mm"),
+    (line(0, 0.15, 0.45, 0.15, 300), "the widest crack = 300 mm, expected 0.01 to 200 mm"),
     ((*line(0, 0.15, 0.45, 0.15), *line(0, 0.3, 0.45, 0.3, 0.05, crack="B")),
      "cracks of 0.05 mm, but a detection limit of 0.1 mm"),
     (line(0, 0.15, 0.45, 0.15, error=50), "widths have an error of 50 mm, as much as the widest crack")])
