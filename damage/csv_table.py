@@ -18,7 +18,6 @@ import pandas as pd
 
 from damage.checks import check_file
 from damage.errors import InputError
-from damage.fields import Column
 from damage.files import text_lines
 
 MOST_MB, MOST_ROWS, MOST_LEVELS = 50, 500_000, 1000
@@ -94,9 +93,8 @@ class CsvTable:
         self.path, self.names, self.line = path, names, []
         text = pd.DataFrame(self._cells(lines, separator), columns=names, dtype=object)
         self._take_decimal_commas(text, separator)
-        words = {name: Column("", "", "U") for name in names}
-        self.rows = pd.DataFrame({name: self._column(name, of, text)
-                                  for name, of in (columns or words).items()})
+        self.rows = text if columns is None else pd.DataFrame(
+            {name: self._column(name, of, text) for name, of in columns.items()})
 
     def _cells(self, lines, separator):
         """The cells of each row, as many as there are names."""
