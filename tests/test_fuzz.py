@@ -90,7 +90,7 @@ def test_a_record_of_too_many_lines_is_refused_before_they_are_parsed(text, tmp_
     (read_record, "a.at2", "PEER\na\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1000001, DT= .005 SEC\n.1 words\n",
      "1000001 samples; expected up to"),
     # A cell over two lines does not shift the line that is reported.
-    (dic.read_field, "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n', "line 5: uz_m = 'up'"),
+    (dic.read_field, "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,0,0\n1,1,0,up\n', "line 5: uz_m = 'up'"),
     # pandas takes such a cell for a number, Python does not.
     (dic.read_field, "f.csv", "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n", "holds a zero byte")])
 def test_what_was_misread_or_reported_wrongly_is_refused(read_it, name, text, said, tmp_path):
