@@ -56,7 +56,7 @@ IN_YADE = ("harmonic", "pushover", "sequence")
 
 
 def run(folder, yade):
-    """Simulate the published cases into `folder`: by the reference solver, or those of IN_YADE by YADE on one thread."""
+    """Simulate the published cases into `folder`: by the reference solver, or IN_YADE by YADE on a thread."""
     solver = [ROOT / "yade", "-n", "-j1"] if yade else [sys.executable, "-m", "damage", "reference"]
     for name in IN_YADE if yade else bits.CASES:
         case, out = bits.CASES[name], folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5"

@@ -9,6 +9,7 @@ the end: these are read.  A number that may be one of two is refused.
 """
 
 import csv
+import math
 import re
 from pathlib import Path
 
@@ -23,7 +24,7 @@ MOST_MB, MOST_ROWS, MOST_LEVELS = 50, 500_000, 1000
 """Size of a file, its rows, its load levels: what is read in seconds and in less than a gigabyte."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
-_COMMA, _POINT = (re.compile(rf"[-+]?\d*{mark}\d+(?:[eE][-+]?\d+)?") for mark in (",", r"\."))
+_COMMA, _POINT = (re.compile(rf"[-+]?\d*{mark}\d+(?:[eEdD][-+]?\d+)?") for mark in (",", r"\."))
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _NO_NUMBER = re.compile(r"[<>~\u2264\u2265\u2248]|[\d.,]+ *[-\u2013\u2026] *\d")
 """How a cell begins that is a bound or a range."""
@@ -33,7 +34,7 @@ _ONE_NUMBER = ("; of a bound or a range give one number, the best estimate (how 
 
 def as_words(table):
     """A DataFrame whose words no spreadsheet takes for a formula; numbers stay, as text, too."""
-    return _in_words(table, lambda word: f"'{word}" if _FORMULA.match(word) and not _is_number(word) else word)
+    return _in_words(table, lambda word: f"'{word}" if _FORMULA.match(word) and not is_number(word) else word)
 
 
 def from_words(table):
@@ -47,110 +48,114 @@ def _in_words(table, change):
                            for name in words})
 
 
-def _is_number(word):
+def as_float(cell):
+    """The number of a cell, with an exponent of Fortran, too; ValueError where it is none.
+
+    >>> [as_float(cell) for cell in ("1.5D-03", "-.25", "0.15-101")]
+    [0.0015, -0.25, 1.5e-102]
+    """
     try:
-        float(word)
+        return float(cell.replace("_", " "))  # which Python passes over between digits
+    except ValueError:
+        cell = re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", cell)
+    has_exponent = "." not in cell or "e" in cell.lower()
+    return float(cell if has_exponent else re.sub(r"(?<=\d)([-+]\d{3})$", r"e\1", cell))
+
+
+def is_number(cell):
+    """Whether a cell is a number with a decimal point; so are nan and inf."""
+    try:
+        as_float(cell)
     except ValueError:
         return False
     return True
 
 
-class CsvTable:
-    """A CSV file as read: columns of text, to be taken out by `numbers` and `words`.
+def uncommented(lines):
+    """The lines of a text that are neither empty nor comments: a list of (number, line)."""
+    return [(number, line) for number, line in enumerate(lines, 1)
+            if line.strip() and not line.lstrip().startswith("#")]
 
-    path: of the file; required, optional: names of columns; any other column is refused; most_rows: of it.
-    Raises InputError when the file is missing or empty, or its header or rows do not fit.
+
+class CsvTable:
+    """The rows of a CSV file.
+
+    path: of the file; names: of its columns; lines: of the rows, a list of (number, text);
+    separator: between the cells, None for blanks; columns: {name: Column} of those that may be
+    there, by default words under any name.
+
+    rows: DataFrame, with all of `columns`: numbers as floats, NaN where a cell is empty or the
+    column is missing, and words (dtype "U") as text; line: number of each row's line.
+    Raises InputError with the line that does not fit.
     """
 
-    def __init__(self, path, required, optional=(), most_rows=MOST_ROWS):
-        self.path = Path(path)
-        lines = _lines(self.path)
-        kept = [k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
-        if len(kept) > most_rows + 1:
-            raise InputError(f"{path} has {len(kept) - 1} rows: expected up to {most_rows}; take fewer points")
-        if not kept:
-            raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
+    def __init__(self, path, names, lines, separator, columns=None):
+        self.path, self.names, self.line = path, names, []
+        text = pd.DataFrame(self._cells(lines, separator), columns=names, dtype=object)
+        self._take_decimal_commas(text, separator)
+        self.rows = text if columns is None else pd.DataFrame(
+            {name: self._column(name, of, text) for name, of in columns.items()})
+
+    def _cells(self, lines, separator):
+        """The cells of each row, as many as there are names."""
+        numbers, width = [number for number, _ in lines], len(self.names)
+        texts = (line for _, line in lines)
+        reader = csv.reader(texts, delimiter=separator or " ", skipinitialspace=True)
+        rows = []
         try:
-            header = lines[kept[0]]
-            mark = max(",;\t", key=header.count)
-            self._read(csv.reader((lines[k] for k in kept), delimiter=mark), np.array(kept) + 1, required, optional)
+            for row in reader:
+                rows.append(_filled([cell.strip() for cell in row], width))
+                self.line.append(numbers[reader.line_num - 1])  # quotes may reach over several
         except csv.Error as error:
-            raise InputError(f"{path} cannot be read as CSV ({error}); expected commas between short cells") from error
-        if len(self.text) == 0:
-            raise InputError(f"{path} has a header and no row: expected at least one; add some")
-        self._take_decimal_commas(mark)
+            raise InputError(f"{self.path} cannot be read as CSV ({error}); expected commas between short cells"
+                             ) from error
+        for row, cells in enumerate(rows):
+            if len(cells) != width:
+                more = "; decimal commas need semicolons between cells" * (len(cells) > width)
+                raise self.error(row, f"{len(cells)} cells; expected {width}, {', '.join(self.names)}{more}")
+        return rows
 
-    def _read(self, reader, numbers, required, optional):
-        """Take the header and the rows; numbers: of the lines that the csv.reader is given."""
-        names = _filled([cell.strip() for cell in next(reader)], 0)
-        self._check_header(names, numbers[0], required, optional)
-        rows, ends = [], []
-        for row in reader:
-            ends.append(numbers[reader.line_num - 1])  # a cell in quotes may reach over several
-            rows.append(_filled([cell.strip() for cell in row], len(names)))
-            if (n := len(rows[-1])) != len(names):
-                more = "; decimal commas need semicolons between cells" if n > len(names) else ""
-                raise InputError(f"{self.path} line {ends[-1]}: {n} cells, the header has {len(names)}: expected as "
-                                 f"many{more}")
-        self.text = pd.DataFrame(rows, columns=names, dtype=object)
-        self.line = np.array(ends, int)
-
-    def _check_header(self, names, line, required, optional):
-        missing = [name for name in required if name not in names]
-        unknown = [name for name in names if name not in (*required, *optional)]
-        if missing or unknown or len(set(names)) < len(names):
-            wrong = (f"no column {', '.join(missing)}" if missing else
-                     f"unknown column {', '.join(map(repr, unknown))}" if unknown else "a column twice")
-            raise InputError(f"{self.path} line {line}: {wrong}; expected {', '.join(required)}"
-                             + (f" and any of {', '.join(optional)}" if optional else ""))
-
-    def _take_decimal_commas(self, mark):
-        """Write numbers with a decimal point; mark: between the cells.  Refuses what may be a comma of thousands."""
-        with_commas = [name for name in self.text if any(map(_COMMA.fullmatch, self.text[name]))]
+    def _take_decimal_commas(self, text, separator):
+        """Write numbers with a decimal point.  Refuses what may be a comma of thousands."""
+        with_commas = [name for name in text if any(map(_COMMA.fullmatch, text[name]))]
         if not with_commas:
             return
-        points = [[bool(_POINT.fullmatch(cell)) for cell in self.text[name]] for name in self.text]
+        points = [[bool(_POINT.fullmatch(cell)) for cell in text[name]] for name in text]
         self.refuse(np.any(points, axis=0), "a number with a decimal point in a file with decimal commas; expected one "
                                             "of them, and nothing between thousands")
         for name in with_commas:
-            thousands = [mark == "," and bool(_THOUSANDS.fullmatch(cell)) for cell in self.text[name]]
-            self.refuse(thousands, f"{name} has a number in quotes whose comma may be of decimals or of thousands; "
-                        "expected a decimal point")
-            self.text[name] = [cell.replace(",", ".") if _COMMA.fullmatch(cell) else cell for cell in self.text[name]]
+            is_comma = [bool(_COMMA.fullmatch(cell)) for cell in text[name]]
+            thousands = [bool(_THOUSANDS.fullmatch(cell)) for cell in text[name]]
+            if separator == "," and thousands == is_comma:
+                self.refuse(thousands, f"{name} has a number in quotes whose comma may be of decimals or of thousands; "
+                            "expected a decimal point")
+            text[name] = [cell.replace(",", ".") if comma else cell
+                          for cell, comma in zip(text[name], is_comma)]
 
-    def __len__(self):
-        return len(self.text)
-
-    def words(self, name, default=""):
-        """A column as text, (n_rows,) object array; `default` where there is no such column."""
-        return self.text[name].to_numpy() if name in self.text else np.full(len(self), default, object)
-
-    def numbers(self, name):
-        """A column as floats, (n_rows,), NaN where it is empty or missing."""
-        words = pd.Series(self.words(name))
-        valid = np.isfinite(pd.to_numeric(words, errors="coerce").to_numpy(float))
-        # to_numeric decides what is a number; its values are off by the last bit.
-        values = np.array([float(word) if is_number else np.nan for word, is_number in zip(words, valid)])
-        bad = (words != "").to_numpy() & ~np.isfinite(values)
-        if bad.any():
-            row = int(np.argmax(bad))
+    def _column(self, name, of, text):
+        """A column as its Column says."""
+        words = text[name] if name in text else pd.Series([""] * len(text), dtype=object)
+        if of.dtype == "U":
+            return words
+        values = np.array([as_float(word) if is_number(word) else math.nan for word in words])
+        for row in np.flatnonzero((words != "") & ~np.isfinite(values))[:1]:
             one = _ONE_NUMBER if _NO_NUMBER.match(words[row]) else ""
             raise self.error(row, f"{name} = {words[row]!r}: expected a finite number, or nothing where it is unknown"
                                   f"{one}")
+        for row in np.flatnonzero((values < of.least) | (values > of.most))[:1]:
+            raise self.error(row, f"{name} = {words[row]}: expected {of.least:g} to {of.most:g}; "
+                             "look at the unit")
         return values
 
-    def refuse_beyond(self, **bounds):
-        """Raise `error` of the first row with a number larger, but for its sign, than the bound of its column."""
-        for name, bound in bounds.items():
-            beyond = np.abs(np.nan_to_num(self.numbers(name))) > bound
-            self.refuse(beyond, f"{name} is beyond {bound:g}; expected less, look at the unit")
-
-    def levels(self, level):
-        """The distinct load levels of a column (n_rows,), in the order of the file."""
-        found = list(dict.fromkeys(level))
-        if len(found) > MOST_LEVELS:
-            raise InputError(f"{self.path} has {len(found)} load levels: expected up to {MOST_LEVELS}; take some out")
-        return found
+    def levels(self):
+        """The column `load_level` (n_rows,), 1 where there is none."""
+        if "load_level" not in self.names:
+            return np.ones(len(self.rows))
+        self.refuse_empty("load_level")
+        level = self.rows["load_level"].to_numpy()
+        if (found := len(set(level))) > MOST_LEVELS:
+            raise InputError(f"{self.path} has {found} load levels: expected up to {MOST_LEVELS}; take some out")
+        return level
 
     def error(self, row, problem):
         """InputError about a row (index)."""
@@ -160,6 +165,45 @@ class CsvTable:
         """Raise `error` of the first row where `wrong`, (n_rows,) bool, if there is one."""
         if np.any(wrong):
             raise self.error(int(np.argmax(wrong)), problem)
+
+    def refuse_empty(self, *names):
+        """Raise `error` of the first row that lacks a number or a word of these columns."""
+        for name in names:
+            column = self.rows[name]
+            self.refuse(column.isna() | (column == ""), f"no {name}; expected it in every row, give it")
+
+
+def read_csv(path, columns=None, required=(), most_rows=MOST_ROWS):
+    """The CsvTable of a file with a header.
+
+    columns: {name: Column} of those that may be there, by default words under any name; required:
+    names of those that must be.  Raises InputError where the file is missing or empty, or its
+    header or rows do not fit.
+    """
+    path = Path(path)
+    lines = uncommented(_lines(path))
+    if not lines:
+        raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
+    (number, header), *lines = lines
+    if len(lines) > most_rows:
+        raise InputError(f"{path} has {len(lines)} rows: expected up to {most_rows}; take fewer points")
+    if not lines:
+        raise InputError(f"{path} has a header and no row: expected at least one; add some")
+    separator = max(",;\t", key=header.count)
+    names = _filled([cell.strip() for cell in next(csv.reader([header], delimiter=separator))], 0)
+    _check_header(f"{path} line {number}", names, columns or names, required)
+    return CsvTable(path, names, lines, separator, columns)
+
+
+def _check_header(where, names, known, required):
+    missing = [name for name in required if name not in names]
+    unknown = [repr(name) for name in names if name not in known]
+    if missing or unknown or len(set(names)) < len(names):
+        optional = [name for name in known if name not in required]
+        wrong = (f"no column {', '.join(missing)}" if missing else
+                 f"unknown column {', '.join(unknown)}" if unknown else "a column twice")
+        raise InputError(f"{where}: {wrong}; expected {', '.join(required)}"
+                         + (f" and any of {', '.join(optional)}" if optional else ""))
 
 
 def _filled(cells, least):

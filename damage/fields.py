@@ -21,6 +21,20 @@ _OTHERS = {"m": {"mm": 1e-3, "cm": 1e-2}, "Pa": {"MPa": 1e6, "kPa": 1e3}, "Pa/m"
 """{unit: {unit that may have been meant: its size}}."""
 
 
+class Column(NamedTuple):
+    """A column of a table or a dataset of a file.
+
+    unit: "1" of a ratio, "" of words; meaning: what it holds; dtype: kind of number in the file, of
+    any size, U of words; least, most: limits of a number that is read.
+    """
+
+    unit: str
+    meaning: str
+    dtype: str = "f8"
+    least: float = -math.inf
+    most: float = math.inf
+
+
 class Range(NamedTuple):
     """Plausible values of a field in its SI unit; others: {unit that may have been meant: its size in the SI unit};
     why: what has values near the limits, with the source where there is one; zero: whether that is plausible, too."""

@@ -235,11 +235,11 @@ def test_a_field_of_a_spreadsheet_with_decimal_commas(tmp_path):
 
 
 @pytest.mark.parametrize("text, complaint", [
-    ("x_m,z_m,ux_m\n0,0,0\n", "no column uz_m"), ("x_m,z_m,ux_m,uz_m\n0,,0,0\n", "line 2: no place"),
+    ("x_m,z_m,ux_m\n0,0,0\n", "no column uz_m"), ("x_m,z_m,ux_m,uz_m\n0,,0,0\n", "line 2: no z_m"),
     ("x_m,z_m,ux_m,uz_m\n0,0,0,\n", "line 2: one displacement of two"),
     ("load_level,x_m,z_m,ux_m,uz_m\n,0,0,0,0\n", "line 2: no load_level"),
     ("x_m,z_m,ux_m,uz_m\n1,1,0,up\n", "line 2: uz_m = 'up'"),
-    ("x_m,z_m,ux_m,uz_m\n0,0,0.2,0.1\n0,0.1,0.2,0.75\n", "line 3: uz_m is beyond 0.5; expected less, look at the unit"),
+    ("x_m,z_m,ux_m,uz_m\n0,0,0.2,0.1\n0,0.1,0.2,0.75\n", "line 3: uz_m = 0.75: expected -0.5 to 0.5; look at the unit"),
     ("x_m,z_m,ux_m,uz_m\n10,10,0,0\n", "no brick of wall panel has 4 points"),
     ("drift_pct,x_m,z_m,ux_m,uz_m\n0,0,0,0,0\n1,0,0,0,0\n", "load level 1 has 2 values of drift_pct"),
 ])

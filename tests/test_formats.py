@@ -1,214 +1,67 @@
-"""Reading ground-motion records: formats, and bad files."""
+"""Formats of ground-motion records: which are read, by which names, and which are refused."""
 
 import hashlib
+import re
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import one_line_error, written
+from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
-from damage.motion.formats import read_record, shipped_record_path
-from damage.units import GRAVITY
+from damage.motion.formats import FOREIGN, foreign, read_record, shipped_record_path
+from damage.motion.intensity import pga_g, pgv_cm_s
 
 ROUND_OFF = 1e-12  # relative: a few operations in double precision on numbers of one size
+K_NET = """Origin Time       1996/08/11 03:12:00
+Lat.              38.920
+Long.             140.630
+Depth. (km)       7
+Mag.              5.9
+Station Code      AKT013
+Station Lat.      39.6069
+Station Long.     140.3213
+Station Height(m) 34
+Record Time       1996/08/11 03:12:39
+Sampling Freq(Hz) 200Hz
+Duration Time(s)  2
+Dir.              E-W
+Scale Factor      2000(gal)/8388608
+Max. Acc. (gal)   147.15
+Last Correction   1996/08/11 03:00:00
+Memo.             made up
+"""
 
-AT2_TITLES = (
-    "PEER STRONG MOTION DATABASE\nQuake, Station, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
-)
 
-
-def write(folder, text, name="motion.csv"):
-    return written(folder / name, text)
-
-
-class TestCsv:
-    def test_header_comments_and_blank_lines(self, tmp_path):
-        text = "# by hand\ntime_s,acc_m_s2\n0.00,0.1\n\n0.01,-0.2\n# middle\n0.02,0.3\n"
-        path = write(tmp_path, text, "here_acc_m_s2.csv")
-        record = read_record(path)
-        assert (record.name, record.start_utc, record.source) == ("here", "", str(path))
-        assert record.time_step_s == 0.01
-        assert_allclose(record.acceleration_m_s2, [0.1, -0.2, 0.3], rtol=ROUND_OFF)
-        assert len(record.sha256) == 64
-
-    def test_without_a_header_the_unit_is_asked_for(self, tmp_path):
-        path = write(tmp_path, "0,0.1\n0.01,0.2\n")
-        assert "no line names the unit" in one_line_error(read_record, path)
-        record = read_record(path, unit="m_s2")
-        assert_allclose(record.acceleration_m_s2, [0.1, 0.2], rtol=ROUND_OFF)
-        assert (record.unit, record.given) == ("m_s2 (--unit)", {"unit": "m_s2"})
-
-    def test_g_in_the_header_becomes_m_s2(self, tmp_path):
-        record = read_record(write(tmp_path, " Time_s , acc_g\n0,0.1\n0.01,-0.2\n"))
-        assert_allclose(record.acceleration_m_s2, [0.1 * GRAVITY, -0.2 * GRAVITY], rtol=ROUND_OFF)
-
-    @pytest.mark.parametrize(("header", "m_s2"), [
-        ("time_s,acc_cm_s2", 0.01), ("time_s,acc_gal", 0.01), ("Time (s), Acceleration (gal)", 0.01),
-        ("t [s],a [cm/s²]", 0.01), ("time [s],acc [cm/s^2]", 0.01), ("time_s,accel m/s/s", 1.0),
-        ('"time [s]","acc [m/sec2]"', 1.0), ("t_s,acc [g]", GRAVITY)])
-    def test_the_header_names_the_unit_in_usual_spellings(self, tmp_path, header, m_s2):
-        record = read_record(write(tmp_path, f"{header}\n0,10\n0.01,-20\n"))
-        assert_allclose(record.acceleration_m_s2, [10 * m_s2, -20 * m_s2], rtol=ROUND_OFF)
-
-    @pytest.mark.parametrize("text", [
-        "time_s;acc_gal\n0;12,5\n0,01;-25\n", "time_s;acc_gal\n0;12.5\n0.01;-25\n",
-        "time_s\tacc_gal\n0\t12,5\n0,01\t-25\n", "time [s]  acc [gal]\n 0.00   12.5\n 0.01  -2.5e1\n",
-        "time_s acc_gal\n0,00 12,5\n0,01 -25\n", "time_s, acc_gal\n0, 12.5\n0.01, -25.\n"])
-    def test_semicolons_tabulators_blanks_and_decimal_commas(self, tmp_path, text):
-        record = read_record(write(tmp_path, text, "motion.txt"))
-        assert record.time_step_s == 0.01
-        assert_allclose(record.acceleration_m_s2, [0.125, -0.25], rtol=ROUND_OFF)
-
-    @pytest.mark.parametrize("text", [
-        '"time_s","acc_gal"\n"0.00","12.5"\n"0.01","-25"\n', '"time_s","acc_gal"\n"0,00","12,5"\n"0,01","-25"\n',
-        'time_s;acc_gal\n"0,00";"12,5"\n"0,01";"-25"\n', "time_s,acc_gal,\n0,12.5,\n0.01,-25,\n",
-        "time_s;acc_gal;;\n0;12,5;;\n0,01;-25;;\n", "time_s,acc_gal\n0,12.5,\n0.01,-25,\n",
-        "time_s\tacc_gal\t\n0\t12,5\t\n0,01\t-25\t\n"])
-    def test_quotes_and_empty_columns_of_spreadsheets(self, tmp_path, text):
-        record = read_record(write(tmp_path, text, "motion.txt"))
-        assert record.time_step_s == 0.01
-        assert_allclose(record.acceleration_m_s2, [0.125, -0.25], rtol=ROUND_OFF)
-
-    def test_an_exponent_that_is_not_in_utf_8_is_one(self, tmp_path):
-        path = written(tmp_path / "motion.csv", "time [s];acc [cm/s²]\n0;1\n0,01;2\n".encode("latin-1"))
-        assert_allclose(read_record(path).acceleration_m_s2, [0.01, 0.02], rtol=ROUND_OFF)
-
-    def test_the_unit_is_no_part_of_a_records_name(self, tmp_path):
-        assert read_record(write(tmp_path, "time_s,acc_gal\n0,1\n0.01,2\n", "here_acc_gal.csv")).name == "here"
-
+class TestNames:
     def test_a_record_that_ships_is_read_by_its_name(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         assert read_record("BGAR_HGE").sha256 == read_record(shipped_record_path("BGAR_HGE")).sha256
-        write(tmp_path, "time_s,acc_g\n0,1\n0.01,2\n", "BGAR_HGE")
+        written(tmp_path / "BGAR_HGE", "time_s,acc_g\n0,1\n0.01,2\n")
         assert read_record("BGAR_HGE").acceleration_m_s2.size == 2  # a file comes first
         assert one_line_error(read_record, "BGRA_HGE").endswith("; did you mean BGAR_HGE?")
         assert "tests" not in one_line_error(read_record, "absent")
-
-    def test_a_path_may_be_text_and_a_comment_in_any_encoding(self, tmp_path):
-        path = tmp_path / "motion.txt"
-        path.write_bytes("\ufeff# Prüfung in m/s2\n0,0\n0.01,1\n".encode("latin-1", errors="ignore"))
-        assert read_record(str(path)).acceleration_m_s2[1] == 1.0
-
-    def test_times_from_another_zero_restart_and_move_the_start(self, tmp_path):
-        text = "# start 2018-01-08T14:00:37.09Z\n17.00,0.1\n17.01,0.2\n17.02,0.3\n"
-        record = read_record(write(tmp_path, text), unit="g")
-        assert record.time_s[0] == 0.0
-        assert record.start_utc == "2018-01-08T14:00:54.090000Z"
-
-    def test_rounded_times_are_uniform_enough(self, tmp_path):
-        rows = "".join(f"{k / 150:.4f},{k}\n" for k in range(301))
-        # the last time is exact here, so only the sum of the twelve kept digits is left
-        assert read_record(write(tmp_path, rows), unit="g").time_step_s == pytest.approx(1 / 150, rel=1e-11)
-
-    def test_a_decimal_step_stays_the_same_number(self, tmp_path):
-        rows = "".join(f"{k / 100:.2f},0\n" for k in range(30))
-        # 0.29 / 29 is another double than 0.01
-        assert read_record(write(tmp_path, rows), unit="g").time_step_s == 0.01
+        assert "BGAR_HGE" in one_line_error(shipped_record_path, "MID1")
 
     def test_shipped_record(self):
         record = read_record(shipped_record_path())
-        assert record.name == "BGAR_HGE"
-        assert record.time_step_s == 0.005
+        assert (record.name, record.time_step_s) == ("BGAR_HGE", 0.005)
         assert record.acceleration_m_s2.size == 9304
         assert record.start_utc == "2018-01-08T14:00:37.090000Z"
-        strong_s = record.time_s[np.abs(record.acceleration_m_s2).argmax()]
         # the data's description says "near 18.8 s"
+        strong_s = record.time_s[np.abs(record.acceleration_m_s2).argmax()]
         assert strong_s == pytest.approx(18.8, abs=0.1)
 
-    @pytest.mark.parametrize(
-        ("text", "says"),
-        [
-            ("", "empty"),
-            (" \n\n", "empty"),
-            ("# only a comment\n", "0 data rows"),
-            ("time_s,acc_m_s2\n", "0 data rows"),
-            ("time_s,acc_m_s2\n0,1\n", "1 data rows"),
-            ("0,1\n0.01,nan\n", "line 2: '0.01,nan' is not finite"),
-            ("0,1\n0.01,-inf\n", "line 2: '0.01,-inf' is not finite"),
-            ("nan,1\n0.01,1\n", "line 1: 'nan,1' is not finite"),
-            ("0\n0.01\n", "line 1: '0' has 1 column(s)"), ("0\n0.01\n", "give --sample-step S"),
-            ("0,1,2\n0.01,1,2\n", "line 1: '0,1,2' has 3 column(s)"),
-            ("# c\n0,1\n0.01,high\n", "line 3: '0.01,high' is not numeric"),
-            ("0,1\n0.01,\n", "line 2: '0.01,' is not numeric"),
-            ("0,1\n0.01,2\n0.03,3\n0.04,3\n0.05,3\n", "line 3: a step of 0.02 s among 0.01 s"),
-            ("0.02,1\n0.01,2\n0,3\n", "line 2: time 0.01 s after 0.02 s"),
-            ("0,1\n0.01,2\n0.01,3\n", "line 3: time 0.01 s after 0.01 s"),
-            ("t,acc_g\n0,1\n0.01,2\n", "line 1: 't,acc_g' is an unknown header"),
-            ("acc_g\n0\n1\n", "line 1: 'acc_g' is an unknown header"),
-            ("time_s,acc\n0,1\n0.01,2\n", "line 1: 'time_s,acc' is an unknown header; expected time_s and one"),
-            ("time_s,acc_counts\n0,1\n0.01,2\n", "is an unknown header"),
-            ("time_s;acc_g\n0,1\n0.01,2\n", "line 1: 'time_s;acc_g' has another separator than the rows below it"),
-            ("time_ms,acc_g\n0,1\n5,2\n", "line 1: 'time_ms,acc_g' has times in milliseconds; expected seconds"),
-            ("Time (s);Acc X (cm/s2);Acc Y (cm/s2)\n0,00;1;2\n0,01;1;2\n", "has 3 columns; expected two, time and one "
-             "component of the acceleration"),
-            ("0;1;2\n0,01;1;2\n", "line 1: '0;1;2' has 3 column(s)"),
-            ("0,00;1,5\n0,01;1.200,5\n", "line 2: '0,01;1.200,5' has a decimal point in a file with decimal commas"),
-            ("0,00,1,5\n0,01,1,5\n", "line 1: '0,00,1,5' has 4 column(s)"),
-            ("# start 2018-13-45T99:00\ntime_s,acc_g\n0,1\n0.01,2\n", "start time '2018-13-45T99:00'"),
-        ],
-    )
-    def test_bad_content_is_reported_with_its_line(self, tmp_path, text, says):
-        path = write(tmp_path, text)
-        message = one_line_error(read_record, path)
-        assert says in message
-        assert message.startswith(str(path))
+    def test_shipped_files_are_named_in_their_readme(self):
+        readme = (shipped_record_path().parent / "README.md").read_text()
+        for fact in ("CC BY 4.0", "10.21944/e970fd34-23b9-3411-b366-e4f72877d2c5", "KNMI"):
+            assert fact in readme
 
-    def test_binary_is_not_a_csv(self, tmp_path):
-        path = written(tmp_path / "motion.csv", bytes(range(255, 0, -1)))
-        assert "line" in one_line_error(read_record, path)
-
-    def test_missing_file_and_directory(self, tmp_path):
+    def test_missing_file_directory_and_binary(self, tmp_path):
         assert "No such file" in one_line_error(read_record, tmp_path / "absent.csv")
         assert "a directory" in one_line_error(read_record, tmp_path)
-
-    def test_shipped_names_are_listed(self):
-        assert "BGAR_HGE" in one_line_error(shipped_record_path, "MID1")
-
-
-class TestPeerAt2:
-    VALUES = "  .1000000E-01 -.2000000E-01  .3000000E-01\n  .4000000E-01  .5000000E-01\n"
-
-    @pytest.mark.parametrize("counts", [
-        "NPTS=     5, DT=   .0050 SEC,", "NPTS=5, DT=.00500 SEC", "NPTS=  5 , DT= 0.005 SEC",
-        "    5    0.0050   NPTS, DT", "  5, .005, NPTS, DT", "npts= 5, dt= 5.0E-03 sec"])
-    @pytest.mark.parametrize("name", ["RSN1_090.AT2", "rsn1_090.at2", "RSN1_090.txt"])
-    def test_both_orders_of_the_fourth_line(self, tmp_path, counts, name):
-        record = read_record(write(tmp_path, AT2_TITLES + counts + "\n" + self.VALUES, name))
-        assert record.name.upper() == "RSN1_090"
-        assert record.time_step_s == 0.005
-        expected = GRAVITY * np.array([0.01, -0.02, 0.03, 0.04, 0.05])
-        assert_allclose(record.acceleration_m_s2, expected, rtol=ROUND_OFF)
-
-    def test_one_motion_is_the_same_in_g_and_in_m_s2(self, tmp_path):
-        values_g = [float(cell) for cell in self.VALUES.split()]
-        csv = {unit: f"time_s,acc_{unit}\n" + "\n".join(f"{0.005 * k:.3f},{factor * value!r}"
-                                                        for k, value in enumerate(values_g))
-               for unit, factor in (("g", 1.0), ("m_s2", 9.81))}
-        files = {"motion.AT2": AT2_TITLES + "NPTS= 5, DT= .005 SEC\n" + self.VALUES,
-                 "g.csv": csv["g"], "m_s2.csv": csv["m_s2"]}
-        records = [read_record(write(tmp_path, text, name)) for name, text in files.items()]
-        assert len({record.acceleration_m_s2.tobytes() for record in records}) == 1
-
-    @pytest.mark.parametrize(
-        ("text", "says"),
-        [
-            ("one line\n", "line 4: '' gives no NPTS"),
-            (AT2_TITLES + "POINTS 5 STEP .005\n" + VALUES, "gives no NPTS and DT"),
-            (AT2_TITLES + "NPTS= 5, DT= E SEC\n" + VALUES, "gives no NPTS and DT"),
-            (AT2_TITLES + "NPTS= 6, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 6"),
-            (AT2_TITLES + "NPTS= 4, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 4"),
-            (AT2_TITLES + "NPTS= 5, DT= 0 SEC\n" + VALUES, "time step [s] = 0.0"),
-            (AT2_TITLES + "NPTS= 5, DT= 5.0 MSEC\n" + VALUES, "a time step of 5 s; expected at most 0.05 s"),
-            (AT2_TITLES + "NPTS= 5, DT= .005 SEC\n.1 .2\n.3 x .5\n", "line 6: '.3 x .5' is not"),
-            (AT2_TITLES + "NPTS= 2, DT= .005 SEC\n.1 NaN\n", "line 5: '.1 NaN' is not finite"),
-            (AT2_TITLES.replace("ACCELERATION", "VELOCITY") + "NPTS= 5, DT= .005 SEC\n" + VALUES, "line 3:"),
-            (AT2_TITLES.replace("OF G", "OF CM/S2") + "NPTS= 5, DT= .005 SEC\n" + VALUES, "line 3:"),
-        ],
-    )
-    def test_bad_files(self, tmp_path, text, says):
-        assert says in one_line_error(read_record, write(tmp_path, text, "motion.AT2"))
+        path = written(tmp_path / "motion.csv", bytes(range(255, 0, -1)))
+        assert "0 data rows" in one_line_error(read_record, path)
 
 
 class TestMiniSeed:
@@ -268,7 +121,7 @@ class TestMiniSeed:
         assert "201 samples" in one_line_error(read_record, path, self.STATION_XML)
 
     def test_broken_file(self, tmp_path):
-        path = write(tmp_path, "no seed\n", "motion.mseed")
+        path = written(tmp_path / "motion.mseed", "no seed\n")
         assert "obspy says" in one_line_error(read_record, path)
 
     @pytest.mark.parametrize(
@@ -288,19 +141,19 @@ class TestMiniSeed:
     def test_unfit_station_xml(self, tmp_path, old, new, says):
         text = self.STATION_XML.read_text()
         assert old in text
-        path = write(tmp_path, text.replace(old, new), "other.xml")
+        path = written(tmp_path / "other.xml", text.replace(old, new))
         assert says in one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
 
     def test_a_velocity_in_the_first_stage_is_refused(self, tmp_path):
         head, stage, rest = self.STATION_XML.read_text().partition('<Stage number="1">')
-        path = write(tmp_path, head + stage + rest.replace("M/S**2", "M/S", 1), "other.xml")
+        path = written(tmp_path / "other.xml", head + stage + rest.replace("M/S**2", "M/S", 1))
         message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
         assert "is per M/S**2, but its first stage takes M/S; expected M/S**2 of both" in message
 
     def test_a_sensitivity_within_the_tolerance_and_one_without_stages_are_taken(self, obspy, tmp_path):
         usual = read_record(shipped_record_path("NL.BGAR..HGE"))
         text = self.STATION_XML.read_text().replace("213867.4766", "220000")
-        path = write(tmp_path, text, "other.xml")
+        path = written(tmp_path / "other.xml", text)
         found = read_record(shipped_record_path("NL.BGAR..HGE"), path)
         assert_allclose(found.acceleration_m_s2, usual.acceleration_m_s2 * 213867.4766 / 220000, rtol=ROUND_OFF)
         inventory = obspy.read_inventory(str(self.STATION_XML))
@@ -329,8 +182,48 @@ def test_without_obspy_the_extra_is_named(monkeypatch):
     assert "pip install obspy" in message and "masonry-damage[obspy]" in message
 
 
-def test_shipped_files_are_named_in_their_readme():
-    folder = Path(shipped_record_path()).parent
-    readme = (folder / "README.md").read_text()
-    for fact in ("CC BY 4.0", "10.21944/e970fd34-23b9-3411-b366-e4f72877d2c5", "KNMI"):
-        assert fact in readme
+class TestOtherFormats:
+    @pytest.mark.parametrize("begins, name", [
+        (b"Corrected acceleration    (Format v01.20 with 13 text lines) Src: f", "COSMOS"),
+        (b"2 CORRECTED ACCELEROGRAM   \r\n*", "SMC (USGS)"),
+        (b"Origin Time       2018/01/24 19:51:00\n", "K-NET, KiK-net"),
+        (b"EVENT_NAME: GREECE\nEVENT_ID: EMSC\n", "ESM, ITACA (DYNA)"), (b"* VOL1DS FILE:  5520/01\r\n", "BHRC (Iran)"),
+        (b"FILE     0 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:", "USC"),
+        (b"Corrected accelerogram 20180212_211554_WPWS_20 GNS Science\n", "GeoNet V1A/V2A"),
+        (b"UNCORRECTED ACCELEROGRAM DATA    PROCESSED: 07/16/98, CDMG", "CSMIP (V1, V2, V3), RENADIC"),
+        (b"STRONG GROUND MOTION RECORDS OF TURKIYE\r\n", "AFAD, NSMN (Turkey)"),
+        (b"*" * 86 + b"\r\n            INSTITUTO DE INGENIERIA, UNAM", "UNAM (Mexico)"),
+        (b"TIMESERIES NL_BGAR__HGE_R, 9304 samples, 200 sps, ...", "SLIST or TSPAIR"),
+        (b"\0\0\xa0\x40" * 76 + b"\6\0\0\0" + b"\0" * 400, "SAC"),
+        (b"\0\0\xa0\x40" * 76 + b"\0\0\0\6" + b"\0" * 400, "SAC"),
+        (b"   0.01000000      -12345.00\n", "SAC"), (b"WID2 2018/01/08", "GSE2 or IMS1"),
+        (b"PK\x03\x04..", "spreadsheet or ZIP"),
+        (b"<!DOCTYPE html><html>", "web page"),
+        (b"\xef\xbb\xbf<?xml version='1.0'?>", "XML, as StationXML or QuakeML")])
+    def test_a_format_that_is_not_read_is_named(self, tmp_path, begins, name):
+        path = tmp_path / "record.txt"
+        path.write_bytes(begins)
+        message = one_line_error(read_record, path)
+        assert f"its format is {name}, which is not read" in message and "own-record.md" in message
+
+    def test_k_net_by_the_guides_recipe_keeps_no_offset(self, tmp_path, monkeypatch):
+        pytest.importorskip("obspy")
+        phase = (np.pi * 4.0 * (0.005 * np.arange(400) - 0.6)) ** 2  # a Ricker pulse of 0.15 g
+        pulse_gal = 0.15 * 981 * (1 - 2 * phase) * np.exp(-phase)
+        counts = np.round(pulse_gal * 8388608 / 2000).astype(int) - 18000
+        head = [line[:18].ljust(18) + line[18:] for line in K_NET.splitlines()]
+        data = ("".join(map("{:9d}".format, counts[k:k + 8])) for k in range(0, 400, 8))
+        written(tmp_path / "FILE", "\n".join([*head, *data]) + "\n")
+        guide = (REPOSITORY / "docs/guides/own-record.md").read_text()
+        recipe = re.search(r"^```\n(trace = obspy.read.*?)^```$", guide, re.MULTILINE | re.DOTALL)[1]
+        monkeypatch.chdir(tmp_path)
+        exec(f"import numpy, obspy\n{recipe}", {})
+        record = read_record("record.csv")
+        assert (pga_g(record), pgv_cm_s(record)) == pytest.approx((0.15, 5.0155), rel=2e-3)
+
+    def test_what_is_read_is_not_foreign(self):
+        assert not any(map(foreign, (b"# time_s,acc_g\n", b"0.0 0.1\n", b"acc_g\n", b"-0.5 0.2\n")))
+
+    def test_the_guide_has_a_row_for_each(self):
+        guide = (REPOSITORY / "docs/guides/own-record.md").read_text()
+        assert [name for name, *_ in FOREIGN if f"| {name} |" not in guide] == []

@@ -267,8 +267,8 @@ def test_runs_that_are_there_twice_are_found_before_any_record_is_read(tmp_path,
 
 HEAD = "crack,point,x_m,z_m,width_mm\n"
 CRACKS = {
-    HEAD + "a,1,0,0,1\na,2,20000,20000,1\n": "line 3: x_m is beyond 1000",
-    HEAD + "a,1,0,0,1e300\na,2,1,0,1\n": "line 2: width_mm is beyond 10000",
+    HEAD + "a,1,0,0,1\na,2,20000,20000,1\n": "line 3: x_m = 20000: expected -1000 to 1000",
+    HEAD + "a,1,0,0,1e300\na,2,1,0,1\n": "line 2: width_mm = 1e300: expected 0 to 10000",
     HEAD + "".join(f"a{k},1,0,{k},1\na{k},2,900,{k},1\n" for k in range(20)): "cracks of 18000 m in all",
     HEAD + "a,1,0,0,1\na,2,0.": "line 3: 3 cells",
     HEAD + "\x1b[31m,2,0,0,1\n": "crack \\x1b[31m",
@@ -286,7 +286,7 @@ def test_cracks_beyond_any_wall(text, tmp_path):
 def test_files_of_a_field_are_looked_at_before_they_are_read(tmp_path):
     assert "1e+06 MB" in one_line_error(read_field, huge(tmp_path / "huge.csv"))
     far = written(tmp_path / "far.csv", "x_m,z_m,ux_m,uz_m\n0,0,0,1e300\n")
-    assert "line 2: uz_m is beyond 0.5" in one_line_error(read_field, far)
+    assert "line 2: uz_m = 1e300: expected -0.5 to 0.5" in one_line_error(read_field, far)
 
 
 def test_a_crack_whose_name_grows_when_it_is_escaped_is_reported_in_one_line_of_bounded_length(tmp_path):

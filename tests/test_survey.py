@@ -155,7 +155,7 @@ def test_spreadsheets_of_other_countries_are_read(tmp_path, text):
 
 @pytest.mark.parametrize("text, said", [
     ("crack,point,x_m,z_m,width_mm\nA,1,0,0.15,0,4\nA,2,0.45,0.15,\n",
-     "line 2: 6 cells, the header has 5: expected as many; decimal commas need semicolons"),
+     "line 2: 6 cells; expected 5, crack, point, x_m, z_m, width_mm; decimal commas need semicolons"),
     ("crack;point;x_m;z_m;width_mm\nA;1;0;0,15;0.4\nA;2;0,45;0,15;\n",
      "line 2: a number with a decimal point in a file with decimal commas"),
     ('crack,point,x_m,z_m,width_mm\nA,1,0,"1,250","0,4"\nA,2,1,"1,250",\n',
@@ -175,13 +175,13 @@ BAD = {
     "offset-word": (line(0, 0.15, 0.45, 0.15, offset="maybe"), "line 2: offset = 'maybe': expected one of yes, no"),
     "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"),
                            "line 2: offset = no with mode = shear"),
-    "no-limit": (line(0, 0.15, 0.45, 0.15, limit=0), "line 2: detection_limit_mm is zero; expected the width"),
+    "no-limit": (line(0, 0.15, 0.45, 0.15, limit=0), "line 2: detection_limit_mm = 0: expected 1e-09 to 100"),
     "limit-above": (line(0, 0.15, 0.45, 0.15, 0.4, limit=5), "detection_limit_mm = 5, but the widest crack has 0.4 mm"),
     "metres-wide": (line(0, 0.15, 0.45, 0.15, 9999), "a crack of 9999 mm; expected widths of up to 1000 mm"),
     "there-twice": ((*line(0, 0.15, 0.45, 0.15), *line(0.45, 0.15, 0, 0.15, crack="B")),
                     r"the part of crack B from \(0.45, 0.15\) to \(0, 0.15\) m is there twice"),
     "crack-in-area": ((*line(0, 0.975, 0.45, 0.975), *AREAS), "0.45 m of cracks lie in areas of mode none"),
-    "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm is negative"),
+    "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm = -1: expected 0 to 100"),
 }
 
 
@@ -191,8 +191,8 @@ def test_bad_surveys_are_one_line(tmp_path, rows, said):
 
 
 @pytest.mark.parametrize("rows, said", [
-    (line(0, 0.15, 0.45, 0.15, 0.0004, limit=""), "the widest crack has 0.0004 mm: expected 0.01 to 200 mm; correct"),
-    (line(0, 0.15, 0.45, 0.15, 300), "the widest crack has 300 mm: expected 0.01 to 200 mm"),
+    (line(0, 0.15, 0.45, 0.15, 0.0004, limit=""), "the widest crack = 0.0004 mm, expected 0.01 to 200 mm"),
+    (line(0, 0.15, 0.45, 0.15, 300), "the widest crack = 300 mm, expected 0.01 to 200 mm"),
     ((*line(0, 0.15, 0.45, 0.15), *line(0, 0.3, 0.45, 0.3, 0.05, crack="B")),
      "cracks of 0.05 mm, but a detection limit of 0.1 mm"),
     (line(0, 0.15, 0.45, 0.15, error=50), "widths have an error of 50 mm, as much as the widest crack")])

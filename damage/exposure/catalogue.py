@@ -16,10 +16,11 @@ import numpy as np
 import pandas as pd
 
 from damage.checks import check_file
-from damage.csv_table import MOST_MB, MOST_ROWS, CsvTable, as_words
+from damage.csv_table import MOST_MB, MOST_ROWS, as_words, read_csv
 from damage.elementary import hypot
 from damage.errors import InputError, some_of
 from damage.exposure.places import NETHERLANDS_DEG, NETHERLANDS_RD_M, to_rd, within
+from damage.fields import Column
 from damage.files import DATA, text_lines, write_text
 
 SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
@@ -38,6 +39,11 @@ MOST_GAP_DAYS = 60
 _EARTHQUAKE = "earthquake", "induced", "triggered", "extraction", "injection"
 _NO_TYPE = "", "not reported", "unknown"
 _GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
+_WORDS = Column("", "", "U")
+_CSV = {"date_utc": _WORDS, "time_utc": _WORDS, "magnitude": Column("1", "local magnitude"),
+        **dict.fromkeys(_GRID, Column("m", "epicentre in RD")),
+        **dict.fromkeys(_DEGREES, Column("degrees", "epicentre")),
+        "depth_km": Column("km", "depth"), **dict.fromkeys(("field", "place", "knmi_id"), _WORDS)}
 _FDSN = {"eventid": "id", "time": "time", "latitude": "latitude", "longitude": "longitude", "magnitude": "magnitude",
          "eventlocationname": "place", "depth/km": "depth", "eventtype": "type",
          "catalog": "agency"}  # heading in lower case: name here; others are passed over
@@ -149,35 +155,34 @@ def write_catalogue(catalogue, path):
 
 def _read_knmi(path):
     """KNMI's list of all induced earthquakes of the country: what lies in the sea beside it is left out."""
-    table = CsvTable(path, tuple(_KNMI), ("EVALMODE",))
-    digits = table.text["TIME"].str.extract(r"^(\d{1,6})(\.\d*)?$").fillna("")  # a spreadsheet takes zeros off
-    table.refuse(~table.text["YYMMDD"].str.fullmatch(r"\d{8}") | (digits[0] == ""), "expected a date YYYYMMDD and a "
+    table = read_csv(path, dict.fromkeys((*_KNMI, "EVALMODE"), _WORDS) | {
+        known: _CSV[name] for known, name in _KNMI.items()}, tuple(_KNMI))
+    digits = table.rows["TIME"].str.extract(r"^(\d{1,6})(\.\d*)?$").fillna("")  # a spreadsheet takes zeros off
+    table.refuse(~table.rows["YYMMDD"].str.fullmatch(r"\d{8}") | (digits[0] == ""), "expected a date YYYYMMDD and a "
                  "time HHMMSS.ss, such as 20180419 and 093307.59; correct it")
     clock = digits[0].str.zfill(6).str.replace(r"(..)(..)(..)", r"\1:\2:\3", regex=True)
-    table.text = table.text.rename(columns=_KNMI).assign(time_utc=clock + digits[1].where(digits[1] != ".", ""))
+    table.rows = table.rows.rename(columns=_KNMI).assign(
+        knmi_id="", time_utc=clock + digits[1].where(digits[1] != ".", ""))
     return _from_table(path, table, leave_out=True)
 
 
 def _read_csv(path):
-    return _from_table(path, CsvTable(path, ("date_utc", "time_utc", "magnitude"), (
-        *_GRID, *_DEGREES, "depth_km", "field", "place", "knmi_id")))
+    return _from_table(path, read_csv(path, _CSV, ("date_utc", "time_utc", "magnitude")))
 
 
 def _from_table(path, table, leave_out=False):
     """The Catalogue of a CsvTable with the columns of CSV; leave_out: whether to take events outside the country out
     rather than to refuse the file."""
-    pairs = [pair for pair in (_GRID, _DEGREES) if all(name in table.text for name in pair)]
+    names = [_KNMI.get(name, name) for name in table.names]
+    pairs = [pair for pair in (_GRID, _DEGREES) if all(name in names for name in pair)]
     if not pairs:
         raise InputError(f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
                          f"{' and '.join(_DEGREES)} [degrees]")
-    numbers = {name: table.numbers(name) for name in (*pairs[0], "magnitude")}
-    for name, values in numbers.items():
-        table.refuse(np.isnan(values), f"no {name}; expected a number; give it")
-    times = [_time(f"{date}T{time}", f"{path} line {line}")
-             for date, time, line in zip(table.words("date_utc"), table.words("time_utc"), table.line)]
-    return _catalogue(path, times, pd.DataFrame(numbers | {
-        "line": table.line, "place": table.words("place"), "id": table.words("knmi_id"),
-        "depth": table.numbers("depth_km"), "type": "", "agency": ""}), leave_out)
+    table.refuse_empty(*pairs[0], "magnitude")
+    rows = table.rows.rename(columns={"knmi_id": "id", "depth_km": "depth"}).assign(line=table.line)
+    times = [_time(f"{row.date_utc}T{row.time_utc}", f"{path} line {row.line}") for row in rows.itertuples()]
+    given = rows[[*pairs[0], "magnitude", "line", "place", "id", "depth"]]
+    return _catalogue(path, times, given.assign(type="", agency=""), leave_out)
 
 
 def _read_fdsn(path):

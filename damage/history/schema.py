@@ -3,7 +3,8 @@ decorator of functions that make columns of summary.csv."""
 
 from functools import wraps
 from inspect import signature
-from typing import NamedTuple
+
+from damage.fields import Column
 
 SCHEMA = "masonry-damage-history"
 SCHEMA_VERSION = 9
@@ -12,19 +13,11 @@ STAGES = ("motion", "rest", "settling", "settlement")
 EVENTS = ("tension", "shear", "opened", "slipped")
 
 
-class Column(NamedTuple):
-    """A column of a table or a dataset of a file; dtype: kind of number in the file."""
-
-    unit: str
-    meaning: str
-    dtype: str = "f8"
-
-
 def each(columns):
     """{name: Column} from {"name, name": Column}, each with its own unit.
 
     >>> each({"period_s, amplitude_g": Column("s, g", "of a motion")})["amplitude_g"]
-    Column(unit='g', meaning='of a motion', dtype='f8')
+    Column(unit='g', meaning='of a motion', dtype='f8', least=-inf, most=inf)
     """
     found = {}
     for several, column in columns.items():

@@ -15,23 +15,26 @@ from math import isnan
 import numpy as np
 
 from damage.checks import check_not_negative
-from damage.csv_table import CsvTable
+from damage.csv_table import read_csv
 from damage.errors import InputError, some_of
+from damage.fields import Column
 from damage.index import THRESHOLD
-from damage.measure.crack_file import pattern_of
+from damage.measure.crack_file import OF_LEVEL, pattern_of
 from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.kinematics import ContactKinematics, rigid_displacement
 from damage.wall.parameters import LONGEST_M
 
-REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")
-OPTIONAL = ("load_level", "drift_pct")
 MARGIN = 10 * MILLIMETRE
 """Points closer to a brick's edge than this are left out [m]: their subset may reach over the joint."""
 LEAST_POINTS = 4
 MOST_M = 0.5
 """Largest displacement of a field [m]: a wall that moves so far has fallen."""
+_PLACE = Column("m", "of a point", least=-LONGEST_M, most=LONGEST_M)
+_DISPLACEMENT = Column("m", "of a point", least=-MOST_M, most=MOST_M)
+REQUIRED = {"x_m": _PLACE, "z_m": _PLACE, "ux_m": _DISPLACEMENT, "uz_m": _DISPLACEMENT}
+"""{name: Column} of the file, beside those of the load level, `damage.measure.crack_file.OF_LEVEL`."""
 MOVES_M, UPSIDE = 0.05 * MILLIMETRE, 2.0
 """Motion [m] from which the lowest course is compared with the top one, and how many times that one's is doubtful."""
 STUCK = 5.0
@@ -86,17 +89,13 @@ class Measured:
 def read_field(path):
     """The fields of a DIC file, a list of Field in the order of the file; rows without displacement, which
     the correlation lost, are left out.  Raises InputError with the line."""
-    table = CsvTable(path, REQUIRED, OPTIONAL)
-    x, z, ux, uz, level, drift = (table.numbers(name) for name in (*REQUIRED, *OPTIONAL))
-    table.refuse_beyond(**dict.fromkeys(REQUIRED[:2], LONGEST_M), **dict.fromkeys(REQUIRED[2:], MOST_M), load_level=1e6,
-                        drift_pct=1e3)
-    table.refuse(np.isnan(x) | np.isnan(z), "no place; give x_m and z_m")
+    table = read_csv(path, REQUIRED | OF_LEVEL, REQUIRED)
+    table.refuse_empty("x_m", "z_m")
+    level = table.levels()
+    x, z, ux, uz, drift = table.rows[[*REQUIRED, "drift_pct"]].to_numpy().T
     table.refuse(np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither")
-    if "load_level" in table.text:
-        table.refuse(np.isnan(level), "no load_level; give its number")
-    level = np.nan_to_num(level, nan=1.0)
     fields = []
-    for number in table.levels(level):
+    for number in dict.fromkeys(level):
         here = level == number
         drifts = np.unique(drift[here & ~np.isnan(drift)])
         if len(drifts) > 1:

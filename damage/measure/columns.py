@@ -5,7 +5,6 @@ their values, and `damage.studies.tables` the medians and ranges of a point.
 """
 
 import math
-import warnings
 from dataclasses import fields
 
 import pandas as pd
@@ -13,12 +12,11 @@ import pandas as pd
 from damage.checks import check_file, is_plain_name
 from damage.csv_table import from_words
 from damage.errors import InputError
-from damage.files import LONGEST_LINE
 from damage.history.schema import Column
 from damage.index import COMPONENTS
 from damage.wall.model_options import ModelOptions
 
-MOST_MB, MOST_CELLS = 500, 2 * 10**7
+MOST_MB = 500
 """Largest size of a table that is read: about 100 000 runs."""
 WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
 """{column: str} of the columns that are text even where they look like numbers, as a lintel of "2" courses."""
@@ -113,24 +111,6 @@ def bounds_of(name):
     return (0.0 if is_size else -math.inf), math.inf
 
 
-def _read_csv(path):
-    """A CSV file as a DataFrame; raises ValueError where it is too large, or a row is longer than the header."""
-    path = check_file(path, "a CSV file of a study", MOST_MB)
-    with path.open("rb") as file:  # short rows are filled up: a small file could become a large table
-        cells = file.readline(LONGEST_LINE + 1).count(b",") + 1
-        file.seek(0)
-        for rows, line in enumerate(iter(lambda: file.readline(LONGEST_LINE + 1), b""), start=1):
-            if len(line) > LONGEST_LINE or rows * cells > MOST_CELLS:
-                raise ValueError(f"a line of over {LONGEST_LINE} bytes, or over {MOST_CELLS} cells")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", pd.errors.ParserWarning)  # that cells of longer rows were dropped
-        try:
-            return pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS, low_memory=False,
-                               index_col=False, float_precision="round_trip")
-        except pd.errors.ParserWarning:
-            raise ValueError("a row has more cells than the header") from None
-
-
 def read_table(path, needed=()):
     """A table of a study as a DataFrame.
 
@@ -138,7 +118,10 @@ def read_table(path, needed=()):
     be read or lacks a needed column.
     """
     try:
-        table = from_words(_read_csv(path))
+        check_file(path, "a CSV file of a study", MOST_MB)
+        table = pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS, low_memory=False,
+                            index_col=False, float_precision="round_trip")
+        table = from_words(table)
     except (OSError, ValueError) as error:  # of the file, or of its text
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
                          "study, run it again with ./run_all.sh") from error

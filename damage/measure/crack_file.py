@@ -11,26 +11,34 @@ from math import isnan, nan
 import numpy as np
 import pandas as pd
 
-from damage.csv_table import CsvTable
+from damage.csv_table import read_csv
 from damage.errors import InputError
+from damage.fields import Column
 from damage.files import write_text
-from damage.history.schema import Column
 from damage.index import THRESHOLD
 from damage.measure.cracks import ENDS, cracks_at
 from damage.units import MILLIMETRE
 from damage.wall.parameters import LONGEST_M
 
+MOST_MM = 1e4
+OF_LEVEL = {
+    "load_level": Column("1", "successive load levels", least=-1e6, most=1e6),
+    "drift_pct": Column("%", "top displacement over height; one value a level", least=-1e3, most=1e3)}
 COLUMNS = {
-    "load_level": Column("1", "successive load levels"),
-    "drift_pct": Column("%", "top displacement over height; one value a level"),
-    "crack": Column("", "label of a crack; all its polylines have it"),
-    "point": Column("1", "number along a polyline, which begins at 1"),
-    "x_m": Column("m", "place of the point, along the wall"), "z_m": Column("m", "the same, upwards"),
-    "opening_mm": Column("mm", "across the crack, zero or more"), "slip_mm": Column("mm", "along it, signed"),
-    "width_mm": Column("mm", "sqrt(opening² + slip²)"), "mode": Column("", "tension, shear, mixed, unknown")}
-"""Columns of a crack file."""
-OF_SURVEY = ("offset", "detection_limit_mm", "width_error_mm")
-"""Columns of a survey of a real wall: whether the faces are seen to be offset, and how exact the survey is."""
+    **OF_LEVEL,
+    "crack": Column("", "label of a crack; all its polylines have it", "U"),
+    "point": Column("1", "number along a polyline, which begins at 1", most=1e9),
+    "x_m": Column("m", "place of the point, along the wall", least=-LONGEST_M, most=LONGEST_M),
+    "z_m": Column("m", "the same, upwards", least=-LONGEST_M, most=LONGEST_M),
+    "opening_mm": Column("mm", "across the crack, zero or more", least=0, most=MOST_MM),
+    "slip_mm": Column("mm", "along it, signed", least=-MOST_MM, most=MOST_MM),
+    "width_mm": Column("mm", "sqrt(opening² + slip²)", least=0, most=MOST_MM),
+    "mode": Column("", "tension, shear, mixed, unknown", "U")}
+OF_SURVEY = {
+    "offset": Column("", "whether the faces are seen to be offset: yes, no, unknown", "U"),
+    "detection_limit_mm": Column("mm", "width from which cracks are seen", least=1e-9, most=100),
+    "width_error_mm": Column("mm", "largest error of the widths", least=0, most=100)}
+"""{name: Column} of a crack file, and those of a survey of a real wall."""
 REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
 NO_CRACK = "none"
@@ -38,10 +46,6 @@ NO_CRACK = "none"
 SEEN = {"yes": 1.0, "no": 0.0, "unknown": nan, "": nan}
 """Words of the column `offset`."""
 STRETCHES = ("crack", "line", *ENDS, "opening_m", "slip_m", "width_m", "mode")
-BOUNDS = {"load_level": 1e6, "drift_pct": 1e3, "point": 1e9, "x_m": LONGEST_M, "z_m": LONGEST_M,
-          **dict.fromkeys(("opening_mm", "slip_mm", "width_mm"), 1e4),
-          **dict.fromkeys(("detection_limit_mm", "width_error_mm"), 100)}
-"""Largest sizes of what a file may hold, but for the sign."""
 MOST_DRAWN_M = 10_000.0
 """Length of all polylines of a file [m]."""
 MOST_POINTS = 20_000
@@ -83,16 +87,17 @@ def read_cracks(path):
 
     Raises InputError, with the line, for anything that is missing or contradicts itself.
     """
-    table = CsvTable(path, REQUIRED, [name for name in (*COLUMNS, *OF_SURVEY) if name not in REQUIRED], MOST_POINTS)
+    table = read_csv(path, COLUMNS | OF_SURVEY, REQUIRED, MOST_POINTS)
     rows = _rows(table)
     patterns = []
-    for level in table.levels(rows["level"]):
+    for level in dict.fromkeys(rows["level"]):
         here = rows[rows["level"] == level]
         is_area = here["mode"] == NO_CRACK
         stretches, offset = _stretches(table, here[~is_area & ~here["empty"]])
         patterns.append(CrackPattern(
             level, _one_value(table, here["drift_pct"]) / 100, stretches, offset,
-            *(_one_value(table, here[name]) * MILLIMETRE for name in OF_SURVEY[1:]), _clear(table, here[is_area])))
+            *(_one_value(table, here[name]) * MILLIMETRE for name in ("detection_limit_mm", "width_error_mm")),
+            _clear(table, here[is_area])))
     drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)
     if drawn > MOST_DRAWN_M:
         raise InputError(f"{path}: cracks of {drawn:g} m in all; expected up to {MOST_DRAWN_M:g} m, look at the unit")
@@ -102,32 +107,18 @@ def read_cracks(path):
 def _rows(table):
     """Checked columns in SI units; empty: whether a row is; before: the number of the point in the row before, NaN
     where that is of another crack or level."""
-    numbers = {name: table.numbers(name) for name in (*COLUMNS, *OF_SURVEY[1:]) if name not in ("crack", "mode")}
-    table.refuse_beyond(**BOUNDS)
-    level = numbers["load_level"]
-    if "load_level" in table.text:
-        table.refuse(np.isnan(level), "no load_level; give its number")
-    mode = table.words("mode", "unknown")
-    mode = np.where(mode == "", "unknown", mode)
-    offset = table.words("offset")
-    for name, words, known in (("mode", mode, (*MODES, NO_CRACK)), ("offset", offset, tuple(SEEN))):
-        for row in np.flatnonzero(~np.isin(words, known)):
-            raise table.error(row, f"{name} = {words[row]!r}: expected one of {', '.join(filter(None, known))}")
-    for name in ("opening_mm", "width_mm", *OF_SURVEY[1:]):
-        table.refuse(numbers[name] < 0, f"{name} is negative; expected zero or more")
-    table.refuse(numbers["detection_limit_mm"] == 0, "detection_limit_mm is zero; expected the width from which cracks "
-                                                     "are seen; give it, or leave it empty")
-    rows = pd.DataFrame({
-        "level": np.nan_to_num(level, nan=1.0), "crack": table.words("crack"),
-        **{name: numbers[name] for name in ("drift_pct", "point", "x_m", "z_m", *OF_SURVEY[1:])},
-        "mode": mode, "offset": [SEEN[word] for word in offset]})
+    rows = table.rows.assign(level=table.levels(), mode=table.rows["mode"].replace("", "unknown"))
+    for name, known in (("mode", (*MODES, NO_CRACK)), ("offset", tuple(SEEN))):
+        for row in np.flatnonzero(~rows[name].isin(known)):
+            raise table.error(row, f"{name} = {rows[name][row]!r}: expected one of {', '.join(filter(None, known))}")
+    rows["offset"] = rows["offset"].map(SEEN)
     lacks = rows[list(REQUIRED)].isna() | rows[list(REQUIRED)].eq("")
     rows["empty"] = lacks.all(axis=1)
     for name in REQUIRED:
         table.refuse((lacks[name] & ~rows["empty"]).to_numpy(), f"no {name}; give it, or leave crack, point, x_m and "
                      "z_m all empty for a level without cracks")
     for name in ("opening", "slip", "width"):
-        rows[f"{name}_m"] = numbers[f"{name}_mm"] * MILLIMETRE
+        rows[f"{name}_m"] = rows[f"{name}_mm"] * MILLIMETRE
     above = rows.shift()
     same = (rows["crack"] == above["crack"]) & (rows["level"] == above["level"]) & (above["mode"] != NO_CRACK)
     return rows.assign(before=above["point"].where(same))

@@ -1,128 +1,114 @@
 """Columns of text, time and acceleration: CSV as programs and countries write it, and plain text with blanks."""
 
-import csv
 import math
 import re
-from itertools import islice
 
 import numpy as np
 
+from damage.csv_table import CsvTable, as_float, is_number, uncommented
 from damage.errors import InputError
+from damage.fields import Column
 from damage.motion.record import MOST_SAMPLES, _shown
 from damage.units import GRAVITY
 
 UNITS_M_S2 = {"m_s2": 1.0, "cm_s2": 0.01, "mm_s2": 0.001, "gal": 0.01, "g": GRAVITY, "mg": GRAVITY / 1000}
 """Units of the acceleration, and their factors to m/s2; 1 gal is 1 cm/s2, 1 mg a thousandth of g."""
 
-MOST_COMMENTS = 10_000
-"""Different lines of comments in which a unit is looked for."""
-
-EXPECTED_HEADER = ("time_s and one of " + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
+COLUMNS = {"time": Column("s", "of a sample"), "acceleration": Column("as named", "of the ground")}
+EXPECTED_HEADER = ("two columns, separated as the rows: time_s and one of "
+                   + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
                    + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"')
 EXPECTED_UNIT = f"a header such as time_s,acc_m_s2, or --unit {'|'.join(UNITS_M_S2)}"
 
 _TIME = re.compile(r"(?:time|t) *[ _\[(] *(?:s|sec|seconds?) *[\])]?")
-_TIME_MS = re.compile(r"(?:time|t) *[ _\[(] *(?:ms|msec|milliseconds?) *[\])]?")
 _ACCELERATION = re.compile(r"(?:a|acc|accel|acceleration) *[ _\[(] *(.+?) *[\])]?")
 _DECIMAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|\d+,\d+)(?:[eEdD][-+]?\d+)?")
 """A number with a decimal point or a decimal comma."""
 _FORTRAN = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3}(?![\d.]))?")
 """A number in a fixed column, which may touch the one before it by its sign."""
 
-_SPELLED = re.compile(
-    r"(?<![a-z0-9])((?:[cm]?m) *[/_ .*]? *\(?s(?:ec)?(?: *[/_] *s(?:ec)?| *(?:\^|\*\*) *-? *2|-?[2²\ufffd])|gals?)"
-    r"(?![a-z0-9]|\.\d)")
-_IN_G = re.compile(
-    r"(?:\bunits?\b[ :=]*(?:(?:of|in|are|is)\b)?|\bin\b|\bacc(?:el(?:eration)?)?\b|(?<![a-z])a(?:cc)?(?=[_\[(]))"
-    r"[ _.,:=]*[\[(]? *(m?g)(?:'?s)?(?![\w/*^%-])")
-_BRACKETED_G = re.compile(r"[\[(] *(m?g) *[\])]")
-_OF_COLUMNS = re.compile(r"acc|unit|[\[(] *s(?:ec(?:onds?)?)? *[\])]")
-"""Units of an acceleration in words: those that are nothing else, g where it is named as a unit, g in brackets beside
-what names columns or units."""
 
+def read_columns(
+        path, lines: list[str], unit=None, sample_step_s=None) -> tuple[float, float, np.ndarray, str]:
+    """Time step and first time [s], accelerations (n_samples,) [m/s2], and their unit with what
+    says so, of a table: time and acceleration, or the acceleration alone where `sample_step_s` is
+    given.
 
-def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> tuple[float, float, np.ndarray, str]:
-    """Time step and first time [s], accelerations (n_samples,) [m/s2], and their unit with what says so, of a table:
-    time and acceleration, or the acceleration alone where `sample_step_s` is given.
-
-    lines: of a text file, with comments that start with # and a header; unit: one of UNITS_M_S2 where neither header
-    nor comments name it, or comments contradict each other; sample_step_s: where there are no times in seconds [s].
-    Between the columns stands a comma, a semicolon, a tabulator or blanks; numbers have a decimal point or, unless
-    commas separate the columns, a decimal comma.  Raises InputError with the line that does not fit.
+    lines: of a text file, with comments that start with # and a header, which may be the comment
+    right above the rows; unit: one of UNITS_M_S2 where no header names it; sample_step_s: where
+    there are no times in seconds [s].  Between the columns stands a comma, a semicolon, a tabulator
+    or blanks; numbers have a decimal point or, unless commas separate the columns, a decimal comma.
+    Raises InputError with the line that does not fit.
     """
-    rows = _plain([(i, line) for i, line in enumerate(lines, 1) if line.split("#")[0].strip()])
+    rows = uncommented(lines)
     header = rows.pop(0) if rows and _is_header(rows[0][1]) else None
-    separator = _separator(rows[0][1]) if rows else ","
-    alone = sample_step_s is not None and bool(rows) and len(rows[0][1].split(separator)) == 1
-    header_unit = _header_unit(path, *header, separator, alone) if header else None
     if len(rows) < 2:
         raise InputError(f"{path}: {len(rows)} data rows; expected 2 or more of time_s,acc_m_s2")
     if len(rows) > MOST_SAMPLES:
         raise InputError(f"{path}: {len(rows)} samples; expected up to {MOST_SAMPLES}, cut the record")
-    values = _values(path, rows, separator, 1 if alone else 2)
-    first_s = 0.0 if alone else float(values[0, 0])
-    step_s = sample_step_s if alone else uniform_step(path, [i for i, _ in rows], values[:, 0], sample_step_s)
+    first = rows[0][1].rstrip(" ,;\t")
+    separator = _separator(first)
+    alone = len(first.split(separator)) == 1
+    if alone and sample_step_s is None:
+        raise bad_line(path, *rows[0], "has one column", "two, time and one component of the "
+                       "acceleration, with a comma, a semicolon, a tabulator or blanks between; of "
+                       "accelerations alone give --sample-step S")
+    named_by = header or _comment_above(lines, rows[0][0])
+    named = _named_unit(named_by[1], separator, alone)
+    if header and not named:
+        raise bad_line(path, *header, "is an unknown header", f"{EXPECTED_HEADER}; name the unit "
+                       "there, and begin lines above the header with #")
+    names = ["acceleration"] if alone else ["time", "acceleration"]
+    table = CsvTable(path, names, rows, separator, COLUMNS)
+    table.refuse_empty(*names)
+    time_s, acceleration = table.rows.to_numpy().T
+    step_s = sample_step_s if alone else uniform_step(path, table.line, time_s, sample_step_s)
     check_step(path, step_s)
-    comments = {line: i for i, line in enumerate(lines, 1) if line.lstrip().startswith("#")}
-    comments = dict(islice(comments.items(), MOST_COMMENTS))
-    named = [(header_unit, *header)] if header else []
-    named += [(one, i, line) for line, i in comments.items() for one in units_in(line)]
-    taken, words = _taken(path, named, unit, bool(header))
-    return step_s, first_s, values[:, -1] * UNITS_M_S2[taken], words
-
-
-def _plain(rows):
-    """Lines (number, text) without quotes around cells, and without the empty columns at the end that spreadsheets
-    write.
-
-    >>> _plain([(1, '"time_s","acc_g",'), (2, '"0,01","-0,2",')])
-    [(1, 'time_s;acc_g'), (2, '0,01;-0,2')]
-    """
-    if any('"' in line for _, line in rows):
-        mark = max(",;\t", key=rows[0][1].count)
-        cells = csv.reader((line for _, line in rows), delimiter=mark, skipinitialspace=True)
-        rows = [(number, ";".join(row)) for (number, _), row in zip(rows, cells)]
-    first = int(bool(rows) and _is_header(rows[0][1]))
-    while len(rows) > 1 and all(line.rstrip(" ")[-1:] in (",", ";", "\t") for _, line in rows[first:]):
-        rows = [(number, re.sub(r"[,;\t] *$", "", line)) for number, line in rows]
-    return rows
+    taken, words = _unit(path, named_by, named, unit)
+    first_s = 0.0 if alone else float(time_s[0])
+    return step_s, first_s, acceleration * UNITS_M_S2[taken], words
 
 
 def _is_header(line: str) -> bool:
     return not any(map(is_number, re.split(r"[,;\s]+", line.strip())))
 
 
-def _taken(path, named, given, by_header):
-    """(unit, words that say it and where it was named) of all (unit, line number, line) that name one; given: by
-    --unit; by_header: whether the first of them is the header, which --unit cannot replace."""
-    if given and by_header and UNITS_M_S2[given] != UNITS_M_S2[named[0][0]]:
-        raise bad_line(path, *named[0][1:], f"names {named[0][0]}, --unit {given}",
+def _comment_above(lines, first: int) -> tuple[int, str]:
+    """The line (number, text) above the first row, the line of this number, where it is a comment,
+    as `numpy.savetxt` writes a header; otherwise the row."""
+    is_comment = first > 1 and lines[first - 2].lstrip().startswith("#")
+    number = first - is_comment
+    return number, lines[number - 1]
+
+
+def _named_unit(header: str, separator: str | None, alone: bool) -> str | None:
+    """The unit that a header names, one of UNITS_M_S2, or None; alone: of a single column.
+
+    >>> _named_unit("# time [s]; acc [cm/s2]", ";", False), _named_unit("n-s (g)", ",", True)
+    ('cm_s2', None)
+    """
+    # where blanks separate them, the next column begins with a letter: "time [s]  acc [g]"
+    between = re.escape(separator) if separator else r"\s+(?=[A-Za-z])"
+    names = [header] if alone else re.split(between, header.strip(" \t#,;"))
+    *time, acceleration = (name.strip(' "\t#').lower() for name in names)
+    of_time = alone or (len(time) == 1 and _TIME.fullmatch(time[0]))
+    found = _ACCELERATION.fullmatch(acceleration)
+    unit = _plain_unit(found[1]) if of_time and found else None
+    return unit if unit in UNITS_M_S2 else None
+
+
+def _unit(path, header: tuple[int, str], named, given) -> tuple[str, str]:
+    """(unit, words that say it and where it was named) by the header, a line (number, text), and
+    the unit that it names or None, or by --unit, which cannot replace it."""
+    if given and named and UNITS_M_S2[given] != UNITS_M_S2[named]:
+        raise bad_line(path, *header, f"names {named}, --unit {given}",
                        "the same unit; leave --unit out, or correct the header")
     if given:
-        others = [f"; line {number} names {one}" for one, number, _ in named if UNITS_M_S2[one] != UNITS_M_S2[given]]
-        return given, f"{given} (--unit{''.join(others[:1])})"
+        return given, f"{given} (--unit)"
     if not named:
-        raise InputError(f"{path}: no line names the unit of the acceleration; expected {EXPECTED_UNIT}")
-    first, number, line = named[0]
-    for other, *where in named[1:]:
-        if UNITS_M_S2[other] != UNITS_M_S2[first]:
-            raise bad_line(path, *where, f"names {other}, line {number} {first}",
-                           f"one unit; correct one of them, or give --unit {first} or {other}")
-    return first, f"{first} (line {number}: {_shown(line.strip())})"
-
-
-def units_in(text: str) -> list[str]:
-    """Units of an acceleration that a comment or a title names, in its order; not those behind a number, as of a peak.
-
-    >>> [units_in(text) for text in ("# time_s,acc_g", "#AmplitudeUnit:  gal", "PGA 85 cm/s2", "IN UNITS OF (G)")]
-    [['g'], ['gal'], [], ['g']]
-    >>> [units_in(text) for text in ("# t (sec) N-S (cm/s/s)", "acc [mg]", "network (G)", "in G/10", "PGV in cm/s")]
-    [['cm_s2'], ['mg'], [], [], []]
-    """
-    text = text.lower()
-    patterns = [_SPELLED, _IN_G] + [_BRACKETED_G] * bool(_OF_COLUMNS.search(text))
-    found = {one.start(1): _plain_unit(one[1]) for pattern in patterns for one in pattern.finditer(text)}
-    return [found[at] for at in sorted(found) if not text[:at].rstrip(" [(")[-1:].isdigit()]
+        raise bad_line(path, *header, "names no unit of the acceleration", EXPECTED_UNIT)
+    number, line = header
+    return named, f"{named} (line {number}: {_shown(line.strip())})"
 
 
 def _separator(line: str) -> str | None:
@@ -139,29 +125,6 @@ def _separator(line: str) -> str | None:
     return None if len(cells) > 1 and all(map(_DECIMAL.fullmatch, cells)) else ","
 
 
-def _header_unit(path, number: int, line: str, separator: str | None, alone: bool) -> str:
-    """The unit of acceleration that the header names; alone: of a single column."""
-    own = next((mark for mark in ";\t" if mark in line), separator)
-    if own != separator and not alone:
-        raise bad_line(path, number, line, "has another separator than the rows below it",
-                       "the same between all columns, a comma, a semicolon, a tabulator or blanks")
-    # where blanks separate them, the next column begins with a letter: "time [s]  acc [g]"
-    cells = [line] if alone else line.split(separator) if separator else re.split(r"\s+(?=[A-Za-z])", line.strip())
-    cells = [cell.strip(' "\t').lower() for cell in cells]
-    if len(cells) > 2 and _TIME.fullmatch(cells[0]):
-        raise bad_line(path, number, line, f"has {len(cells)} columns", "two, time and one component of the "
-                       "acceleration; keep these two in a file of their own")
-    if _TIME_MS.fullmatch(cells[0]):
-        raise bad_line(path, number, line, "has times in milliseconds", "seconds, time_s; divide them by 1000")
-    found = len(cells) == 2 - alone and (alone or _TIME.fullmatch(cells[0])) and _ACCELERATION.fullmatch(cells[-1])
-    unit = _plain_unit(found[1]) if found else None
-    if unit not in UNITS_M_S2:
-        expected = EXPECTED_HEADER.removeprefix("time_s and ") if alone else EXPECTED_HEADER
-        raise bad_line(path, number, line, "is an unknown header",
-                       f"{expected}; name the unit there, and begin lines above the header with #")
-    return unit
-
-
 def _plain_unit(unit: str) -> str:
     """A unit in the spelling of UNITS_M_S2, where it is one of them.
 
@@ -174,68 +137,10 @@ def _plain_unit(unit: str) -> str:
     return "gal" if unit == "gals" else unit
 
 
-def _values(path, rows, separator: str | None, columns: int) -> np.ndarray:
-    """The columns of all lines (number, text), (n_samples, columns)."""
-    if separator != ",":
-        rows = _with_points(path, rows)
-    try:
-        values = np.array([[float(cell) for cell in line.split(separator)] for _, line in rows])
-        fit = values.shape[1:] == (columns,) and np.isfinite(values).all()
-    except ValueError:
-        fit = False
-    # all at once for speed; one by one to name the line that does not fit
-    return values if fit else np.array([_row(path, *row, separator, columns) for row in rows])
-
-
-def _with_points(path, rows):
-    """The lines with decimal points; InputError where some have commas and some have points, as of thousands."""
-    if not any("," in line for _, line in rows):
-        return rows
-    for number, line in rows:
-        if "." in line:
-            raise bad_line(path, number, line, "has a decimal point in a file with decimal commas",
-                           "one of them, and nothing between thousands")
-    return [(number, line.replace(",", ".")) for number, line in rows]
-
-
-def _row(path, number: int, line: str, separator: str | None, columns: int) -> list[float]:
-    """The columns of one line."""
-    values = numbers(path, number, line, separator)
-    if len(values) != columns:
-        expected = ("one, as the first row" if columns == 1 else
-                    "two, time and one component of the acceleration, with a comma, a semicolon, a tabulator or blanks "
-                "between")
-        expected += "; of a column of accelerations alone give --sample-step S" if len(values) == 1 else ""
-        raise bad_line(path, number, line, f"has {len(values)} column(s)", expected)
-    return values
-
-
-def as_float(cell: str) -> float:
-    """The number of a cell, with an exponent of Fortran, too; ValueError where it is none.
-
-    >>> [as_float(cell) for cell in ("1.5D-03", "-.25", "0.15-101")]
-    [0.0015, -0.25, 1.5e-102]
-    """
-    try:
-        return float(cell)
-    except ValueError:
-        cell = re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", cell)
-    return float(re.sub(r"(?<=\d)([-+]\d{3})$", r"e\1", cell) if "." in cell and "e" not in cell.lower() else cell)
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell is a number with a decimal point; so are nan and inf."""
-    try:
-        as_float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def numbers(path, number: int, line: str, separator: str | None = None) -> list[float]:
-    """The finite numbers of one line; None separates them at blanks, and where a sign begins the next fixed column."""
-    cells = line.split(separator)
-    if separator is None and not all(map(is_number, cells)):
+def numbers(path, number: int, line: str) -> list[float]:
+    """The finite numbers of one line, separated by blanks or by the sign of the next fixed column."""
+    cells = line.split()
+    if not all(map(is_number, cells)):
         cells = [part for cell in cells for part in _fixed_columns(cell)]
     if not all(map(is_number, cells)):
         joined = re.search(r"\.\d+\.\d", line)

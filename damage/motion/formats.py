@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from damage.checks import check_choice, check_file, check_path
+from damage.csv_table import as_float, is_number
 from damage.errors import InputError, did_you_mean
 from damage.files import DATA, is_there, text_lines, write_text
-from damage.motion.columns import UNITS_M_S2, as_float, bad_line, check_step, is_number, numbers, read_columns, units_in
+from damage.motion.columns import UNITS_M_S2, bad_line, check_step, numbers, read_columns
 from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
 
 MOST_MB, MOST_LINES = 50, 2 * MOST_SAMPLES
@@ -74,7 +75,7 @@ def read_record(path, response=None, unit=None, sample_step_s=None) -> Record:
     path: of the file, or the name of a record that ships (`record_path`).
     The suffix decides (.csv, .at2, .mseed), or the content where it says nothing. `response` is
     the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken. unit: one of UNITS_M_S2, of a
-    text whose lines do not name it, or contradict each other; sample_step_s: of one that has no times in seconds [s].
+    text whose header does not name it; sample_step_s: of one that has no times in seconds [s].
     The record holds the SHA-256 of every file that was read: a format that reads further ones names theirs in
     `beside_sha256`.
     """
@@ -338,8 +339,9 @@ _COUNT = r"(?P<count>\d{1,12})"
 _COUNT_AND_STEP = [re.compile(pattern, re.IGNORECASE) for pattern in (
     rf"\bNPTS\s*[=:]\s*{_COUNT}\b.*?\bDT\s*[=:]\s*{_STEP}", rf"\bDT\s*[=:]\s*{_STEP}.*?\bNPTS\s*[=:]\s*{_COUNT}\b",
     rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+NPTS\s*,?\s*DT\b", rf"^\s*{_STEP}[\s,]+{_COUNT}[\s,]+DT\s*,?\s*NPTS\b")]
-_QUANTITY = re.compile(r"\bACC|\bVEL|\bDISP|\bUNIT", re.IGNORECASE)
-_NOT_ACCELERATION = re.compile(r"\bVEL|\bDISP", re.IGNORECASE)
+_IN_G = re.compile(r"\b(?:in|of|are) +\(?g\)? *(?:$|[.,;])", re.IGNORECASE)
+"""How a header says the unit: ACCELERATION TIME SERIES IN UNITS OF G."""
+_NOT_ACCELERATION = re.compile(r"\b(?:velocity|displacement)\b", re.IGNORECASE)
 
 
 def is_at2(lines: list[str]) -> bool:
@@ -369,23 +371,23 @@ def read_at2(path, lines: list[str], unit=None) -> Record:
 
 
 def _unit(path, head: list[str], given) -> tuple[str, str]:
-    """(unit, words that say it and where it was named) by the last line of a header that names a quantity, the third
-    where none does."""
-    index = next((k for k in range(len(head) - 1, min(1, len(head) - 1), -1) if _QUANTITY.search(head[k])),
-                 min(2, len(head) - 1))
-    line = head[index]
-    named = {*units_in(line)}
-    if _NOT_ACCELERATION.search(line) or len(named) > 1:
-        raise bad_line(path, index + 1, line, "is another quantity" if len(named) < 2 else "names two units",
-                       "ACCELERATION IN UNITS OF G, give the record's AT2 file")
-    if given and named and UNITS_M_S2[given] != UNITS_M_S2[min(named)]:
-        raise bad_line(path, index + 1, line, f"names {min(named)}, --unit {given}", "the same; leave --unit out")
+    """(unit, words that say it and where it was named) by the line of a header that names g, or by
+    --unit where none does."""
+    for number, line in enumerate(head, 1):
+        if _NOT_ACCELERATION.search(line):
+            raise bad_line(path, number, line, "is another quantity",
+                           "ACCELERATION IN UNITS OF G, give the record's AT2 file")
+    number = next((i for i, line in enumerate(head, 1) if _IN_G.search(line.rstrip())), None)
+    if number and given not in (None, "g"):
+        raise bad_line(path, number, head[number - 1], f"names g, --unit {given}",
+                       "the same; leave --unit out")
     if given:
         return given, f"{given} (--unit)"
-    if named != {"g"}:
-        raise bad_line(path, index + 1, line, "does not name g", "ACCELERATION TIME SERIES IN UNITS OF G there, or "
+    if not number:
+        raise bad_line(path, len(head), head[-1], "does not name g",
+                       "ACCELERATION TIME SERIES IN UNITS OF G there, or "
                        f"--unit {'|'.join(UNITS_M_S2)}")
-    return "g", f"g (line {index + 1})"
+    return "g", f"g (line {number})"
 
 
 def count_and_step(line: str) -> tuple[int, float] | None:

@@ -5,15 +5,21 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.csv_table import CsvTable
+from damage.csv_table import read_csv
 from damage.errors import InputError
-from damage.fields import plausible, text
+from damage.fields import Column, plausible, text
 from damage.files import is_there, shipped_path
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Loading, Recorded
 
-REQUIRED, OPTIONAL = ("record",), ("component", "unit", "scale", "start_s", "end_s", "rest_s", "sample_step_s")
-NUMBERS = OPTIONAL[2:]
+COLUMNS = {
+    "record": Column("", "path from the file's folder, or name of a record that ships", "U"),
+    "component": Column("", "end of such a name, as HGE of BGAR", "U"),
+    "unit": Column("", "of a text that does not say it", "U"),
+    "scale": Column("1", "factor on the record"),
+    "start_s": Column("s", "start of the window"), "end_s": Column("s", "its end"),
+    "rest_s": Column("s", "free vibration after the event"),
+    "sample_step_s": Column("s", "of a text without times")}
 MOST_EVENTS, MOST_MOTIONS = 500, 64
 """Of a sequence, and of different records and windows in it: what an attribute of a history can hold."""
 
@@ -37,14 +43,11 @@ def read_sequence(path, rest_s, **preparation):
     record where empty); rest_s (the given one where empty).  preparation: baseline_order and band_hz of all records.
     Raises InputError with the line where one of them cannot be.
     """
-    table = CsvTable(path, REQUIRED, OPTIONAL, MOST_EVENTS)
-    columns = {name: table.numbers(name) for name in NUMBERS}
-    table.refuse(np.isnan(columns["start_s"]) != np.isnan(columns["end_s"]),
+    table = read_csv(path, COLUMNS, ("record",), MOST_EVENTS)
+    table.refuse(table.rows["start_s"].isna() != table.rows["end_s"].isna(),
                  "a window with one end; expected start_s and end_s, or neither")
     events, loadings = [], {}
-    for row, (record, component, unit) in enumerate(zip(*map(table.words, ("record", "component", "unit")))):
-        start, end, scale, rest = (columns[name][row] for name in ("start_s", "end_s", "scale", "rest_s"))
-        step = columns["sample_step_s"][row]
+    for row, record, component, unit, scale, start, end, rest, step in table.rows[[*COLUMNS]].itertuples():
         key = f"{record} {component} {unit} {step} {start} {end}"
         try:
             if key not in loadings:

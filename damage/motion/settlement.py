@@ -7,9 +7,10 @@ from datetime import date
 import numpy as np
 
 from damage.checks import check_range
-from damage.csv_table import CsvTable
+from damage.csv_table import read_csv
 from damage.elementary import atan, sin, sin_of_turns
 from damage.errors import InputError, warn
+from damage.fields import Column
 from damage.motion.loading import mean_velocities
 from damage.motion.samples import linear
 from damage.rounded import DISPLACEMENT, to_bits, to_grid
@@ -19,6 +20,8 @@ DISTORTIONS = (1e-7, 0.02)
 """Least and largest distortion [-]: more than 1/50 is a wall that is pulled down."""
 MOST_M, MOST_POINTS = 1.0, 1000
 """Of a profile from a file: largest displacement [m] and number of points."""
+COLUMNS = {"x_m": Column("m", "along the wall"), "uz_m": Column("m", "of the ground, upwards"),
+           "height_m": Column("m", "of a level"), "date": Column("", "of a level", "U")}
 SHORTEST_S, FASTEST_M_S = 1.0, 5e-3
 """Least duration [s] and largest velocity of the ground [m/s]: slow enough to be quasi-static."""
 _EDGE_M = 1e-6
@@ -130,14 +133,13 @@ def read_profile(path):
 
     Raises InputError, with the line, where the file does not fit.
     """
-    table = CsvTable(path, ("x_m",), ("uz_m", "height_m", "date"), MOST_POINTS)
-    names = [name for name in ("uz_m", "height_m") if name in table.text]
-    if len(names) != 1 or (names == ["uz_m"] and "date" in table.text):
-        raise InputError(f"{path}: columns {', '.join(table.text)}; expected x_m and uz_m of a profile, or x_m, "
+    table = read_csv(path, COLUMNS, ("x_m",), MOST_POINTS)
+    names = [name for name in ("uz_m", "height_m") if name in table.names]
+    if len(names) != 1 or (names == ["uz_m"] and "date" in table.names):
+        raise InputError(f"{path}: columns {', '.join(table.names)}; expected x_m and uz_m of a profile, or x_m, "
                          "height_m and date of levels; correct the header")
-    x, up = points = [table.numbers(name) for name in ("x_m", *names)]
-    for name, values in zip(("x_m", *names), points):
-        table.refuse(np.isnan(values), f"no {name}; expected a number [m], give it")
+    table.refuse_empty("x_m", *names)
+    x, up = table.rows[["x_m", *names]].to_numpy().T
     x, up = (x, up) if names == ["uz_m"] else _of_levels(table, x, up)
     return Settlement(table.path.name, None, *(tuple(map(float, values)) for values in (x, up)))
 
@@ -145,8 +147,8 @@ def read_profile(path):
 def _of_levels(table, x, height):
     """Points (x, uz) [m] of a table of levels: those of the last date less those of the first, of one date those of a
     course that was level when it was built.  The highest point has not settled; the ends are extended by END_M."""
-    dated = "date" in table.text
-    day_of = np.array([_day(table, *one) if dated else date.min for one in enumerate(table.words("date"))])
+    dated = "date" in table.names
+    day_of = np.array([_day(table, *one) if dated else date.min for one in enumerate(table.rows["date"])])
     days = sorted(set(day_of))
     first, last = (_rising(table, x, height, np.flatnonzero(day_of == day)) for day in (days[0], days[-1]))
     up = last[1] - (linear(last[0], *first) if len(days) > 1 else 0.0)

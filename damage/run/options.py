@@ -169,7 +169,7 @@ ACCEPTING = flag(ACCEPT, "take the values of the wall and the motion as given, e
                "(docs/reference/ranges.md)")
 """The option that accepts implausible values."""
 PREPARATION = (
-    arg("--unit", choices=(BY_FILE, *UNITS_M_S2), help="unit of a record whose file names none, or contradicts itself "
+    arg("--unit", choices=(BY_FILE, *UNITS_M_S2), help="unit of a record whose header names none "
         f"(default {BY_FILE}: as the file says)"),
     arg("--sample-step", type=float, metavar="S", help="time between two samples of a record whose file has one "
         "column, sample numbers or rounded times"),

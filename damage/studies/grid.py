@@ -12,18 +12,15 @@ What belongs together, as a record, its window and its scales, comes by rows = "
 names: every row goes with every combination of `vary`, which may then be missing.
 """
 
-import csv
 import itertools
 import math
 import re
 
-from damage.checks import check_file
+from damage.csv_table import read_csv
 from damage.errors import InputError
 
 MOST_POINTS = 100_000
 """Runs that a grid may stand for."""
-MOST_MEGABYTES = 10
-"""Of a table of rows."""
 
 _NAME = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
@@ -53,25 +50,16 @@ def expand(grid, where, rows=None):
 
 def read_rows(path, where):
     """The rows of a CSV table as dictionaries, numbers as numbers; raises InputError, which says what is wrong."""
-    check_file(path, "a table of rows (.csv)", MOST_MEGABYTES)
     try:
-        lines = [line for line in csv.reader(path.read_text(encoding="utf-8-sig").splitlines()) if any(line)]
-    except (OSError, ValueError, csv.Error) as error:
-        raise InputError(f"{where}: rows: {path} is no table of text ({error}); expected CSV in UTF-8, correct "
-                         "it") from error
-    names, *values = lines or [[]]
-    for name in names:
-        if not _NAME.fullmatch(f"{{{name}}}") or names.count(name) > 1:
-            raise InputError(f"{where}: rows: {path} has a column {name!r}; expected names like record or scale, each "
-                             "once, in its first line; correct it")
-    for number, line in enumerate(values, start=1):
-        if len(line) != len(names) or not all(line):
-            raise InputError(f"{where}: rows: row {number} of {path} has {len(line)} values, or an empty one; expected "
-                             f"{len(names)}, of {', '.join(names)}; correct it")
-    if not values:
-        raise InputError(f"{where}: rows: {path} has no rows; expected a line of names and one for each point; "
-                         "add some")
-    return [dict(zip(names, map(_number_or_word, line))) for line in values]
+        table = read_csv(path, most_rows=MOST_POINTS)
+        table.refuse_empty(*table.names)
+        if odd := [name for name in table.names if not _NAME.fullmatch(f"{{{name}}}")]:
+            raise InputError(f"{path} has a column {odd[0]!r}; expected names like record or scale, "
+                             "in its first line; correct it")
+    except InputError as error:
+        raise InputError(f"{where}: rows: {error}") from None
+    return [{name: _number_or_word(word) for name, word in row.items()}
+            for row in table.rows.to_dict("records")]
 
 
 def _number_or_word(text):

@@ -23,8 +23,9 @@ RANGES = {name: of for kind in (Wall, Opening, Lintel, Floor, Brick, Joint) for 
           for name, of in ((one, of_one), *[(PER_LENGTH, _PER_LENGTH)] * (one == "Floor.mass"))}
 """{record and field, or what follows from fields: Range}."""
 
-CRACK_WIDTH_MM = 0.01, 200.0
-"""Plausible largest widths of the cracks of a file [mm]: visible by a lens; a wall that is about to fall."""
+CRACK_WIDTH = plausible(0.01, 200, "mm", "visible by a lens; a wall that is about to fall",
+                        others={"m": 1e3, "cm": 10})
+"""Largest width of the cracks of a file."""
 OFF_WALL, ON_WALL = 0.2, 0.02
 """Share of the length of a file's cracks off the wall above which its places are implausible, and up to which those in
 another unit or with another z are named."""
@@ -72,15 +73,11 @@ def implausible_places(ends, wall):
 def implausible_width(widest_mm):
     """What is implausible of the largest width of cracks [mm], in words; None where nothing is.
 
-    >>> implausible_width(0.4)
     >>> implausible_width(0.0004).partition(":")[0]
-    'the widest crack has 0.0004 mm'
+    'the widest crack = 0.0004 mm, expected 0.01 to 200 mm'
     """
-    least, most = CRACK_WIDTH_MM
-    if least <= widest_mm <= most:
-        return None
-    return (f"the widest crack has {widest_mm:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, "
-            "opening_mm and slip_mm")
+    message = message_of("the widest crack", widest_mm, CRACK_WIDTH)
+    return message and f"{message}, of width_mm, opening_mm or slip_mm"
 
 
 def _other_frames(ends, wall):
