@@ -24,7 +24,7 @@ from damage.html.run_part import run_part
 from damage.law.modes import natural_modes
 from damage.law.states import ENDED as ENDED_BIT
 from damage.measure.warnings import warnings_of
-from damage.mechanics.loose import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
+from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, HAS_FAILED, INPUT, ROTATION, X, Z
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver

@@ -53,6 +53,9 @@ class Bench(NamedTuple):
 
 
 STEP = Bench._fields.index("step")
+TIME_STEP, LOCAL, ALPHA, BETA, ADAPTIVE = range(5)
+"""Columns of `controls`, a row for each wall: time step [s]; local damping [-]; mass-proportional [1/s] and
+stiffness-proportional damping [s]; adaptive damping as the share of the rate of change of the kinetic energy [-]."""
 
 
 class Bearing(NamedTuple):
@@ -302,9 +305,9 @@ class Matrix(NamedTuple):
     three coordinates of a body.
 
     body, first, count: (nodes,) row of its body, the first of its coordinates and their number; start: (nodes + 1,)
-    first block of each column of L; below: (blocks,) node of each block's row; lower: (blocks, 9) these blocks;
-    diagonal, inverse: (nodes, 9) blocks of D, zero where massless and prescribed, and of its inverse; room: (nodes, 6,
-    W) work array.
+    first block of each column of L; below: (blocks,) node of each block's row; lower: (blocks, 3, 3) these blocks;
+    diagonal, inverse: (nodes, 3, 3) blocks of D, zero where massless and prescribed, and of its inverse;
+    room: (nodes, 6, W) work array.
     """
 
     body: np.ndarray
@@ -324,3 +327,12 @@ class Law(NamedTuple):
 
     material: Material
     threshold: float
+
+
+@argument
+class Model(namedtuple("Model", "law strain loose matrix")):
+    """What walls that step together share besides their tables.
+
+    law: Law; strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find
+    no new contacts; matrix: Matrix of these walls, None without mass scaling.
+    """

@@ -5,7 +5,7 @@ import numpy as np
 from damage.elementary import hypot, total
 from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
-from damage.mechanics.loose import LARGEST, PAIRS
+from damage.mechanics.collisions import LARGEST, PAIRS
 from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables, X, Z
 from damage.reference.wall import ReferenceWall

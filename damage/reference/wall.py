@@ -14,9 +14,9 @@ from damage.index import THRESHOLD
 from damage.law.joint_law import material_of
 from damage.law.modes import static_displacement
 from damage.mechanics import tables
-from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, strain_tables, sum_springs
+from damage.mechanics.build import CAPACITY, build, contact_rows, strain_tables, sum_springs
+from damage.mechanics.collisions import FULL, INSIDE, build_loose
 from damage.mechanics.factor import scaled_mass
-from damage.mechanics.loose import FULL, INSIDE
 from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness
 from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
 from damage.reference.lanes import Lanes, run_together
@@ -28,7 +28,7 @@ class ReferenceWall:
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
     damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide; scaled: selective mass
-    scaling (`damage.mechanics.bodies`) for this time step and beta, without local damping.  time_step, beta, alpha,
+    scaling (`damage.mechanics.scaling`) for this time step and beta, without local damping.  time_step, beta, alpha,
     `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
     changed at any time.
     with_stresses: whether samples hold the stresses of the joints.
@@ -46,9 +46,9 @@ class ReferenceWall:
         self.mass = scaled_mass(layout, time_step, beta) if scaled else None
         self.stiffness = Stiffness(built.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
-        self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         if new_contacts:
-            self.loose = build_loose(layout, self.system, time_step, self.material)
+            self.loose = build_loose(layout, tables.system_of(built, 0), time_step, self.material)
+        self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         self._held, self._is_driven, self._active = None, False, (0, np.empty(0, int))
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
@@ -199,7 +199,7 @@ class ReferenceWall:
 
     @property
     def controls(self):
-        """Values of damage.mechanics.tables.Controls."""
+        """Values of the columns of `controls`, `damage.mechanics.tables`."""
         return self.time_step, self.local_damping, self.alpha, self.beta, self.adaptive_damping
 
     def start(self, base, gravity=None):
