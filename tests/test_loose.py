@@ -54,8 +54,7 @@ class Boxes:
                       friction if support_friction is None else support_friction, damping)
         self.loose = make_loose(touch, cores, np.zeros(0), np.zeros(0))
         self.loose.counts[WANTED] = 1
-        self._tables = tables.make_tables(len(rows), 3, table(tables.INTERFACE, 0), table(tables.CONTACT, 0), 0, 0, 0,
-                                          1)
+        self._tables = tables.make_tables(len(rows), 3, table(tables.INTERFACE, 0), table(tables.CONTACT, 0), 0, 0, 1)
         self.system = tables.system_of(self._tables, 0)
         self.system.place[:, ROTATION] = rows[:, 2]
         self.system.trig[:] = np.column_stack([np.cos(rows[:, 2]) - 1, np.sin(rows[:, 2])])

@@ -39,8 +39,7 @@ def build(layout, material):
     contacts, n_bodies = _contacts(layout, row, share, middle), len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
     radiation = _radiation(layout, row if n_modes else row[interfaces["start"]])
-    tables = make_tables(n_bodies + len(layout.supports), RIGID + n_modes, interfaces, contacts,
-                         len(contacts if n_modes else interfaces), len(radiation),
+    tables = make_tables(n_bodies + len(layout.supports), RIGID + n_modes, interfaces, contacts, len(radiation),
                          n_bodies if top_of(layout.wall) else 0, CAPACITY)
     system = system_of(tables, 0)
     _set_strengths(system.strengths, layout, row, share)

@@ -84,46 +84,46 @@ def observe(n, tables, model, ending, sampling):
 
     The bench must hold the parameters of the next step; model, sampling: Model and Sampling.
     """
-    stiffness, samples, taken = sampling.stiffness, sampling.samples, sampling.taken
-    observe_stored(n, tables, ending, stiffness, samples, taken)
+    observe_stored(n, tables, ending, sampling)
     work = input_of_half_a_step(n, tables)
     kinetic, elastic = energies_of_bodies(n, tables, model.matrix, model.strain)
     elastic = elastic + energy_stored(n, model.loose)
     for w in range(lanes(n)):
         if ending >> w & 1:
-            one, k, totals = wall_of(n, w), taken[w], samples.totals
-            observe_failed(one, tables, stiffness, samples, w, k)
-            observe_places(one, tables, samples, w, k)
+            observe_failed(wall_of(n, w), tables, sampling, w)
+            observe_places(wall_of(n, w), tables, sampling, w)
+            totals, k = sampling.samples.totals, sampling.taken[w]
             totals[w, k, KINETIC] = lane(kinetic, w)
             totals[w, k, ELASTIC] = lane(elastic, w)
             for i in range(ELASTIC - KINETIC - 1):
                 totals[w, k, KINETIC + 1 + i] = tables.energy[0, i, w]
             totals[w, k, KINETIC + 1 + INPUT] += lane(work, w)
-            taken[w] += 1
+            sampling.taken[w] += 1
 
 
 @inlined
-def observe_stored(n, tables, ending, stiffness, samples, taken):
+def observe_stored(n, tables, ending, sampling):
     """Write the elastic energies of all contact points."""
+    stiffness = sampling.stiffness
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
         now = reading_of(n, tables.readings, c)
         stored = stiffness.area[c] * elastic_energy(now.sigma, now.tau, stiffness.normal[c], stiffness.shear[c])
         for w in range(lanes(n)):
             if ending >> w & 1:
-                samples.stored[w, taken[w], c] = lane(stored, w)
+                sampling.samples.stored[w, sampling.taken[w], c] = lane(stored, w)
 
 
 @inlined
-def observe_failed(n, tables, stiffness, samples, w, k):
-    """Write the contact data of failed interfaces into sample k of wall w; n: its width."""
+def observe_failed(n, tables, sampling, w):
+    """Write the contact data of failed interfaces into the next sample of wall w; n: its width."""
     for p in range(len(tables.interfaces)):
         failed = load(n, tables.limits, p, HAS_FAILED)
         if failed > 0.0:
             ended = ENDED if failed >= ENDING else 0
             for c in range(tables.interfaces[p].start, tables.interfaces[p].stop):
                 state = state_of(n, tables.states, c) | ended
-                samples.contacts[w, k, STATE, c] = state
-                observe_contact(n, tables, stiffness.shear[c], samples, w, k, c)
+                sampling.samples.contacts[w, sampling.taken[w], STATE, c] = state
+                observe_contact(n, tables, sampling, w, c)
 
 
 @inlined
@@ -136,13 +136,13 @@ def state_of(n, states, c):
 
 
 @inlined
-def observe_contact(n, tables, ks, samples, w, k, c):
+def observe_contact(n, tables, sampling, w, c):
     """Write inelastic opening, slip and offset [m] of contact c, and correct its stored energy where a softened bond
     unloads with a secant stiffness.
 
-    opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part;
-    ks: shear stiffness [Pa/m].
+    opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part.
     """
+    samples, k = sampling.samples, sampling.taken[w]
     contact, states, now = tables.contacts[c], tables.states, reading_of(n, tables.readings, c)
     broken, softened = load(n, states, c, contacts.BROKEN) > 0.0, load(n, states, c, contacts.KAPPA) > 0.0
     force = now.sigma * contact.area
@@ -153,7 +153,7 @@ def observe_contact(n, tables, ks, samples, w, k, c):
     elif softened and now.opening > 0.0:
         opening = positive(inelastic)
     if broken or softened:
-        offset = now.shear - now.tau / ks
+        offset = now.shear - now.tau / sampling.stiffness.shear[c]
     samples.contacts[w, k, OPENING, c] = opening
     samples.contacts[w, k, SLIP, c] = load(n, states, c, contacts.SLIP)
     samples.contacts[w, k, OFFSET, c] = offset
@@ -170,9 +170,10 @@ def positive(value):
 
 
 @inlined
-def observe_places(n, tables, samples, w, k):
-    """Write displacements of the bodies, forces on the supports and, where there is room for them, stresses into sample
-    k of wall w; n: its width."""
+def observe_places(n, tables, sampling, w):
+    """Write displacements of the bodies, forces on the supports and, where there is room for them, stresses into the
+    next sample of wall w; n: its width."""
+    samples, k = sampling.samples, sampling.taken[w]
     bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
     supports = displacement.shape[2] - support_force.shape[2]
     for b in range(displacement.shape[2]):

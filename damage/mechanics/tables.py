@@ -191,9 +191,9 @@ SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
 WORK = "bench", "sums", "others", "used", "lines", "first", "second", "every"
 
 
-def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots, n_bearings, capacity, width=1):
-    """Tables of walls with these interfaces and contacts, all else zero; n_last, n_dashpots, n_bearings: rows of
-    `last`, `radiation` and `bearings`; capacity: largest number of events."""
+def make_tables(n_bodies, coordinates, interfaces, contacts, n_dashpots, n_bearings, capacity, width=1):
+    """Tables of walls with these interfaces and contacts, all else zero; n_dashpots, n_bearings: rows of `radiation`
+    and `bearings`; capacity: largest number of events."""
     def up(rows):
         return rows if width > 1 else -(-rows // 8) * 8
 
@@ -207,6 +207,7 @@ def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots,
     def by_columns(rows, fields):
         return zeros(rows, fields) if width > 1 else aligned_zeros(1, fields, up(rows)).T
 
+    n_last = len(interfaces if coordinates == RIGID else contacts)
     limits = by_columns(len(interfaces), len(LIMITS))
     limits[:, :HAS_FAILED] = np.inf  # places that no wall takes stay intact
     return Tables(
@@ -239,7 +240,7 @@ def join(members):
     """Tables of walls that step together, of one or eight; members: (Tables, place in them) of each."""
     old = members[0][0]
     new = make_tables(len(old.turning), old.inertia.shape[1] // 3, old.interfaces.copy(), old.contacts.copy(),
-                      len(old.last), len(old.radiation), len(old.bearings), old.events.shape[1],
+                      len(old.radiation), len(old.bearings), old.events.shape[1],
                       width=1 if len(members) == 1 else WIDTH)
     for w, (tables, lane) in enumerate(members):
         logged = {"n_events": 1, "events": int(tables.n_events[lane, 0]), "values": int(tables.n_events[lane, 0])}

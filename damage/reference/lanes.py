@@ -17,7 +17,7 @@ from damage.index import THRESHOLD
 from damage.mechanics import step as kernel
 from damage.mechanics import tables
 from damage.mechanics.eight import EIGHT, ONE, WIDTH
-from damage.mechanics.samples import Sampling
+from damage.mechanics.samples import Samples, Sampling
 
 MOST_LANES = WIDTH
 """Largest number of walls in a batch: the SIMD lanes of a vector (`damage.mechanics.eight`)."""
@@ -63,7 +63,7 @@ class Lanes:
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
         matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
         self._model = tables.Model(tables.Law(walls[0].material, THRESHOLD), walls[0].strain, walls[0].loose, matrix)
-        self._sampling = self._sampling_of(self.room(0))
+        self._sampling = self.room(0)
 
     @property
     def kind(self):
@@ -96,7 +96,7 @@ class Lanes:
                 wall.system.relaxation[:] = 0.0
         longest, room = max(map(len, steps)), self._sampling.samples
         if longest > room.totals.shape[1] or (any(wall.with_stresses for wall in walls) and not room.stress.shape[3]):
-            self._sampling = self._sampling_of(self.room(longest))
+            self._sampling = self.room(longest)
         ends = [np.cumsum(of_wall) for of_wall in steps]
         last = int(ends[0][-1])
         if any(of_wall[-1] != last for of_wall in ends):
@@ -105,31 +105,23 @@ class Lanes:
         if last == 0:
             return
         self._sampling.taken[:] = 0
-        field = np.array([wall.field(last + 1) for wall in walls])
-        kernel.advance(self._n, self.tables, self._model, self._controls(), field, self._clock(), _in_turn(ends),
-                       self._sampling)
+        field, (clock, controls) = np.array([wall.field(last + 1) for wall in walls]), self._now()
+        kernel.advance(self._n, self.tables, self._model, controls, field, clock, _in_turn(ends), self._sampling)
         for wall in walls:
             wall.step += last
 
-    def _controls(self):
-        """`controls` of the walls; for one that is in use no longer, those of another."""
-        return np.array([wall.controls for wall in self._walls_in_use()], float)
-
-    def _clock(self):
-        """Steps of each wall since its `start`, as of `_controls`."""
-        return np.array([wall.step - wall.first_step for wall in self._walls_in_use()])
-
-    def _walls_in_use(self):
+    def _now(self):
+        """(walls,) steps since `start` and (walls, 5) `controls`; for a wall in use no longer those of another."""
         any_wall = next(filter(None, self.walls))
-        return [wall or any_wall for wall in self.walls]
-
-    def _sampling_of(self, samples):
-        return Sampling(self._walls_in_use()[0].stiffness, samples, np.zeros(len(self._walls), int))
+        walls = [wall or any_wall for wall in self.walls]
+        return np.array([wall.clock for wall in walls]), np.array([wall.controls for wall in walls], float)
 
     def room(self, n_samples):
-        """Samples of all walls, all zero."""
+        """Sampling of all walls, all zero."""
         walls = list(filter(None, self.walls))
-        return walls[0].room(len(self._walls), n_samples, any(wall.with_stresses for wall in walls))
+        n_supports, with_stresses = len(walls[0].layout.supports), any(wall.with_stresses for wall in walls)
+        samples = Samples.none(len(self._walls), n_samples, walls[0].system, n_supports, with_stresses)
+        return Sampling(walls[0].stiffness, samples, np.zeros(len(self._walls), int))
 
     def samples_of(self, wall, count):
         """The first samples of a wall from the last `run`, views that the next one overwrites."""
@@ -138,17 +130,17 @@ class Lanes:
     def sample_now(self, wall, field):
         """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of the base and
         gravity."""
-        sampling, w = self._sampling_of(self.room(1)), self.lane_of(wall)
-        kernel.look(self._n, self.tables, self._model, self._controls(), np.tile(field, (len(self._walls), 1, 1)), 0,
-                    1 << w, sampling)
+        sampling, w = self.room(1), self.lane_of(wall)
+        field = np.tile(field, (len(self._walls), 1, 1))
+        kernel.look(self._n, self.tables, self._model, self._now()[1], field, 0, 1 << w, sampling)
         return sampling.samples.of(w, 1)
 
-    def find_forces(self, singly):
+    def find_forces(self, singly=True):
         """Forces of a single wall at the present displacements without damping; if singly, by contact points and with
         readings."""
         turns = bool(self.tables.turning[:, 0].any())
         kernel.find_forces(self._n, self.tables, self._model, kernel.Asked(
-            self._clock(), 0, walls=1, ending=int(singly), damped=False, turns=turns, since=0.0))
+            self._now()[0], 0, walls=1, ending=int(singly), damped=False, turns=turns, since=0.0))
 
 
 def kind_of(wall):

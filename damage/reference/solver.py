@@ -27,11 +27,6 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     stretch_samples = 60  # half of what is stored at once (`damage.history.buffer.CHUNK`)
 
-    @property
-    def clock(self):
-        """Steps since `start`."""
-        return self.step - self.first_step
-
     def start(self, base, gravity=None):
         """As ReferenceWall.start; input and dissipated energies are zero from here."""
         super().start(base, gravity)
