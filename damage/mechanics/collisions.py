@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.law.joint_law import TENSION
+from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, argument, flags_of, load, store, zero
@@ -35,9 +36,6 @@ from damage.mechanics.rows import inverse_mass_of, place_of, push_body, strength
 from damage.mechanics.tables import (
     COS1,
     DAMPING,
-    ENDED,
-    ENDING,
-    FAILED,
     FRICTION,
     HAS_FAILED,
     RIGID,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.law.joint_law import elastic_energy
-from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
+from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED, ENDING
 from damage.mechanics import contacts
 from damage.mechanics.bodies import energies_of_modes, kinetic_energy
 from damage.mechanics.collisions import energy_stored
@@ -16,7 +16,7 @@ from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.rows import bench_of, force_of, inverse_mass_of, mass_of, place_of, reading_of, velocity_of
 from damage.mechanics.scaling import scaled_kinetic_energy
-from damage.mechanics.tables import ENDING, HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
+from damage.mechanics.tables import HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6
 """Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks and of

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.elementary import cos, sin
+from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import collisions, contacts, interfaces, rows
 from damage.mechanics.bodies import SMALL, adapt, move_all, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
@@ -48,9 +49,6 @@ from damage.mechanics.tables import (
     DAMPED,
     DAMPING,
     DRIVEN,
-    ENDED,
-    ENDING,
-    FAILED,
     FRICTION,
     HAS_FAILED,
     INPUT,

@@ -121,8 +121,6 @@ LIMITS = "largest_opening", "largest_slide", "failed"
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
 LINES = INTERFACE.names[:11]
 """Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
-FAILED, ENDING, ENDED = 1.0, 2.0, 3.0
-"""Values of `failed`; ENDING: the two faces ceased to overlap in this step; ENDED: before, and forces are zero."""
 CONTACT = _row(  # of a contact point, equal in all walls that step together; stiffnesses times its area
     ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
     ("area", REAL, "m2", ""),

@@ -114,7 +114,7 @@ class ReferenceWall:
 
     @property
     def state(self):
-        """State of the contact points, (n_joints,) bits BROKEN, AT_LIMIT, CRUSHED, ENDED of damage.history.schema."""
+        """State of the contact points, (n_joints,) bits BROKEN, AT_LIMIT, CRUSHED, ENDED of damage.law.states."""
         return self.contact_data(self.sample_now())["state"][0]
 
     @property
