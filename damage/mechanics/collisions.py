@@ -279,18 +279,24 @@ def centre_of(n, tables, loose, b, axis):
     return loose.cores[b, CENTRE_X + axis] + place_of(n, tables.bodies, b, axis)
 
 
+@inlined
+def turn_of(n, tables, b):
+    """Cosine and sine of the rotation of body b."""
+    return 1.0 + load(n, tables.bodies, b, COS1), load(n, tables.bodies, b, SIN)
+
+
 @compiled
 def nearest(n, tables, loose, p, c, corner, reach):
     """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core of body c; farther
     than `reach` [m] the distance may be any above it."""
     cores = loose.cores
     right, high = corner == 0 or corner == 3, corner < 2
-    cos, sin = 1.0 + load(n, tables.bodies, p, COS1), load(n, tables.bodies, p, SIN)
+    cos, sin = turn_of(n, tables, p)
     x, z = cores[p, RIGHT] if right else cores[p, LEFT], cores[p, HIGH] if high else cores[p, LOW]
     dx = centre_of(n, tables, loose, p, X) + cos * x - sin * z - centre_of(n, tables, loose, c, X)
     dz = centre_of(n, tables, loose, p, Z) + sin * x + cos * z - centre_of(n, tables, loose, c, Z)
     # In the axes of body c: the corner, and the point of its core that is nearest.
-    cos, sin = 1.0 + load(n, tables.bodies, c, COS1), load(n, tables.bodies, c, SIN)
+    cos, sin = turn_of(n, tables, c)
     x, z = cos * dx + sin * dz, cos * dz - sin * dx
     on_x = min(max(x, cores[c, LEFT]), cores[c, RIGHT])
     on_z = min(max(z, cores[c, LOW]), cores[c, HIGH])
@@ -366,7 +372,7 @@ def bound(n, tables, loose):
     """Bounds of all bodies, grown by half of the margin between two."""
     cores, bounds, grown = loose.cores, loose.bounds, (1.0 + 0.5 * MARGIN) * loose.touch.radius
     for b in range(len(cores)):
-        cos, sin = 1.0 + load(n, tables.bodies, b, COS1), load(n, tables.bodies, b, SIN)
+        cos, sin = turn_of(n, tables, b)
         half_x, half_z = 0.5 * (cores[b, RIGHT] - cores[b, LEFT]), 0.5 * (cores[b, HIGH] - cores[b, LOW])
         off_x, off_z = 0.5 * (cores[b, RIGHT] + cores[b, LEFT]), 0.5 * (cores[b, HIGH] + cores[b, LOW])
         x = centre_of(n, tables, loose, b, X) + cos * off_x - sin * off_z
