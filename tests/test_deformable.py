@@ -24,8 +24,9 @@ from damage.law.modes import (
     static_displacement,
     stiffness_matrix,
 )
+from damage.law.states import ENDED
 from damage.measure.energy import energy_error
-from damage.mechanics.tables import DAMPING, ENDED, FRICTION, HAS_FAILED, INPUT, RIGID
+from damage.mechanics.tables import DAMPING, FRICTION, HAS_FAILED, INPUT, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference.solver import ReferenceSolver
 from damage.rounded import to_bits

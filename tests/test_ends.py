@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from test_widths import everything
 
 from damage.law.modes import natural_modes
-from damage.law.states import ENDED as ENDED_BIT
-from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, HAS_FAILED, ROTATION, X, Z
+from damage.law.states import ENDED, ENDING, FAILED
+from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
@@ -133,7 +133,7 @@ def test_contact_data_keep_the_values_of_the_end():
     run_to_the_end(wall)
     joint = wall.layout.contacts.first >= 0
     then = wall.instants().contacts
-    assert np.all(then["state"][0, joint] & ENDED_BIT) and not np.any(then["state"][0, ~joint] & ENDED_BIT)
+    assert np.all(then["state"][0, joint] & ENDED) and not np.any(then["state"][0, ~joint] & ENDED)
     assert_allclose(then["offset_m"][0, joint], LENGTH, rtol=1e-3)
     wall.run(3000)
     for name, values in wall.instants().contacts.items():

@@ -6,8 +6,7 @@ from scipy.integrate import quad
 
 from damage.law.joint_law import material_of
 from damage.mechanics import step, tables
-from damage.mechanics.eight import ONE
-from damage.mechanics.loose import (
+from damage.mechanics.collisions import (
     CENTRE_X,
     CENTRE_Z,
     INSIDE,
@@ -20,8 +19,9 @@ from damage.mechanics.loose import (
     make_loose,
     stiffness_for,
 )
-from damage.mechanics.samples import Samples, Stiffness
-from damage.mechanics.tables import DAMPING, FRICTION, ROTATION, Law, X, Z, table
+from damage.mechanics.eight import ONE
+from damage.mechanics.samples import Samples, Sampling, Stiffness
+from damage.mechanics.tables import DAMPING, FRICTION, ROTATION, Law, Model, X, Z, table
 from damage.units import GRAVITY
 from damage.wall.parameters import Joint
 
@@ -54,13 +54,12 @@ class Boxes:
                       friction if support_friction is None else support_friction, damping)
         self.loose = make_loose(touch, cores, np.zeros(0), np.zeros(0))
         self.loose.counts[WANTED] = 1
-        self._tables = tables.make_tables(len(rows), 3, table(tables.INTERFACE, 0), table(tables.CONTACT, 0), 0, 0, 0,
-                                          1)
+        self._tables = tables.make_tables(len(rows), 3, table(tables.INTERFACE, 0), table(tables.CONTACT, 0), 0, 0, 1)
         self.system = tables.system_of(self._tables, 0)
         self.system.place[:, ROTATION] = rows[:, 2]
         self.system.trig[:] = np.column_stack([np.cos(rows[:, 2]) - 1, np.sin(rows[:, 2])])
         self.system.mass[:], self.system.inverse_mass[:] = mass, inverse
-        self._law = Law(material_of(Joint()), 1e-4)
+        self._model = Model(Law(material_of(Joint()), 1e-4), None, self.loose, None)
         self._stiffness = Stiffness(np.zeros(0), np.zeros(0), np.zeros(0))
         self._samples = Samples.none(1, 1, self.system, len(supports))
         self.gravity, self.time = gravity, 0.0
@@ -70,9 +69,9 @@ class Boxes:
         n = max(1, round(duration / self.time_step))
         field = np.zeros((1, n + 1, 3))
         field[..., 2] = self.gravity
-        step.run(step.ADVANCE, ONE, self._tables, self._law, None, self.loose, None,
-                 np.array([[self.time_step, 0, 0, 0, 0]]), field, np.zeros(1, int), np.array([n]), np.ones(1, int),
-                 self._stiffness, self._samples, np.zeros(1, int))
+        sampling = Sampling(self._stiffness, self._samples, np.zeros(1, int))
+        step.advance(ONE, self._tables, self._model, np.array([[self.time_step, 0, 0, 0, 0]]), field,
+                     np.zeros(1, int), np.array([[n, 1]]), sampling)
         self.time += n * self.time_step
         return self
 

@@ -22,10 +22,10 @@ from damage.errors import RunError
 from damage.history.reader import read_history
 from damage.html.run_part import run_part
 from damage.law.modes import natural_modes
-from damage.law.states import ENDED as ENDED_BIT
+from damage.law.states import ENDED, ENDING, FAILED
 from damage.measure.warnings import warnings_of
-from damage.mechanics.loose import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
-from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, HAS_FAILED, INPUT, ROTATION, X, Z
+from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
+from damage.mechanics.tables import FRICTION, HAS_FAILED, INPUT, ROTATION, X, Z
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.run.settings import RESTS_BELOW_M_S
@@ -210,7 +210,7 @@ def test_bricks_of_the_fallen_wall_do_not_overlap_by_more_than_their_rounded_cor
     pairs = [(a, b) for a in range(len(places)) for b in range(a)
              if np.all((low[a] < high[b]) & (low[b] < high[a]))]
     assert max(depth(places[a], places[b]) for a, b in pairs) < DIAMETER
-    assert wall.instants().contacts["state"].max() & ENDED_BIT
+    assert wall.instants().contacts["state"].max() & ENDED
 
 
 def test_bricks_that_press_each_other_too_hard_end_the_run():

@@ -18,6 +18,7 @@ from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
+from damage.law.states import ENDED, FAILED
 from damage.mechanics import bodies, samples, step, tables
 from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
 from damage.mechanics.eight import (
@@ -37,7 +38,7 @@ from damage.mechanics.eight import (
     with_lane,
     zero,
 )
-from damage.mechanics.tables import ENDED, FAILED, HAS_FAILED, RIGID
+from damage.mechanics.tables import HAS_FAILED, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference import ensembles
 from damage.reference.lanes import MOST_LANES, run_together

@@ -231,16 +231,15 @@ def closure_growth(depth, closure, strength, parameters):
 @register_jitable
 def advance_uncrushed(opening, shear_increment, state, parameters):
     """`advance` without crushing; opening: plus the plastic closure [m]."""
-    kn, ks, material = parameters.normal_stiffness, parameters.shear_stiffness, parameters.material
-    slip, broken, at_limit, kappa, gap = state.slip, state.broken, state.at_limit, state.kappa, state.gap
-    friction_work, fracture_work = state.friction_work, state.fracture_work
-    strength, cohesion = strength_left(broken, parameters, kappa)
-    sigma = kn * opening  # (7)
+    broken, gap, material = state.broken, state.gap, parameters.material
+    strength, cohesion = strength_left(broken, parameters, state.kappa)
+    sigma = parameters.normal_stiffness * opening  # (7)
     if gap > 0.0 and opening > 0.0 and not broken:
-        sigma = tension_stiffness(strength, gap, kn) * opening  # (S4)
-    trial = state.shear_stress + ks * shear_increment  # (8)
+        sigma = tension_stiffness(strength, gap, parameters.normal_stiffness) * opening  # (S4)
+    trial = state.shear_stress + parameters.shear_stiffness * shear_increment  # (8)
     if stays_elastic(sigma, trial, strength, cohesion, friction_left(broken, material)):  # (10), (11)
-        return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work, kappa, gap), INTACT
+        return ContactState(sigma, trial, state.slip, broken, state.at_limit, state.friction_work,
+                            state.fracture_work, state.kappa, gap), INTACT
     if parameters.mode_i_energy > 0.0 and not broken:
         return soften(opening, trial, state, parameters)
     return break_or_slide(opening, sigma, trial, state, parameters)
@@ -252,37 +251,34 @@ def break_or_slide(opening, sigma, trial, state, parameters):
 
     opening: at the end of the step [m]; sigma, trial: elastic normal and shear stress there [Pa].
     """
-    kn, ks, material = parameters.normal_stiffness, parameters.shear_stiffness, parameters.material
-    slip, broken, at_limit, kappa, gap = state.slip, state.broken, state.at_limit, state.kappa, state.gap
+    kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
+    slip, at_limit, event = state.slip, state.at_limit, INTACT
     friction_work, fracture_work = state.friction_work, state.fracture_work
-    strength, _ = strength_left(broken, parameters)
-    event = INTACT
-    if not broken and sigma > strength:  # (10)
+    if not state.broken:
+        strength, _ = strength_left(False, parameters)
+        event = TENSION if sigma > strength else SHEAR  # (10), else (11)
+    limit = -sigma * friction_left(True, parameters.material)
+    beyond, tau = abs(trial) - limit, trial
+    if event == TENSION or (event == SHEAR and opening > 0.0):
         fracture_work += elastic_energy(sigma, trial, kn, ks)
-        broken, event = True, TENSION
-    if broken and opening > 0.0:
+    if opening > 0.0:  # without a bond it is open
         if event == INTACT:  # its remaining elastic shear energy dissipates by friction as it opens
             friction_work += max(0.5 * state.shear_stress * trial / ks, 0.0)
-        return ContactState(0.0, 0.0, slip, broken, at_limit, friction_work, fracture_work, kappa, gap), event
-    if broken and trial == 0.0:  # closed, without shear stress
-        return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work, kappa, gap), event
-
-    limit = -sigma * friction_left(True, material)
-    if not broken:
-        if opening > 0.0:  # failed in shear under tension: without a bond it is open
-            fracture_work += elastic_energy(sigma, trial, kn, ks)
-            return ContactState(0.0, 0.0, slip, True, True, friction_work, fracture_work, kappa, gap), SHEAR
-        broken, event = True, SHEAR
-        fracture_work += 0.5 * (abs(trial) - limit) * (abs(trial) - limit) / ks
-        friction_work += limit * (abs(trial) - limit) / ks
-    else:
-        # Trapezoidal rule over the step, which is the work of central differences on the bodies: the limit changes
-        # with the normal stress, and joints slide mostly while it decreases.
-        before = max(state.shear_stress if trial > 0.0 else -state.shear_stress, 0.0)
-        friction_work += 0.5 * (before + limit) * (abs(trial) - limit) / ks
-    sign = 1.0 if trial > 0.0 else -1.0
-    slip += sign * (abs(trial) - limit) / ks
-    return ContactState(sigma, sign * limit, slip, broken, True, friction_work, fracture_work, kappa, gap), event
+        sigma = tau = 0.0
+        at_limit = at_limit or event == SHEAR
+    elif event == SHEAR or trial != 0.0:
+        if event == SHEAR:
+            fracture_work += 0.5 * beyond * beyond / ks
+            friction_work += limit * beyond / ks
+        else:
+            # Trapezoidal rule over the step, which is the work of central differences on the bodies: the limit changes
+            # with the normal stress, and joints slide mostly while it decreases.
+            before = max(state.shear_stress if trial > 0.0 else -state.shear_stress, 0.0)
+            friction_work += 0.5 * (before + limit) * beyond / ks
+        sign = 1.0 if trial > 0.0 else -1.0
+        slip += sign * beyond / ks
+        tau, at_limit = sign * limit, True
+    return ContactState(sigma, tau, slip, True, at_limit, friction_work, fracture_work, state.kappa, state.gap), event
 
 
 @register_jitable

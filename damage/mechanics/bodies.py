@@ -1,16 +1,8 @@
-"""Motion of the bodies in a time step: central differences, damping of velocities, selective mass scaling.
+"""Motion of the bodies in a time step: central differences, damping of velocities, strain modes.
 
 The generalized coordinates of a rigid body are its displacements along x and z and its rotation from x towards z; its
 strain modes are behind them.  All of them obey the same equation.  Where the inverse mass is zero, the velocity is
 prescribed.
-
-Selective mass scaling has a constant matrix in place of the masses:
-
-    (M + dt^2/2 K0 + dt/2 C0) (v(t + dt/2) - v(t - dt/2)) = dt (f(u(t)) - M (g + a_base(t)))
-
-K0: stiffness of the intact wall; C0: its damping.  No frequency of a wall whose tangent stiffness is at most K0 exceeds
-sqrt(2) / dt.  The kinetic energy has the same matrix, by which the energy balance holds; input is work on M alone.
-The solution is by a block factor L D L' (`damage.mechanics.factor`), one order of operations for any width.
 """
 
 from damage.elementary import cos, sin
@@ -42,20 +34,22 @@ from damage.mechanics.rows import (
     velocity_of,
 )
 from damage.mechanics.tables import (
+    ADAPTIVE,
+    ALPHA,
+    BETA,
     COS1,
-    DAMPING,
     DRIVEN,
-    INPUT,
     KINETIC,
+    LOCAL,
     PARTS,
     PLACE,
     RIGID,
     ROTATION,
-    ROW,
     SIN,
     SWEPT_X,
     SWEPT_Z,
     TAKEN,
+    TIME_STEP,
     VELOCITY,
     Bench,
     X,
@@ -64,32 +58,6 @@ from damage.mechanics.tables import (
 
 SMALL = 0.01
 """Angle [rad] below which sine and cosine are evaluated by their Taylor series."""
-LOST = 3
-"""First field of a Matrix's room with mass times deceleration by damping."""
-
-
-@compiled
-def move(n, tables, strain, matrix, controls, field, step):
-    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
-
-    matrix, controls, field: as of `damage.mechanics.step.run`; step: row of the field.
-    """
-    sums = tables.sums
-    sums[SWEPT_X:KINETIC] = 0.0
-    damped = set_bench(n, tables, controls, field, step)
-    if matrix is not None:
-        move_scaled(n, tables, matrix, strain, damped)
-    elif damped:
-        move_all(n, tables, strain, controls, True)
-    else:
-        move_all(n, tables, strain, controls, False)
-    for kind in range(SWEPT_X, KINETIC):
-        total(n, sums, kind)
-    for w in range(len(controls)):
-        dt = controls[w, 0]
-        swept = field[w, step, 0] * sums[SWEPT_X, 0, w] + field[w, step, 1] * sums[SWEPT_Z, 0, w]
-        tables.energy[0, INPUT, w] += (sums[DRIVEN, 0, w] - 0.5 * swept) * dt
-        tables.energy[0, DAMPING, w] += sums[TAKEN, 0, w] * dt
 
 
 @compiled
@@ -97,11 +65,12 @@ def set_bench(n, tables, controls, field, step):
     """Write the parameters of a step to the bench; returns whether mass-proportional or local damping acts."""
     damped = False
     for w in range(len(controls)):
-        dt, local, base_x, base_z = controls[w, 0], controls[w, 1], field[w, step, 0], field[w, step, 1]
-        alpha = controls[w, 2] + tables.relaxation[0, 0, w]
+        dt, local = controls[w, TIME_STEP], controls[w, LOCAL]
+        base_x, base_z, gravity = field[w, step, 0], field[w, step, 1], field[w, step, 2]
+        alpha = controls[w, ALPHA] + tables.relaxation[0, 0, w]
         damped |= alpha > 0.0 or local > 0.0
         keep_bench(wall_of(n, w), tables.bench, 0, True, Bench(
-            base_x, base_z, base_z + field[w, step, 2], dt, alpha, local, controls[w, 3] / dt))
+            base_x, base_z, base_z + gravity, dt, alpha, local, controls[w, BETA] / dt))
     return damped
 
 
@@ -120,7 +89,7 @@ def move_bodies(n, tables, strain, controls, damped):
     alike, sums, inertia = True, tables.sums, tables.inertia
     bench = bench_of(table_width(n), tables.bench, 0)
     for w in range(len(controls)):
-        alike &= controls[w, 0] == controls[0, 0]
+        alike &= controls[w, TIME_STEP] == controls[0, TIME_STEP]
     for b in range(0, len(tables.turning), rows_of(n)):
         lost = zero(n)
         x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
@@ -135,7 +104,7 @@ def move_bodies(n, tables, strain, controls, damped):
             lost = taken_x + taken_z + taken
         if strain is not None:
             if alike:
-                lost = move_modes(n, tables, bench, strain, controls[0, 0], b, lost, damped)
+                lost = move_modes(n, tables, bench, strain, controls[0, TIME_STEP], b, lost, damped)
             else:
                 lost = move_modes(n, tables, bench, strain, bench.step, b, lost, damped)
         add_part(n, sums, TAKEN, b, lost)
@@ -265,78 +234,6 @@ def move_modes(n, tables, bench, strain, dt, b, lost, damped):
     return lost
 
 
-# --- selective mass scaling -------------------------------------------------------------------------
-
-@inlined
-def move_scaled(n, tables, matrix, strain, damped):
-    """Advance all bodies by a step with mass scaling; damped: as of `rates`."""
-    places, sums, room, dt = tables.bodies, tables.sums, matrix.room, bench_of(n, tables.bench, 0).step
-    find_rates(n, tables, matrix, strain, damped)
-    for i in range(len(matrix.body)):
-        b, first = matrix.body[i], matrix.first[i]
-        for k in range(matrix.count[i]):
-            c, rate, lost = first + k, load(n, room, i, k), load(n, room, i, LOST + k)
-            swept, driven, taken, new = advance(n, tables.inertia, b, c, dt, rate, lost, force_of(n, places, b, c))
-            if c in (X, Z):
-                add_part(n, sums, SWEPT_X + c, b, swept)
-            add_part(n, sums, DRIVEN, b, driven)
-            add_part(n, sums, TAKEN, b, taken)
-            store(n, places, b, PLACE + c, place_of(n, places, b, c) + dt * new)
-            store(n, places, b, first_force(places) + c, 0.0)
-        if first == 0:
-            put(n, tables, b, *coordinates(n, places, tables.every, b)[:3])
-
-
-@compiled
-def find_rates(n, tables, matrix, strain, damped):
-    """Write the rates of change of all velocities into the room, and behind them mass times deceleration by damping;
-    damped: as of `rates`."""
-    places, inertia, room, bench = tables.bodies, tables.inertia, matrix.room, bench_of(n, tables.bench, 0)
-    for i in range(len(matrix.body)):
-        b = matrix.body[i]
-        for k in range(matrix.count[i]):
-            c, lost = matrix.first[i] + k, zero(n)
-            old, mass, force = velocity_of(n, inertia, b, c), mass_of(n, inertia, b, c), force_of(n, places, b, c)
-            if strain is not None and c >= RIGID:
-                force = force - strain.stiffness[b, c - RIGID] * place_of(n, places, b, c)
-                lost = mass * (strain.damping[b, c - RIGID] * old)
-            field = bench.base_x if c == X else bench.pull_z if c == Z else zero(n)
-            rate, resistance = rates(n, old, inverse_mass_of(n, inertia, b, c), bench, field, force, damped)
-            lost = lost + mass * resistance
-            store(n, room, i, k, mass * rate - lost)
-            store(n, room, i, LOST + k, lost)
-    solve(n, matrix)
-
-
-@inlined
-def solve(n, matrix):
-    """Replace the first three fields of the room by the solution of L D L' x = them."""
-    room, lower, inverse, e, i = matrix.room, matrix.lower, matrix.inverse, ROW(0), ROW(len(matrix.body))
-    for node in range(len(matrix.body)):
-        x, z, r = load(n, room, node, 0), load(n, room, node, 1), load(n, room, node, 2)
-        while e < matrix.start[node + 1]:
-            for k in range(3):
-                store(n, room, matrix.below[e], k, load(n, room, matrix.below[e], k) - (
-                    lower[e, 3 * k] * x + lower[e, 3 * k + 1] * z + lower[e, 3 * k + 2] * r))
-            e += ROW(1)
-    while i > ROW(0):
-        i -= ROW(1)
-        x, z, r = load(n, room, i, 0), load(n, room, i, 1), load(n, room, i, 2)
-        u = inverse[i, 0] * x + inverse[i, 1] * z + inverse[i, 2] * r
-        v = inverse[i, 3] * x + inverse[i, 4] * z + inverse[i, 5] * r
-        w = inverse[i, 6] * x + inverse[i, 7] * z + inverse[i, 8] * r
-        while e > matrix.start[i]:
-            e -= ROW(1)
-            x, z, r = (load(n, room, matrix.below[e], 0), load(n, room, matrix.below[e], 1),
-                       load(n, room, matrix.below[e], 2))
-            u = u - (lower[e, 0] * x + lower[e, 3] * z + lower[e, 6] * r)
-            v = v - (lower[e, 1] * x + lower[e, 4] * z + lower[e, 7] * r)
-            w = w - (lower[e, 2] * x + lower[e, 5] * z + lower[e, 8] * r)
-        store(n, room, i, 0, u)
-        store(n, room, i, 1, v)
-        store(n, room, i, 2, w)
-
-
 # --- kinetic energy ---------------------------------------------------------------------------------
 
 @compiled
@@ -353,8 +250,9 @@ def adapt(n, tables, strain, controls):
     total(n, sums, KINETIC)
     for w in range(len(controls)):
         kinetic = sums[KINETIC, 0, w]
-        relaxation[0, 0, w] = adaptive_damping(kinetic, relaxation[0, 1, w], controls[w, 4], controls[w, 0])
-        relaxation[0, 1, w] = kinetic if controls[w, 4] > 0.0 else 0.0  # a wall that relaxes later begins without
+        share, last = controls[w, ADAPTIVE], relaxation[0, 1, w]
+        relaxation[0, 0, w] = adaptive_damping(kinetic, last, share, controls[w, TIME_STEP])
+        relaxation[0, 1, w] = kinetic if share > 0.0 else 0.0  # a wall that relaxes later begins without
 
 
 @inlined
@@ -388,12 +286,15 @@ def kinetic_of_modes(n, inertia, strain, b):
 
 
 @inlined
-def energies_of_modes(n, bodies, inertia, strain, dt):
+def energies_of_modes(n, tables, strain):
     """Kinetic and elastic energy of all strain modes [J].
 
     The velocities, known at half steps, are advanced to the time of the amplitudes.
     """
     kinetic, stored, one = zero(n), zero(n), wall_of(n, 0)
+    if strain is None:
+        return kinetic, stored
+    bodies, inertia, dt = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0).step
     for b in range(len(strain.stiffness)):
         for m in range(strain.shapes.shape[2]):
             place, velocity = place_of(n, bodies, b, RIGID + m), velocity_of(n, inertia, b, RIGID + m)
@@ -403,26 +304,3 @@ def energies_of_modes(n, bodies, inertia, strain, dt):
             kinetic = kinetic + 0.5 * mass_of(one, inertia, b, RIGID + m) * velocity * velocity
             stored = stored + 0.5 * strain.stiffness[b, m] * place * place
     return kinetic, stored
-
-
-@compiled
-def scaled_kinetic_energy(n, tables, matrix, strain):
-    """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step."""
-    find_rates(n, tables, matrix, strain, False)
-    room, half = matrix.room, 0.5 * bench_of(n, tables.bench, 0).step
-    for i in range(len(matrix.body)):
-        for k in range(matrix.count[i]):
-            velocity = velocity_of(n, tables.inertia, matrix.body[i], matrix.first[i] + k)
-            store(n, room, i, k, velocity + half * load(n, room, i, k))
-    energy, lower, of, e = zero(n), matrix.lower, matrix.diagonal, ROW(0)
-    for i in range(len(matrix.body)):
-        x, z, r = load(n, room, i, 0), load(n, room, i, 1), load(n, room, i, 2)
-        while e < matrix.start[i + 1]:
-            for k in range(3):
-                v = load(n, room, matrix.below[e], k)
-                x, z, r = x + lower[e, 3 * k] * v, z + lower[e, 3 * k + 1] * v, r + lower[e, 3 * k + 2] * v
-            e += ROW(1)
-        energy = energy + 0.5 * (x * (of[i, 0] * x + of[i, 1] * z + of[i, 2] * r)
-                                 + z * (of[i, 3] * x + of[i, 4] * z + of[i, 5] * r)
-                                 + r * (of[i, 6] * x + of[i, 7] * z + of[i, 8] * r))
-    return energy

@@ -3,7 +3,6 @@
 import numpy as np
 
 from damage.law.joint_law import ContactState, LawParameters, elastic_range, range_left
-from damage.mechanics.loose import Touch, make_loose, stiffness_for
 from damage.mechanics.tables import (
     CONTACT,
     HAS_FAILED,
@@ -21,17 +20,12 @@ from damage.mechanics.tables import (
 from damage.rounded import to_bits
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE, CUT, rows
-from damage.wall.kinematics import CORNER_RADIUS, slide_limits
+from damage.wall.kinematics import slide_limits
 from damage.wall.restraints import top_of
 from damage.wall.soil import radiation_times
 
 CAPACITY = 100_000
 """Largest number of events between two calls that empty the log."""
-
-IMPACT_DAMPING = 0.2
-"""Share of critical damping of a corner that touches: alone it bounces back with half of its speed."""
-GROUND_M = 20.0
-"""Distance by which the ground reaches beyond the wall, and its depth, for bricks that fall on it [m]."""
 
 
 def build(layout, material):
@@ -45,8 +39,7 @@ def build(layout, material):
     contacts, n_bodies = _contacts(layout, row, share, middle), len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
     radiation = _radiation(layout, row if n_modes else row[interfaces["start"]])
-    tables = make_tables(n_bodies + len(layout.supports), RIGID + n_modes, interfaces, contacts,
-                         len(contacts if n_modes else interfaces), len(radiation),
+    tables = make_tables(n_bodies + len(layout.supports), RIGID + n_modes, interfaces, contacts, len(radiation),
                          n_bodies if top_of(layout.wall) else 0, CAPACITY)
     system = system_of(tables, 0)
     _set_strengths(system.strengths, layout, row, share)
@@ -91,29 +84,6 @@ def strain_tables(layout):
     resting = np.zeros((len(layout.supports), of.n_modes))
     return Strain(np.vstack([of.stiffness, resting]), np.vstack([of.damping, resting]), of.shapes,
                   np.column_stack([of.first, of.second])[row].astype(INDEX))
-
-
-def build_loose(layout, system, time_step, material):
-    """The Loose contacts of a layout and of the System of its Tables.
-
-    The joints of this System on supports end, too, from now on: where a brick has slid by its length.  The ground
-    reaches GROUND_M beyond the wall and below it, without gaps between supports.
-    """
-    bodies, supports = layout.bodies, layout.supports
-    radius = CORNER_RADIUS * layout.wall.brick.length
-    kn = stiffness_for(bodies.mass[bodies.mass > 0].min(), time_step)
-    touch = Touch(radius, kn, 0.4 * kn, material.friction, material.friction, IMPACT_DAMPING)
-    edges = np.concatenate([[supports.left[0] - GROUND_M], (supports.right[:-1] + supports.left[1:]) / 2,
-                            [supports.right[-1] + GROUND_M]])
-    half_x, half_z, at = bodies.length / 2 - radius, bodies.height / 2 - radius, np.zeros(len(supports))
-    cores = np.vstack([
-        np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
-        np.column_stack([supports.x, at, edges[:-1] - supports.x, edges[1:] - supports.x, at - GROUND_M, at - radius])])
-    interfaces = system.interfaces
-    grounded = interfaces["a"] >= len(bodies)
-    length = bodies.length[interfaces["b"][grounded]]
-    interfaces["slide_least"][grounded], interfaces["slide_most"][grounded] = -length, length
-    return make_loose(touch, cores, interfaces["a"], interfaces["b"])
 
 
 def contact_rows(layout):

@@ -23,8 +23,8 @@ from numba.core.registry import CPUDispatcher
 
 COMPILING = "compiling the solver (once for each version on each machine, about half a minute of processor time) ..."
 SOURCES = [(Path(__file__).parent / f"{name}.py").resolve() for name in (
-    "compiled", "eight", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "step",
-    "../elementary", "../rounded", "../law/joint_law", "../law/states", "../wall/kinds", "../wall/kinematics")]
+    "compiled", "eight", "tables", "bodies", "scaling", "interfaces", "rows", "contacts", "collisions", "samples",
+    "step", "../elementary", "../rounded", "../law/joint_law", "../law/states", "../wall/kinds", "../wall/kinematics")]
 """All files whose code or constants are compiled."""
 DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdigest()[:12]
 
@@ -53,7 +53,7 @@ def _any():
 def is_cached():
     """Whether numba has cached the step, which every run needs, of these sources, judged by the names of its files."""
     folder = kept_in()
-    return folder is not None and any(folder.glob(f"step.run-{DIGEST}-*.nbi"))
+    return folder is not None and any(folder.glob(f"step.advance-{DIGEST}-*.nbi"))
 
 
 def delete_other_versions():

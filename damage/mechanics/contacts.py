@@ -30,10 +30,20 @@ class Trial(NamedTuple):
     tau: float
 
 
+class Points(NamedTuple):
+    """Contact points of interface p that share a RelativeMotion: rows start to stop of the tables;
+    row: theirs of `last`."""
+
+    p: int
+    start: int
+    stop: int
+    row: int
+
+
 @inlined
-def elastic_trial(n, contacts, states, i, motion):
+def elastic_trial(n, tables, i, motion):
     """Trial of contact point i at a RelativeMotion of its interface."""
-    contact = contacts[i]
+    contact, states = tables.contacts[i], tables.states
     opening = motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)
     stiffness = either(opening > 0.0, load(n, states, i, TENSION_STIFFNESS), contact.kn)
     return Trial(opening, stiffness * opening, load(n, states, i, SHEAR_STRESS)
@@ -47,32 +57,33 @@ def stays_open(n, states, i, opening):
 
 
 @inlined
-def present_forces(n, contacts, states, i, motion):
+def present_forces(n, tables, i, motion):
     """Trial of contact point i after the law was evaluated: its forces are zero where it stays open."""
-    trial = elastic_trial(n, contacts, states, i, motion)
-    is_open = stays_open(n, states, i, trial.opening)
+    trial = elastic_trial(n, tables, i, motion)
+    is_open = stays_open(n, tables.states, i, trial.opening)
     return Trial(trial.opening, either(is_open, 0.0, trial.sigma), either(is_open, 0.0, trial.tau))
 
 
 @inlined
-def present_resultant(n, contacts, states, start, stop, motion):
-    """Resultant [N, N m] of an interface's contact points (rows start to stop) after the law was evaluated."""
+def present_resultant(n, tables, points, motion):
+    """Resultant of Points after the law was evaluated [N, N m]."""
     normal, shear, couple = zero(n), zero(n), zero(n)
-    for i in range(start, stop):
-        trial = present_forces(n, contacts, states, i, motion)
+    for i in range(points.start, points.stop):
+        trial = present_forces(n, tables, i, motion)
         normal = normal + trial.sigma
         shear = shear + trial.tau
-        couple = couple + trial.sigma * contacts[i].offset
+        couple = couple + trial.sigma * tables.contacts[i].offset
     return Resultant(normal, shear, couple)
 
 
 @inlined
-def elastic_resultant(n, contacts, states, start, stop, motion, which):
-    """Resultant of contact points as springs [N, N m], and those of the walls `which` (flags) in which all stay in
-    their elastic range."""
+def elastic_resultant(n, tables, points, motion, which):
+    """Resultant of Points as springs [N, N m], and those of the walls `which` (flags) in which all stay in their
+    elastic range."""
+    states = tables.states
     normal, shear, couple, elastic = zero(n), zero(n), zero(n), which
-    for i in range(start, stop):
-        trial, left = elastic_trial(n, contacts, states, i, motion), rows.range_now(n, states, i)
+    for i in range(points.start, points.stop):
+        trial, left = elastic_trial(n, tables, i, motion), rows.range_now(n, states, i)
         is_open = stays_open(n, states, i, trial.opening) & which
         if bits(is_open):
             store_where(n, states, i, SHEAR0, is_open, motion.shear)
@@ -81,17 +92,17 @@ def elastic_resultant(n, contacts, states, start, stop, motion, which):
         elastic = elastic & (within | is_open)
         normal = normal + either(is_open, 0.0, trial.sigma)
         shear = shear + either(is_open, 0.0, trial.tau)
-        couple = couple + either(is_open, 0.0, trial.sigma * contacts[i].offset)
+        couple = couple + either(is_open, 0.0, trial.sigma * tables.contacts[i].offset)
     return Resultant(normal, shear, couple), elastic
 
 
 @inlined
-def intact_resultant(n, contacts, states, i, motion, which):
+def intact_resultant(n, tables, i, motion, which):
     """`elastic_resultant` of contact point i that is an intact spring in all walls."""
-    contact = contacts[i]
+    contact = tables.contacts[i]
     # Adding zero, as the law adds closure and earlier force, turns -0 into +0: the bits stay equal.
     sigma = contact.kn * (motion.opening + contact.offset * motion.rotation + 0.0)
-    tau, left = contact.ks * motion.shear + 0.0, rows.range_now(n, states, i)
+    tau, left = contact.ks * motion.shear + 0.0, rows.range_now(n, tables.states, i)
     elastic = joint_law.stays_elastic(sigma, tau, left.tensile_strength, left.cohesion, left.friction)
     return Resultant(sigma, tau, sigma * contact.offset), elastic & which
 
@@ -106,72 +117,67 @@ def is_intact_spring(n, states, i):
 
 
 @inlined
-def remember(n, contacts, states, start, stop, motion, which):
-    """Store the forces of contact points that stayed elastic in the walls `which` (flags), for the work of slip and
-    crushing in a later step."""
-    for i in range(start, stop):
+def remember(n, tables, points, motion, which):
+    """Store the forces of Points that stayed elastic in the walls `which` (flags), for the work of slip and crushing
+    in a later step."""
+    states = tables.states
+    for i in range(points.start, points.stop):
         crushes = which & (rows.range_now(n, states, i).compressive_strength < np.inf)
         if bits(crushes):
-            store_where(n, states, i, NORMAL_STRESS, crushes, elastic_trial(n, contacts, states, i, motion).sigma)
+            store_where(n, states, i, NORMAL_STRESS, crushes, elastic_trial(n, tables, i, motion).sigma)
         moves = which & ((load(n, states, i, IDLE) >= 0.0) | (load(n, states, i, KAPPA) > 0.0))
         if bits(moves):
-            more = contacts[i].ks * (motion.shear - load(n, states, i, SHEAR0))
+            more = tables.contacts[i].ks * (motion.shear - load(n, states, i, SHEAR0))
             store_where(n, states, i, SHEAR_STRESS, moves, load(n, states, i, SHEAR_STRESS) + more)
             store_where(n, states, i, SHEAR0, moves, motion.shear)
 
 
 @inlined
-def law_resultant(n, tables, law, start, stop, step, motion, before, damped):
-    """Resultant of contact points of an interface by the joint law [N, N m].
+def law_resultant(n, tables, law, points, step, motion, before, damped):
+    """Resultant of Points by the joint law [N, N m].
 
-    Returns the resultant; if damped, its change since the last step by the contact points that stayed elastic; and
-    whether a contact point has failed, softened or been crushed.  start, stop: rows of the contact points; step: number
+    Returns the resultant; if damped, its change since the last step by the contact points that
+    stayed elastic; and whether a contact point has failed, softened or been crushed.  step: number
     of the step in the log; motion, before: RelativeMotion now and in the last step.
-
-    By central differences the force of a bond that fails in a step does half of the step's work on the bodies, while
-    the joint law counts its energy at the end of the step: what is too much is taken back here.
     """
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0
-    failed, states = False, tables.states
-    for i in range(start, stop):
-        contact, trial = tables.contacts[i], elastic_trial(n, tables.contacts, states, i, motion)
-        kappa = load(n, states, i, KAPPA)
-        intact = load(n, states, i, BROKEN) == 0.0 and kappa == 0.0
-        old = trial
+    failed = False
+    for i in range(points.start, points.stop):
+        offset, trial = tables.contacts[i].offset, elastic_trial(n, tables, i, motion)
+        kappa = load(n, tables.states, i, KAPPA)
+        intact = load(n, tables.states, i, BROKEN) == 0.0 and kappa == 0.0
+        last = trial
         if damped or intact:
-            old = present_forces(n, tables.contacts, states, i, before)
-        new, event = ask_law(n, contact, states, tables.strengths, tables.energy, i,
-                             trial.opening - load(n, states, i, CLOSURE), motion.shear, law.material)
+            last = present_forces(n, tables, i, before)
+        new, event = ask_law(n, tables, law.material, i, trial, motion.shear)
+        if intact:
+            correct_fracture(n, tables, i, last, trial, new, event)
         if new.broken or new.kappa > 0.0 or new.closure > 0.0:
             log(n, tables, law.threshold, i, step, trial, new, event)
             failed = True
-        sigma, tau = new.normal_stress, new.shear_stress
-        if intact and event != INTACT:
-            add(n, tables.energy, 0, FRACTURE, -0.5 * ((trial.sigma - sigma) * (trial.sigma - old.sigma) / contact.kn
-                                                       + (trial.tau - tau) * (trial.tau - old.tau) / contact.ks))
-        if intact and event == INTACT and new.kappa > 0.0:  # its law counts from no shear stress at all
-            slid = (abs(trial.tau) - abs(tau)) / contact.ks
-            add(n, tables.energy, 0, FRACTURE, 0.5 * max(old.tau if trial.tau > 0.0 else -old.tau, 0.0) * slid)
         if damped and event == INTACT and new.kappa == kappa:
-            d_normal += sigma - old.sigma
-            d_shear += tau - old.tau
-            d_couple += (sigma - old.sigma) * contact.offset
-        normal += sigma
-        shear += tau
-        couple += sigma * contact.offset
+            d_normal += new.normal_stress - last.sigma
+            d_shear += new.shear_stress - last.tau
+            d_couple += (new.normal_stress - last.sigma) * offset
+        normal += new.normal_stress
+        shear += new.shear_stress
+        couple += new.normal_stress * offset
     return Resultant(normal, shear, couple), Resultant(d_normal, d_shear, d_couple), failed
 
 
 @inlined
-def ask_law(n, contact, states, strengths, energy, i, opening, shear, material):
+def ask_law(n, tables, material, i, trial, shear):
     """Evaluate the joint law of contact point i, and write its new state and works into the tables.
 
-    opening, shear: displacements now [m].  Returns as `joint_law.advance`, with forces [N] and works [J].
+    trial: Trial; shear: shear displacement now [m].  Returns as `joint_law.advance`, with forces [N]
+    and works [J].
     """
-    of = rows.strengths_of(n, strengths, i)
+    contact, states, energy = tables.contacts[i], tables.states, tables.energy
+    of = rows.strengths_of(n, tables.strengths, i)
     parameters = LawParameters(contact.kn, contact.ks, of.tensile_strength, of.cohesion, material, of.mode_i_energy,
                                of.mode_ii_energy, of.compressive_strength, of.crushing_energy)
     old = rows.law_state(n, states, i)
+    opening = trial.opening - load(n, states, i, CLOSURE)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
     add(n, energy, 0, FRICTION, new.friction_work - old.friction_work)
     add(n, energy, 0, FRACTURE, new.fracture_work - old.fracture_work)
@@ -182,6 +188,26 @@ def ask_law(n, contact, states, strengths, energy, i, opening, shear, material):
     else:  # the shear force of an intact bond is measured from the undeformed wall
         store(n, states, i, SHEAR_STRESS, old.shear_stress)
     return new, event
+
+
+@inlined
+def correct_fracture(n, tables, i, last, trial, new, event):
+    """Take back what the joint law counts too much where the bond of contact point i ceases to be intact.
+
+    By central differences the force of a bond that fails in a step does half of the step's work on
+    the bodies, while the law counts its energy at the end of the step; and the law of a softening
+    bond counts from no shear stress at all.  last, trial: Trial of the last step and now; new,
+    event: as of `joint_law.advance`.
+    """
+    contact, sigma, tau = tables.contacts[i], new.normal_stress, new.shear_stress
+    if event != INTACT:
+        work = ((trial.sigma - sigma) * (trial.sigma - last.sigma) / contact.kn
+                + (trial.tau - tau) * (trial.tau - last.tau) / contact.ks)
+        add(n, tables.energy, 0, FRACTURE, -0.5 * work)
+    elif new.kappa > 0.0:
+        slid = (abs(trial.tau) - abs(tau)) / contact.ks
+        before = max(last.tau if trial.tau > 0.0 else -last.tau, 0.0)
+        add(n, tables.energy, 0, FRACTURE, 0.5 * before * slid)
 
 
 @inlined
@@ -239,6 +265,6 @@ def read(n, tables, i, motion, which):
 
     Called after its forces are known: it is then a spring about its new state.
     """
-    trial, area = present_forces(n, tables.contacts, tables.states, i, motion), tables.contacts[i].area
+    trial, area = present_forces(n, tables, i, motion), tables.contacts[i].area
     rows.keep_reading(n, tables.readings, i, which, Reading(
         trial.opening, motion.shear, trial.sigma / area, trial.tau / area))

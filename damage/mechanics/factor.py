@@ -1,4 +1,4 @@
-"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor (`damage.mechanics.bodies`)."""
+"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor (`damage.mechanics.scaling`)."""
 
 import hashlib
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from damage.law.blocks import factorised
 from damage.law.modes import elastic_key, joint_stiffness, mass_vector
-from damage.mechanics.bodies import LOST
+from damage.mechanics.scaling import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 from damage.wall.soil import radiation_times
 
@@ -42,18 +42,21 @@ class ScaledMass:
         return self._matrix._replace(room=aligned_zeros(len(self._matrix.body), 2 * LOST, width))
 
     def _factor(self, supports):
-        """The Matrix without room, the supports last, which nothing couples."""
+        """The Matrix without room; nothing couples the supports, whose nodes are the last."""
         factor, size = factorised(self.whole), self.whole.values.shape[1]
         nodes, bodies = factor.per_body, len(factor.order)
-        n, first = nodes * (bodies + supports), np.arange(0, size, RIGID)
-        diagonal = inverse = np.tile(np.eye(RIGID), (nodes * supports, 1, 1))
-        diagonal, inverse = (np.concatenate([of, more]).reshape(n, -1) for of, more in (
-            (factor.diagonal, MASSLESS * diagonal), (factor.inverse, inverse / MASSLESS)))
+        order = [*factor.order, *range(bodies, bodies + supports)]
+        first = np.arange(0, size, RIGID)  # coordinate of each node of a body
+        count = np.minimum(size - first, RIGID)
         start = np.append(factor.start, np.full(nodes * supports, factor.start[-1]))
-        return Matrix(np.repeat([*factor.order, *range(bodies, bodies + supports)], nodes),
-                      np.tile(first, bodies + supports), np.tile(np.minimum(size - first, RIGID), bodies + supports),
-                      start.astype(ROW), factor.below.astype(ROW), factor.lower.reshape(-1, RIGID * RIGID), diagonal,
-                      inverse, np.zeros((0, 0, 1)))
+        at_rest = np.tile(np.eye(RIGID), (nodes * supports, 1, 1))
+        return Matrix(
+            body=np.repeat(order, nodes), first=np.tile(first, len(order)),
+            count=np.tile(count, len(order)), start=start.astype(ROW),
+            below=factor.below.astype(ROW), lower=factor.lower,
+            diagonal=np.concatenate([factor.diagonal, MASSLESS * at_rest]),
+            inverse=np.concatenate([factor.inverse, at_rest / MASSLESS]),
+            room=np.zeros((0, 0, 1)))
 
 
 def _scaled(layout, time_step, beta, held):

@@ -52,8 +52,7 @@ class Springs(NamedTuple):
 
 class Limits(NamedTuple):
     """Up to which an intact interface is elastic: opening at the reach, -inf once a contact point has failed, and shear
-    displacement without opening [m]; failed: FAILED once a contact point has failed, softened or been crushed, then
-    ENDING, ENDED (`damage.mechanics.tables`)."""
+    displacement without opening [m]; failed: zero, then FAILED, ENDING, ENDED of `damage.law.states`."""
 
     largest_opening: float
     largest_slide: float

@@ -8,14 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.law.joint_law import elastic_energy
-from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
+from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED, ENDING
 from damage.mechanics import contacts
-from damage.mechanics.bodies import energies_of_modes, kinetic_energy, scaled_kinetic_energy
+from damage.mechanics.bodies import energies_of_modes, kinetic_energy
+from damage.mechanics.collisions import energy_stored
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
-from damage.mechanics.loose import STORED
 from damage.mechanics.rows import bench_of, force_of, inverse_mass_of, mass_of, place_of, reading_of, velocity_of
-from damage.mechanics.tables import ENDING, HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
+from damage.mechanics.scaling import scaled_kinetic_energy
+from damage.mechanics.tables import HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6
 """Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks and of
@@ -67,87 +68,112 @@ class Samples(NamedTuple):
         return Samples(*(values[wall, :count] for values in self))
 
 
+@argument
+class Sampling(NamedTuple):
+    """Where samples are written: Stiffness and Samples of the walls, and (walls,) numbers of samples
+    written, which grow."""
+
+    stiffness: Stiffness
+    samples: Samples
+    taken: np.ndarray
+
+
 @compiled
-def observe(n, tables, strain, loose, matrix, ending, stiffness, samples, taken):
+def observe(n, tables, model, ending, sampling):
     """Write the next sample of each of the walls `ending` (bits), at the time of its displacements.
 
-    The bench must hold the parameters of the next step; stiffness: Stiffness; taken: (walls,) numbers of samples
-    written, which grow.
+    The bench must hold the parameters of the next step; model, sampling: Model and Sampling.
     """
-    observe_stored(n, tables, ending, stiffness, samples, taken)
-    bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
-    work, moving, elastic = input_of_half_a_step(n, bodies, inertia, bench), zero(n), zero(n)
-    if strain is not None:
-        moving, elastic = energies_of_modes(n, bodies, inertia, strain, bench.step)
-    if matrix is None:
-        kinetic = kinetic_energy_of(n, bodies, inertia, bench)
-    else:
-        kinetic, moving = scaled_kinetic_energy(n, tables, matrix, strain), zero(n)
-    if loose is not None:
-        elastic = elastic + loose.energy[STORED]
+    observe_stored(n, tables, ending, sampling)
+    work = input_of_half_a_step(n, tables)
+    kinetic, elastic = energies_of_bodies(n, tables, model.matrix, model.strain)
+    elastic = elastic + energy_stored(n, model.loose)
     for w in range(lanes(n)):
         if ending >> w & 1:
-            observe_failed(wall_of(n, w), tables, stiffness, samples, w, taken[w])
-            observe_places(wall_of(n, w), tables, samples, w, taken[w])
-            totals, k = samples.totals, taken[w]
-            totals[w, k, KINETIC] = lane(kinetic, w) + lane(moving, w)
+            observe_failed(wall_of(n, w), tables, sampling, w)
+            observe_places(wall_of(n, w), tables, sampling, w)
+            totals, k = sampling.samples.totals, sampling.taken[w]
+            totals[w, k, KINETIC] = lane(kinetic, w)
             totals[w, k, ELASTIC] = lane(elastic, w)
             for i in range(ELASTIC - KINETIC - 1):
                 totals[w, k, KINETIC + 1 + i] = tables.energy[0, i, w]
             totals[w, k, KINETIC + 1 + INPUT] += lane(work, w)
-            taken[w] += 1
+            sampling.taken[w] += 1
 
 
 @inlined
-def observe_stored(n, tables, ending, stiffness, samples, taken):
+def observe_stored(n, tables, ending, sampling):
     """Write the elastic energies of all contact points."""
+    stiffness = sampling.stiffness
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
         now = reading_of(n, tables.readings, c)
         stored = stiffness.area[c] * elastic_energy(now.sigma, now.tau, stiffness.normal[c], stiffness.shear[c])
         for w in range(lanes(n)):
             if ending >> w & 1:
-                samples.stored[w, taken[w], c] = lane(stored, w)
+                sampling.samples.stored[w, sampling.taken[w], c] = lane(stored, w)
 
 
 @inlined
-def observe_failed(n, tables, stiffness, samples, w, k):
-    """Write the contact data of failed interfaces into sample k of wall w; n: its width."""
+def observe_failed(n, tables, sampling, w):
+    """Write the contact data of failed interfaces into the next sample of wall w; n: its width."""
     for p in range(len(tables.interfaces)):
         failed = load(n, tables.limits, p, HAS_FAILED)
         if failed > 0.0:
             ended = ENDED if failed >= ENDING else 0
             for c in range(tables.interfaces[p].start, tables.interfaces[p].stop):
-                observe_contact(n, tables, stiffness.shear[c], ended, samples, w, k, c)
+                state = state_of(n, tables.states, c) | ended
+                sampling.samples.contacts[w, sampling.taken[w], STATE, c] = state
+                observe_contact(n, tables, sampling, w, c)
 
 
 @inlined
-def observe_contact(n, tables, ks, ended, samples, w, k, c):
-    """Write inelastic opening, slip and offset [m] and state (bits) of contact c, and correct its stored energy where a
-    softened bond unloads with a secant stiffness.
+def state_of(n, states, c):
+    """State (bits) of contact c by itself: without ENDED, which is of its interface."""
+    broken = BROKEN if load(n, states, c, contacts.BROKEN) > 0.0 else 0
+    at_limit = AT_LIMIT if load(n, states, c, contacts.AT_LIMIT) > 0.0 else 0
+    crushed = CRUSHED if load(n, states, c, contacts.CLOSURE) > 0.0 else 0
+    return broken | at_limit | crushed
 
-    opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part;
-    ks: shear stiffness [Pa/m]; ended: bit of its interface.
+
+@inlined
+def observe_contact(n, tables, sampling, w, c):
+    """Write inelastic opening, slip and offset [m] of contact c, and correct its stored energy where a softened bond
+    unloads with a secant stiffness.
+
+    opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part.
     """
-    contact, states, fields = tables.contacts[c], tables.states, samples.contacts
+    samples, k = sampling.samples, sampling.taken[w]
+    contact, states, now = tables.contacts[c], tables.states, reading_of(n, tables.readings, c)
     broken, softened = load(n, states, c, contacts.BROKEN) > 0.0, load(n, states, c, contacts.KAPPA) > 0.0
-    now = reading_of(n, tables.readings, c)
-    wide, force = now.opening, now.sigma * contact.area
-    opening = wide if broken else wide - force / contact.kn
-    opens = broken or (softened and wide > 0.0)
-    fields[w, k, OPENING, c] = 0.0 if not opens or opening <= 0.0 else opening  # NaN passes
-    fields[w, k, SLIP, c] = load(n, states, c, contacts.SLIP)
-    fields[w, k, OFFSET, c] = now.shear - now.tau / ks if broken or softened else 0.0
-    fields[w, k, STATE, c] = (BROKEN if broken else 0) | (
-        AT_LIMIT if load(n, states, c, contacts.AT_LIMIT) > 0.0 else 0) | (
-        CRUSHED if load(n, states, c, contacts.CLOSURE) > 0.0 else 0) | ended
-    if load(n, states, c, contacts.TENSION_STIFFNESS) != contact.kn and wide > 0.0:
-        samples.stored[w, k, c] += force * (wide - force / contact.kn) / 2
+    force = now.sigma * contact.area
+    inelastic = now.opening - force / contact.kn
+    opening = offset = 0.0
+    if broken:
+        opening = positive(now.opening)
+    elif softened and now.opening > 0.0:
+        opening = positive(inelastic)
+    if broken or softened:
+        offset = now.shear - now.tau / sampling.stiffness.shear[c]
+    samples.contacts[w, k, OPENING, c] = opening
+    samples.contacts[w, k, SLIP, c] = load(n, states, c, contacts.SLIP)
+    samples.contacts[w, k, OFFSET, c] = offset
+    if load(n, states, c, contacts.TENSION_STIFFNESS) != contact.kn and now.opening > 0.0:
+        samples.stored[w, k, c] += force * inelastic / 2
 
 
 @inlined
-def observe_places(n, tables, samples, w, k):
-    """Write displacements of the bodies, forces on the supports and, where there is room for them, stresses into sample
-    k of wall w; n: its width."""
+def positive(value):
+    """The value, zero where it is below; NaN stays."""
+    if value <= 0.0:
+        return 0.0
+    return value
+
+
+@inlined
+def observe_places(n, tables, sampling, w):
+    """Write displacements of the bodies, forces on the supports and, where there is room for them, stresses into the
+    next sample of wall w; n: its width."""
+    samples, k = sampling.samples, sampling.taken[w]
     bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
     supports = displacement.shape[2] - support_force.shape[2]
     for b in range(displacement.shape[2]):
@@ -162,8 +188,19 @@ def observe_places(n, tables, samples, w, k):
 
 
 @inlined
-def kinetic_energy_of(n, bodies, inertia, bench):
-    """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step."""
+def energies_of_bodies(n, tables, matrix, strain):
+    """Kinetic and elastic energy of all bodies and their strain modes [J]."""
+    kinetic, elastic = energies_of_modes(n, tables, strain)
+    if matrix is not None:
+        return scaled_kinetic_energy(n, tables, matrix, strain), elastic
+    return kinetic_energy_of(n, tables) + kinetic, elastic
+
+
+@inlined
+def kinetic_energy_of(n, tables):
+    """Kinetic energy of rigid motion at the time of the displacements [J], to which velocities are advanced by half a
+    step."""
+    bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
     energy, half = zero(n), 0.5 * bench.step
     for b in range(len(bodies)):
         x = half_step_on(n, bodies, inertia, b, X, bench.base_x, half)
@@ -182,12 +219,13 @@ def half_step_on(n, bodies, inertia, b, k, field, half):
 
 
 @inlined
-def input_of_half_a_step(n, bodies, inertia, bench):
+def input_of_half_a_step(n, tables):
     """Work [J] of the base and of prescribed velocities in the half step before the displacements.
 
     A step adds the work from half a step before its forces to half a step after them; at a sample the last half is
     missing.
     """
+    bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
     power = zero(n)
     for b in range(len(bodies)):
         for axis in range(RIGID):

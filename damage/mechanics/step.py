@@ -5,20 +5,27 @@ numba or as plain Python (NUMBA_DISABLE_JIT=1); a wall has the same bits in both
 eight walls, some leave their elastic range, are failed, or end, which bits of integers say; the joint law is evaluated
 for one wall at a time.
 
-A wall *ends* at the steps at which a sample of it is taken: its contact points are then evaluated one by one.
+Python calls three functions: `advance` by many steps, each of which is `step_once`; `find_forces` at displacements that
+it has set; and `look`, which writes a sample.  A wall *ends* at the steps at which a sample of it is taken: its contact
+points are then evaluated one by one.
 
 Time integration is by central differences: velocities at half steps, displacements and forces at full steps.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from damage.elementary import cos, sin
-from damage.mechanics import contacts, interfaces, rows
-from damage.mechanics.bodies import SMALL, adapt, move, set_bench, small_rotation, total
+from damage.law.states import ENDED, ENDING, FAILED
+from damage.mechanics import collisions, contacts, interfaces, rows
+from damage.mechanics.bodies import SMALL, adapt, move_all, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
+from damage.mechanics.contacts import Points
 from damage.mechanics.eight import (
     add,
     add_part,
+    argument,
     bits,
     either,
     flags_of,
@@ -34,119 +41,168 @@ from damage.mechanics.eight import (
     zero,
 )
 from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
-from damage.mechanics.loose import can_end, ends_too, find_loose_forces, hand_over
 from damage.mechanics.samples import observe
+from damage.mechanics.scaling import move_scaled
 from damage.mechanics.tables import (
+    ADAPTIVE,
+    BETA,
     DAMPED,
     DAMPING,
-    ENDED,
-    ENDING,
-    FAILED,
+    DRIVEN,
     FRICTION,
     HAS_FAILED,
+    INPUT,
+    KINETIC,
     LARGEST_OPENING,
     RIGID,
     ROTATION,
     ROW,
     STEP,
+    SWEPT_X,
+    SWEPT_Z,
+    TAKEN,
+    TIME_STEP,
     Bearing,
     X,
     Z,
 )
 
-ADVANCE, FIND_FORCES, LOOK = range(3)
-"""What `run` does."""
+
+@argument
+class Asked(NamedTuple):
+    """Which forces are asked for, of all walls (bits).
+
+    clock: (walls,) numbers of steps before those that are counted here; step: number of steps from
+    there, which is added in the log of events; ending: walls (bits) whose contact points are all
+    evaluated by themselves and read, as for samples, so that forces are the sums of the stresses to
+    the last bit; damped: whether interfaces damp; turns: whether bodies are held by rotational
+    springs; since: time since the last forces [s], zero where nothing has moved.
+    """
+
+    clock: np.ndarray
+    step: int
+    walls: int
+    ending: int
+    damped: bool
+    turns: bool
+    since: float
 
 
 @entry
-def run(what, n, tables, law, strain, loose, matrix, controls, field, clock, ends, ending, stiffness, samples,
-        taken):
-    """Advance all walls to the last of the steps `ends`, and write samples.
+def advance(n, tables, model, controls, field, clock, stops, sampling):
+    """Advance all walls to the last of the steps at which one ends, and write samples.
 
     On entry the forces must be those at the present displacements.  On return, and at each sample, forces and readings
     (opening, shear displacement and stresses of every contact point) are those at the displacements.
 
-    what: ADVANCE; FIND_FORCES: at the present displacements, without damping, by contact points in the walls ending[0];
-    LOOK: write a sample of the walls ending[0] now.  All in one function, since each would be compiled with the rest.
-    tables, law: Tables and Law; strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find
-    no new contacts; matrix: Matrix of these walls, None without mass scaling; controls: (walls, 5) time step [s], local
-    damping [-], mass-proportional [1/s] and stiffness-proportional damping [s], adaptive damping as the share of the
-    rate of change of the kinetic energy [-];
+    tables, model: Tables and Model; controls: (walls, 5) of `damage.mechanics.tables.TIME_STEP` to ADAPTIVE;
     field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in each step and the one after the
-    last [m/s2]; clock: (walls,) numbers of steps before; ends: (n,) rising numbers of steps from now; ending: (n,)
-    walls (bits) of which a sample is written there, all of them at the last; stiffness, samples, taken: as of
-    `damage.mechanics.samples.observe`.
+    last [m/s2]; clock: (walls,) numbers of steps before; stops: (stops, 2) rising numbers of steps from now, and the
+    walls (bits) of which a sample is written there, all of them at the last; sampling: Sampling.
     """
-    damped = what == ADVANCE and (controls[:, 3].any() or len(tables.radiation) > 0)
-    adaptive, turns, walls = controls[:, 4].any(), tables.turning[:, 0].any(), (1 << len(controls)) - 1
-    step = k = ends[0] * 0  # of no literal type, for which numba would compile all of it once more
-    if strain is not None:
-        mark_used(n, tables, walls)
-    if what == LOOK:
-        set_bench(n, tables, controls, field, step)
-        observe(n, tables, strain, loose, matrix, ending[0], stiffness, samples, taken)
-        return
-    if what == FIND_FORCES:
-        tables.bodies[:, rows.first_force(tables.bodies):] = 0.0
-        tables.bench[0, STEP] = 0.0  # nothing has moved to these displacements
-        all_forces(n, tables, law, strain, loose, clock, step, walls, ending[0], damped, turns, 0.0)
-        return
+    damped = controls[:, BETA].any() or len(tables.radiation) > 0
+    walls, turns = (1 << len(controls)) - 1, tables.turning[:, 0].any()
+    step = k = stops[0, 0] * 0  # of no literal type, for which numba would compile all of it once more
+    mark_used(n, tables, model.strain, walls)
     if damped:
-        remember_last(n, tables, strain, walls)
-    while k < len(ends):
-        move(n, tables, strain, matrix, controls, field, step)
-        if adaptive:
-            adapt(n, tables, strain, controls)
+        remember_last(n, tables, model.strain, walls)
+    while k < len(stops):
         step += 1
-        which = ending[k] if step >= ends[k] else 0
-        all_forces(n, tables, law, strain, loose, clock, step, walls, which, damped, turns, controls[0, 0])
-        if which:
-            set_bench(n, tables, controls, field, step)
-            observe(n, tables, strain, loose, matrix, which, stiffness, samples, taken)
+        ending = stops[k, 1] if step >= stops[k, 0] else 0
+        step_once(n, tables, model, controls, field, Asked(
+            clock, step, walls, ending, damped, turns, controls[0, TIME_STEP]))
+        if ending:
+            look(n, tables, model, controls, field, step, ending, sampling)
             if damped:
-                remember_last(n, tables, strain, which)
+                remember_last(n, tables, model.strain, ending)
             k += 1
 
 
+@inlined
+def step_once(n, tables, model, controls, field, asked):
+    """Move all bodies by a step, and find the forces at the places where they are then."""
+    move(n, tables, model.strain, model.matrix, controls, field, asked.step - 1)
+    if controls[:, ADAPTIVE].any():
+        adapt(n, tables, model.strain, controls)
+    find_forces(n, tables, model, asked)
+
+
+@entry
+def look(n, tables, model, controls, field, step, which, sampling):
+    """Write a sample of the walls `which` (bits) at their present displacements; step: row of the field; otherwise as
+    `advance`."""
+    set_bench(n, tables, controls, field, step)
+    observe(n, tables, model, which, sampling)
+
+
+# --- motion -----------------------------------------------------------------------------------------
+
 @compiled
-def mark_used(n, tables, walls):
-    """Mark the contact points that are no intact springs in any of the walls (bits)."""
-    for i in range(len(tables.contacts)):
-        tables.used[i] = bits(contacts.is_intact_spring(n, tables.states, i)) & walls != walls
+def move(n, tables, strain, matrix, controls, field, step):
+    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
+
+    controls, field: as of `advance`; step: row of the field.
+    """
+    sums = tables.sums
+    sums[SWEPT_X:KINETIC] = 0.0
+    damped = set_bench(n, tables, controls, field, step)
+    if matrix is not None:
+        move_scaled(n, tables, matrix, strain, damped)
+    elif damped:
+        move_all(n, tables, strain, controls, True)
+    else:
+        move_all(n, tables, strain, controls, False)
+    for kind in range(SWEPT_X, KINETIC):
+        total(n, sums, kind)
+    for w in range(len(controls)):
+        dt = controls[w, TIME_STEP]
+        swept = field[w, step, 0] * sums[SWEPT_X, 0, w] + field[w, step, 1] * sums[SWEPT_Z, 0, w]
+        tables.energy[0, INPUT, w] += (sums[DRIVEN, 0, w] - 0.5 * swept) * dt
+        tables.energy[0, DAMPING, w] += sums[TAKEN, 0, w] * dt
 
 
 # --- forces -----------------------------------------------------------------------------------------
 
-@compiled
-def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped, turns, since):
-    """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on entry.
+@entry
+def find_forces(n, tables, model, asked):
+    """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on entry, or are made
+    so where nothing has moved; tables, model, asked: Tables, Model, Asked.
 
     Intact interfaces come first, each by its resultant springs, then the others contact point by contact point.
-    clock + step: number of the step in the log of events; walls: all of them (bits); ending: walls whose contact points
-    are all evaluated by themselves and read, as for samples, so that forces are the sums of the stresses to the last
-    bit; damped: whether interfaces damp; turns: whether bodies are held by rotational springs; since: time since the
-    last forces [s], zero where nothing has moved.
     """
+    if asked.since == 0.0:
+        tables.bodies[:, rows.first_force(tables.bodies):] = 0.0
+        tables.bench[0, STEP] = 0.0
+        mark_used(n, tables, model.strain, asked.walls)
     tables.sums[DAMPED] = 0.0
-    singly, others = ending == walls, 1
-    if strain is not None:
-        singly = True
-    if not singly:
-        others = forces_of_damped(n, tables, loose, ending) if damped else forces_of_undamped(n, tables, loose, ending)
-    if others:
-        forces_of_others(n, tables, law, strain, loose, clock, step, walls, ending, singly, damped)
-    if turns:
-        for b in range(len(tables.turning)):
-            stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
-            moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
-            add(n, tables.bodies, b, rows.first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
+    singly = asked.ending == asked.walls or deforms(model.strain)
+    if singly or forces_of_springs(n, tables, model.loose, asked):
+        forces_of_others(n, tables, model, asked, singly)
+    if asked.turns:
+        hold_rotations(n, tables)
     if len(tables.bearings) > 0:
         hold_top(n, tables)
-    if loose is not None:
-        find_loose_forces(n, tables, loose, since)
-    if damped:
+    collisions.add_forces(n, tables, model.loose, asked.since)
+    if asked.damped:
         total(n, tables.sums, DAMPED)
         store(n, tables.energy, 0, DAMPING, load(n, tables.energy, 0, DAMPING) + load(n, tables.sums, DAMPED, 0))
+
+
+@compiled
+def mark_used(n, tables, strain, walls):
+    """Mark the contact points between deformable bricks that are no intact springs in any of the walls (bits)."""
+    if strain is not None:
+        for i in range(len(tables.contacts)):
+            tables.used[i] = bits(contacts.is_intact_spring(n, tables.states, i)) & walls != walls
+
+
+@inlined
+def hold_rotations(n, tables):
+    """Add the moments of the rotational springs by which bodies are held."""
+    for b in range(len(tables.turning)):
+        stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
+        moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
+        add(n, tables.bodies, b, rows.first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
 
 
 @compiled
@@ -168,6 +224,14 @@ def hold_top(n, tables):
         add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
         add(n, tables.bodies, b, rows.first_force(tables.bodies) + X, -force)
         add(n, tables.bodies, b, rows.first_force(tables.bodies) + Z, -weighs * gravity)
+
+
+@inlined
+def forces_of_springs(n, tables, loose, asked):
+    """Add the forces of intact interfaces, but in the walls that end; returns whether there are others."""
+    if asked.damped:
+        return forces_of_damped(n, tables, loose, asked.ending)
+    return forces_of_undamped(n, tables, loose, asked.ending)
 
 
 @compiled
@@ -195,8 +259,7 @@ def forces_of_intact(n, tables, loose, ending, damped):
         intact = interfaces.stays_intact(springs, rows.limits_of(n, tables.limits, p), motion)
         if ending:
             intact = intact & flags_of(n, everyone ^ ending)
-        if loose is not None:
-            intact = intact & flags_of(n, everyone ^ bits(can_end(motion)))
+        intact = intact & flags_of(n, everyone ^ bits(collisions.may_end(n, loose, motion)))
         other = everyone ^ bits(intact)
         any_other |= other
         if rows_of(n) == 1:
@@ -221,58 +284,59 @@ def moved(n, tables, p):
 
 
 @compiled
-def forces_of_others(n, tables, law, strain, loose, clock, step, walls, ending, singly, damped):
-    """Add the forces of the interfaces that are not intact, if `singly` of all, contact point by contact point."""
+def forces_of_others(n, tables, model, asked, singly):
+    """Add the forces of the interfaces that are not intact, if `singly` of all, contact point by contact point.
+
+    Once the faces have ceased to overlap, forces are zero from the next step on, permanently.
+    """
     for p in range(len(tables.interfaces)):
-        here = walls if singly else walls & int(tables.others[p])
+        here = asked.walls if singly else asked.walls & int(tables.others[p])
         if here:
-            forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, ending, damped)
+            gone = bits(load(n, tables.limits, p, HAS_FAILED) >= ENDING) & here
+            if gone:
+                let_go(n, tables, model, p, gone)
+            if here & ~gone:
+                forces_by_contacts(n, tables, model, asked, p, here & ~gone)
 
 
 @inlined
-def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, ending, damped):
+def forces_by_contacts(n, tables, model, asked, p, here):
     """Add the forces of interface p in the walls `here` (bits), evaluated contact point by contact point.
 
     Those that share a RelativeMotion (all between rigid bricks, one between deformable ones) are springs while all stay
-    in their elastic range, else the joint law applies.  Once the faces have ceased to overlap, forces are zero from the
-    next step on, permanently.
+    in their elastic range, else the joint law applies.
     """
-    interface = tables.interfaces[p]
+    interface, strain, lives = tables.interfaces[p], model.strain, flags_of(n, here)
     frame, motion = moved(n, tables, p)
-    gone = bits(load(n, tables.limits, p, HAS_FAILED) >= ENDING) & here
-    if gone:
-        let_go(n, tables, strain, loose, p, gone, motion)
-        here &= ~gone
-    if here:
-        lives, resultant = flags_of(n, here), Resultant(zero(n), zero(n), zero(n))
-        start, size = ROW(interface.start), points_at_once(strain, interface)
-        while start < interface.stop:
-            at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
-            of_points = forces_of_points(n, tables, law, strain, p, start, start + size, clock, step, at_points, here,
-                                         damped)
-            push_modes(n, tables.bodies, strain, interface, start, of_points, lives)
-            resultant = interfaces.add(resultant, of_points)
-            start += size
-        over = ends_now(n, tables, loose, p, clock, step, here, motion)
-        if here & (ending | over):
-            for i in range(interface.start, interface.stop):
-                at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
-                contacts.read(n, tables, i, at_point, flags_of(n, here & (ending | over)))
-        rows.push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
+    resultant = Resultant(zero(n), zero(n), zero(n))
+    start, size = ROW(interface.start), points_at_once(strain, interface)
+    while start < interface.stop:
+        points = Points(p, start, start + size, last_row(strain, p, start))
+        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
+        of_points = forces_of_points(n, tables, model, asked, points, at_points, here)
+        push_modes(n, tables.bodies, strain, interface, start, of_points, lives)
+        resultant = interfaces.add(resultant, of_points)
+        start += size
+    over = ends_now(n, tables, model.loose, asked, p, here, motion)
+    to_read = here & (asked.ending | over)
+    if to_read:
+        for i in range(interface.start, interface.stop):
+            at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
+            contacts.read(n, tables, i, at_point, flags_of(n, to_read))
+    rows.push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
 
 
 @inlined
-def ends_now(n, tables, loose, p, clock, step, here, motion):
+def ends_now(n, tables, loose, asked, p, here, motion):
     """Walls of `here` (bits) in which interface p ends at this RelativeMotion: there it is ENDING.
 
-    A failed one ends as its faces cease to overlap; also as of `ends_too` where bodies find new contacts.
+    A failed one ends as its faces cease to overlap; also as of `damage.mechanics.collisions.ends_too`.
     """
     interface = tables.interfaces[p]
-    failed = bits(load(n, tables.limits, p, HAS_FAILED) == FAILED) & here
-    over = 0
-    if failed:
-        over = failed & bits((motion.shear <= interface.slide_least) | (motion.shear >= interface.slide_most))
-    if loose is not None and over == 0 and ends_too(n, tables, loose, p, clock[0] + step, motion):
+    over = bits(load(n, tables.limits, p, HAS_FAILED) == FAILED) & here
+    if over:
+        over &= bits((motion.shear <= interface.slide_least) | (motion.shear >= interface.slide_most))
+    if over == 0 and collisions.ends_too(n, tables, loose, p, asked.clock[0] + asked.step, motion):
         over = 1
     if over:
         for w in range(lanes(n)):
@@ -289,20 +353,21 @@ def fail(n, tables, p, w, failed):
 
 
 @inlined
-def let_go(n, tables, strain, loose, p, gone, motion):
+def let_go(n, tables, model, p, gone):
     """Set the forces of interface p to zero, permanently, in those of the walls `gone` (bits) in which it is ENDING;
-    its bodies become a loose pair where there are such."""
+    from then on its bodies collide."""
     interface = tables.interfaces[p]
     for w in range(lanes(n)):
         one = wall_of(n, w)
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
-            before = load(one, tables.energy, 0, FRICTION)
+            before, motion = load(one, tables.energy, 0, FRICTION), moved(one, tables, p)[1]
             for i in range(interface.start, interface.stop):
-                contacts.let_go(one, tables, i, motion_at(one, tables.bodies, strain, interface, i, of_wall(motion, w)))
+                at_point = motion_at(one, tables.bodies, model.strain, interface, i, motion)
+                contacts.let_go(one, tables, i, at_point)
                 tables.used[i] = 1
             fail(n, tables, p, w, ENDED)
-            if loose is not None:
-                hand_over(n, tables, loose, interface, load(one, tables.energy, 0, FRICTION) - before)
+            stored = load(one, tables.energy, 0, FRICTION) - before
+            collisions.hand_over(n, tables, model.loose, interface, stored)
 
 
 @inlined
@@ -312,45 +377,53 @@ def last_row(strain, p, start):
 
 
 @inlined
-def forces_of_points(n, tables, law, strain, p, start, stop, clock, step, motion, here, damped):
-    """Resultant of contact points of interface p that share a RelativeMotion [N, N m], in the walls `here` (bits)."""
-    lives, row, of_contacts, states = flags_of(n, here), last_row(strain, p, start), tables.contacts, tables.states
-    if strain is not None and tables.used[start] == 0:
-        resultant, elastic = contacts.intact_resultant(n, of_contacts, states, start, motion, lives)
+def forces_of_points(n, tables, model, asked, points, motion, here):
+    """Resultant of Points of an interface that have a RelativeMotion [N, N m], in the walls `here` (bits)."""
+    p, damped, lives = points.p, asked.damped, flags_of(n, here)
+    simple = is_known_intact(tables, model.strain, points.start)
+    if simple:
+        resultant, elastic = contacts.intact_resultant(n, tables, points.start, motion, lives)
     else:
-        resultant, elastic = contacts.elastic_resultant(n, of_contacts, states, start, stop, motion, lives)
+        resultant, elastic = contacts.elastic_resultant(n, tables, points, motion, lives)
     beyond = here & ~bits(elastic)
     if beyond:
         springs, limits = rows.springs_of(n, tables, p), rows.limits_of(n, tables.limits, p)
         beyond &= ~bits(interfaces.stays_intact(springs, limits, motion))
-    if strain is None or tables.used[start]:
-        contacts.remember(n, of_contacts, states, start, stop, motion, flags_of(n, here & ~beyond))
+    if not simple:
+        contacts.remember(n, tables, points, motion, flags_of(n, here & ~beyond))
     changed = resultant
     if damped:
-        changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, row))
+        changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, points.row))
     if beyond:
-        resultant, changed = by_law(n, tables, law, strain, p, start, stop, clock, step, motion, beyond, damped,
-                                    resultant, changed)
+        resultant, changed = by_law(n, tables, model, asked, points, motion, beyond, (resultant, changed))
     if damped:
-        resultant = damp(n, tables, row, motion, resultant, changed, lives)
+        resultant = damp(n, tables, points.row, motion, resultant, changed, lives)
     return resultant
 
 
 @inlined
-def by_law(n, tables, law, strain, p, start, stop, clock, step, motion, beyond, damped, resultant, changed):
-    """Resultant of contact points, and its change since the last step, by the joint law in the walls `beyond` (bits),
-    in the others as given."""
-    row = last_row(strain, p, start)
+def is_known_intact(tables, strain, i):
+    """Whether contact point i between deformable bricks is marked as an intact spring in all walls."""
+    if strain is None:
+        return False
+    return tables.used[i] == 0
+
+
+@inlined
+def by_law(n, tables, model, asked, points, motion, beyond, elastic):
+    """Resultant of Points, and its change since the last step, by the joint law in the walls `beyond` (bits), in the
+    others as `elastic`."""
+    resultant, changed = elastic
     for w in range(lanes(n)):
         if beyond >> w & 1:
-            one, now = wall_of(n, w), of_wall(motion, w)
-            before = motion_before(one, tables, strain, p, row, now, damped)
-            of_points, change, failed = contacts.law_resultant(one, tables, law, start, stop, clock[w] + step, now,
-                                                               before, damped)
+            one, now, step = wall_of(n, w), of_wall(motion, w), asked.clock[w] + asked.step
+            before = motion_before(one, tables, model.strain, points, now, asked.damped)
+            of_points, change, failed = contacts.law_resultant(
+                one, tables, model.law, points, step, now, before, asked.damped)
             resultant, changed = with_wall(resultant, w, of_points), with_wall(changed, w, change)
             if failed:
-                fail(n, tables, p, w, FAILED)
-                tables.used[start] = 1
+                fail(n, tables, points.p, w, FAILED)
+                tables.used[points.start] = 1
     return resultant, changed
 
 
@@ -368,15 +441,15 @@ def with_wall(resultant, w, of_wall):
 
 
 @inlined
-def motion_before(n, tables, strain, p, row, motion, damped):
-    """RelativeMotion of interface p of one wall in the last step, stored where the wall damps, else by velocities; the
+def motion_before(n, tables, strain, points, motion, damped):
+    """RelativeMotion of Points of one wall in the last step, stored where the wall damps, else by velocities; the
     present one between deformable bricks."""
     if damped and (rows.bench_of(n, tables.bench, 0).rate > 0.0 or len(tables.radiation) > 0):
-        return rows.last_motion(n, tables.last, row)
+        return rows.last_motion(n, tables.last, points.row)
     if strain is not None:
         return motion
-    interface = tables.interfaces[p]
-    return interfaces.relative_motion(rows.line_of(n, tables, p), pose_before(n, tables, interface.a),
+    interface = tables.interfaces[points.p]
+    return interfaces.relative_motion(rows.line_of(n, tables, points.p), pose_before(n, tables, interface.a),
                                       pose_before(n, tables, interface.b))[1]
 
 
@@ -423,10 +496,11 @@ def remember_last(n, tables, strain, which):
         interface, motion = tables.interfaces[p], moved(n, tables, p)[1]
         start, size = ROW(interface.start), points_at_once(strain, interface)
         while start < interface.stop:
-            here, row = motion_at(n, tables.bodies, strain, interface, start, motion), last_row(strain, p, start)
-            rows.keep_motion(n, tables.last, row, asked, here)
-            rows.keep_resultant(n, tables.last, row, asked, contacts.present_resultant(
-                n, tables.contacts, tables.states, start, start + size, here))
+            points = Points(p, start, start + size, last_row(strain, p, start))
+            here = motion_at(n, tables.bodies, strain, interface, start, motion)
+            rows.keep_motion(n, tables.last, points.row, asked, here)
+            rows.keep_resultant(n, tables.last, points.row, asked, contacts.present_resultant(
+                n, tables, points, here))
             start += size
 
 
@@ -434,6 +508,12 @@ def remember_last(n, tables, strain, which):
 # Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact forces on the opening
 # and shear displacement by a unit of the mode.  Its mass, stiffness, damping and shape are equal in all walls that step
 # together.  Theory: `damage.wall.strain`.
+
+@inlined
+def deforms(strain):
+    """Whether bricks deform."""
+    return strain is not None
+
 
 @inlined
 def points_at_once(strain, interface):

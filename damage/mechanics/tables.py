@@ -53,6 +53,9 @@ class Bench(NamedTuple):
 
 
 STEP = Bench._fields.index("step")
+TIME_STEP, LOCAL, ALPHA, BETA, ADAPTIVE = range(5)
+"""Columns of `controls`, a row for each wall: time step [s]; local damping [-]; mass-proportional [1/s] and
+stiffness-proportional damping [s]; adaptive damping as the share of the rate of change of the kinetic energy [-]."""
 
 
 class Bearing(NamedTuple):
@@ -118,8 +121,6 @@ LIMITS = "largest_opening", "largest_slide", "failed"
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
 LINES = INTERFACE.names[:11]
 """Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
-FAILED, ENDING, ENDED = 1.0, 2.0, 3.0
-"""Values of `failed`; ENDING: the two faces ceased to overlap in this step; ENDED: before, and forces are zero."""
 CONTACT = _row(  # of a contact point, equal in all walls that step together; stiffnesses times its area
     ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
     ("area", REAL, "m2", ""),
@@ -188,9 +189,9 @@ SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
 WORK = "bench", "sums", "others", "used", "lines", "first", "second", "every"
 
 
-def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots, n_bearings, capacity, width=1):
-    """Tables of walls with these interfaces and contacts, all else zero; n_last, n_dashpots, n_bearings: rows of
-    `last`, `radiation` and `bearings`; capacity: largest number of events."""
+def make_tables(n_bodies, coordinates, interfaces, contacts, n_dashpots, n_bearings, capacity, width=1):
+    """Tables of walls with these interfaces and contacts, all else zero; n_dashpots, n_bearings: rows of `radiation`
+    and `bearings`; capacity: largest number of events."""
     def up(rows):
         return rows if width > 1 else -(-rows // 8) * 8
 
@@ -204,6 +205,7 @@ def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots,
     def by_columns(rows, fields):
         return zeros(rows, fields) if width > 1 else aligned_zeros(1, fields, up(rows)).T
 
+    n_last = len(interfaces if coordinates == RIGID else contacts)
     limits = by_columns(len(interfaces), len(LIMITS))
     limits[:, :HAS_FAILED] = np.inf  # places that no wall takes stay intact
     return Tables(
@@ -236,7 +238,7 @@ def join(members):
     """Tables of walls that step together, of one or eight; members: (Tables, place in them) of each."""
     old = members[0][0]
     new = make_tables(len(old.turning), old.inertia.shape[1] // 3, old.interfaces.copy(), old.contacts.copy(),
-                      len(old.last), len(old.radiation), len(old.bearings), old.events.shape[1],
+                      len(old.radiation), len(old.bearings), old.events.shape[1],
                       width=1 if len(members) == 1 else WIDTH)
     for w, (tables, lane) in enumerate(members):
         logged = {"n_events": 1, "events": int(tables.n_events[lane, 0]), "values": int(tables.n_events[lane, 0])}
@@ -302,9 +304,9 @@ class Matrix(NamedTuple):
     three coordinates of a body.
 
     body, first, count: (nodes,) row of its body, the first of its coordinates and their number; start: (nodes + 1,)
-    first block of each column of L; below: (blocks,) node of each block's row; lower: (blocks, 9) these blocks;
-    diagonal, inverse: (nodes, 9) blocks of D, zero where massless and prescribed, and of its inverse; room: (nodes, 6,
-    W) work array.
+    first block of each column of L; below: (blocks,) node of each block's row; lower: (blocks, 3, 3) these blocks;
+    diagonal, inverse: (nodes, 3, 3) blocks of D, zero where massless and prescribed, and of its inverse;
+    room: (nodes, 6, W) work array.
     """
 
     body: np.ndarray
@@ -324,3 +326,12 @@ class Law(NamedTuple):
 
     material: Material
     threshold: float
+
+
+@argument
+class Model(namedtuple("Model", "law strain loose matrix")):
+    """What walls that step together share besides their tables.
+
+    law: Law; strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find
+    no new contacts; matrix: Matrix of these walls, None without mass scaling.
+    """

@@ -17,6 +17,7 @@ from damage.index import THRESHOLD
 from damage.mechanics import step as kernel
 from damage.mechanics import tables
 from damage.mechanics.eight import EIGHT, ONE, WIDTH
+from damage.mechanics.samples import Samples, Sampling
 
 MOST_LANES = WIDTH
 """Largest number of walls in a batch: the SIMD lanes of a vector (`damage.mechanics.eight`)."""
@@ -60,9 +61,9 @@ class Lanes:
         self.tables = built or tables.join([(wall.lanes.tables, wall.lanes.lane_of(wall)) for wall in walls])
         for w, wall in enumerate(walls):
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
-        self._law = tables.Law(walls[0].material, THRESHOLD)
-        self._matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
-        self._samples = self.room(0)
+        matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
+        self._model = tables.Model(tables.Law(walls[0].material, THRESHOLD), walls[0].strain, walls[0].loose, matrix)
+        self._sampling = self.room(0)
 
     @property
     def kind(self):
@@ -93,9 +94,9 @@ class Lanes:
         for wall in walls:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
-        longest, room = max(map(len, steps)), self._samples
+        longest, room = max(map(len, steps)), self._sampling.samples
         if longest > room.totals.shape[1] or (any(wall.with_stresses for wall in walls) and not room.stress.shape[3]):
-            self._samples = self.room(longest)
+            self._sampling = self.room(longest)
         ends = [np.cumsum(of_wall) for of_wall in steps]
         last = int(ends[0][-1])
         if any(of_wall[-1] != last for of_wall in ends):
@@ -103,39 +104,43 @@ class Lanes:
                              "equally many")
         if last == 0:
             return
-        self._run(kernel.ADVANCE, np.array([wall.field(last + 1) for wall in walls]), *_in_turn(ends), self._samples)
+        self._sampling.taken[:] = 0
+        field, (clock, controls) = np.array([wall.field(last + 1) for wall in walls]), self._now()
+        kernel.advance(self._n, self.tables, self._model, controls, field, clock, _in_turn(ends), self._sampling)
         for wall in walls:
             wall.step += last
 
-    def _run(self, what, field, ends, ending, samples):
-        """As `damage.mechanics.step.run`; others than the wall that is looked at may be in use no longer."""
+    def _now(self):
+        """(walls,) steps since `start` and (walls, 5) `controls`; for a wall in use no longer those of another."""
         any_wall = next(filter(None, self.walls))
         walls = [wall or any_wall for wall in self.walls]
-        kernel.run(what, self._n, self.tables, self._law, any_wall.strain, any_wall.loose, self._matrix,
-                   np.array([wall.controls for wall in walls], float), field,
-                   np.array([wall.step - wall.first_step for wall in walls]), ends, ending, any_wall.stiffness, samples,
-                   np.zeros(len(walls), int))
+        return np.array([wall.clock for wall in walls]), np.array([wall.controls for wall in walls], float)
 
     def room(self, n_samples):
-        """Samples of all walls, all zero."""
+        """Sampling of all walls, all zero."""
         walls = list(filter(None, self.walls))
-        return walls[0].room(len(self._walls), n_samples, any(wall.with_stresses for wall in walls))
+        n_supports, with_stresses = len(walls[0].layout.supports), any(wall.with_stresses for wall in walls)
+        samples = Samples.none(len(self._walls), n_samples, walls[0].system, n_supports, with_stresses)
+        return Sampling(walls[0].stiffness, samples, np.zeros(len(self._walls), int))
 
     def samples_of(self, wall, count):
         """The first samples of a wall from the last `run`, views that the next one overwrites."""
-        return self._samples.of(self.lane_of(wall), count)
+        return self._sampling.samples.of(self.lane_of(wall), count)
 
     def sample_now(self, wall, field):
         """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of the base and
         gravity."""
-        samples, w = self.room(1), self.lane_of(wall)
-        self._run(kernel.LOOK, np.tile(field, (len(self._walls), 1, 1)), np.zeros(1, int), np.array([1 << w]), samples)
-        return samples.of(w, 1)
+        sampling, w = self.room(1), self.lane_of(wall)
+        field = np.tile(field, (len(self._walls), 1, 1))
+        kernel.look(self._n, self.tables, self._model, self._now()[1], field, 0, 1 << w, sampling)
+        return sampling.samples.of(w, 1)
 
-    def find_forces(self, singly):
+    def find_forces(self, singly=True):
         """Forces of a single wall at the present displacements without damping; if singly, by contact points and with
         readings."""
-        self._run(kernel.FIND_FORCES, np.zeros((1, 1, 3)), np.zeros(1, int), np.array([int(singly)]), self._samples)
+        turns = bool(self.tables.turning[:, 0].any())
+        kernel.find_forces(self._n, self.tables, self._model, kernel.Asked(
+            self._now()[0], 0, walls=1, ending=int(singly), damped=False, turns=turns, since=0.0))
 
 
 def kind_of(wall):
@@ -150,12 +155,12 @@ def kind_of(wall):
 
 
 def _in_turn(ends):
-    """Steps at which any wall ends, (n,), and the walls that do as bits, (n,)."""
+    """Steps at which any wall ends, and the walls that do as bits, (n, 2)."""
     steps = np.unique(np.concatenate(ends))
     walls = np.zeros(len(steps), np.int64)
     for lane, of_wall in enumerate(ends):
         walls[np.searchsorted(steps, of_wall)] |= 1 << lane
-    return steps, walls
+    return np.column_stack([steps, walls])
 
 
 def _common_kind(walls):

@@ -5,7 +5,7 @@ import numpy as np
 from damage.elementary import hypot, total
 from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
-from damage.mechanics.loose import LARGEST, PAIRS
+from damage.mechanics.collisions import LARGEST, PAIRS
 from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables
 from damage.reference.wall import ReferenceWall
@@ -26,11 +26,6 @@ class ReferenceSolver(ReferenceWall, Solver):
     """A ReferenceWall as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
 
     stretch_samples = 60  # half of what is stored at once (`damage.history.buffer.CHUNK`)
-
-    @property
-    def clock(self):
-        """Steps since `start`."""
-        return self.step - self.first_step
 
     def start(self, base, gravity=None):
         """As ReferenceWall.start; input and dissipated energies are zero from here."""

@@ -14,10 +14,10 @@ from damage.index import THRESHOLD
 from damage.law.joint_law import material_of
 from damage.law.modes import static_displacement
 from damage.mechanics import tables
-from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, strain_tables, sum_springs
+from damage.mechanics.build import CAPACITY, build, contact_rows, strain_tables, sum_springs
+from damage.mechanics.collisions import FULL, INSIDE, build_loose
 from damage.mechanics.factor import scaled_mass
-from damage.mechanics.loose import FULL, INSIDE
-from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness
+from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Stiffness
 from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
@@ -28,7 +28,7 @@ class ReferenceWall:
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
     damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide; scaled: selective mass
-    scaling (`damage.mechanics.bodies`) for this time step and beta, without local damping.  time_step, beta, alpha,
+    scaling (`damage.mechanics.scaling`) for this time step and beta, without local damping.  time_step, beta, alpha,
     `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
     changed at any time.
     with_stresses: whether samples hold the stresses of the joints.
@@ -46,12 +46,17 @@ class ReferenceWall:
         self.mass = scaled_mass(layout, time_step, beta) if scaled else None
         self.stiffness = Stiffness(built.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
-        self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         if new_contacts:
-            self.loose = build_loose(layout, self.system, time_step, self.material)
+            self.loose = build_loose(layout, tables.system_of(built, 0), time_step, self.material)
+        self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         self._held, self._is_driven, self._active = None, False, (0, np.empty(0, int))
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
+
+    @property
+    def clock(self):
+        """Steps since `start`."""
+        return self.step - self.first_step
 
     # --- state, as arrays in the layout's order -------------------------------------------------
 
@@ -109,7 +114,7 @@ class ReferenceWall:
 
     @property
     def state(self):
-        """State of the contact points, (n_joints,) bits BROKEN, AT_LIMIT, CRUSHED, ENDED of damage.history.schema."""
+        """State of the contact points, (n_joints,) bits BROKEN, AT_LIMIT, CRUSHED, ENDED of damage.law.states."""
         return self.contact_data(self.sample_now())["state"][0]
 
     @property
@@ -128,16 +133,12 @@ class ReferenceWall:
         field[2] = GRAVITY
         return self.lanes.sample_now(self, field)
 
-    def room(self, n_walls, n_samples, with_stresses):
-        """Samples for n_walls walls like this one, all zero."""
-        return Samples.none(n_walls, n_samples, self.system, len(self.layout.supports), with_stresses)
-
     def field(self, n_steps):
         """Acceleration of the base along x and z and gravity in the next steps, (n_steps, 3) [m/s2].
 
         After their ends the base is at rest and gravity keeps its last value.
         """
-        first, rows = self.step - self.first_step, np.zeros((n_steps, 3))
+        first, rows = self.clock, np.zeros((n_steps, 3))
         base, gravity = self.base[first:first + n_steps], self.gravity[first:first + n_steps]
         rows[:len(base), :2] = base
         rows[:len(gravity), 2], rows[len(gravity):, 2] = gravity, self.gravity[-1]
@@ -190,7 +191,7 @@ class ReferenceWall:
         if not self.lanes.are_of([self]):
             Lanes([self])
         copy_lines(self.lanes.tables)
-        self.lanes.find_forces(singly=True)
+        self.lanes.find_forces()
 
     @property
     def material(self):
@@ -199,7 +200,7 @@ class ReferenceWall:
 
     @property
     def controls(self):
-        """Values of damage.mechanics.tables.Controls."""
+        """Values of the columns of `controls`, `damage.mechanics.tables`."""
         return self.time_step, self.local_damping, self.alpha, self.beta, self.adaptive_damping
 
     def start(self, base, gravity=None):
@@ -237,7 +238,7 @@ class ReferenceWall:
         for kind, size in ((tables.OPENED, now[:, 2]), (tables.SLIPPED, np.abs(now[:, 3]))):
             new = np.flatnonzero((size > THRESHOLD) & ~self._passed[kind])
             self._passed[kind][new] = True
-            step = np.full(len(new), self.step - self.first_step)
+            step = np.full(len(new), self.clock)
             events = np.vstack([events, np.column_stack([step, new, np.full(len(new), kind)])])
             values = np.vstack([values, now[new]])
         return events, values
@@ -309,7 +310,7 @@ class ReferenceWall:
         if not math.isfinite(self.system.force.sum()):
             return FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
                                       f"{self.time_step:.3g} s is too large for this wall")
-        loose, before_s = self.loose, (self.step - self.first_step) * self.time_step
+        loose, before_s = self.loose, self.clock * self.time_step
         if loose is None:
             return None
         if loose.counts[INSIDE]:

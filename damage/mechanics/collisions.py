@@ -1,4 +1,6 @@
-"""Contacts that bricks find anew as they move: rectangles with rounded corners (spheropolygons, Alonso-Marroquin 2008).
+"""Collisions: contacts that bricks find anew as they move, once their joints have ended.
+
+Bricks are rectangles with rounded corners here (spheropolygons, Alonso-Marroquin 2008).
 
 A loose brick is a rectangle with rounded corners: a core, smaller than the brick by the radius r on all sides, and all
 places within r of it.  With d the distance of a corner of one core from the nearest point of the other core, a pair of
@@ -16,6 +18,9 @@ such that the corners store what the joint had stored.
 
 A pair of bodies is jointed until its joint has ended, and loose from then on.  The search for loose pairs begins when
 the first joint of a wall ends.
+
+The step (`damage.mechanics.step`) calls `may_end`, `ends_too` and `hand_over` of joints, `add_forces`, and the sample
+`energy_stored`; their argument `loose` is None, and they do nothing, in walls whose bricks do not collide.
 """
 
 from typing import NamedTuple
@@ -23,16 +28,14 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.law.joint_law import TENSION
+from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import add, argument, load, store
+from damage.mechanics.eight import add, argument, flags_of, load, store, zero
 from damage.mechanics.rows import inverse_mass_of, place_of, push_body, strengths_of, velocity_of
 from damage.mechanics.tables import (
     COS1,
     DAMPING,
-    ENDED,
-    ENDING,
-    FAILED,
     FRICTION,
     HAS_FAILED,
     RIGID,
@@ -57,6 +60,10 @@ MOST_NEIGHBOURS = 16
 """Pairs of neighbours for which there is room, over the number of bodies."""
 MARGIN = 4.0
 """By how many radii two bodies may be apart to be neighbours."""
+IMPACT_DAMPING = 0.2
+"""Share of critical damping of a corner that touches: alone it bounces back with half of its speed."""
+GROUND_M = 20.0
+"""Distance by which the ground reaches beyond the wall, and its depth, for bricks that fall on it [m]."""
 STEP_SHARE = 0.07
 """Time step over the root of mass over stiffness of a corner: a brick that bounces then keeps its energy to 0.5 %."""
 
@@ -109,6 +116,29 @@ def stiffness_for(mass, time_step):
     return mass * (rate * rate)
 
 
+def build_loose(layout, system, time_step, material):
+    """The Loose contacts of a layout and of the System of its Tables.
+
+    The joints of this System on supports end, too, from now on: where a brick has slid by its length.  The ground
+    reaches GROUND_M beyond the wall and below it, without gaps between supports.
+    """
+    bodies, supports = layout.bodies, layout.supports
+    radius = CORNER_RADIUS * layout.wall.brick.length
+    kn = stiffness_for(bodies.mass[bodies.mass > 0].min(), time_step)
+    touch = Touch(radius, kn, 0.4 * kn, material.friction, material.friction, IMPACT_DAMPING)
+    edges = np.concatenate([[supports.left[0] - GROUND_M], (supports.right[:-1] + supports.left[1:]) / 2,
+                            [supports.right[-1] + GROUND_M]])
+    half_x, half_z, at = bodies.length / 2 - radius, bodies.height / 2 - radius, np.zeros(len(supports))
+    cores = np.vstack([
+        np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
+        np.column_stack([supports.x, at, edges[:-1] - supports.x, edges[1:] - supports.x, at - GROUND_M, at - radius])])
+    interfaces = system.interfaces
+    grounded = interfaces["a"] >= len(bodies)
+    length = bodies.length[interfaces["b"][grounded]]
+    interfaces["slide_least"][grounded], interfaces["slide_most"][grounded] = -length, length
+    return make_loose(touch, cores, interfaces["a"], interfaces["b"])
+
+
 def make_loose(touch, cores, first, second):
     """Loose of bodies with these cores (bodies, 6); first, second: (interfaces,) rows of the bodies of each joint."""
     n = len(cores)
@@ -125,6 +155,15 @@ def make_loose(touch, cores, first, second):
         joined=np.full(n, -1), counts=np.zeros(5, np.int64), energy=np.zeros(2))
 
 
+class Arms(NamedTuple):
+    """From the centres of bodies p and c to where they touch [m]."""
+
+    px: float
+    pz: float
+    cx: float
+    cz: float
+
+
 class Near(NamedTuple):
     """A corner of one core and the nearest point of another: their distance [m], the direction from that point to the
     corner [-], and the place halfway between them [m]."""
@@ -139,9 +178,11 @@ class Near(NamedTuple):
 # --- forces -----------------------------------------------------------------------------------------
 
 @compiled
-def find_loose_forces(n, tables, loose, dt):
+def add_forces(n, tables, loose, dt):
     """Add the forces of all loose contacts to those on the bodies, if there are any, and search for neighbours first
     where a body has moved far enough; dt: time since they were last found [s]."""
+    if loose is None:
+        return
     if loose.counts[SEARCHES] + loose.counts[WANTED] > 0:
         if loose.counts[WANTED] > 0 or have_moved(n, tables, loose):
             search(n, tables, loose)
@@ -151,51 +192,78 @@ def find_loose_forces(n, tables, loose, dt):
                 push_corner(n, tables, loose, row, k, dt)
 
 
+@inlined
+def energy_stored(n, loose):
+    """Elastic energy of the loose contacts [J]."""
+    if loose is None:
+        return zero(n)
+    return zero(n) + loose.energy[STORED]
+
+
 @compiled
 def push_corner(n, tables, loose, row, k, dt):
-    """Forces between a corner of one core of a pair, that of its spring k, and the core of the other body.
+    """Forces between a corner of one core of a pair, that of its spring k, and the core of the other body."""
+    p, c = bodies_of(loose, row, k)
+    radius = loose.touch.radius
+    near = nearest(n, tables, loose, p, c, k % CORNERS, 3.0 * radius)
+    if near.distance <= 0.0:
+        loose.counts[INSIDE] += 1
+        return
+    overlap, rest = 2.0 * radius - near.distance, loose.springs[row, k, REST]
+    depth = overlap - rest
+    if depth <= 0.0:
+        loose.springs[row, k, REST] = max(overlap, 0.0)
+        if loose.springs[row, k, TOUCHING] == 0.0:
+            return
+        depth = 0.0
+    loose.energy[LARGEST] = max(loose.energy[LARGEST], overlap)
+    push_touching(n, tables, loose, row, k, near, depth, dt)
+
+
+@inlined
+def push_touching(n, tables, loose, row, k, near, depth, dt):
+    """Forces of a corner that touches at a Near, compressed by a depth [m].
 
     Friction and the dashpot take half of what they would at the force before, and half at the force now: so central
     differences do work on the bodies, and the balance is that of the elastic part.
     """
-    (p, c), touch, springs = bodies_of(loose, row, k), loose.touch, loose.springs
-    near = nearest(n, tables, loose, p, c, k % CORNERS, 3.0 * touch.radius)
-    if near.distance <= 0.0:
-        loose.counts[INSIDE] += 1
-        return
-    overlap = 2.0 * touch.radius - near.distance
-    depth = overlap - springs[row, k, REST]
-    if depth <= 0.0:
-        springs[row, k, REST] = max(overlap, 0.0)
-        if springs[row, k, TOUCHING] == 0.0:
-            return
-        depth = 0.0
-    ax, az = near.x - centre_of(n, tables, loose, p, X), near.z - centre_of(n, tables, loose, p, Z)
-    bx, bz = near.x - centre_of(n, tables, loose, c, X), near.z - centre_of(n, tables, loose, c, Z)
-    inertia = tables.inertia
-    rotating_p, rotating_c = velocity_of(n, inertia, p, ROTATION), velocity_of(n, inertia, c, ROTATION)
-    vx = velocity_of(n, inertia, p, X) - rotating_p * az - velocity_of(n, inertia, c, X) + rotating_c * bz
-    vz = velocity_of(n, inertia, p, Z) + rotating_p * ax - velocity_of(n, inertia, c, Z) - rotating_c * bx
+    (p, c), touch, springs, inertia = bodies_of(loose, row, k), loose.touch, loose.springs, tables.inertia
+    arms = Arms(near.x - centre_of(n, tables, loose, p, X), near.z - centre_of(n, tables, loose, p, Z),
+                near.x - centre_of(n, tables, loose, c, X), near.z - centre_of(n, tables, loose, c, Z))
+    vx, vz = relative_velocity(n, inertia, p, c, arms)
     closing, sliding = (vx * near.nx + vz * near.nz) * dt, (vz * near.nx - vx * near.nz) * dt
-    viscous = 0.0
-    if depth > 0.0 and dt > 0.0:
-        inverse = inverse_mass_of(n, inertia, p, Z) + inverse_mass_of(n, inertia, c, Z)
-        viscosity = 2.0 * touch.damping * np.sqrt(touch.kn / inverse) if inverse > 0.0 else 0.0
-        viscous = max(-viscosity * closing / dt, -touch.kn * depth)
+    free_p, free_c = inverse_mass_of(n, inertia, p, Z), inverse_mass_of(n, inertia, c, Z)
+    viscous = dashpot_force(touch, free_p + free_c, depth, closing, dt)
     normal = touch.kn * depth + viscous
-    on_support = inverse_mass_of(n, inertia, p, Z) == 0.0 or inverse_mass_of(n, inertia, c, Z) == 0.0
-    limit = (touch.support_friction if on_support else touch.friction) * normal / touch.ks
-    old = springs[row, k, SLIDE]
+    friction = touch.support_friction if free_p == 0.0 or free_c == 0.0 else touch.friction
+    limit, old = friction * normal / touch.ks, springs[row, k, SLIDE]
     new = min(max(old + sliding, -limit), limit)
     add(n, tables.energy, 0, FRICTION, 0.5 * touch.ks * (old + new) * (old + sliding - new))
     add(n, tables.energy, 0, DAMPING, -0.5 * (springs[row, k, VISCOUS] + viscous) * closing)
     loose.energy[STORED] += 0.5 * (touch.kn * depth * depth + touch.ks * new * new)
-    loose.energy[LARGEST] = max(loose.energy[LARGEST], overlap)
     springs[row, k, TOUCHING] = 1.0 if depth > 0.0 else 0.0
     springs[row, k, SLIDE], springs[row, k, VISCOUS] = new, viscous
     fx, fz = normal * near.nx + touch.ks * new * near.nz, normal * near.nz - touch.ks * new * near.nx
-    push_body(n, tables.bodies, p, fx, fz, ax * fz - az * fx)
-    push_body(n, tables.bodies, c, -fx, -fz, -(bx * fz - bz * fx))
+    push_body(n, tables.bodies, p, fx, fz, arms.px * fz - arms.pz * fx)
+    push_body(n, tables.bodies, c, -fx, -fz, -(arms.cx * fz - arms.cz * fx))
+
+
+@inlined
+def relative_velocity(n, inertia, p, c, arms):
+    """Velocity along x and z of body p relative to body c, where the Arms meet [m/s]."""
+    turning_p, turning_c = velocity_of(n, inertia, p, ROTATION), velocity_of(n, inertia, c, ROTATION)
+    return (velocity_of(n, inertia, p, X) - turning_p * arms.pz - velocity_of(n, inertia, c, X) + turning_c * arms.cz,
+            velocity_of(n, inertia, p, Z) + turning_p * arms.px - velocity_of(n, inertia, c, Z) - turning_c * arms.cx)
+
+
+@inlined
+def dashpot_force(touch, inverse, depth, closing, dt):
+    """Force of the dashpot of a corner, which never pulls on it [N]; inverse: sum of the inverse masses of both bodies
+    [1/kg]; closing: by which they move apart in the step of dt [m]."""
+    if not (depth > 0.0 and dt > 0.0):
+        return 0.0
+    viscosity = 2.0 * touch.damping * np.sqrt(touch.kn / inverse) if inverse > 0.0 else 0.0
+    return max(-viscosity * closing / dt, -touch.kn * depth)
 
 
 @inlined
@@ -211,18 +279,24 @@ def centre_of(n, tables, loose, b, axis):
     return loose.cores[b, CENTRE_X + axis] + place_of(n, tables.bodies, b, axis)
 
 
+@inlined
+def turn_of(n, tables, b):
+    """Cosine and sine of the rotation of body b."""
+    return 1.0 + load(n, tables.bodies, b, COS1), load(n, tables.bodies, b, SIN)
+
+
 @compiled
 def nearest(n, tables, loose, p, c, corner, reach):
     """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core of body c; farther
     than `reach` [m] the distance may be any above it."""
     cores = loose.cores
     right, high = corner == 0 or corner == 3, corner < 2
-    cos, sin = 1.0 + load(n, tables.bodies, p, COS1), load(n, tables.bodies, p, SIN)
+    cos, sin = turn_of(n, tables, p)
     x, z = cores[p, RIGHT] if right else cores[p, LEFT], cores[p, HIGH] if high else cores[p, LOW]
     dx = centre_of(n, tables, loose, p, X) + cos * x - sin * z - centre_of(n, tables, loose, c, X)
     dz = centre_of(n, tables, loose, p, Z) + sin * x + cos * z - centre_of(n, tables, loose, c, Z)
     # In the axes of body c: the corner, and the point of its core that is nearest.
-    cos, sin = 1.0 + load(n, tables.bodies, c, COS1), load(n, tables.bodies, c, SIN)
+    cos, sin = turn_of(n, tables, c)
     x, z = cos * dx + sin * dz, cos * dz - sin * dx
     on_x = min(max(x, cores[c, LEFT]), cores[c, RIGHT])
     on_z = min(max(z, cores[c, LOW]), cores[c, HIGH])
@@ -263,10 +337,7 @@ def search(n, tables, loose):
     keep(loose)
     for k in range(len(order)):
         a = order[k]
-        for j in range(loose.joints_start[a], loose.joints_start[a + 1]):
-            joint = loose.joints[j]
-            if load(n, tables.limits, joint, HAS_FAILED) != ENDED:
-                loose.joined[tables.first[joint]] = loose.joined[tables.second[joint]] = a
+        mark_joined(n, tables, loose, a)
         for other in range(k + 1, len(order)):
             b = order[other]
             if bounds[b, 0] > bounds[a, 1]:
@@ -274,6 +345,15 @@ def search(n, tables, loose):
             is_free = inverse_mass_of(n, inertia, a, Z) + inverse_mass_of(n, inertia, b, Z) > 0.0
             if bounds[b, 2] <= bounds[a, 3] and bounds[a, 2] <= bounds[b, 3] and loose.joined[b] != a and is_free:
                 list_pair(n, tables, loose, a, b)
+
+
+@inlined
+def mark_joined(n, tables, loose, a):
+    """Stamp the bodies that joints which have not ended join to body a."""
+    for j in range(loose.joints_start[a], loose.joints_start[a + 1]):
+        joint = loose.joints[j]
+        if load(n, tables.limits, joint, HAS_FAILED) != ENDED:
+            loose.joined[tables.first[joint]] = loose.joined[tables.second[joint]] = a
 
 
 @inlined
@@ -292,7 +372,7 @@ def bound(n, tables, loose):
     """Bounds of all bodies, grown by half of the margin between two."""
     cores, bounds, grown = loose.cores, loose.bounds, (1.0 + 0.5 * MARGIN) * loose.touch.radius
     for b in range(len(cores)):
-        cos, sin = 1.0 + load(n, tables.bodies, b, COS1), load(n, tables.bodies, b, SIN)
+        cos, sin = turn_of(n, tables, b)
         half_x, half_z = 0.5 * (cores[b, RIGHT] - cores[b, LEFT]), 0.5 * (cores[b, HIGH] - cores[b, LOW])
         off_x, off_z = 0.5 * (cores[b, RIGHT] + cores[b, LEFT]), 0.5 * (cores[b, HIGH] + cores[b, LOW])
         x = centre_of(n, tables, loose, b, X) + cos * off_x - sin * off_z
@@ -380,24 +460,33 @@ def meet(n, tables, loose, row, energy):
 # --- joints that end --------------------------------------------------------------------------------
 
 @inlined
-def can_end(motion):
-    """Whether an interface may end at this RelativeMotion although it is intact: where a corner of one brick, at most
-    a brick's length away, can lie in the other by a radius."""
+def may_end(n, loose, motion):
+    """Flags of the walls in which an interface may end at this RelativeMotion although it is intact."""
+    if loose is None:
+        return flags_of(n, 0)
+    return is_turned(motion)
+
+
+@inlined
+def is_turned(motion):
+    """Whether a corner of one brick, at most a brick's length away, can lie in the other by a radius."""
     return abs(motion.rotation) > CORNER_RADIUS
 
 
 @inlined
 def ends_too(n, tables, loose, p, step, motion):
-    """Whether an interface whose faces overlap ends at this RelativeMotion, where bodies find new contacts.
+    """Whether an interface whose faces overlap ends at this RelativeMotion; step: number of the step in the log.
 
     It ends as all of it gapes by more than two radii; and any that is not elastic as a rounded corner of one body lies
     by a radius in the other, which contact points within the faces do not resist: what was left of its bond has failed
     then.
     """
+    if loose is None:
+        return False
     interface, failed = tables.interfaces[p], load(n, tables.limits, p, HAS_FAILED)
     if failed == FAILED and motion.opening - interface.reach * abs(motion.rotation) > 2.0 * loose.touch.radius:
         return True
-    if failed < ENDING and can_end(motion) and corner_inside(n, tables, loose, interface):
+    if failed < ENDING and is_turned(motion) and corner_inside(n, tables, loose, interface):
         return break_bonds(n, tables, interface, step, motion)
     return False
 
@@ -411,7 +500,7 @@ def break_bonds(n, tables, interface, step, motion):
             return False
     for i in range(interface.start, interface.stop):
         if load(n, tables.states, i, contacts.BROKEN) == 0.0:
-            trial, area = contacts.present_forces(n, tables.contacts, tables.states, i, motion), tables.contacts[i].area
+            trial, area = contacts.present_forces(n, tables, i, motion), tables.contacts[i].area
             store(n, tables.states, i, contacts.BROKEN, 1.0)
             contacts.log_event(tables, n.lane, step, i, TENSION, (trial.sigma / area, trial.tau / area, 0.0, 0.0))
     return True
@@ -434,6 +523,8 @@ def hand_over(n, tables, loose, interface, energy):
 
     energy: elastic energy that the interface had stored [J], which counts as friction unless corners store it.
     """
+    if loose is None:
+        return
     if loose.counts[SEARCHES] == 0:
         loose.counts[WANTED] = 1
     row = add_pair(loose, np.int64(interface.a), np.int64(interface.b))

@@ -1,0 +1,162 @@
+"""Selective mass scaling: bodies follow their forces by a constant matrix in place of the masses.
+
+    (M + dt^2/2 K0 + dt/2 C0) (v(t + dt/2) - v(t - dt/2)) = dt (f(u(t)) - M (g + a_base(t)))
+
+K0: stiffness of the intact wall; C0: its damping.  No frequency of a wall whose tangent stiffness
+is at most K0 exceeds sqrt(2) / dt.  The kinetic energy has the same matrix, by which the energy
+balance holds; input is work on M alone.  The solution is by a block factor L D L' that
+`damage.mechanics.factor` makes, one order of operations for any width.
+"""
+
+from typing import NamedTuple
+
+from damage.mechanics.bodies import advance, coordinates, put, rates
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.eight import add_part, load, store, zero
+from damage.mechanics.rows import (
+    bench_of,
+    first_force,
+    force_of,
+    inverse_mass_of,
+    mass_of,
+    place_of,
+    velocity_of,
+)
+from damage.mechanics.tables import DRIVEN, PLACE, RIGID, ROW, SWEPT_X, TAKEN, X, Z
+
+LOST = 3
+"""First field of a Matrix's room with mass times deceleration by damping."""
+
+
+class Node(NamedTuple):
+    """Values of the three coordinates of a node."""
+
+    x: float
+    z: float
+    r: float
+
+
+@inlined
+def move_scaled(n, tables, matrix, strain, damped):
+    """Advance all bodies by a step with mass scaling; damped: as of `damage.mechanics.bodies.rates`."""
+    places, sums, room = tables.bodies, tables.sums, matrix.room
+    dt = bench_of(n, tables.bench, 0).step
+    find_rates(n, tables, matrix, strain, damped)
+    for i in range(len(matrix.body)):
+        b, first = matrix.body[i], matrix.first[i]
+        for k in range(matrix.count[i]):
+            c, rate, lost = first + k, load(n, room, i, k), load(n, room, i, LOST + k)
+            force = force_of(n, places, b, c)
+            swept, driven, taken, new = advance(n, tables.inertia, b, c, dt, rate, lost, force)
+            if c in (X, Z):
+                add_part(n, sums, SWEPT_X + c, b, swept)
+            add_part(n, sums, DRIVEN, b, driven)
+            add_part(n, sums, TAKEN, b, taken)
+            store(n, places, b, PLACE + c, place_of(n, places, b, c) + dt * new)
+            store(n, places, b, first_force(places) + c, 0.0)
+        if first == 0:
+            put(n, tables, b, *coordinates(n, places, tables.every, b)[:3])
+
+
+@compiled
+def find_rates(n, tables, matrix, strain, damped):
+    """Write the rates of change of all velocities into the room, and behind them mass times
+    deceleration by damping; damped: as of `damage.mechanics.bodies.rates`."""
+    places, inertia, room = tables.bodies, tables.inertia, matrix.room
+    bench = bench_of(n, tables.bench, 0)
+    for i in range(len(matrix.body)):
+        b = matrix.body[i]
+        for k in range(matrix.count[i]):
+            c, lost = matrix.first[i] + k, zero(n)
+            old, mass = velocity_of(n, inertia, b, c), mass_of(n, inertia, b, c)
+            force, free = force_of(n, places, b, c), inverse_mass_of(n, inertia, b, c)
+            if strain is not None and c >= RIGID:
+                force = force - strain.stiffness[b, c - RIGID] * place_of(n, places, b, c)
+                lost = mass * (strain.damping[b, c - RIGID] * old)
+            field = bench.base_x if c == X else bench.pull_z if c == Z else zero(n)
+            rate, resistance = rates(n, old, free, bench, field, force, damped)
+            lost = lost + mass * resistance
+            store(n, room, i, k, mass * rate - lost)
+            store(n, room, i, LOST + k, lost)
+    solve(n, matrix)
+
+
+@inlined
+def solve(n, matrix):
+    """Replace the first three fields of the room by the solution of L D L' x = them."""
+    room, start, below, e = matrix.room, matrix.start, matrix.below, ROW(0)
+    for node in range(len(matrix.body)):
+        known = values_of(n, room, node)
+        while e < start[node + 1]:
+            change = product(matrix.lower, e, known)
+            keep_values(n, room, below[e], less(values_of(n, room, below[e]), change))
+            e += ROW(1)
+    node = ROW(len(matrix.body))
+    while node > ROW(0):
+        node -= ROW(1)
+        found = product(matrix.inverse, node, values_of(n, room, node))
+        while e > start[node]:
+            e -= ROW(1)
+            found = less(found, product_across(matrix.lower, e, values_of(n, room, below[e])))
+        keep_values(n, room, node, found)
+
+
+@inlined
+def values_of(n, room, node):
+    """Node of the first three fields of the room."""
+    return Node(load(n, room, node, 0), load(n, room, node, 1), load(n, room, node, 2))
+
+
+@inlined
+def keep_values(n, room, node, of):
+    """Write a Node into the first three fields of the room."""
+    store(n, room, node, 0, of.x)
+    store(n, room, node, 1, of.z)
+    store(n, room, node, 2, of.r)
+
+
+@inlined
+def less(one, other):
+    """Difference of two Nodes."""
+    return Node(one.x - other.x, one.z - other.z, one.r - other.r)
+
+
+@inlined
+def product(blocks, i, of):
+    """Node: block i (3, 3) times a Node."""
+    return Node(blocks[i, 0, 0] * of.x + blocks[i, 0, 1] * of.z + blocks[i, 0, 2] * of.r,
+                blocks[i, 1, 0] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 1, 2] * of.r,
+                blocks[i, 2, 0] * of.x + blocks[i, 2, 1] * of.z + blocks[i, 2, 2] * of.r)
+
+
+@inlined
+def product_across(blocks, i, of):
+    """Node: block i (3, 3), transposed, times a Node."""
+    return Node(blocks[i, 0, 0] * of.x + blocks[i, 1, 0] * of.z + blocks[i, 2, 0] * of.r,
+                blocks[i, 0, 1] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 2, 1] * of.r,
+                blocks[i, 0, 2] * of.x + blocks[i, 1, 2] * of.z + blocks[i, 2, 2] * of.r)
+
+
+@compiled
+def scaled_kinetic_energy(n, tables, matrix, strain):
+    """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half
+    a step."""
+    find_rates(n, tables, matrix, strain, False)
+    room, half = matrix.room, 0.5 * bench_of(n, tables.bench, 0).step
+    for i in range(len(matrix.body)):
+        for k in range(matrix.count[i]):
+            velocity = velocity_of(n, tables.inertia, matrix.body[i], matrix.first[i] + k)
+            store(n, room, i, k, velocity + half * load(n, room, i, k))
+    energy, lower, e = zero(n), matrix.lower, ROW(0)
+    for i in range(len(matrix.body)):
+        x, z, r = values_of(n, room, i)
+        while e < matrix.start[i + 1]:
+            for k in range(3):
+                v = load(n, room, matrix.below[e], k)
+                x = x + lower[e, k, 0] * v
+                z = z + lower[e, k, 1] * v
+                r = r + lower[e, k, 2] * v
+            e += ROW(1)
+        momentum = product(matrix.diagonal, i, Node(x, z, r))
+        energy = energy + 0.5 * (x * momentum.x + z * momentum.z + r * momentum.r)
+    return energy
