@@ -30,12 +30,11 @@ def _study_schema(asked):
     print(json_text(study_schema(), indent=1))
 
 
-@command("the data dictionary: every column of every table, as dictionary.csv and dictionary.md",
-         out("folder for both"))
+@command("the data dictionary: every column of every table, as dictionary.csv", out("folder for it"))
 def _dictionary(asked):
     from damage.export.dictionary import write_dictionary
 
-    print(*write_dictionary(asked.out), sep="\n")
+    print(write_dictionary(asked.out))
 
 
 @command("probabilities of exceeding levels of damage, from a study with scattered strengths",

@@ -1,6 +1,6 @@
 """The data dictionary: every column of every table that this software writes, with unit and meaning.
 
-`python3 -m damage dictionary --out docs/reference` writes dictionary.csv and dictionary.md.  Columns that have their
+`python3 -m damage dictionary --out docs/reference` writes dictionary.csv.  Columns that have their
 definition elsewhere are taken from there: those of histories from `damage.history.schema`, those of summaries from
 `damage.measure.columns` and `damage.measure.summary`.
 """
@@ -10,8 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from damage.exposure.exposure import COLUMNS as EXPOSURE
-from damage.files import write_text
-from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, STATIC_STAGE, TABLES, Column, each
+from damage.history.schema import EVENT_COLUMNS, JOINTS, STATE_COLUMN, STATIC_STAGE, TABLES, Column, each
 from damage.index import COMPONENTS
 from damage.life.comparison import CHOICES, READINGS
 from damage.life.results import COLUMNS as LIVES
@@ -219,19 +218,5 @@ def dictionary_table():
 
 
 def write_dictionary(folder):
-    """Write dictionary.csv and dictionary.md into a folder; returns their paths."""
-    table = dictionary_table()
-    return [write_table(table, Path(folder) / "dictionary.csv"),
-            write_text(Path(folder) / "dictionary.md", _markdown(table))]
-
-
-def _markdown(table):
-    codes = "; ".join(f"`{name}`: {', '.join(words)}" for name, words in CODES.items())
-    lines = ["# Data dictionary", "", "Every column of every table that the software writes; made by `python3 -m "
-             "damage dictionary --out docs/reference`, as is [dictionary.csv](dictionary.csv).",
-             "RUN stands for a run's name, INTENSITY for that of an intensity of the motion; a unit of 1 is a ratio or "
-             "a number, none a word.", f"In histories (RUN.h5) codes are numbers from 0: {codes}."]
-    for name, rows in table.groupby("table", sort=False):
-        lines += ["", f"## {name}", "", "| column | unit | meaning |", "| --- | --- | --- |",
-                  *(f"| `{row.column}` | {row.unit} | {row.meaning} |" for row in rows.itertuples())]
-    return "\n".join(lines) + "\n"
+    """Write dictionary.csv into a folder; returns its path."""
+    return write_table(dictionary_table(), Path(folder) / "dictionary.csv")
