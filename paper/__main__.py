@@ -19,7 +19,7 @@ from damage.run.options import OneLineParser, file_arg
 from damage.run.session import EXIT_INPUT, EXIT_INTERRUPTED
 
 PROGRAMS = (
-    "accumulation", "after_peak", "bouncing_caps", "changed_points", "claim_coverage", "cracks_before", "deformable",
+    "accumulation", "after_peak", "bouncing_caps", "claim_coverage", "cracks_before", "deformable",
     "dic_field", "dilatancy", "document_figures", "falls", "fragility_coverage", "houses", "impacts", "laboratory",
     "lives_walls", "mass_scaling", "other_starts", "published_fragility", "record_features", "repeated_loading",
     "repetitions", "results_figures", "settled_walls", "shaken_wall", "softening", "split_and_crush", "stepped_cracks",
@@ -100,26 +100,20 @@ def _verdict(asked):
 
 
 @command("which modelling choices move the paper's claims, by the tables of the study readings",
-         file_arg("results", "RESULTS_DIR", "folder with the study below it"),
-         output(file_arg("--markdown", "FILE", "write the document, too")))
+         file_arg("results", "RESULTS_DIR", "folder with the study below it"))
 def _readings(asked):
-    from paper.readings import as_markdown, conclusions, judge_readings, table
+    from paper.readings import conclusions, judge_readings, table
 
     found = judge_readings(asked.results)
-    if asked.markdown:
-        write_text(asked.markdown, as_markdown(found))
     print("\n".join([*table(found), "", *conclusions(found)]))
 
 
 @command("combined modelling choices by the paper's claims that they meet, by the tables of the study combinations",
-         file_arg("results", "RESULTS", "folder with the study below it"),
-         output(file_arg("--markdown", "FILE", "write the document, too")))
+         file_arg("results", "RESULTS", "folder with the study below it"))
 def _combinations(asked):
     from paper import combinations
 
     found = combinations.judge_combinations(asked.results)
-    if asked.markdown:
-        write_text(asked.markdown, combinations.as_markdown(found))
     print("\n".join([*combinations.conclusions(found), "", *combinations.table_of_best(found), "",
                      *combinations.table_of_effects(found)]))
 

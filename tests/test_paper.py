@@ -136,11 +136,12 @@ class TestReadings:
         assert row.endswith("| s | das | ? | das |")
         assert "0.3 MPa in the piers: gains nothing; loses nothing." in conclusions(judge_readings(tmp_path))
 
-    def test_the_command_writes_a_document(self, papers_world, tmp_path, capsys):
+    def test_the_command_prints_conclusions_and_table(self, papers_world, tmp_path, capsys):
         (tmp_path / "tables").mkdir()
         papers_world.to_csv(tmp_path / "tables" / "summary.csv", index=False)
-        assert main(["readings", str(tmp_path), "--markdown", str(tmp_path / "readings.md")]) == 0
-        assert "Most claims" in capsys.readouterr().out and "| by default |" in (tmp_path / "readings.md").read_text()
+        assert main(["readings", str(tmp_path)]) == 0
+        printed = capsys.readouterr().out
+        assert "Most claims" in printed and "| by default |" in printed
 
     def test_results_without_a_reading_are_refused(self, papers_world, tmp_path, error_of):
         (tmp_path / "tables").mkdir()
