@@ -1,6 +1,6 @@
 """Files of every kind that were damaged at random: each is read or refused in one line, in time and in little memory.
 
-`python3 -m tests.fuzz --seconds 1200` tries far more; what it found is in `docs/reference/faults.md`, and held here.
+`python3 -m tests.fuzz --seconds 1200` tries far more; every fault that it found is held here.
 """
 
 import random

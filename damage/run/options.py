@@ -202,7 +202,7 @@ _GROUPS = {
         arg("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection over half "
             f"the wall's length, or the angle of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})")),
     "a life: the earthquakes at an address, one after the other, instead of a motion": (
-        file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/address.md)"),
+        file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/groningen.md)"),
         arg("--event", metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a life: a "
             "record scaled to its median PGV at the address; with --life to the PGV drawn there"),
         arg("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it motions are "
