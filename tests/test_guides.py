@@ -108,7 +108,7 @@ def test_a_wall_that_was_cracked_before(clone):
 
 
 def test_a_wall_for_other_programs(clone):
-    assert follow("other-programs", clone).split() == ["opensees_symmetric.py", "symmetric.dat"]
+    assert follow("other-programs", clone).split() == ["opensees_symmetric.py"]
 
 
 def test_a_record_of_ones_own(clone):
