@@ -1,4 +1,4 @@
-"""The gallery of docs/guides/first-wall.md: its runs, their texts, commands and pictures, drawn from runs of the reference solver.
+"""The gallery of docs/guides/first-wall.md: texts, commands and pictures, drawn from runs of the reference solver.
 
     python3 scripts/gallery.py [NAME ...] [--runs DIR]        # by default all, and results/gallery
 """

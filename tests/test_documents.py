@@ -111,7 +111,7 @@ def test_what_is_not_there_is_found():
 
 
 def test_tests_that_documents_name_are_there():
-    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; every fault of docs/reference/faults.md has a file."""
+    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; each fault in docs/reference/faults.md has a file."""
     named = {test for document in DOCUMENTS for test in re.findall(r"`(tests/\w+\.py::[\w:]+)`", document.read_text())}
     missing = []
     for test in sorted(named):

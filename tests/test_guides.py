@@ -169,7 +169,8 @@ def typed_in_the_guide(clone):
 
 
 def test_every_guide_is_followed_or_has_nothing_to_follow():
-    followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record", "groningen", "tested-wall", "yade-users", "other-programs",
+    followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record", "groningen",
+                "tested-wall", "yade-users", "other-programs",
                 "from-pip"}  # the last in test_from_pip.py
     for path in GUIDES.glob("*.md"):
         assert (path.stem in followed) == bool(BLOCK.search(path.read_text(encoding="utf-8"))), path.name
