@@ -58,7 +58,8 @@ def _studies(words):
     out, records = asked.out or RESULTS, Path(__file__).parents[1] / "records"
     print("figures and verdict", flush=True)
     return max(status, main(["figures", str(out), "--out", str(out / "figures"), "--records", str(records)]),
-               main(["verdict", str(out), "--markdown", str(out / "tables" / "verdict.md")]))
+               main(["verdict", str(out), "--markdown", str(out / "tables" / "verdict.md"),
+                     "--csv", str(out / "tables" / "verdict.csv")]))
 
 
 @command("figures 6 to 12 of the source paper and crack maps from the results of studies",
