@@ -111,7 +111,7 @@ def test_what_is_not_there_is_found():
 
 
 def test_tests_that_documents_name_are_there():
-    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; each fault in docs/reference/faults.md has a file."""
+    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`."""
     named = {test for document in DOCUMENTS for test in re.findall(r"`(tests/\w+\.py::[\w:]+)`", document.read_text())}
     missing = []
     for test in sorted(named):
@@ -119,9 +119,6 @@ def test_tests_that_documents_name_are_there():
         source = (REPOSITORY / path).read_text()
         missing += [test for name in names if not re.search(rf"^ *(def|class) {name}\b", source, re.MULTILINE)]
     assert missing == []
-    faults = (REPOSITORY / "docs/reference/faults.md").read_text().partition("\n## ")[0]
-    rows = [line for line in faults.splitlines() if line.startswith("| ")][2:]
-    assert [row for row in rows if "`tests/" not in row] == []
 
 
 def test_the_pictures_of_the_gallery_are_small():
