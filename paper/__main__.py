@@ -19,7 +19,7 @@ from damage.run.options import OneLineParser, file_arg
 from damage.run.session import EXIT_INPUT, EXIT_INTERRUPTED
 
 PROGRAMS = (
-    "accumulation", "after_peak", "bouncing_caps", "changed_points", "claim_coverage", "cracks_before", "deformable",
+    "accumulation", "after_peak", "bouncing_caps", "claim_coverage", "cracks_before", "deformable",
     "dic_field", "dilatancy", "document_figures", "falls", "fragility_coverage", "houses", "impacts", "laboratory",
     "lives_walls", "mass_scaling", "other_starts", "published_fragility", "record_features", "repeated_loading",
     "repetitions", "results_figures", "settled_walls", "shaken_wall", "softening", "split_and_crush", "stepped_cracks",
@@ -58,7 +58,8 @@ def _studies(words):
     out, records = asked.out or RESULTS, Path(__file__).parents[1] / "records"
     print("figures and verdict", flush=True)
     return max(status, main(["figures", str(out), "--out", str(out / "figures"), "--records", str(records)]),
-               main(["verdict", str(out), "--markdown", str(out / "tables" / "verdict.md")]))
+               main(["verdict", str(out), "--markdown", str(out / "tables" / "verdict.md"),
+                     "--csv", str(out / "tables" / "verdict.csv")]))
 
 
 @command("figures 6 to 12 of the source paper and crack maps from the results of studies",
@@ -83,40 +84,37 @@ def _figures(asked):
 @command("judge the paper's statements by the tables of studies",
          file_arg("results", "RESULTS_DIR", "folder with studies below it"), JSON,
          output(file_arg("--markdown", "FILE", "write the document, too"),
+                file_arg("--csv", "FILE", "write the outcome of every claim, too"),
                 file_arg("--readme", "README.md", "renew the results between its markers, too")))
 def _verdict(asked):
-    from paper.report import as_json, as_markdown, describe, update_readme
+    from paper.report import as_json, as_markdown, claims_table, describe, update_readme
     from paper.verdict import judge
 
     findings = judge(asked.results)
     if asked.markdown:
         write_text(asked.markdown, as_markdown(findings))
+    if asked.csv:
+        write_text(asked.csv, claims_table(findings).to_csv(index=False))
     if asked.readme:
         update_readme(findings, asked.readme)
     print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
 
 
 @command("which modelling choices move the paper's claims, by the tables of the study readings",
-         file_arg("results", "RESULTS_DIR", "folder with the study below it"),
-         output(file_arg("--markdown", "FILE", "write the document, too")))
+         file_arg("results", "RESULTS_DIR", "folder with the study below it"))
 def _readings(asked):
-    from paper.readings import as_markdown, conclusions, judge_readings, table
+    from paper.readings import conclusions, judge_readings, table
 
     found = judge_readings(asked.results)
-    if asked.markdown:
-        write_text(asked.markdown, as_markdown(found))
     print("\n".join([*table(found), "", *conclusions(found)]))
 
 
 @command("combined modelling choices by the paper's claims that they meet, by the tables of the study combinations",
-         file_arg("results", "RESULTS", "folder with the study below it"),
-         output(file_arg("--markdown", "FILE", "write the document, too")))
+         file_arg("results", "RESULTS", "folder with the study below it"))
 def _combinations(asked):
     from paper import combinations
 
     found = combinations.judge_combinations(asked.results)
-    if asked.markdown:
-        write_text(asked.markdown, combinations.as_markdown(found))
     print("\n".join([*combinations.conclusions(found), "", *combinations.table_of_best(found), "",
                      *combinations.table_of_effects(found)]))
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.measure.damage_index import CRITERIA
-from paper.criteria import page
 from paper.evidence import Evidence, comparable, exactly, gather, load_runs
 from paper.readings import SOLVER, holding, judged
 from paper.report import as_table
@@ -248,9 +247,3 @@ def in_words(one):
     other = [f"{words} {known[level]}" for (words, known), level in zip(CHOICES.values(), one.levels)
              if level != next(iter(known))]
     return ", ".join(other) or "the default"
-
-
-def as_markdown(found):
-    """The document: conclusions, then the tables."""
-    return page("readings.md", conclusions=[f"- {line}" for line in conclusions(found)], best=table_of_best(found),
-                effects=table_of_effects(found), depends=100 * DEPENDS)

@@ -1,5 +1,5 @@
 """Energy that a block keeps at a rocking impact, beside Housner's and tested ones: a table of
-docs/validation/shaken-walls.md.
+docs/validation/impacts.md.
 
     python3 -m paper impacts        # writes docs/tables/benchmarks/impacts.csv; 15 seconds
 

@@ -1,4 +1,4 @@
-"""Tables of docs/validation/mass-scaling.md: walls with softening joints in explicit steps and with mass scaling.
+"""Tables of docs/validation/step-and-damping.md: walls with softening joints in explicit steps and with mass scaling.
 
     python3 -m paper mass_scaling runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv; continues there
     python3 -m paper mass_scaling table DIR/runs.csv                         # medians, two-sample tests

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 from damage.errors import InputError
 from damage.measure.damage_index import CRITERIA
-from paper.criteria import page
 from paper.evidence import ANY_STEP, SOFTENS, Evidence, comparable, exactly, gather, load_runs
 from paper.report import as_table
 from paper.verdict import DIFFERS, HOLDS, UNJUDGED, judge_with, shipped_records
@@ -132,9 +131,3 @@ def conclusions(found):
 
 def _ids(claims):
     return ", ".join(claim.id for claim in claims) or "nothing"
-
-
-def as_markdown(found):
-    """The conclusions and the table as a document."""
-    return page("single-readings.md", conclusions=[f"- {line}" for line in conclusions(found)],
-                table=table(found))

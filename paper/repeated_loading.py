@@ -1,5 +1,5 @@
 """Spandrels and walls that were loaded again and again, beside Korswagen's tests (2024): tables of
-docs/validation/shaken-walls.md.
+docs/validation/repeated-loading.md.
 
     python3 -m paper repeated_loading [spandrels] [laws] [walls] [solvers] [summary]
         # docs/tables/benchmarks/repeated_*.csv; all by default

@@ -1,9 +1,11 @@
-"""The verdict on the paper as text, JSON, Markdown, and as a block of the README."""
+"""The verdict on the paper as text, JSON, Markdown, CSV, and as a block of the README."""
 
 from dataclasses import asdict
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
+
+import pandas as pd
 
 from damage.errors import InputError
 from damage.files import write_text
@@ -150,16 +152,19 @@ def _variant(findings, source, lintel, slip):
 # --- Markdown -----------------------------------------------------------------------------------------
 
 def as_markdown(findings):
-    """The verdict as a document: an overview, then a section a statement with its claims."""
-    parts = []
-    for statement, members in _by(findings, "claim.statement"):
-        parts.append(f"## {statement}: {STATEMENTS[statement]}")
-        for claim, own in _by(members, "claim"):
-            parts.append(f"**{claim.id}**, {claim.text} ({claim.figure}). Paper: {claim.paper}. Holds if "
-                         f"{claim.criterion}.")
-            parts.append("\n".join(as_table(("solver", "variant", "value", "verdict"), merged(own))))
-    return page("verdict.md", overview=overview(findings), tallies=tallies(findings), claims=["\n\n".join(parts)],
-                edge=EDGE, built=", ".join(BUILT_TO_MEET))
+    """The verdict as a document: what holds by solver and lintel, then a row a statement."""
+    return page("verdict.md", overview=overview(findings), tallies=tallies(findings), edge=EDGE,
+                built=", ".join(BUILT_TO_MEET))
+
+
+def claims_table(findings):
+    """The verdict as a DataFrame: a row for each outcome of each claim, with the claim's criterion."""
+    rows = []
+    for claim, members in _by(findings, "claim"):
+        of_claim = claim.id, claim.text, claim.figure, claim.paper, claim.criterion
+        rows += [(*of_claim, *outcome) for outcome in merged(members)]
+    return pd.DataFrame(rows, columns=["claim", "text", "figure", "paper", "holds_if", "solver",
+                                       "variants", "value", "verdict"])
 
 
 def overview(findings):

@@ -33,14 +33,22 @@ from scripts import gallery, terms
 from scripts.document_tables import as_markdown, with_tables
 
 VERDICT = "docs/paper/verdict.md"
+CLAIMS = "docs/tables/verdict.csv"
 RENEW = "renew it: python3 scripts/documents.py --renew"
 BLOCK = re.compile(r"(<!-- table of (.+?) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 """A table in a document that the code makes: see `tables_of_code`."""
 
 
 def verdict_follows_from_the_tables(root):
-    """Compare the verdict's document with the verdict of the code on docs/tables."""
-    yield from _differences(VERDICT, _text(root / VERDICT), report.as_markdown(judge_tables(root / "docs/tables")))
+    """Compare the verdict's document and table of claims with the verdict of the code on docs/tables."""
+    for name, made in _verdict_of(root).items():
+        yield from _differences(name, _text(root / name), made)
+
+
+def _verdict_of(root):
+    """{file: its text} of the verdict's document and its table of claims."""
+    findings = judge_tables(root / "docs/tables")
+    return {VERDICT: report.as_markdown(findings), CLAIMS: report.claims_table(findings).to_csv(index=False)}
 
 
 def _differences(name, text, made):
@@ -166,10 +174,10 @@ def _cycles_as_runs(cycles):
 
 
 def renew(root):
-    """Writes the verdict's document, the README's part of it, and the tables of all documents."""
-    findings = judge_tables(root / "docs/tables")
-    write_text(root / VERDICT, report.as_markdown(findings))
-    report.update_readme(findings, root / "README.md")
+    """Writes the verdict's document and claims, the README's part of it, and the tables of all documents."""
+    for name, made in _verdict_of(root).items():
+        write_text(root / name, made)
+    report.update_readme(judge_tables(root / "docs/tables"), root / "README.md")
     for path in documents_below(root):
         text = _text(path)
         renewed = _renewed(text, root)

@@ -1,4 +1,4 @@
-"""The runs of docs/guides/gallery.md: their texts, commands and pictures, drawn from runs of the reference solver.
+"""The gallery of docs/guides/first-wall.md: texts, commands and pictures, drawn from runs of the reference solver.
 
     python3 scripts/gallery.py [NAME ...] [--runs DIR]        # by default all, and results/gallery
 """
@@ -122,7 +122,7 @@ GALLERY = {
 def markdown():
     """The runs as Markdown: heading, what to see, command, picture."""
     return "\n\n".join(
-        f"## {entry.heading}\n\n{fill(entry.see, 120)}\n\n{_command(entry.words)}\n\n"
+        f"### {entry.heading}\n\n{fill(entry.see, 120)}\n\n{_command(entry.words)}\n\n"
         f"![{entry.alt}](../pictures/gallery/{name}.png)" for name, entry in GALLERY.items())
 
 

@@ -300,7 +300,7 @@ def test_a_pushed_wall_follows_its_top(layout):
 
 
 def test_the_symmetric_wall_has_the_index_and_drift_of_explicit_steps():
-    """docs/validation/mass-scaling.md: within 0.2 and 0.0 % in the median of 32 draws."""
+    """docs/validation/step-and-damping.md: within 0.2 and 0.0 % in the median of 32 draws."""
     how = {"window": (0.8, 2.5), "scale": 2.5, "rest": 0.1}
     scaled = damage.run(SYMMETRIC, MID1, mass_scaling="selective", **how)
     explicit = damage.run(SYMMETRIC, MID1, **how)

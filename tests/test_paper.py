@@ -138,11 +138,12 @@ class TestReadings:
         assert row.endswith("| s | das | ? | das |")
         assert "0.3 MPa in the piers: gains nothing; loses nothing." in conclusions(judge_readings(tmp_path))
 
-    def test_the_command_writes_a_document(self, papers_world, tmp_path, capsys):
+    def test_the_command_prints_conclusions_and_table(self, papers_world, tmp_path, capsys):
         (tmp_path / "tables").mkdir()
         papers_world.to_csv(tmp_path / "tables" / "summary.csv", index=False)
-        assert main(["readings", str(tmp_path), "--markdown", str(tmp_path / "readings.md")]) == 0
-        assert "Most claims" in capsys.readouterr().out and "| by default |" in (tmp_path / "readings.md").read_text()
+        assert main(["readings", str(tmp_path)]) == 0
+        printed = capsys.readouterr().out
+        assert "Most claims" in printed and "| by default |" in printed
 
     def test_results_without_a_reading_are_refused(self, papers_world, tmp_path, error_of):
         (tmp_path / "tables").mkdir()
@@ -366,9 +367,9 @@ def test_a_statement_sums_up_its_claims(papers_world, judged):
 
 def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, output_of):
     judged(papers_world)
-    readme, document = tmp_path / "README.md", tmp_path / "verdict.md"
+    readme, document, claims = (tmp_path / name for name in ("README.md", "verdict.md", "verdict.csv"))
     readme.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
-    words = ["verdict", str(tmp_path), "--markdown", str(document), "--readme", str(readme)]
+    words = ["verdict", str(tmp_path), "--markdown", str(document), "--csv", str(claims), "--readme", str(readme)]
     assert "P17d" in output_of(*words, of=main)
     renewed = readme.read_text()
     assert renewed.startswith("before\n") and renewed.endswith("after\n") and "\nold\n" not in renewed
@@ -377,7 +378,8 @@ def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, output
         "| reference solver, elastic lintel"]
     written = document.read_text()
     assert set(tallies) <= set(written.splitlines())
-    assert written.count("\n| P") == written.count("\n## P") == 17
+    assert written.count("\n| P") == 17
+    assert list(dict.fromkeys(pd.read_csv(claims)["claim"])) == [claim.id for claim in CLAIMS]
     verdict = json.loads(output_of(*words, "--json", of=main))
     assert [one["statement"] for one in verdict["statements"]] == list(STATEMENTS)
     assert len(verdict["claims"]) == len(CLAIMS)

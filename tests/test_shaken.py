@@ -1,4 +1,4 @@
-"""Programs behind docs/validation/shaken-walls.md: motions of the shaking table, impacts, and the kept prediction."""
+"""Programs behind docs/validation/shaken-walls.md and impacts.md: the table's motions, impacts, the kept prediction."""
 
 import hashlib
 import math

@@ -128,10 +128,9 @@ def _tables(asked):
     write_run_tables(read_history(asked.histories[0]), asked.out)
 
 
-@command("the data dictionary: every column of every table, as dictionary.csv and dictionary.md",
-         out("folder for both"),
+@command("the data dictionary: every column of every table, as dictionary.csv", out("folder for it"),
          examples=("--out tables", "--out docs/reference"))
 def _dictionary(asked):
     from damage.measure.dictionary import write_dictionary
 
-    print(*write_dictionary(all_tables(), asked.out), sep="\n")
+    print(write_dictionary(all_tables(), asked.out))

@@ -79,7 +79,7 @@ def said_first(history, warnings=()):
                      "residuals the state then")
     if history.parameters.get("repeats"):
         lines.append(f"repeated {history.parameters['repeats']} times in smaller steps, last for its "
-                     f"{history.parameters['repeated_for']} (docs/validation/mass-scaling.md)")
+                     f"{history.parameters['repeated_for']} (docs/validation/step-and-damping.md)")
     return [*lines, *warnings]
 
 

@@ -62,7 +62,7 @@ def _digest(options):
 
 
 register(Source("a life: the earthquakes at an address, one after the other, instead of a motion", (
-    file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/address.md)"),
+    file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/groningen.md)"),
     arg("--event", type=str, metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a "
         "life: a record scaled to its median PGV at the address; with --life to the PGV drawn there"),
     arg("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it motions are "

@@ -1,15 +1,14 @@
 """The data dictionary: every column of every table that this software writes, with unit and meaning; here those of
 single runs, beside which applications register theirs (`damage.commands.table.tables`).
 
-`python3 -m damage dictionary --out docs/reference` writes dictionary.csv and dictionary.md.
+`python3 -m damage dictionary --out docs/reference` writes dictionary.csv.
 """
 
 from pathlib import Path
 
 import pandas as pd
 
-from damage.files import write_text
-from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, STATIC_STAGE, Column, each
+from damage.history.schema import EVENT_COLUMNS, JOINTS, STATE_COLUMN, STATIC_STAGE, Column, each
 from damage.history.schema import TABLES as HISTORY
 from damage.index import COMPONENTS
 from damage.measure.cycles import BY_OTHERS
@@ -106,19 +105,5 @@ def dictionary_table(tables):
 
 
 def write_dictionary(tables, folder):
-    """Write dictionary.csv and dictionary.md of tables, which are as TABLES, into a folder; returns their paths."""
-    table = dictionary_table(tables)
-    return [write_table(table, Path(folder) / "dictionary.csv"),
-            write_text(Path(folder) / "dictionary.md", _markdown(table))]
-
-
-def _markdown(table):
-    codes = "; ".join(f"`{name}`: {', '.join(words)}" for name, words in CODES.items())
-    lines = ["# Data dictionary", "", "Every column of every table that the software writes; made by `python3 -m "
-             "damage dictionary --out docs/reference`, as is [dictionary.csv](dictionary.csv).",
-             "RUN stands for a run's name, INTENSITY for that of an intensity of the motion; a unit of 1 is a ratio or "
-             "a number, none a word.", f"In histories (RUN.h5) codes are numbers from 0: {codes}."]
-    for name, rows in table.groupby("table", sort=False):
-        lines += ["", f"## {name}", "", "| column | unit | meaning |", "| --- | --- | --- |",
-                  *(f"| `{row.column}` | {row.unit} | {row.meaning} |" for row in rows.itertuples())]
-    return "\n".join(lines) + "\n"
+    """Write dictionary.csv of tables, which are as TABLES, into a folder; returns its path."""
+    return write_table(dictionary_table(tables), Path(folder) / "dictionary.csv")

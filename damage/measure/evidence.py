@@ -96,7 +96,7 @@ def _result(name):
 
 
 QUANTITIES = (
-    Quantity("direction", "in the plane of the wall; [strips](../guides/other-walls.md#a-strip-in-one-way-bending) "
+    Quantity("direction", "in the plane of the wall; [strips](../guides/own-wall.md#a-strip-in-one-way-bending) "
              "between floors bend out of it", "closed forms within 2 %; [one shaken "
              "strip](../validation/shaken-walls.md)", "two-way bending, torsion and return walls are not modelled"),
     Quantity("vertical components of the motion", "{range}: no study here has one", "", "`--vertical` applies it; its "
@@ -153,7 +153,7 @@ QUANTITIES = (
              _largest("record", "scale"), most=2.0),
     Quantity("repeated events", "both solvers agree; softening spandrels lose force by repetition as tested clay does",
              "[equal events](../paper/thirty-years.md#equal-events), [repeated "
-             "loading](../validation/shaken-walls.md#repeated-loading)", "1.5 to 1.9 times the tested loss of calcium "
+             "loading](../validation/repeated-loading.md)", "1.5 to 1.9 times the tested loss of calcium "
              "silicate; "
              "piers on stepped cracks walk 0.1 to 0.3 mm an event of 45 mm/s, no test of that has been compared"),
     Quantity("rest after the motion", "{range}", "[open points](../paper/open-points.md)", "undamped masses on top "

@@ -17,7 +17,7 @@ from damage.wall.model_options import ModelOptions
 SLENDER_S = 0.15
 """First period from which on a wall with openings takes the longest of the steps below [s]."""
 SLENDER_STEP_S, STIFF_STEP_S, DEFORMABLE_STEP_S = 2e-4, 1e-4, 5e-5
-"""Time steps with selective mass scaling [s] (docs/validation/mass-scaling.md)."""
+"""Time steps with selective mass scaling [s] (docs/validation/step-and-damping.md)."""
 _SHOWN = ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")
 _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
 """Models of the runs of that table, and options that are free beside them."""
@@ -74,4 +74,4 @@ def scaling_warnings(settings, wall):
     if settings.mass_scaling != SELECTIVE or is_shown(settings, wall):
         return []
     return ["--mass-scaling selective is less accurate, or was not compared with explicit steps, for a wall, motion or "
-            "options of this kind (docs/validation/mass-scaling.md): compare with --mass-scaling none"]
+            "options of this kind (docs/validation/step-and-damping.md): compare with --mass-scaling none"]

@@ -40,7 +40,7 @@ MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
 SCATTER, MOST_MEMBERS = 0.001, 100
 """Of members: coefficient of variation of the strengths where nothing else is asked for
-(docs/guides/number-of-runs.md), and how many a single run may have."""
+(docs/guides/planning.md), and how many a single run may have."""
 MASS_SCALING = NONE, SELECTIVE = "none", "selective"
 MOST_SCALED_STEP_S = 4e-4
 """Largest time step with selective mass scaling [s]."""
@@ -102,7 +102,7 @@ class RunSettings:
     mass_scaling: str | None = choice(
         MASS_SCALING, default=None, help="selective: steps of up to 2e-4 s by masses that grow with the stiffness of "
         "the intact wall; a run that is not accepted is repeated in smaller steps (default: by the wall and its "
-        "motion, docs/validation/mass-scaling.md)")
+        "motion, docs/validation/step-and-damping.md)")
     relaxation: str = "local"
     settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
                                   "YADE, and adaptive with mass scaling)")

@@ -249,7 +249,7 @@ class Wall:
 
     A strip of a wall in one-way bending between floors, out of its plane, is a plane problem, too: a column of courses
     whose `length` is the wall's thickness, `brick.length` twice that and `brick.thickness` the width of the strip,
-    under a restraint of its top (docs/guides/other-walls.md).
+    under a restraint of its top (docs/guides/own-wall.md).
     """
 
     name: str
