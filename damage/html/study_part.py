@@ -101,7 +101,8 @@ def said_first(folder, summary, points):
     if fell.any():
         lines.append(f"{int(fell.sum())} of {len(summary)} runs collapsed: their maxima are those until then")
     if again := repeated(summary):
-        lines.append(f"{again} of {len(summary)} runs were repeated in smaller steps (docs/validation/step-and-damping.md)")
+        lines.append(f"{again} of {len(summary)} runs were repeated in smaller steps "
+                     "(docs/validation/step-and-damping.md)")
     return lines
 
 
