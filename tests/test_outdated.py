@@ -15,6 +15,7 @@ from damage.batch.tasks import Task
 from damage.batch.worker import changes
 from damage.exposure import lives
 from damage.history.head import read_head
+from damage.life import register
 from damage.motion.formats import shipped_records
 from damage.provenance import measures_digest, model_digest
 from damage.studies.definition import StudyRun, load_study
