@@ -15,9 +15,9 @@ from damage.batch.tasks import Task
 from damage.batch.worker import changes
 from damage.exposure import lives
 from damage.history.head import read_head
+from damage.life import register
 from damage.motion.formats import shipped_records
 from damage.provenance import measures_digest, model_digest
-from damage.studies import inputs
 from damage.studies.definition import StudyRun, load_study
 from damage.studies.inputs import as_json, inputs_of
 from damage.studies.records import NAME, line_of, read_records, record_of
@@ -109,7 +109,7 @@ ALTERED = {
     "settlement": ({"options": 'settle = "d.csv", rest = 1', "d_csv": SETTLEMENT},
                    {"d.csv": SETTLEMENT.replace("-0.001", "-0.002")}, "settlement"),
     "cracks": ({"options": 'harmonic = [0.2, 0.1], cracked = "c.csv"', "c_csv": CRACKS},
-               {"c.csv": CRACKS.replace("0.1\n", "0.2\n", 1)}, "cracked"),
+               {"c.csv": CRACKS.replace("0.1\n", "0.2\n", 1)}, "joints_without_bond"),
     "history that is continued": ({"options": 'harmonic = [0.2, 0.1], continue = "x.h5"', "x_h5": "one"},
                                   {"x.h5": "two"}, "continued"),
     "threshold of an address": ({"options": 'address = "h.toml"', "ensemble": "lives = 3", "h_toml": ADDRESS},
@@ -182,7 +182,7 @@ class TestInputs:
         first = set(draws.life(1)["record"])
         other = next(name for name in draws.components["record"] if name not in first)
         other_file = written(tmp_path / shipped_records()[other].name, f"{shipped_records()[other].read_text()}\n")
-        for module in (lives, inputs):
+        for module in (lives, register):
             monkeypatch.setattr(module, "shipped_records", lambda: shipped_records() | {other: other_file})
         (words,) = there.judge().changed.values()
         assert [word.partition(" ")[0] for word in words] == ["drawn_from"]

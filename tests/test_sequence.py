@@ -36,7 +36,7 @@ def test_stages_follow_one_another_and_end_with_samples():
 
 
 @pytest.mark.parametrize("words, message", [
-    (["--sequence", "1,x"], "factors with commas"),
+    (["--sequence", "1,x"], "numbers with commas"),
     (["--sequence", "1,nan"], "factor of --sequence = nan"),
     (["--free-vibration", "--sequence", "1,1"], "belongs to"),
 ])
