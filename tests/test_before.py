@@ -1,7 +1,6 @@
 """What a wall went through before a run: runs that continue another, joints that start without a bond."""
 
 import io
-import shutil
 import zipfile
 
 import h5py
@@ -11,15 +10,9 @@ from conftest import refused_with, written
 from numpy.testing import assert_array_equal
 
 import damage
-from damage.__main__ import main
 from damage.errors import InputError
-from damage.history.head import seal
-from damage.history.moments import choose_samples
 from damage.history.reader import read_history
-from damage.history.schema import STATE
-from damage.laboratory.crack_report import history_drawn
 from damage.measure.crack_file import Surveyed, read_cracks
-from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.summary import summarise
 from damage.run.before import with_cracks
 from damage.run.options import parse_run
@@ -63,14 +56,6 @@ def test_a_run_that_continues_is_the_second_half_bit_for_bit(tmp_path, wall, opt
         "time_s"].iloc[-1] + whole.series["time_s"].iloc[-1] + 1e-9).sum()
 
 
-def test_a_settled_wall_is_shaken_later(tmp_path):
-    """Without a motion the first half ends at time zero, where the second begins."""
-    damage.run(SMALL, settle="hogging", distortion=1 / 500, lintel=2, out=tmp_path / "settled.h5")
-    later = damage.run(SMALL, supports="bricks", lintel=2, **SHAKE, **{"continue": tmp_path / "settled.h5"})
-    assert later.series["time_s"].iloc[0] == 0.0 and later.opening_m[0].max() > 1e-4
-    assert later.support_displacement[-1][:, 1].min() < -5e-4
-
-
 def test_a_history_of_another_wall_is_one_line(tmp_path):
     damage.run(SMALL, **SHAKE, out=tmp_path / "first.h5")
     other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)], lintel="courses")
@@ -91,12 +76,6 @@ def test_a_history_without_a_state_is_one_line(tmp_path):
 
 # --- a state that someone else wrote -----------------------------------------------------------------------
 
-def as_npy(shape, data=b""):
-    """An array's file that claims a shape of float64."""
-    content = io.BytesIO()
-    np.lib.format.write_array_header_1_0(content, {"descr": "<f8", "fortran_order": False, "shape": shape})
-    return content.getvalue() + data
-
 
 def archive(tables, **raw):
     """Bytes of an archive of tables, some replaced by these files, None: left out."""
@@ -108,46 +87,6 @@ def archive(tables, **raw):
             if (entry := raw.get(name, file.getvalue())) is not None:
                 packed.writestr(f"{name}.npy", entry)
     return np.frombuffer(content.getvalue(), "u1")
-
-
-STATES = {  # bytes of the state, of its tables; what is said
-    "packed-zeros": (lambda tables: np.zeros(30_000_000, "u1"), "says it has 30000000 bytes, expected up to"),
-    "a-bomb-in-the-archive": (lambda tables: archive(tables | {"velocity": np.zeros(5_000_000)}),
-                              "table velocity has 40000128 bytes, expected"),
-    "one-number-for-all-bodies": (lambda tables: archive(tables | {"velocity": np.array(0.1)}),
-                                  r"table velocity is 8 bytes \(\), expected 8 bytes \(4"),
-    "another-type": (lambda tables: archive(tables | {"velocity": tables["velocity"].astype("f4")}),
-                     "table velocity is 4 bytes"),
-    "a-shape-beyond-its-data": (lambda tables: archive(tables, velocity=as_npy((10**12,))),
-                                "is 8 bytes .1000000000000,"),
-    "cut-in-the-midst": (lambda tables: archive(tables)[:-2000], "not a zip file"),
-    "without-a-table": (lambda tables: archive(tables, energy=None), "tables energy are in it or in the wall's state"),
-    "no-archive": (lambda tables: np.arange(200, dtype="u1"), "not a zip file"),
-    "pickled": (lambda tables: archive(tables | {"velocity": np.array([{}], object)}), "table velocity is"),
-}
-
-
-@pytest.fixture(scope="module")
-def first_half(tmp_path_factory):
-    path = tmp_path_factory.mktemp("first") / "first.h5"
-    damage.run(SMALL, **SHAKE, out=path)
-    return path
-
-
-@pytest.mark.parametrize("case", STATES)
-def test_a_state_that_no_run_wrote_is_one_line(case, first_half, tmp_path):
-    """Sealed anew, as one who means harm would."""
-    make, said = STATES[case]
-    path = shutil.copyfile(first_half, tmp_path / "first.h5")
-    with h5py.File(path, "r+") as file:
-        with np.load(io.BytesIO(file[STATE][()].tobytes())) as packed:
-            tables = dict(packed)
-        del file[STATE]
-        file.create_dataset(STATE, data=make(tables), compression="gzip", chunks=(1 << 16,), maxshape=(None,))
-    seal(path)
-    refused_with(f"its state of the solver cannot be read .*{said}", damage.run, SMALL, **SHAKE,
-                 out=tmp_path / "second.h5", **{"continue": path})
-    assert not (tmp_path / "second.h5").exists()
 
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------
@@ -222,25 +161,6 @@ def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
     assert not any("failed under gravity" in warning for warning in summary["warnings"])
     failed = history.broken[-1] & ~freed
     assert summary["tension_breaks"] + summary["shear_breaks"] == failed.sum() > 0
-
-
-def test_cracks_of_a_history_are_drawn(first_half, tmp_path):
-    assert main(["cracks", str(first_half), "--at", "max,end", "--out", str(tmp_path)]) == 0
-    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["cracks_level_1.png", "cracks_level_2.png"]
-    history = read_history(first_half)
-    (mapped,), (pattern,), _ = history_drawn(history, choose_samples(history, ["max"]))
-    assert mapped.drawn_m == pytest.approx(pattern.length_m.sum()) and pattern.length_m.sum() > 0.1
-    assert mapped.unmapped_m == pytest.approx(0, abs=1e-6)  # they are the joints' own
-
-
-def test_cracks_count_as_drawn(tmp_path):
-    """Straight lines touch many joints here and there; the label says which is one crack."""
-    path = written(tmp_path / "cracks.csv", DIAGONALS)
-    pattern = read_cracks(path)[-1]
-    mapped = map_cracks(pattern, lay_out(SMALL))
-    level = describe_level(pattern, mapped, lay_out(SMALL))
-    assert len(mapped.table) > 3 and level["cracks"] == 3
-    assert level["psi"] == pytest.approx(2 * 3**0.15) == level["psi_drawn"]  # of 1 mm
 
 
 def test_cracks_beside_the_wall_are_one_line(tmp_path, error_of):

@@ -14,7 +14,6 @@ from small_history import make_history
 
 from damage.law.joint_law import ContactState, LawParameters, Material, advance, elastic_energy, range_left
 from damage.law.modes import natural_modes
-from damage.law.states import BROKEN, CRUSHED
 from damage.measure.cracks import cracks_at
 from damage.measure.summary import summarise
 from damage.measure.tables import joints_table, summary_row
@@ -23,7 +22,7 @@ from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall, crushing_energy
-from damage.wall.split import CUT_POINTS, cut_strengths
+from damage.wall.split import CUT_POINTS
 from verification import crushing, softening
 
 KN, KS, FT, C, MU, FC = 6e10, 2.4e10, 0.2e6, 0.24e6, 0.6, 3e6
@@ -72,11 +71,6 @@ class TestLaw:
         state, = follow([-2 * DEEP])
         assert elastic_energy(state.normal_stress, 0.0, KN, KS) == approx(0.5 * FC * DEEP)
         assert state.fracture_work == approx(0.5 * FC * DEEP)
-
-    def test_a_dry_joint_opens_where_its_closure_has_left_it(self):
-        closed, opened = follow([-2.9 * DEEP, -1.8 * DEEP], ContactState(broken=True))
-        assert closed.normal_stress < 0 and closed.closure == approx(1.9 * DEEP)
-        assert opened.normal_stress == 0.0
 
     def test_a_whole_bond_holds_across_the_closure(self):
         *_, pulled, gone = follow([-3 * DEEP, -2 * DEEP + 0.99 * FT / KN, -2 * DEEP + 1.01 * FT / KN])
@@ -165,9 +159,6 @@ def test_a_crushed_joint_slides_alike_in_both_solvers():
 
 
 class TestParameters:
-    def test_by_default_nothing_crushes_or_splits(self):
-        layout = lay_out(Wall("plain", 0.9, 0.45))
-        assert np.isinf(layout.contacts.compressive_strength).all() and not (layout.contacts.kind == CUT).any()
 
     @pytest.mark.parametrize("make", [lambda: Joint(compressive_strength=0.0), lambda: Joint(compressive_strength=-1.0),
                                       lambda: Joint(compressive_fracture_energy=1e4),
@@ -228,10 +219,6 @@ class TestCuts:
         half = SPLITTING.length / 2 / SPLITTING.young_modulus / (0.075 * 0.1025)
         assert stiffness[1] == approx(stiffness[0] + half, rel=1e-9)  # four cuts, and three joints less a half each
 
-    def test_without_a_cohesion_tension_alone_splits(self):
-        assert cut_strengths(SPLITTING) == (approx(0.8e6), np.inf)
-        assert cut_strengths(replace(SPLITTING, cohesion=3e6))[1] == approx(2e6)
-
 
 class TestHistory:
     @pytest.fixture(scope="class")
@@ -263,22 +250,3 @@ def pushed(layout, seconds=0.02, speed=0.05):
     wall.push(speed)
     wall.run(round(seconds / wall.time_step))
     return wall
-
-
-ENERGIES = {"mode_i_fracture_energy": 10.0, "mode_ii_fracture_energy": 100.0}
-
-
-@pytest.mark.parametrize(("energies", "options"), [
-    ({}, {}), (ENERGIES, {}), (ENERGIES, {"fibres": 8}), (ENERGIES | {"compressive_fracture_energy": 20.0}, {})])
-def test_energy_of_a_wall_that_crushes_and_splits(energies, options):
-    joint = Joint(compressive_strength=0.5e6, **energies)
-    layout = lay_out(Wall("small", 0.9, 0.45, joint=joint, brick=replace(SPLITTING, tensile_strength=0.2e6)),
-                     ModelOptions(**options))
-    wall = pushed(layout)
-    state = wall.state
-    cuts = layout.contacts.kind[:layout.n_joints] == CUT
-    assert (state[~cuts] & CRUSHED).any() and (state[cuts] & BROKEN).any() and not (state[cuts] & CRUSHED).any()
-    came_in, friction, fracture, _ = wall.energy
-    lifted = 9.81 * float(layout.bodies.mass @ wall.displacement[:, 1])
-    there = wall.kinetic_energy() + wall.elastic_energy() + lifted + friction + fracture
-    assert there == approx(came_in, rel=5e-3)

@@ -1,14 +1,12 @@
 """Floors: masses on courses and slabs that tie piers; reactions, periods, and what is refused."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
-from test_widths import check_widths
 
 import damage
 from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
@@ -52,13 +50,6 @@ def test_reactions_carry_every_floor_where_it_rests(floors, openings):
     weight = GRAVITY * (own.sum() + sum(mass for mass, _, _ in spans))
     moment = GRAVITY * (own @ layout.bodies.x[bricks] + sum(mass * (left + right) / 2 for mass, left, right in spans))
     assert_allclose(base_reaction(layout), (weight, moment), rtol=2.0**-26)
-
-
-@pytest.mark.parametrize("top", ["piers", "uniform", "beam"])
-def test_the_precompression_rests_on_a_slab_along_the_whole_top(top):
-    laden = replace(wall(Floor(2.4, 1500.0, kind="concrete")), precompression=0.1e6)
-    bare, layout = lay_out(replace(laden, precompression=0.0)), lay_out(laden, ModelOptions(top=top))
-    assert layout.total_mass - bare.total_mass == pytest.approx(0.1e6 * 2.0 * 0.1 / GRAVITY)
 
 
 def test_a_timber_floor_is_mass_on_the_course_below_it():
@@ -130,11 +121,6 @@ def test_two_storeys_have_the_periods_of_a_shear_cantilever():
         assert_allclose(modes.period_s[int(np.argmax(alike))], 2 * math.pi / math.sqrt(square), rtol=0.05)
 
 
-def test_floors_are_described_where_a_run_begins():
-    assert describe_floors(plan_of(wall(SLAB, TIMBER))) == ["timber floor at 1 m, x = 0.4 to 1.6 m: 0.8 t",
-                                                             "concrete floor at 2 m, x = 0 to 2 m: 1.5 t"]
-
-
 @pytest.fixture(scope="module")
 def shaken():
     """A short run of two storeys below a gable, a slab above the first and a timber floor above the second."""
@@ -171,13 +157,6 @@ class TestStoreyDrift:
         assert list(table["storey"]) == [1, 2, 3]
         assert_allclose(table["max_drift_ratio"], np.abs(storey_drifts(shaken)[1]).max(axis=0))
         assert tmp_path / "run_storeys.csv" in write_run_tables(shaken, tmp_path / "run")
-
-
-def test_slabs_step_in_both_widths():
-    """Of a wall with a slab below a gable."""
-    house = wall(Floor(1.0, 500.0, kind="concrete", depth=0.1), height=1.4,
-                 outline=((0.0, 1.0), (1.0, 1.4), (2.0, 1.0)))
-    check_widths(lay_out(house))
 
 
 # --- mass per area ------------------------------------------------------------------------------------------

@@ -11,11 +11,8 @@ from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
 from damage import Joint, brick_of_masonry
-from damage.laboratory import pushed as laboratory
-from damage.laboratory.pictures import beside_test_picture, save
 from damage.laboratory.pushed import SPECIMENS, TESTS, draws_report, figures, pushed_report, read_test
 from damage.measure.pushed import (
-    averaged,
     backbone,
     bilinear,
     capacity,
@@ -64,13 +61,6 @@ class TestCycles:
         assert_allclose([steady.max_force_kn, steady.min_force_kn], [20, -20])
         assert_allclose(steady.max_drift_pct, 100 * amplitude / small_layout().drift_height, rtol=5e-4)
 
-    def test_a_run_cut_short_has_its_whole_cycles(self, plastic):
-        n = int(0.6 * len(plastic.series))
-        table = cycles_table(replace(plastic, series=plastic.series.iloc[:n], opening_m=plastic.opening_m[:n],
-                                     slip_m=plastic.slip_m[:n], offset_m=plastic.offset_m[:n],
-                                     at_limit=plastic.at_limit[:n]))
-        assert_allclose(table, cycles_table(plastic).iloc[:1])
-
     def test_index_is_that_of_the_instant(self, plastic):
         table = cycles_table(plastic)
         assert_allclose(table.DI_drift_at_max, table.max_drift_pct / 2)  # of the limit of 2 %
@@ -104,13 +94,6 @@ class TestEnvelope:
         assert_allclose(force * (ultimate - force / 50e6 / 2), 172.0)
         assert_allclose(line["elastic_drift"], force / 50e6 / 2)
         assert_allclose([mean_force(curve, 1e-3), mean_force(curve, 2e-3)], [50e3, 62.5e3])
-
-    def test_a_mean_over_windows_keeps_area_and_loses_shocks(self):
-        drift = np.linspace(5e-6, 1e-3 - 5e-6, 100)
-        force = 1e3 + 900 * (-1.0) ** np.arange(100)
-        curve = averaged(pd.DataFrame({"drift_ratio": drift, "force_n": force}), 1e-4)
-        assert_allclose(curve["force_n"], 1e3)
-        assert_allclose(curve["drift_ratio"], np.arange(5e-5, 1e-3, 1e-4))
 
     def test_a_backbone_leaves_out_the_branch_between_two_cycles(self, plastic):
         """The wall slides: in the negative direction its samples begin near zero drift with all of the force."""
@@ -231,9 +214,6 @@ class TestMeasured:
         assert all(read_test(specimen).height > 1 for specimen in SPECIMENS.values())
         refused_with("COMP1_3", read_test, "COMP9")
 
-    def test_a_picture_beside_a_test_needs_one(self, plastic):
-        refused_with("squat", laboratory.test_of, plastic)
-
 
 class TestCommand:
     def test_cycles_prints_what_its_json_holds(self, plastic, output_of):
@@ -242,24 +222,7 @@ class TestCommand:
         assert "damping" in output_of("cycles", plastic.path)
 
 
-def test_picture_beside_the_test(plastic, tmp_path):
-    squat = replace(plastic, wall="squat")
-    figure = beside_test_picture([squat])
-    assert "measured" in figure._suptitle.get_text()
-    names = {path.name for path in save([squat], tmp_path)}
-    assert names == {"COMP1_3_beside_test.png", "COMP1_3_beside_test.pdf"}
-    refused_with("one", beside_test_picture, [squat, replace(plastic, wall="comp2_1")])
-
-
 class TestLaboratoryWalls:
-    @pytest.mark.parametrize("name", ["squat", "squat_tested", "comp2_1", "comp2_4"])
-    def test_sizes_are_the_specimens(self, name):
-        wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
-        row = pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name]]
-        assert_allclose([wall.length, wall.built_height, wall.brick.thickness], row[["L_m", "H_m", "t_m"]].to_list(),
-                        rtol=6e-3)
-        assert_allclose(wall.precompression, 1e6 * row["sigma0_MPa"])
-        assert wall.courses == row["N courses"]
 
     @pytest.mark.parametrize("name", ["squat_tested", "comp2_1", "comp2_4"])
     def test_material_is_the_tested_one(self, name):

@@ -3,24 +3,20 @@
 import json
 from dataclasses import replace
 from types import SimpleNamespace
-from unittest import mock
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, SHORT, one_line_error, wall_file, written
+from conftest import REPOSITORY, SHORT, one_line_error, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
 
 import damage
 from damage import Brick, Joint, Lintel, Opening, Wall
-from damage.__main__ import main
 from damage.draw.run import save_all
 from damage.export.vtkhdf import WallCells
 from damage.html.report import write_report
 from damage.measure.joint_stress import contact_forces, joint_history, joint_of, points_table, sections_table
 from damage.measure.tables import write_run_tables
-from damage.reference.session import run_references
-from damage.reference.settled import Settled, SettledWalls
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.geometry import body_table, joint_table
@@ -295,61 +291,7 @@ def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_says_before_it_how_large_they_are(tmp_path, capsys):
-    words = ["--harmonic", "0.05", "0.01", "--cycles", "1", "--rest", "0", "--no-pictures", "--point", "0.1", "0.1"]
-    assert main(["reference", str(SMALL), *words, "--stresses", "--out", str(tmp_path / "a.h5")]) == 0
-    before, _, _ = capsys.readouterr().out.partition("history: ")
-    history = damage.read_history(tmp_path / "a.h5")
-    n_bytes = history.joint_stress_pa.nbytes
-    assert (f"stresses of {len(history.joints)} contact points at {len(history.series)} samples: {n_bytes / 1e6:.3g} MB"
-            in before)
-    assert "point 0.1 0.1: in brick 5, course 1" in before
-
-
-def test_runs_that_share_a_static_stage_both_keep_its_course(tmp_path):
-    words = [str(SMALL), "--harmonic", "0.05", "0.1", "--cycles", "1", "--rest", "0"]
-    settled, recall = SettledWalls(), Settled.recall
-    with mock.patch.object(Settled, "recall", autospec=True, side_effect=recall) as recalled:
-        for name in "ab":  # one after the other: the second finds the wall at rest
-            line = name, [*words, "--out", str(tmp_path / f"{name}.h5")]
-            assert list(run_references(iter([line]), settled=settled)) == [(name, 0)]
-    assert recalled.call_count == 2 and len(settled._kept) == 1
-    first, second = (damage.read_history(tmp_path / f"{name}.h5").static_stage for name in "ab")
-    assert len(first) > 10
-    pd.testing.assert_frame_equal(first, second)
-
-
 # --- YADE ----------------------------------------------------------------------------------------------
-
-SCRIPT = f"""
-import json, sys
-sys.path.insert(0, {str(REPOSITORY)!r})
-from damage import Wall
-from yade_scripts import open_scene
-from yade_scripts.leaving import run_and_leave
-
-
-def stresses():
-    scene = open_scene(Wall("panel", 0.675, 0.3, precompression=0.3e6), harmonic=(0.05, 0.9), cycles=1, rest=0,
-                       stresses=True)
-    history = scene.finish()
-    areas = history.joints["area_m2"]
-    return {{"forces": [scene.force(joint) for joint in history.joints.index], "areas": areas.tolist(),
-            "last": history.joint_stress_pa[-1].tolist(), "broken": int(history.broken[-1].sum())}}
-
-
-run_and_leave(lambda: print(json.dumps(stresses())))
-"""
-
-
-@pytest.mark.yade
-def test_stresses_in_yade_are_its_contact_forces(tmp_path, yade_command):
-    path = written(tmp_path / "scene.py", SCRIPT)
-    done = yade_command(path, status=0)
-    found = json.loads(done.stdout.splitlines()[-1])
-    forces = np.array(found["last"]) * np.array(found["areas"])[:, None]
-    assert found["broken"] > 0
-    assert_allclose(forces, found["forces"], atol=1e-6 * np.abs(found["forces"]).max())
 
 
 @pytest.mark.yade

@@ -43,17 +43,6 @@ def test_solid_wall_joint_length_by_hand():
     assert_allclose(lay_out(solid).total_joint_length, by_hand, rtol=1e-12)
 
 
-def test_top_mass_and_weight(shipped_wall):
-    layout = lay_out(shipped_wall)
-    area = 4.05 * 0.1025
-    caps = layout.bodies.mass[layout.n_bricks:]
-    assert_allclose(caps.sum() * 9.81, 0.3e6 * area, rtol=2.0**-26)
-    assert len(caps) == (1 if shipped_wall.name == "solid" else 2)
-    openings = sum(opening.width * opening.height for opening in shipped_wall.openings)
-    bricks = 1900 * 0.1025 * (4.05 * 2.775 - openings)
-    assert_allclose(layout.total_mass, bricks + caps.sum(), rtol=2.0**-26)
-
-
 STOREYS = Wall("door-below-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.2, 3.0)), precompression=1e5)
 
 
@@ -114,19 +103,6 @@ def test_a_cap_on_half_a_brick_stands_on_two_points():
     assert_allclose(layout.contacts.length[under], BRICK / 4)
 
 
-@pytest.mark.parametrize("share", [1, 2, 3, 4, 5, 7, 8, 11])
-def test_no_bed_joint_is_lost_whatever_the_size_of_the_bricks(share):
-    wall = Wall("fine", 0.9, 0.45, brick=Brick(length=0.225 / share, height=0.075 / share))
-    contacts = lay_out(wall).contacts
-    assert_allclose(contacts.length[contacts.kind == BED].sum(), wall.courses * 0.9)
-    assert_allclose(contacts.length[contacts.kind == CAP].sum(), 0.9)
-
-
-def test_piers_of_the_perforated_walls(shipped_wall):
-    widths = np.diff(lay_out(shipped_wall).plan.piers, axis=1).ravel() / BRICK
-    assert_allclose(widths, {"solid": [18], "symmetric": [4.5, 4.5], "asymmetric": [2.5, 6.5]}[shipped_wall.name])
-
-
 @pytest.mark.parametrize("wall", ODD_WALLS, ids=lambda w: w.name)
 class TestOddWall:
     """What they cover, and how: `test_any_wall.py`."""
@@ -157,18 +133,6 @@ def test_corner_contacts_lie_at_the_ends_of_each_overlap(symmetric_wall):
     contacts = lay_out(symmetric_wall, ModelOptions(contacts="corners")).contacts
     bed = contacts.kind == BED
     assert_allclose(contacts.x[bed] / (BRICK / 2), np.round(contacts.x[bed] / (BRICK / 2)), atol=1e-9)
-
-
-def test_lintel_is_the_inside_of_the_spandrel_with_its_bearing(symmetric_wall):
-    layout = lay_out(symmetric_wall)
-    contacts = layout.contacts
-    inside = np.flatnonzero(contacts.elastic & (contacts.kind != CAP))
-    left, right, bottom = 3.5 * BRICK, 14.5 * BRICK, 33 * 0.075
-    assert np.all((contacts.x[inside] > left) & (contacts.x[inside] < right))
-    assert np.all(contacts.z[inside] > bottom + 1e-9)
-    # Bed joints of the four courses: three levels, 11 bricks of 2 x 2 points each.
-    assert np.sum(contacts.kind[inside] == BED) == 3 * 11 * 4
-    assert not np.any(lay_out(symmetric_wall, ModelOptions(lintel="none")).contacts.elastic[:layout.n_joints])
 
 
 @pytest.mark.parametrize("contacts", ["interior", "corners", "gauss"])

@@ -1,32 +1,18 @@
 """The default model stands once, in ModelOptions: command lines, names and tables follow from its fields."""
 
-from dataclasses import fields
 
 import pandas as pd
 import pytest
-from conftest import one_line_error, refused_with
-from small_history import make_history
 
-import damage
-from damage.history.writer import HistoryWriter
 from damage.measure.columns import read_table
-from damage.measure.summary import summarise
-from damage.measure.tables import summary_row, write_table
+from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
-from damage.run.options import free_name, make_parser, parse_run
+from damage.run.options import free_name, parse_run
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
 from damage.wall.parameters import Wall
 from paper.evidence import SHAPE
 from paper.study_figures import choice
-
-
-@pytest.mark.parametrize("solver", ["yade", "reference"])
-def test_every_option_of_a_solver_is_on_its_command_line(solver):
-    offered = vars(make_parser("test", solver).parse_args([]))
-    for one in fields(ModelOptions):
-        assert one.name in offered
-    assert parse_run([], "test", solver).model == ModelOptions()
 
 
 @pytest.mark.parametrize(("options", "name"), [
@@ -58,44 +44,3 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     write_table(pd.DataFrame({"lintel": [kept]}), tmp_path / "points.csv")
     assert list(read_table(tmp_path / "points.csv")["lintel"]) == [kept]
     assert choice({**USUAL_MODEL, "lintel": kept}) == ("default" if kept == "elastic" else f"lintel: {kept}")
-
-
-def test_an_old_history_has_the_defaults_of_younger_options(still_history):
-    assert still_history.model == ModelOptions()  # its parameters hold no option
-
-
-def test_joints_are_by_face_alone():
-    assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
-    refused_with("--joints: invalid choice: 'centres'", parse_run, ["--joints", "centres"], "test", "yade")
-
-
-@pytest.mark.parametrize(("versions", "model", "normals"), [
-    ({"yade": "2023.02a"}, {}, "centres"), ({"yade": "2023.02a", "masonry-damage": "0.2.0"}, {}, "face"),
-    ({"yade": "2023.02a", "masonry-damage": "0.2.0"}, {"joints": "centres", "cells": 3}, "centres"),
-    ({"yade": "2023.02a"}, {"joints": "face", "cells": 3}, "face")])
-def test_an_old_history_of_yade_says_whether_its_joints_lean(tmp_path, versions, model, normals):
-    class InYade(HistoryWriter):
-        def __init__(self, path, layout, parameters, **others):
-            super().__init__(path, layout, parameters=parameters | {"model": model},
-                             **others | {"solver": "yade", "versions": versions})
-
-        def history(self):
-            return damage.read_history(tmp_path / "old.h5")
-
-    history = make_history(tmp_path / "old.h5", write=InYade)
-    assert history.model == ModelOptions(cells=model.get("cells", 2))
-    assert history.joint_normals == summary_row(history)["joints"] == normals
-    assert any("joint that slides leans" in one for one in summarise(history)["warnings"]) == (normals == "centres")
-    assert make_history(tmp_path / "reference.h5").joint_normals == "face"
-
-
-def test_a_history_with_unknown_normals_is_refused(tmp_path):
-    class Odd(HistoryWriter):
-        def __init__(self, path, layout, parameters, **others):
-            super().__init__(path, layout, parameters=parameters | {"model": {"joints": "edges"}}, **others)
-
-        def history(self):
-            return None
-
-    make_history(tmp_path / "odd.h5", write=Odd)
-    assert "joints = 'edges': expected one of face, centres" in one_line_error(damage.read_history, tmp_path / "odd.h5")

@@ -4,26 +4,18 @@ import math
 from functools import partial
 
 import numpy as np
-import pandas as pd
 import pytest
-from conftest import REPOSITORY
 from numpy.testing import assert_allclose
-from small_history import as_version_2, make_history, small_layout
+from small_history import make_history, small_layout
 
-from damage import Joint, ModelOptions, Opening, Wall
-from damage.__main__ import main
-from damage.draw.panels import SLIP_LABELS, slip_label, slip_note
-from damage.draw.run import index_picture, wall_picture
+from damage import Joint, ModelOptions, Wall
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
-from damage.measure.columns import before_offsets
-from damage.measure.compare import compare, describe
 from damage.measure.cracks import psi_summary, psi_value
 from damage.measure.patterns import cracked
 from damage.measure.pushed import drift_at_first_crack
 from damage.measure.summary import summarise
-from damage.measure.tables import cycles_table, describe_table, index_table, summary_row
+from damage.measure.tables import index_table, summary_row
 from damage.reference.solver import ReferenceSolver
-from damage.studies.tables import points_of
 from damage.wall.kinds import BED
 from damage.wall.layout import lay_out
 
@@ -72,16 +64,6 @@ def test_the_offset_is_what_one_sees_now_and_slip_what_added_up():
         assert np.all(now.offset[now.state == 0] == 0.0)
 
 
-@pytest.mark.yade
-def test_yade_agrees_along_the_path(yade_command, tmp_path):
-    """But for the tilt by which an elastic shear s turns the line between a bond's members: 0.2 % of friction."""
-    np.save(tmp_path / "corners.npy", [there for there, _ in PATH])
-    yade_command(REPOSITORY / "tests/yade_checks/offset_of_two_bricks.py", tmp_path / "corners.npy",
-                 tmp_path / "results.npy", status=0)
-    expected = [(max(opening, 0.0), *sizes) for (opening, _), sizes in PATH]
-    assert_allclose(np.load(tmp_path / "results.npy"), expected, atol=2e-3 * HELD)
-
-
 def test_a_bond_that_breaks_in_shear_keeps_what_friction_does_not_hold():
     pair, peak = Pair(), (0.24e6 + MU * 0.3e6) / KS
     whole = pair.go((PRESSED, 0.99 * peak))
@@ -122,16 +104,6 @@ def test_a_bond_that_softens_and_its_fibres(number):
                        for k in mine)
     assert_allclose(ours, expected, atol=1e-11)
     assert 0 < ours[0] < 4e-5 and abs(ours[-2]) > 1e-4
-
-
-def test_a_joint_of_the_lintel_has_no_offset():
-    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), lintel="courses")
-    solver = ReferenceSolver(lay_out(wall), 1e-6)
-    random = np.random.default_rng(1)
-    solver.shift(random.normal(0, 2e-4, (len(solver.layout.bodies), 2)))
-    elastic = solver.layout.contacts.elastic[:solver.layout.n_joints]
-    offset = solver.offset
-    assert elastic.any() and np.all(offset[elastic] == 0.0) and np.all(offset[solver.state > 0] != 0.0)
 
 
 def test_a_rocking_brick_has_no_offset_and_one_that_turned_far_keeps_within_its_motion():
@@ -180,47 +152,3 @@ def test_psi_below_one_and_its_option(rattled, output_of):
     for command in ("index", "cracks"):
         assert "0.81" in output_of(command, history.path)
         assert "0.81" not in output_of(command, history.path, "--psi-from-mm", "0.1")
-
-
-def test_a_history_without_offsets_is_judged_by_accumulated_and_says_so(rattled, capsys, output_of):
-    new = rattled()
-    accumulated = summarise(new, slip="accumulated")
-    old = as_version_2(new.path)
-    assert old.offset_m is None and old.complete
-    summary = summarise(old)
-    assert summary["max"] == summary["max_accumulated"] == accumulated["max"] and summary["slip"] == "accumulated"
-    assert summary["max_offset_mm"] is None and any("no offsets" in warning for warning in summary["warnings"])
-    for table in (index_table(old), cycles_table(old)):
-        assert set(table["slip"]) <= {"accumulated"}
-    result = compare(old, [old])
-    assert result["slip"] == result["patterns"]["slip"] == "accumulated"
-    assert "accumulated" in describe(result)
-    for picture in (wall_picture, index_picture):
-        labels = [text.get_text() for text in picture(old).legends[0].get_texts()]
-        assert any("accumulated" in label for label in labels)
-    assert main(["index", str(old.path)]) == 0
-    printed = capsys.readouterr()
-    assert "slip by accumulated" in printed.out and "no offsets" in printed.err
-    assert "no offsets" in output_of("cracks", old.path)
-
-
-def test_tables_from_before_offsets_say_so(rattled, tmp_path):
-    """A study that goes on keeps the rows of then; its points are of both kinds."""
-    new = summary_row(rattled(), run="new", point="p")
-    old = {name: value for name, value in new.items() if "accumulated" not in name and name != "psi_from_mm"}
-    mixed = before_offsets(pd.DataFrame([new, old | {"run": "old", "max_DI": 0.2}]))
-    assert list(mixed["slip"]) == ["displacement", "accumulated"] and list(mixed["psi_from_mm"]) == [0.02, 0.1]
-    assert list(mixed["max_accumulated_DI"]) == [new["max_accumulated_DI"], 0.2]
-    points = points_of(mixed)
-    assert points["slip"].item() == "displacement; accumulated"
-    assert slip_note(mixed) == slip_label(points) == f"{SLIP_LABELS['displacement']}; {SLIP_LABELS['accumulated']}"
-    assert slip_note(mixed[:1]) == "" and slip_label(mixed, "shear-limit") == SLIP_LABELS["shear-limit"]
-    assert "accumulated" in describe_table(mixed) and "accumulated" not in describe_table(mixed[:1])
-
-
-def test_histories_with_and_without_offsets_are_compared_by_accumulated(rattled, tmp_path):
-    new = rattled()
-    old = make_history(tmp_path / "old.h5", slip={3: 3e-4}, drift=1e-4 * np.arange(21))
-    result = compare(new, [as_version_2(old.path)])
-    assert result["slip"] == "accumulated"
-    assert result["figures"]["DI"]["first"] == pytest.approx(result["figures"]["DI"]["median"])

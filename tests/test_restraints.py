@@ -130,17 +130,6 @@ class TestBearing:
             pairwise([0.0, *forces]), pairwise([0.0, *self.path()]))) - 0.5 * forces[-1]**2 / 2e6
         assert_allclose(wall.energy[FRICTION], work, rtol=1e-9)
 
-    def test_a_slow_cycle_takes_four_plays_of_friction(self):
-        layout, work, slip = strip(restraint=self.TOP), 0.0, 0.0
-        load, before = GRAVITY * layout.top_mass, 0.0
-        path = np.interp(np.arange(8001), [0, 2000, 6000, 8001], [0, 0.02, -0.02, 0.02])
-        for k, place in enumerate(path):
-            new = self.TOP.slip(place, slip, load)
-            force = 2e6 * (place - new)
-            work += 0.5 * (before + force) * (new - slip) * (k > 2000)
-            slip, before = new, force
-        assert_allclose(work, 4 * 0.004 * 0.3 * load, rtol=1e-5)
-
     def test_eight_walls_together_have_the_bits_of_each_alone(self):
         def make(k):
             joint = Joint(4e9, 1.6e9, tensile_strength=2e4, cohesion=4e4)

@@ -234,15 +234,6 @@ def test_events_count_from_time_zero(run_through):
     assert_allclose(history.events["time_s"], [-LOOK_STEPS * DT, 0.0, LOOK_STEPS * DT])
 
 
-def test_offsets_are_drawn_with_the_seed(run_through):
-    offsets = []
-    for seed in (1, 1, 2):
-        _, _, fake, _ = run_through([*SHAKEN, "--perturb", "1e-9", "--seed", str(seed)])
-        offsets.append(fake.log[0])
-    assert np.array_equal(offsets[0], offsets[1]) and not np.array_equal(offsets[0], offsets[2])
-    assert_allclose(np.std(offsets[0]), 1e-9, rtol=0.3)
-
-
 # --- turns ------------------------------------------------------------------------------------------
 
 class Counter:

@@ -111,20 +111,6 @@ class TestLaw:
         assert not states[failure - 1].at_limit and states[failure].at_limit and states[failure].broken
         assert states[-1].shear_stress == approx(MU * 1e-6 * KN)
 
-    def test_at_the_limit_means_nothing_while_cohesion_is_left(self):
-        states, _, _ = follow([(-1e-6, k * 1e-6) for k in range(300)])
-        assert states[-1].slip > 1e-4 and not states[-1].at_limit and not states[-1].broken
-
-    @pytest.mark.parametrize("energy", [1e-3, 1e-9])
-    def test_without_fracture_energy_it_is_the_brittle_law(self, energy):
-        path = [(1e-6 * math.sin(k / 7) - 5e-7 + 2e-8 * k, 2e-5 * math.sin(k / 11)) for k in range(400)]
-        soft, soft_events, _ = follow(path, LAW._replace(mode_i_energy=energy, mode_ii_energy=energy))
-        brittle, events, _ = follow(path, LAW._replace(mode_i_energy=0.0, mode_ii_energy=0.0))
-        assert soft_events == events
-        for here, there in zip(soft, brittle):
-            assert_allclose(here[:3], there[:3], rtol=1e-12, atol=1e-9 * FT)
-            assert (here.broken, here.at_limit) == (there.broken, there.at_limit)
-
 
 corners = st.lists(st.tuples(st.floats(-6e-6, 4e-5), st.floats(-2e-4, 2e-4)), min_size=1, max_size=6)
 
@@ -237,24 +223,6 @@ class TestRun:
         assert run(tmp_path, backend=backend)[0] == 2
         assert "fracture energies" in capsys.readouterr().err
 
-    @pytest.mark.parametrize("fibres", [0, 8])
-    def test_its_energy_closes_and_its_joints_soften(self, tmp_path, fibres):
-        status, out = run(tmp_path, "--harmonic", 0.06, 0.8, "--rest", 0.1, "--fibres", fibres)
-        history = read_history(out)
-        assert status == 0 and summarise(history)["energy_error_fraction"] < 0.01
-        assert history.series["fracture_energy_j"].iloc[-1] > 0.1
-        partly = (history.opening_m[-1] > 0) & ~history.broken[-1]
-        assert partly.any()  # open, and not failed: a part of the bond is intact
-        assert np.all(np.diff(history.broken.astype(int), axis=0) >= 0)
-
-    def test_half_the_step_cracks_the_same_joints(self, tmp_path):
-        _, one = run(tmp_path, "--harmonic", 0.06, 0.5, "--rest", 0.02)
-        step = read_history(one).time_step_s
-        _, half = run(tmp_path, "--harmonic", 0.06, 0.5, "--rest", 0.02, "--dt", step / 2, name="half.h5")
-        one, half = read_history(one), read_history(half)
-        assert one.index()["DI"].max() > 0.02
-        assert one.index()["DI"].max() == approx(half.index()["DI"].max(), abs=1e-3)
-
 
 class TestParameters:
     @pytest.mark.parametrize(("values", "message"), [
@@ -289,11 +257,6 @@ class TestScatter:
         own = lay_out(wall, ModelOptions(strength_cov=0.1, strength_seed=1)).contacts
         drawn = np.log(both.cohesion[~own.elastic] / own.cohesion[~own.elastic])
         assert abs(np.corrcoef(drawn, np.log(own.cohesion[~own.elastic]))[0, 1]) < 0.2
-
-    def test_offsets_that_break_joints_are_refused(self, tmp_path, capsys):
-        assert run(tmp_path, "--perturb", 1e-5, wall=Wall("pier", 1.35, 1.2))[0] == 2
-        error = capsys.readouterr().err
-        assert "--perturb 1e-05" in error and "--scatter" in error and error.count("\n") == 1
 
 
 def pushed(tmp_path, name, energies, *words):

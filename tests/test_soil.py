@@ -144,10 +144,6 @@ def shaken():
     return damage.run(SMALL, harmonic=(0.1, 0.15), rest=0.3, soil=5e7)
 
 
-def test_the_energy_balance_closes_on_soil(shaken):
-    assert shaken.states.broken.any() and energy_error_of(shaken) < 1e-4
-
-
 def test_drift_leaves_the_rocking_of_the_base_out(shaken):
     """Most of the top's motion on soft soil is that of the base, whose rotation and translation have columns."""
     series = shaken.series

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from small_history import as_version_2, make_history, small_layout
+from small_history import make_history, small_layout
 
-from damage.history.reader import read_history
 from damage.measure.joints import ended_joints, offset_over_overlap, slide_limits
 from damage.measure.summary import summarise
 from damage.measure.tables import joints_table
@@ -67,11 +66,3 @@ def test_joints_that_ended_are_counted_and_warned_of_in_one_line(tmp_path):
     assert np.flatnonzero(joints_table(history)["ended"]).tolist() == sorted([BED, twin, HEAD])
     none = summarise(make_history(tmp_path / "b.h5"))
     assert none["ended_joints"] == 0 and "ended" not in describe(none)
-
-
-def test_a_history_without_offsets_says_nothing(tmp_path):
-    make_history(tmp_path / "a.h5", slip={BED: 0.2})
-    as_version_2(tmp_path / "a.h5")
-    summary = summarise(read_history(tmp_path / "a.h5"))
-    assert summary["max_offset_over_overlap"] is None
-    assert not any("overlap" in line for line in summary["warnings"])

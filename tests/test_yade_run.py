@@ -1,7 +1,6 @@
 """Complete runs in YADE through the real command: energy, damage, interrupts."""
 
 import os
-import re
 import signal
 import subprocess
 import time
@@ -183,51 +182,6 @@ def test_interrupt_leaves_a_readable_history(ended):
     assert status == (130 if by_launcher else -signal.SIGKILL), text
     assert history.status == ("interrupted" if by_launcher else "unfinished") and len(history.series) > 0
     assert summarise(history)["residual"] is None
-
-
-def test_perturbed_bricks_change_the_result_only_within_reason(shaken, small_wall, tmp_path, yade_command):
-    """Compared with the same run unperturbed for half a cycle: after later failures the two diverge."""
-    out = tmp_path / "small.h5"
-    yade_command(*SHORT, small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out, "--perturb",
-                 1e-9, "--no-pictures", status=0)
-    drifts = [run.series.drift_ratio.to_numpy()[:8] for run in (shaken[0], damage.read_history(out))]
-    assert np.any(drifts[0] != drifts[1])
-    assert_allclose(drifts[0], drifts[1], atol=1e-4 * np.abs(drifts[0]).max())
-
-
-def test_help_names_every_option(small_wall, yade_command):
-    done = yade_command(small_wall, "--help", status=0)
-    assert {"--harmonic", "--record", "--free-vibration", "--out", "--lintel", "--dt", "--perturb"} <= set(
-        re.findall(r"--[a-z-]+", done.stdout))
-
-
-@pytest.fixture(scope="module")
-def fallen(yade_command, tmp_path_factory):
-    """Results of tests/yade_checks/loose_bricks.py."""
-    out = tmp_path_factory.mktemp("loose") / "results.npz"
-    yade_command(REPOSITORY / "tests/yade_checks/loose_bricks.py", out, status=0)
-    with np.load(out) as results:
-        return dict(results)
-
-
-@pytest.mark.parametrize("scene", ["corner", "edges", "step", "stack"])
-class TestLooseBricks:
-    def test_none_goes_through_another_or_through_the_ground(self, fallen, scene):
-        """A corner is round, of 1 mm, 0.5 mm inside the faces: on its diagonal it lies 1.1 mm inside the brick."""
-        assert fallen[f"{scene}_overlap"].max() < 2e-3
-
-    def test_energy_only_falls(self, fallen, scene):
-        released = fallen[f"{scene}_released"][-1]
-        assert released > 0.5  # [J]; they did fall
-        assert fallen[f"{scene}_energy"].max() < 0.01 * released
-        assert fallen[f"{scene}_energy"][-1] < -0.1 * released  # friction took it
-
-
-def test_a_heap_of_loose_bricks_lies_on_the_ground(fallen):
-    """The two half bricks that came down lie flat or on end on one another's level: centres at half a side."""
-    place = fallen["corner_place"][-1, 1:]
-    heights = place[:, 1] + 0.1125  # of the centres; both were built into the second course
-    assert np.all(heights > 0.5 * 0.075 - 2e-3) and np.all(heights < 0.3)
 
 
 # Two short piers and four courses over an opening of nine bricks, as of the symmetric wall: shaken, they fall.
