@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import refused_with, run_here, wall_file
+from conftest import refused_with
 from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
@@ -85,8 +85,7 @@ def test_adaptive_damping_finds_the_static_solution_sooner_than_local():
     assert_allclose([here, there], settlement, rtol=2e-3)
 
 
-def test_push_force_and_base_shear_are_one_under_adaptive_damping(tmp_path):
-    wall = wall_file(tmp_path / "stub.py", "Wall('stub', 0.9, 0.6)")
-    series = run_here(tmp_path / "push.h5", wall, "--pushover", 0.05, "--speed", 0.002).series
+def test_push_force_and_base_shear_are_one_under_adaptive_damping(run_of):
+    series = run_of("pushed").series
     peak = series["base_shear_n"].max()
     assert_allclose(series["top_force_n"].max(), peak, rtol=0.05)

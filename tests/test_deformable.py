@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import one_line_error, run_here, total_energy, wall_file
+from conftest import one_line_error, total_energy
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
@@ -26,7 +26,6 @@ from damage.law.modes import (
 from damage.measure.energy import energy_error
 from damage.mechanics.tables import RIGID
 from damage.reference.solver import ReferenceSolver
-from damage.rounded import to_bits
 from damage.run.opening import describe_brick
 from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
@@ -337,15 +336,12 @@ def test_damping_of_static_solutions_acts_on_strain_modes(damping):
     assert_allclose(total_energy(solver), began, atol=0.05 * kick)  # what was taken is counted
 
 
-def test_a_run_has_a_balanced_history(tmp_path, monkeypatch):
-    wall = wall_file(tmp_path / "small.py", "Wall('small', 0.9, 0.45)")
-    history = run_here(tmp_path / "a.h5", wall, "--harmonic", 0.05, 1.2, "--cycles", 2, "--rest", 0.05, "--bricks",
-                       "deformable", "--contacts", "gauss", "--brick-mass", 16)
+def test_a_run_has_a_balanced_history(run_of, tmp_path, monkeypatch):
+    history = run_of("deformable")
     assert (history.model.bricks, history.model.brick_mass, history.model.contacts) == ("deformable", 16.0, "gauss")
-    assert (history.joints["normal_stiffness_pa_m"] == to_bits(JOINT.normal_stiffness)).all()
     assert energy_error(history.series) < 5e-3
     assert history.series["damping_energy_j"].iloc[-1] > 0
-    assert set(history.events["kind"]) >= {"tension", "shear"}
+    assert set(history.events["kind"]) >= {"tension", "opened"}
     check_stresses(history)
     monkeypatch.setattr("damage.draw.run.PICTURES", {})  # those of every run are drawn by other tests
     assert any(path.stem == "stress_max" for path in save_all(history, tmp_path / "pictures"))
@@ -356,7 +352,7 @@ def check_stresses(history):
     and the top course's stresses at rest are those of the precompression."""
     bodies, first = history.bodies, history.stress_pa[0].astype(float)
     area = bodies["length_m"] * THICKNESS
-    for course in (0, 5):
+    for course in (0, 7):
         these = (bodies["course"] == course).to_numpy()
         above = ((bodies["course"] > course) | (bodies["course"] < 0)).to_numpy()
         weight = GRAVITY * (bodies["mass_kg"][above].sum() + bodies["mass_kg"][these].sum() / 2)
