@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import REPOSITORY, refused_with, wall_file
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from pytest import approx
 from scipy.special import lambertw
@@ -24,9 +22,7 @@ from damage.law.joint_law import (
     Material,
     advance,
     elastic_energy,
-    inelastic_opening,
     strength_left,
-    tension_stiffness,
 )
 from damage.measure.summary import summarise
 from damage.motion.loading import Harmonic
@@ -110,42 +106,6 @@ class TestLaw:
         failure = events.index(SHEAR)
         assert not states[failure - 1].at_limit and states[failure].at_limit and states[failure].broken
         assert states[-1].shear_stress == approx(MU * 1e-6 * KN)
-
-
-corners = st.lists(st.tuples(st.floats(-6e-6, 4e-5), st.floats(-2e-4, 2e-4)), min_size=1, max_size=6)
-
-
-@settings(max_examples=30, deadline=None)
-@given(corners)
-def test_work_done_is_stored_or_dissipated(targets):
-    """Along any path cut into small steps; what is left over is of the order of stress times step."""
-    n, path, at = 150, [], np.zeros(2)
-    for target in targets:
-        path += [tuple(at + (np.array(target) - at) * k / n) for k in range(1, n + 1)]
-        at = np.array(target)
-    states, _, work = follow(path)
-    last, largest = states[-1], np.abs(np.diff(path, axis=0, prepend=[(0.0, 0.0)])).max()
-    dissipated = last.friction_work + last.fracture_work
-    allowed = 5 * 6e-6 * KN * largest * (1 + len(targets))
-    assert work - stored(last, path[-1][0]) - dissipated == approx(0.0, abs=allowed)
-    for before, after in zip(states, states[1:]):
-        assert after.kappa >= before.kappa and after.gap >= before.gap
-        assert after.friction_work >= before.friction_work and after.fracture_work >= before.fracture_work
-
-
-@settings(max_examples=100, deadline=None)
-@given(corners)
-def test_stresses_stay_within_what_is_left(targets):
-    shear, state = 0.0, ContactState()
-    for opening, target in targets:
-        state, _ = advance(opening, target - shear, state, LAW)
-        shear = target
-        strength, cohesion = strength_left(state.broken, LAW, state.kappa)
-        assert state.normal_stress <= strength * (1 + 1e-9)
-        assert abs(state.shear_stress) <= max(cohesion - MU * state.normal_stress, 0.0) * (1 + 1e-9) + 1e-6
-        if opening > 0 and not state.broken:
-            assert state.normal_stress <= tension_stiffness(strength, state.gap, KN) * opening * (1 + 1e-9)
-            assert inelastic_opening(opening, state.normal_stress, KN) >= -1e-18
 
 
 class TestFibres:
@@ -273,14 +233,9 @@ def pushed(tmp_path, name, energies, *words):
 FIVE_FIFTY = {"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0}
 
 
-@pytest.mark.slow
-def test_a_tested_wall_that_slides_reaches_its_measured_force(tmp_path):
-    """COMP1_3: 76.7 / 78.0 kN measured, 61 with brittle joints; docs/validation/laboratory.md."""
-    assert 70e3 < pushed(tmp_path, "squat_tested", FIVE_FIFTY, "--pushover", 0.07) < 85e3
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(("name", "energies", "least", "most", "words"), [
+    ("squat_tested", FIVE_FIFTY, 70e3, 85e3, ["--pushover", 0.07]),
     ("comp2_4", FIVE_FIFTY, 119e3, 145e3, ["--pushover", 0.06, "--boundary", "fixed"]),
     ("comp2_4", softening_energies(0.13125e6), 0.85 * 131.6e3, 1.15 * 131.6e3,
      ["--pushover", 0.1, "--boundary", "fixed"]),
