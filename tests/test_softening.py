@@ -172,12 +172,6 @@ class TestRun:
         assert parse_run(["--beta", "0"], "test", "reference").for_joint(SOFT).beta_s == 0.0
         assert choose_time_step(RunSettings(Harmonic(0.2, 0.05), ModelOptions()), critical) <= STEP_FACTOR * critical
 
-    def test_less_damping_or_a_larger_step_is_warned_of(self, tmp_path, capsys):
-        run(tmp_path, "--harmonic", 0.1, 0.01, "--rest", 0.1, "--beta", 0)
-        assert "--beta" in capsys.readouterr().err
-        run(tmp_path, "--harmonic", 0.1, 0.01, "--rest", 0.1, "--dt", 2.5e-5, name="b.h5")
-        assert "--dt" in capsys.readouterr().err
-
     def test_a_solver_that_knows_no_softening_refuses(self, tmp_path, capsys):
         backend = Backend("other", {}, None, tmp_path)
         assert run(tmp_path, backend=backend)[0] == 2
