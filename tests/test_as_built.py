@@ -25,8 +25,7 @@ def with_opening(height, sill):
 
 @pytest.mark.parametrize(("height", "sill", "courses"), [
     (0.6, 0.9, (5, 8)), (0.6, 1.1, (6, 9)),  # both edges by themselves: 4 to 8, 6 to 8
-    (0.6, 0.8, (4, 7)), (0.6, 0.85, (4, 7)), (0.6, 0.95, (5, 8)), (0.5, 0.8, (4, 7)), (0.7, 0.0, (0, 4)),
-    (2.0, 0.0, (0, 10)), (0.7, 2.1, (10, 14)), (0.3, 2.5, (12, 14))])
+    (0.5, 0.8, (4, 7)), (0.7, 0.0, (0, 4)), (0.3, 2.5, (12, 14))])
 def test_an_opening_keeps_its_number_of_courses(height, sill, courses):
     wall = with_opening(height, sill)
     assert wall.opening_courses(wall.openings[0]) == courses

@@ -107,17 +107,6 @@ def test_joints_along_surveyed_cracks_have_no_bond(tmp_path):
     assert read_cracks(path)[-1].length_m.sum() == pytest.approx(0.3375)
 
 
-def test_a_cracked_wall_is_weaker(tmp_path):
-    """The part of a slender wall above a crack rocks where the intact wall is elastic."""
-    path = written(tmp_path / "cracks.csv", CRACK.replace("0.3375", "0.45"))
-    slender = Wall("slender", 0.45, 1.5, precompression=0.0)
-    shake = {"harmonic": (0.2, 0.5), "rest": 0.05}
-    intact, cracked = damage.run(slender, **shake), damage.run(slender, cracked=path, **shake)
-    joint = np.isclose(cracked.joints["z_m"], 0.3) & (cracked.joints["kind"] == "bed")
-    assert intact.is_intact and joint.sum() == 8 and cracked.opening_m[:, joint].max() > 1e-4
-    assert cracked.parameters["cracked"]["file"] == "cracks.csv"
-
-
 DIAGONALS = "crack,point,x_m,z_m,width_mm\n" + "".join(
     f"{label},1,{x},{z},1\n{label},2,{x + 0.3},{z + 0.3},1\n" for label, x, z in (
         ("A", 0.02, 0.02), ("B", 0.8, 0.25), ("C", 0.01, 0.28)))

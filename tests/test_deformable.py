@@ -16,8 +16,6 @@ from scipy.sparse.linalg import splu
 
 from damage.draw.run import save_all
 from damage.law.modes import (
-    contact_normals,
-    kinematic_matrix,
     mass_vector,
     natural_modes,
     static_displacement,
@@ -222,45 +220,7 @@ def test_without_lateral_contraction_order_3_bends_exactly(order, missing):
         assert (bending + sheared - found) / sheared == pytest.approx(missing, abs=0.015)
 
 
-def test_rigid_bricks_on_gauss_points_bend_as_their_joints():
-    """The rigid wall's cantilever: 1.005 of Timoshenko, where interior points give 1.021 and corners 0.893."""
-    ratios = []
-    for contacts in ("gauss", "interior", "corners"):
-        found, bending, sheared = of_timoshenko(lay(2, 36, bricks="rigid", contacts=contacts))
-        ratios.append(found / (bending + sheared))
-    assert_allclose(ratios, [1.005, 1.021, 0.893], atol=2e-3)
-
-
 # --- waves and periods --------------------------------------------------------------------------
-
-def speeds(layout, direction, length_m):
-    """Speeds of the two slowest waves of a length [m] along a direction (x, z) in a wall without ends (Bloch)."""
-    bodies, contacts, n = layout.bodies, layout.contacts, RIGID + layout.strain.n_modes
-    cell = [np.flatnonzero((bodies.course == course) & np.isclose(bodies.x, x))[0]
-            for course, x in ((4, 2.5 * LENGTH), (5, 3 * LENGTH))]
-    number = 2 * np.pi / length_m
-    phases = np.zeros((len(bodies) * n, 2 * n), complex)
-    for body in range(len(bodies)):
-        like = cell[bodies.course[body] % 2]
-        away = direction @ np.array([bodies.x[body] - bodies.x[like], bodies.z[body] - bodies.z[like]])
-        first = bodies.course[body] % 2 * n
-        phases[body * n:(body + 1) * n, first:first + n] = np.exp(1j * number * away) * np.eye(n)
-    inside, normals = np.isin(contacts.second, cell), contact_normals(contacts)
-    stiffness = np.diag(np.hstack([np.zeros((2, RIGID)), layout.strain.stiffness[cell]]).ravel()).astype(complex)
-    for directions, of in ((normals, contacts.normal_stiffness), (normals[:, ::-1], contacts.shear_stiffness)):
-        moved = kinematic_matrix(layout, directions)[inside] @ phases
-        stiffness += moved.conj().T @ ((of * contacts.area)[inside, None] * moved)
-    mass = mass_vector(layout).reshape(-1, n)[cell].ravel()
-    return np.sqrt(eigh(stiffness, np.diag(mass), eigvals_only=True)[:2]) / number
-
-
-@pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize(("factor", "shear", "pressure"), [(1000, 1066, 1690), (1, 1030, 1643)])
-def test_long_waves_across_courses(order, factor, shear, pressure):
-    layout = lay(6, 8, stiffer(factor), brick_order=order)
-    found = speeds(layout, np.array([0.0, 1.0]), 20.0)
-    # Springs in series neglect that shear bends bricks between soft joints, which order 3 can follow.
-    assert_allclose(found, [shear, pressure], rtol=0.01 if order == 2 or factor > 1 else 0.015)
 
 
 def test_the_first_period_is_that_of_a_triangle_mesh():

@@ -86,16 +86,6 @@ def test_a_slab_takes_the_place_of_courses_and_is_joined_above_and_below():
     assert_allclose(layout.total_joint_length, bare.total_joint_length - 2.0 - 0.1 * (9 + 10))
 
 
-def test_a_slab_ties_the_piers_and_a_roof_slab_is_the_top():
-    """A slab on two piers: they move alike, and rotate less than free ones; its displacement is the drift."""
-    piers = (Opening(0.6, 0.8, 2.2, 0.1),)
-    open_top = lay_out(wall(openings=(Opening(0.6, 0.8, 2.3, 0.1),)))
-    roof = wall(Floor(2.4, 10.0, kind="concrete", depth=0.1), openings=piers)
-    tied = lay_out(roof)
-    assert list(tied.drift_bodies) == [tied.n_bricks]
-    assert natural_modes(tied).period_s[0] < 0.75 * natural_modes(open_top).period_s[0]
-
-
 def test_two_storeys_have_the_periods_of_a_shear_cantilever():
     """Light storeys ten times as long as high, between heavy slabs: two masses on two springs k = G A / h, G of the
     running bond (verification/elastic.py), h with all twelve bed joints of a storey of eleven courses."""

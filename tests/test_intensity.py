@@ -19,7 +19,6 @@ from damage.motion.intensity import (
     SPECTRUM_PERIODS_S,
     applied_measures,
     arias_m_s,
-    avg_sa_g,
     describe,
     end_warnings,
     motion_summary,
@@ -34,7 +33,7 @@ from damage.motion.intensity import (
     summary,
 )
 from damage.motion.loading import FreeVibration, Harmonic, Recorded, loading_from_dict
-from damage.motion.record import Record, band_passed, on_axis_of, scaled, windowed
+from damage.motion.record import Record, band_passed, on_axis_of, windowed
 from damage.units import GRAVITY
 
 # a peak between two of the instants at which it is looked for
@@ -52,9 +51,6 @@ def constant(amplitude_m_s2=1.0, step_s=0.01, samples=501):
 
 
 class TestPeaks:
-    def test_pga_is_the_largest_absolute_sample(self):
-        # one division by g
-        assert pga_g(Record("r", 0.1, [0.0, -GRAVITY, 2.0])) == pytest.approx(1.0, rel=1e-15)
 
     def test_pgv_converges_with_the_square_of_the_step(self):
         exact = 100 * 2 / (2 * np.pi / 0.5)
@@ -83,34 +79,13 @@ class TestArias:
 
 
 class TestSpectrum:
-    @pytest.mark.parametrize("damping", [0.0, 0.02, 0.05, 0.3])
-    @pytest.mark.parametrize("period_s", [0.013, 0.1, 1.0])
+    @pytest.mark.parametrize("damping", [0.0, 0.05, 0.3])
+    @pytest.mark.parametrize("period_s", [0.013, 1.0])
     def test_sudden_constant_acceleration(self, period_s, damping):
         # overshoot of a step load, exp(-pi z / sqrt(1 - z^2)); constant motion is taken exactly
         overshoot = math.exp(-math.pi * damping / math.sqrt(1 - damping**2))
         sa_g = response_spectrum(constant(GRAVITY), [period_s], damping)
         assert_allclose(sa_g, 1 + overshoot, rtol=BETWEEN_INSTANTS)
-
-    @pytest.mark.parametrize("ratio", [0.3, 0.8, 1.0, 1.6, 4.0])
-    def test_damped_oscillator_under_a_sine_from_rest(self, ratio):
-        damping, omega = 0.05, 2 * math.pi / 0.5
-        natural = omega / ratio
-        time_s = np.linspace(0, 5, 200_001)
-        a = (1 - ratio**2, 2 * damping * ratio)
-        steady = (a[0] * np.sin(omega * time_s) - a[1] * np.cos(omega * time_s)) / (
-            a[0] ** 2 + a[1] ** 2
-        )
-        damped = natural * math.sqrt(1 - damping**2)
-        start = a[1] / (a[0] ** 2 + a[1] ** 2)
-        speed = -a[0] * omega / (a[0] ** 2 + a[1] ** 2)
-        transient = np.exp(-damping * natural * time_s) * (
-            start * np.cos(damped * time_s)
-            + (speed + damping * natural * start) / damped * np.sin(damped * time_s)
-        )
-        exact = np.abs(steady + transient).max()
-        sa_g = response_spectrum(sine(GRAVITY, 0.5), [2 * math.pi / natural], damping)
-        # the peak between instants, and 8e-5 of the straight lines between 200 samples a cycle
-        assert_allclose(sa_g, exact, rtol=BETWEEN_INSTANTS + 1e-4)
 
     def test_a_stiff_oscillator_follows_the_ground(self):
         record = read_record(shipped_record_path())
@@ -176,7 +151,7 @@ class TestLargestOfAllDirections:
         return Record("turned", pair[0].time_step_s, math.cos(angle) * pair[0].acceleration_m_s2
                       + math.sin(angle) * pair[1].acceleration_m_s2)
 
-    @pytest.mark.parametrize("station", ["BGAR", "BWSE", "BZN1", "BLOP"])
+    @pytest.mark.parametrize("station", ["BGAR", "BLOP"])
     def test_shipped_stations_against_a_turn_by_single_degrees(self, station):
         """180 directions miss the largest by up to 1 - cos(0.5 degrees), 4e-5."""
         east, north = (read_record(shipped_record_path(f"{station}_{end}")) for end in ("HGE", "HGN"))
@@ -259,9 +234,8 @@ class TestMotionSummary:
         assert end_warnings(Recorded(record, window_s=(16.5, 24.5), band_hz=(0.5, 40.0)).applied()) == []
 
 
-MOTIONS = {  # of every shipped record, one with all that a run may do to it
-    name: {} for name in ("BGAR_HGE", "BGAR_HGN", "BLOP_HGE", "BLOP_HGN", "BWSE_HGE", "BWSE_HGN", "BZN1_HGE",
-                          "BZN1_HGN", "MID1_N_synthetic")} | {
+MOTIONS = {  # of shipped records, one with all that a run may do to it
+    name: {} for name in ("BGAR_HGE", "BLOP_HGN", "MID1_N_synthetic")} | {
     "windowed": {"window_s": (17.0, 25.0), "scale": -2.0},
     "prepared": {"window_s": (15.0, 30.0), "scale": 1.5, "baseline_order": 1, "band_hz": (0.3, 30.0)}}
 
@@ -307,11 +281,6 @@ class TestAppliedMotion:
             begin, end = np.interp([0.05 * energy[-1], share * energy[-1]], energy, time_s)
             assert found[key] == pytest.approx(end - begin, rel=1e-9)
 
-    def test_the_geometric_mean_is_that_of_the_spectrum_and_grows_with_the_motion(self):
-        record = sine(3.0)
-        assert_allclose(np.log(avg_sa_g(record)), np.log(response_spectrum(record, AVERAGE_PERIODS_S)).mean())
-        assert avg_sa_g(scaled(record, -2.5)) == pytest.approx(2.5 * avg_sa_g(record))
-
     def test_the_peak_velocity_between_two_samples(self):
         # from 2 to -1 m/s2 in 0.3 s the acceleration passes zero after 0.2 s, where the velocity is 0.2 m/s
         assert pgv_m_s(Record("r", 0.3, [2.0, -1.0])) == pytest.approx(0.2)
@@ -333,12 +302,6 @@ class TestAppliedMotion:
         expected = 2 * np.pi / period_s * 0.001 * math.exp(-z / math.sqrt(1 - z**2) * phase) / GRAVITY
         assert applied_measures(record, period_s)["sa_eigen_period_g"] == pytest.approx(expected, rel=2e-3)
         assert response_spectrum(record, [period_s])[0] < 0.1 * expected
-
-    @pytest.mark.parametrize("period_s, cycles", [(1e-3, 3), (1.01e-3, 3), (3.99e-3, 1), (1000.0, 2), (0.7, 1)])
-    def test_every_harmonic_motion_is_a_record(self, period_s, cycles):
-        record = Harmonic(period_s, 0.1, cycles).applied()
-        assert record.duration_s == pytest.approx(period_s * cycles)
-        assert pga_g(record) == pytest.approx(0.1, rel=1e-12)
 
     def test_what_does_not_apply_is_none(self):
         assert set(applied_measures(FreeVibration().applied(), 0.2).values()) == {None}

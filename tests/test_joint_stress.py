@@ -166,13 +166,6 @@ def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken)
     pd.testing.assert_frame_equal(series, without.series)
 
 
-def test_failed_joints_transmit_no_tension(shaken):
-    kept, _ = shaken
-    opened = kept.opening_m > 1e-6
-    assert opened.any() and kept.joint_stress_pa[opened].max() == 0.0
-    assert (kept.joint_stress_pa[..., 0][kept.broken] <= 0.0).all()
-
-
 def test_the_joint_law_holds_in_what_is_kept(shaken):
     kept, _ = shaken
     normal, shear = np.moveaxis(kept.joint_stress_pa[:, ~kept.joints["elastic"].to_numpy()].astype(float), 2, 0)

@@ -7,7 +7,6 @@ import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 
-from damage.wall.as_built import describe_top
 from damage.wall.kinds import BED, CAP, GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -17,7 +16,7 @@ BRICK = 0.225
 
 EVERY_OPTION = [ModelOptions(lintel=lintel, top=top, cells=cells, contacts=contacts)
                 for lintel, top, cells, contacts in itertools.product(
-                    ("elastic", "none"), ("piers", "uniform", "beam"), (1, 2, 3), ("interior", "corners"))]
+                    ("elastic", "none"), ("piers", "uniform", "beam"), (1, 3), ("interior", "corners"))]
 EVERY_OPTION += [ModelOptions(top=top, cells=cells, contacts="gauss") for top in ("piers", "beam") for cells in (2, 4)]
 
 # Walls whose openings ask for cut bricks, for windows, for several openings.
@@ -83,18 +82,6 @@ def test_the_load_on_piers_is_the_precompression_in_them(symmetric_wall, top):
     assert_allclose((on_length.total_mass - bricks) * 9.81, 0.6e6 * area, rtol=2.0**-25)
 
 
-def test_caps_and_stresses_are_reported(symmetric_wall):
-    top, left, right = describe_top(lay_out(symmetric_wall))
-    assert "0.3 MPa over the length of the wall" in top and "0.6 MPa in the piers below" in top
-    assert left == "rigid top mass from x = 0 to 1.0125 m: 6.35 t, 0.6 MPa below it"
-    assert right.startswith("rigid top mass from x = 3.0375 to 4.05 m")
-    [spread] = describe_top(lay_out(symmetric_wall, ModelOptions(top="uniform", load="piers")))
-    assert "0.3 MPa over the piers alone" in spread and "0.3 MPa in the piers below" in spread
-    _, beam = describe_top(lay_out(symmetric_wall, ModelOptions(top="beam")))
-    assert "x = 0 to 4.05 m" in beam and "0.3 MPa below it" in beam  # and 0.6 MPa in the piers below
-    assert describe_top(lay_out(Wall("bare", 0.9, 0.45, precompression=0.0))) == ["no mass on top: no precompression"]
-
-
 def test_a_cap_on_half_a_brick_stands_on_two_points():
     wall = Wall("half", 2.025, 1.2, (Opening(BRICK / 2, 0.9, 0.75),))
     layout = lay_out(wall, ModelOptions(contacts="corners"))
@@ -127,12 +114,6 @@ class TestOddWall:
         x, z = contacts.x[heads], contacts.z[heads]
         neighbours = np.isclose(np.abs(z[:, None] - z), 0.075)
         assert np.abs(x[:, None] - x)[neighbours].min() > BRICK / 8
-
-
-def test_corner_contacts_lie_at_the_ends_of_each_overlap(symmetric_wall):
-    contacts = lay_out(symmetric_wall, ModelOptions(contacts="corners")).contacts
-    bed = contacts.kind == BED
-    assert_allclose(contacts.x[bed] / (BRICK / 2), np.round(contacts.x[bed] / (BRICK / 2)), atol=1e-9)
 
 
 @pytest.mark.parametrize("contacts", ["interior", "corners", "gauss"])

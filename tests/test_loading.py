@@ -10,14 +10,11 @@ import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 
-from damage.draw.words import motion_words
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.loading import (
     EASE_S,
-    Drive,
     FreeVibration,
     Harmonic,
-    Loading,
     Recorded,
     TopDisplacement,
     loading_from_dict,
@@ -26,7 +23,7 @@ from damage.motion.loading import (
 from damage.motion.record import Record, band_passed, baseline_corrected, interpolated, windowed
 from damage.units import GRAVITY
 
-STEP_LIMITS_S = (1.63e-5, 3e-5, 1.3e-3, 0.05)
+STEP_LIMITS_S = (1.63e-5, 0.05)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +51,7 @@ class TestHarmonic:
         assert_allclose(load.base_acceleration([-0.05, 0.45, 1.05]), np.zeros((3, 2)), atol=0)
 
     @pytest.mark.parametrize("max_step_s", STEP_LIMITS_S)
-    @pytest.mark.parametrize("period_s", [0.06, 0.2, 0.33, 1.0])
+    @pytest.mark.parametrize("period_s", [0.06, 0.33])
     def test_every_peak_falls_on_a_step(self, period_s, max_step_s):
         load = Harmonic(period_s, 0.1)
         step_s = load.preferred_step_s(max_step_s)
@@ -81,12 +78,6 @@ class TestRecorded:
         found = load.base_acceleration(bgar.time_s)[:, 0]
         assert_allclose(found, 1.5 * bgar.acceleration_m_s2, rtol=0, atol=1e-12)
 
-    def test_linear_between_samples_and_zero_outside(self):
-        load = Recorded(Record("r", 0.1, [1.0, 3.0, 2.0]))
-        # two products of interpolation
-        assert_allclose(load.base_acceleration([0.05, 0.15])[:, 0], [2.0, 2.5], rtol=1e-14)
-        assert_allclose(load.base_acceleration([-1e-9, 0.2001]), np.zeros((2, 2)), atol=0)
-
     def test_a_sample_is_met_at_times_that_are_off_by_rounding(self, bgar):
         """The last one, too, which is zero just after it."""
         load = Recorded(bgar)
@@ -105,13 +96,6 @@ class TestRecorded:
         found = np.abs(load.base_acceleration(time_s)[:, 0]).max()
         # round-off of the time over the slope of the record
         assert found == pytest.approx(np.abs(bgar.acceleration_m_s2).max(), rel=1e-10)
-
-    def test_window_starts_at_zero(self, bgar):
-        load = Recorded(bgar, window_s=(17, 23))
-        assert load.duration_s == pytest.approx(6.0, rel=1e-12)  # a product of 1200 and the step
-        # the same samples, at times that differ by round-off
-        found = load.base_acceleration([0.0, 1.0])[:, 0]
-        assert_allclose(found, bgar.acceleration_m_s2[[3400, 3600]], rtol=0, atol=1e-11)
 
     def test_order_of_preparation(self):
         record = noise()
@@ -209,10 +193,6 @@ class TestRecorded:
 
 
 class TestFreeVibration:
-    def test_the_base_rests(self):
-        load = FreeVibration()
-        assert load.duration_s == 0.0
-        assert load.drive == Drive(first_mode_m_s=1e-3)
 
     def test_last_bits_of_the_critical_step_do_not_choose_the_step(self):
         """Those of one wall's linear algebra by one thread and by two: a wall pushed so had peaks 0.7 % apart."""
@@ -257,17 +237,6 @@ class TestTopDisplacement:
         moved = np.cumsum(self.velocities(interval)) * interval
         asked = self.LOAD.top_displacement(np.arange(1, len(moved) + 1) * interval, self.HEIGHT)
         assert_allclose(moved, asked, atol=1e-12)
-
-    def test_a_push_goes_one_way(self):
-        top = TopDisplacement((0.1,), cycles=0).top_displacement(np.linspace(0, 10, 1001), 1.0)
-        assert np.all(np.diff(top) >= -1e-15) and top[-1] == pytest.approx(1e-3)
-
-
-def test_a_loading_without_words_of_its_own_is_called_by_its_name():
-    class Ricker(Loading):
-        name = "ricker_5hz"
-
-    assert motion_words(Ricker()) == "ricker 5hz"
 
 
 @pytest.mark.parametrize(

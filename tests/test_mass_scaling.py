@@ -2,7 +2,6 @@
 which runs are accepted, and the symmetric wall beside explicit steps."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.tables import DAMPING
 from damage.reference.lanes import run_together
-from damage.reference.settled import digest_of
 from damage.reference.wall import ReferenceWall
 from damage.run import scheme, watch
 from damage.run.options import parse_run
@@ -48,8 +46,7 @@ def free_wall(layout, time_step, **how):
     return wall
 
 
-@pytest.mark.parametrize("mode", range(4))
-@pytest.mark.parametrize("time_step", [1e-4, 2e-4])
+@pytest.mark.parametrize("mode, time_step", [(0, 1e-4), (3, 2e-4)])
 def test_a_mode_vibrates_with_the_period_of_the_closed_form(mode, time_step):
     """sin(omega' dt / 2) = dt / 2 omega / sqrt(1 + dt^2 omega^2 / 2): T1 to T4 of the symmetric wall, 5 to 30 Hz."""
     layout = lay_out(load_wall(SYMMETRIC))
@@ -184,14 +181,6 @@ def test_yade_takes_explicit_steps():
     assert settings.mass_scaling == "none" and step < 4e-5 and not others
 
 
-def test_settled_states_are_kept_by_the_matrix(layout):
-    def key(**changes):
-        settings = replace(parse_run([], "", "reference"), mass_scaling="selective", **changes)
-        return digest_of(SimpleNamespace(layout=layout, time_step=2e-4, settings=settings))
-
-    assert key(beta_s=1e-6) == key(beta_s=1e-6) != key(beta_s=2e-6)
-
-
 class TestAcceptance:
 
     def test_an_explicit_run_replaces_those_that_are_not_accepted(self, monkeypatch, tmp_path):
@@ -260,12 +249,3 @@ def test_a_run_that_continues_is_the_second_half_of_a_sequence(tmp_path):
     second = damage.run(softening_wall(), **{**how, "continue": str(first), "sequence": (0.6,)})
     assert whole.broken.any() and whole.parameters["repeats"] == second.parameters["repeats"] == 0
     assert_allclose(second.series["drift_ratio"].to_numpy()[-1], whole.series["drift_ratio"].to_numpy()[-1], rtol=1e-9)
-
-
-def test_a_pushed_wall_follows_its_top(layout):
-    """The work of the push is the energy of the wall, with scaled masses, too."""
-    found = {name: damage.run(softening_wall(), pushover=0.02, speed=0.01, **how) for name, how in {
-        "explicit": {}, "scaled": {"mass_scaling": "selective"}}.items()}
-    force = {name: history.series["top_force_n"].abs().max() for name, history in found.items()}
-    assert force["scaled"] == pytest.approx(force["explicit"], rel=0.02)
-    assert damage.measure.energy.energy_error_of(found["scaled"]) < 1e-3

@@ -116,16 +116,6 @@ def test_modes_do_not_know_the_last_bits_of_libraries(symmetric_wall, monkeypatc
     assert found.critical_time_step_s == wanted.critical_time_step_s
 
 
-def test_small_motion_of_exact_kinematics_is_the_linear_one(symmetric_wall):
-    layout = lay_out(symmetric_wall)
-    motion = np.random.default_rng(1).normal(0, 1e-7, (len(layout.bodies), 3))
-    normals = contact_normals(layout.contacts)
-    opening, shear = ContactKinematics(layout).displacements(motion)
-    # Second order in rotations of 1e-7: 1e-14 m beside displacements of 1e-7 m.
-    assert_allclose(opening, kinematic_matrix(layout, normals) @ motion.ravel(), atol=1e-13)
-    assert_allclose(shear, kinematic_matrix(layout, normals[:, ::-1]) @ motion.ravel(), atol=1e-13)
-
-
 def test_large_rigid_rotation_opens_no_joint_between_bricks(symmetric_wall):
     layout = lay_out(symmetric_wall)
     x, z, turn = layout.bodies.x, layout.bodies.z, 0.3

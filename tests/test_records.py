@@ -167,7 +167,7 @@ class TestAlignment:
 
 class TestBaseline:
 
-    @pytest.mark.parametrize("order", range(10))
+    @pytest.mark.parametrize("order", [0, 1, 4, 9])
     def test_values_are_those_of_numpy(self, order):
         """Within 1e-13 of the largest; ten samples have a polynomial of the order 9 through all."""
         for size in (10, 3000):
@@ -180,8 +180,8 @@ class TestBaseline:
 
 class TestBandPass:
 
-    @pytest.mark.parametrize("order", [2, 4, 6, 8, 20])
-    @pytest.mark.parametrize("band_hz", [(0.1, 40.0), (0.5, 20.0), (2.0, 3.0), (0.05, 99.0)])
+    @pytest.mark.parametrize("order", [2, 4, 20])
+    @pytest.mark.parametrize("band_hz", [(0.1, 40.0), (2.0, 3.0), (0.05, 99.0)])
     def test_values_are_those_of_scipy(self, order, band_hz):
         """Within 1e-10 of the peak, to the last sample, of a record that begins and ends in full motion."""
         record = Record("noise", 0.005, np.random.default_rng(8).normal(size=3000) + 2.0)
@@ -208,7 +208,7 @@ class TestWholeSteps:
         assert step_s / steps <= max_step_s
         assert steps == 1 or step_s / (steps - 1) > max_step_s
 
-    @pytest.mark.parametrize("share", range(1, 60))
+    @pytest.mark.parametrize("share", [1, 3, 49, 59])
     def test_a_limit_that_divides_the_step_is_used_itself(self, share):
         assert whole_steps(0.005, 0.005 / share) == share
 

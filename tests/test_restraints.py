@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from conftest import refused_with, written
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.linalg import eigvals
 from scipy.optimize import brentq
 
 from damage.law.modes import natural_modes
@@ -88,12 +87,6 @@ class TestStrip:
 
         assert_allclose(natural_modes(layout).period_s[0], 1 / brentq(ends, 10.0, 60.0), rtol=0.02)
         assert area * 2.58 * DENSITY == pytest.approx(layout.bodies.mass[:-1].sum())
-
-    def test_a_bearing_in_series_lengthens_the_period_of_a_stiff_strip(self):
-        """A block and the beam on the shear springs of both joints and the bearing."""
-        layout, joint = strip(1, joint=Joint(1e14, 1e9), restraint=Restraint("top", stiffness=3e8)), 1e9 * THICK * WIDTH
-        squares = eigvals([[2 * joint, -joint], [-joint, joint + 3e8]], np.diag(layout.bodies.mass)).real
-        assert_allclose(natural_modes(layout).period_s[0], 2 * math.pi / math.sqrt(squares.min()), rtol=1e-3)
 
     def test_the_load_stays_constant_on_a_light_beam(self):
         light, heavy = (strip(restraint=Restraint("top", mass=mass)) for mass in (100.0, None))
@@ -177,8 +170,8 @@ PARTY = as_toml(Wall("party", 0.7, 0.6, precompression=200e3, joint=Joint(1e10, 
 
 
 @pytest.mark.yade
-@pytest.mark.parametrize(("text", "period", "peak"), [(SMALL, 0.15, 0.45), (PARTY, 0.1, 0.2)],
-                         ids=["top", "side"])
+@pytest.mark.parametrize(("text", "period", "peak"), [
+    pytest.param(SMALL, 0.15, 0.45, id="top"), pytest.param(PARTY, 0.1, 0.2, id="side", marks=pytest.mark.long)])
 def test_both_solvers_agree(tmp_path, in_both, text, period, peak):
     yade, reference = in_both(tmp_path, written(tmp_path / "wall.toml", text), "--harmonic", period, peak, "--rest",
                               0.1, "--contacts", "gauss", "--cells", 4, "--quiet").values()

@@ -311,8 +311,8 @@ def test_an_error_while_the_wall_settles_is_none(session):
     assert status == 0 and summarise(history)["energy_error_fraction"] == 0.0
 
 
-@pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("what", ["kinetic_j", "input_j", "slip_m", "offset_m"])
+@pytest.mark.parametrize("what, odd", [
+    ("kinetic_j", np.nan), ("input_j", np.inf), ("slip_m", -np.inf), ("offset_m", np.nan)])
 def test_a_run_that_blows_up_ends_at_once_and_keeps_what_was_finite(session, what, odd):
     status, printed, history = session(**{what: lambda step: odd if step >= 1000 else 0.0})
     assert (status, history.status) == (1, "failed")

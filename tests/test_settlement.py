@@ -66,13 +66,6 @@ def test_the_ground_has_the_distortion_that_was_asked_for(profile, sign, chord):
     assert tilt == pytest.approx(chord * given / 2, abs=1e-9)
 
 
-def test_neighbouring_supports_stay_connected():
-    for profile in PROFILES:
-        moved, below = Settlement(profile, 0.01).displacement([0.7], supports())[0], supports()
-        half = (below.right - below.left) / 2 * np.sin(moved[:, 2])
-        assert_allclose((moved[:, 1] + half)[:-1], (moved[:, 1] - half)[1:], atol=1e-6)
-
-
 @pytest.mark.parametrize("profile", PROFILES)
 def test_last_bits_of_the_walls_lengths_do_not_reach_the_ground(profile):
     """Nor does the rounding of a profile that is level: the rotation there is zero."""

@@ -12,7 +12,6 @@ from damage.measure.cycles import natural_period, upward_crossings
 from damage.measure.energy import energy_error_of
 from damage.run.options import parse_run
 from damage.units import GRAVITY
-from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Wall
@@ -127,13 +126,6 @@ def test_the_base_lifts_off_at_the_exact_moment():
     assert len(lifted) == 1 and abs(lifted.iloc[0] - wall.length / 2) == pytest.approx(reach)
     moment = (history.series["top_force_n"] * wall.height / 2 + weight * history.series["top_displacement_m"])[sample]
     assert moment == pytest.approx(weight * wall.length**2 / (12 * reach), rel=5e-3)
-
-
-def test_periods_of_the_symmetric_wall():
-    """0.334 and 0.462 s by a program that is independent of this one (interior points, k_x half of k_z)."""
-    wall = load_wall("walls/symmetric.py")
-    found = [natural_modes(lay_out(wall, ModelOptions(soil=soil))).period_s[0] for soil in (4.4e8, 1.2e8)]
-    assert found == pytest.approx([0.334, 0.462], abs=1e-3)
 
 
 def test_drift_leaves_the_rocking_of_the_base_out(run_of):

@@ -86,13 +86,6 @@ class TestData:
     def test_what_would_be_misread_is_refused(self, table, message):
         assert message in one_line_error(wall_from, {"name": "w", "length": 2, "height": 1, **table})
 
-    def test_a_history_keeps_it(self):
-        assert Wall.from_dict(json.loads(json.dumps(HOUSE.as_dict()))) == HOUSE
-
-    def test_it_is_not_executed(self, tmp_path):
-        path = written(tmp_path / "code.toml", "import os\nos.remove('x')\n", encoding="utf-8")
-        assert "no TOML" in one_line_error(load_wall, path)
-
     def test_a_byte_order_mark_and_dots_in_words_are_read(self, house):
         house.write_text(TEXT.replace("height = 4.2", f"height = 4.2 # {'.' * 200}"), encoding="utf-8-sig")
         assert house.read_bytes().startswith(b"\xef\xbb\xbf") and load_wall(house) == HOUSE
@@ -166,9 +159,6 @@ class TestPreview:
         assert path.read_bytes() == first
         if ending == "svg":
             assert ElementTree.fromstring(first).tag.endswith("svg")
-
-    def test_another_ending_is_refused(self, house, error_of):
-        assert "expected a name that ends in .png, .pdf, .svg" in error_of("draw", house, "--out", "house.gif")
 
 
 def test_the_command_names_its_floors(house, output_of):

@@ -52,12 +52,12 @@ SPLITTING = {"tensile_strength": 1e5, "cohesion": 1.5e5}
 KINDS = {
     "brittle": (WEAK, {}, {}),
     "on damped soil": (WEAK, {}, {"soil": 1e9, "soil_velocity": 100.0}),
-    "all of it": (SOFT | {"compressive_strength": 5e5, "compressive_fracture_energy": 10.0}, SPLITTING, {"contacts": "corners"})}
+    "all of it": (SOFT | {"compressive_strength": 5e5, "compressive_fracture_energy": 10.0}, SPLITTING,
+                  {"contacts": "corners"})}
 WEAKER = {"tensile_strength": 1e3, "cohesion": 1e3}
 MODES = {"bricks": "deformable", "contacts": "gauss", "brick_mass": 25.0}
 DEFORMABLE = {
-    "deformable": (WEAKER, {}, MODES), "deformable, on damped soil": (
-        WEAKER, {}, MODES | {"soil": 1e9, "soil_velocity": 100.0}),
+    "deformable": (WEAKER, {}, MODES),
     "deformable, softening and crushing, order 3": (
         SOFT | WEAKER | {"compressive_strength": 2e4, "compressive_fracture_energy": 0.1}, {},
         MODES | {"brick_order": 3})}
