@@ -17,6 +17,7 @@ from damage.law.joint_law import (
     LawParameters,
     Material,
     advance,
+    elastic_energy,
     elastic_range,
     stays_elastic,
     strength_left,
