@@ -27,3 +27,167 @@ RUNS = {
                 "--quiet"),
     "deformable": ("--bricks", "deformable", "--rest", "0"),
     "scaled": ("window.toml", "--harmonic", "0.06", "1.5", "--cycles", "2", "--rest", "0", "--no-pictures", "--quiet"),
+}
+SOFT = ('name = "soft"\nlength = 0.9\nheight = 0.6\nprecompression = 0.1e6\n'
+        'joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n')
+WALLS = {"soft.toml": SOFT,  # the other's steps are repeated, with less and without mass scaling
+         "window.toml": f"{SOFT}[[openings]]\nleft = 0.3\nwidth = 0.3\nheight = 0.3\nsill = 0.15\n"}
+
+
+def words_of(name, folder):
+    """The words of a run; its wall is in the folder where it does not ship."""
+    first, *more = RUNS[name] or [""]
+    if first in WALLS:
+        return [written(folder / first, WALLS[first]), *more]
+    return RUNS[name] if first == SMALL else (*SHAKE, *RUNS[name])
+
+
+def in_a_child(words, looks=None, name=signal.SIGKILL):
+    """Exit status of a run in a process of its own, which gets a signal at its look of this number; -9 where killed.
+
+    A checkpoint is due at every third look.
+    """
+    if (child := os.fork()) == 0:
+        status = 1
+        try:
+            seen, continues = [], run_module.Run._continues
+
+            def counted(run):
+                seen.append(run)
+                run._checkpoints.due = lambda: len(seen) % 3 == 0
+                if len(seen) == looks:
+                    os.kill(os.getpid(), name)
+                return continues(run)
+
+            run_module.Run._continues = counted
+            status = run_reference(list(map(str, words)))
+        finally:
+            os._exit(status)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
+    """The n-th process is killed, or every third interrupted, at its look 4, 5, 6, ...: in the static stage, too."""
+    monkeypatch.chdir(REPOSITORY)
+    words, whole, cut = words_of(name, tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
+    assert run_reference([*map(str, words), "--out", str(whole)]) == 0  # here: the children find all compiled
+    assert not checkpoint_path(whole).exists()
+    place, ended = ("--out", cut), False
+    for kills in range(6):
+        sign = signal.SIGINT if kills % 3 == 1 else signal.SIGKILL
+        status = in_a_child([*words, *OFTEN, *place], looks=4 + kills, name=sign)
+        place = ("--resume", cut)
+        if ended := status == 0:
+            break
+        assert status == (130 if sign == signal.SIGINT else -9) and checkpoint_path(cut).exists()
+    assert kills >= 4
+    if not ended:
+        assert in_a_child([*words, *place]) == 0
+    assert differences(whole, cut) == [] and not checkpoint_path(cut).exists()
+    first, second = damage.read_history(whole), damage.read_history(cut)
+    assert first.parameters == second.parameters and second.complete and len(second.series) > 20
+    assert (second.parameters["repeats"] > 0) == (name == "scaled")
+
+
+@pytest.fixture(scope="module")
+def interrupted(tmp_path_factory):
+    """A folder with a run that was interrupted, cut.h5."""
+    folder = tmp_path_factory.mktemp("interrupted")
+    before = os.getcwd()
+    os.chdir(REPOSITORY)
+    try:
+        assert in_a_child([*SHAKE, "--out", folder / "cut.h5"], looks=6, name=signal.SIGINT) == 130
+    finally:
+        os.chdir(before)
+    return folder
+
+
+def refused(folder, words, capsys):
+    """The one line of a run that is refused."""
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert run_reference(list(map(str, words))) == 2
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    (line,) = (line for line in capsys.readouterr().err.splitlines() if line.startswith("error: "))
+    return line
+
+
+@pytest.mark.parametrize("words, said", [
+    ((*SHAKE, "--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
+    ((*SHAKE, "--rest", "0.2"), "rest_s is 0.2, and was 0.1; expected the options of the run that was interrupted"),
+    ((*SHAKE, "--overwrite"), "with --out or --overwrite: expected one of them"),
+    ((*SHAKE, "--out", "other.h5"), "with --out or --overwrite: expected one of them"),
+    ((*SHAKE, "--members", "2"), "--members with --checkpoint or --resume: expected a single run"),
+])
+def test_another_run_than_that_of_the_checkpoint_is_one_line(interrupted, words, said, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    assert said in refused(interrupted, [*words, "--resume", interrupted / "cut.h5"], capsys)
+
+
+def test_a_run_of_the_other_solver_is_one_line(interrupted):
+    path = interrupted / "cut.h5"
+    said = one_line_error(read_earlier, path, lay_out(damage.load_wall(SMALL)), ("yade", "as now"), "--resume", False)
+    assert said.startswith(f"--resume {path}: a run of the reference solver; expected one of the yade solver")
+
+
+def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
+    path, cut = tmp_path / "cut.checkpoint", tmp_path / "cut.h5"
+    content, resume = path.read_bytes(), [*SHAKE, "--resume", cut]
+    path.write_bytes(content[:1000] + bytes([content[1000] ^ 1]) + content[1001:])
+    assert "is no whole checkpoint: its digest is another one" in refused(tmp_path, resume, capsys)
+    path.unlink()
+    assert "no checkpoint" in refused(tmp_path, resume, capsys)
+    assert in_a_child([*SHAKE, "--out", tmp_path / "other.h5"], looks=8, name=signal.SIGINT) == 130
+    shutil.copyfile(tmp_path / "other.checkpoint", path)
+    assert "the checkpoint beside it is of another run" in refused(tmp_path, resume, capsys)
+
+
+def test_a_complete_run_is_not_resumed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    assert in_a_child([*SHAKE, "--rest", "0", "--out", tmp_path / "done.h5"]) == 0
+    line = refused(tmp_path, [*SHAKE, "--rest", "0", "--resume", tmp_path / "done.h5"], capsys)
+    assert "its run is complete" in line and "--continue" in line
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize("kills", [2, pytest.param(10, marks=pytest.mark.long)])
+def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_command):
+    """Killed, or every third interrupted, in the static stage and then at equal distances in the motion; the damaged
+    wall's bricks are loose by the last one.  Every bit is equal until they are: potential contacts of loose bricks are
+    found anew, in another order of sums, which a brittle wall amplifies."""
+    words = (SMALL, "--harmonic", 0.06, 0.6, "--cycles", 2, "--rest", 0.06, "--no-pictures")
+    done = yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5", status=0)
+    whole, cut, place = damage.read_history(tmp_path / "whole.h5"), tmp_path / "cut.h5", "--out"
+    for number in range(kills):
+        kind, status = ("INTERRUPTED_AT", 130) if number % 3 == 1 else ("KILLED_AT", -signal.SIGKILL)
+        time_s = number / (kills + 1) * whole.series["time_s"].iloc[-1]
+        assert yade_command("-j1", *SHORT, f"{kind}={time_s}", *words, place, cut).returncode == status
+        place = "--resume"
+    there = read_checkpoint(checkpoint_path(cut))
+    assert there["last_time_s"] >= time_s and there["tracker.broken"].any() and len(there["corners"])
+    done = yade_command("-j1", *SHORT, *words, "--resume", cut)
+    assert done.returncode == 0 and "YADE executes the names of the engines" in done.stderr, done.stderr
+    now, names = damage.read_history(cut), whole.series.select_dtypes("number").columns
+    before, after = (history.series[names].fillna(0.0).to_numpy() for history in (whole, now))
+    loose = (whole.opening_m > LOOSE).any(axis=1)
+    alike = next(iter(np.flatnonzero((after != before).any(axis=1))), len(before))
+    assert np.array_equal(now.opening_m[:alike], whole.opening_m[:alike], equal_nan=True)
+    assert np.array_equal(now.snapshot_time_s, whole.snapshot_time_s)
+    for differs in np.flatnonzero((after != before).any(axis=1))[:1]:
+        assert loose[:differs].any()
+        # A sample is taken a hundred steps after that, in which the last bit grows.
+        assert np.all(np.abs(after - before)[differs] <= 1e-10 * np.abs(before).max(axis=0))
+
+
+@pytest.mark.yade
+@pytest.mark.long
+def test_a_top_that_turns_against_a_spring_continues_in_yade(tmp_path, yade_command):
+    """What acts on a brick that is held is added between two steps, and is in the checkpoint, too."""
+    words = (SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures")
+    assert yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5").returncode == 0
+    cut = tmp_path / "cut.h5"
+    assert yade_command("-j1", *SHORT, "KILLED_AT=0.02", *words, "--out", cut).returncode == -signal.SIGKILL
+    assert yade_command("-j1", *SHORT, *words, "--resume", cut).returncode == 0
+    assert differences(tmp_path / "whole.h5", cut) == []
