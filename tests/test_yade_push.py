@@ -90,6 +90,7 @@ def test_joints_that_soften_do_so_alike(tmp_path, in_both):
     partly = (yade.opening_m[-1] > 0) & ~yade.broken[-1]
     assert partly.any()  # open, and not broken: a part of the bond still holds
     assert_allclose(yade.opening_m[-1], reference.opening_m[-1], atol=1e-6)
+    assert_allclose(yade.offset_m[-1], reference.offset_m[-1], atol=1e-6)
     assert np.array_equal(yade.broken[-1], reference.broken[-1])
 
 
@@ -106,6 +107,7 @@ def test_a_cycle_dissipates_alike(tmp_path, in_both):
     assert_allclose(found["yade"], found["reference"], rtol=0.05)
 
 
+@pytest.mark.long
 def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command):
     """A block on soil: springs of sway and rocking, the top's, and the weight's moment (tests/test_soil.py)."""
     path = wall_file(tmp_path / "block.py", "Wall('block', 0.6, 1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2))")
