@@ -12,9 +12,8 @@ from small_history import make_history
 
 from damage.law.joint_law import ContactState, LawParameters, Material, advance, elastic_energy, range_left
 from damage.law.modes import natural_modes
-from damage.measure.cracks import cracks_at
 from damage.measure.summary import summarise
-from damage.measure.tables import joints_table, summary_row
+from damage.measure.tables import summary_row
 from damage.reference.wall import ReferenceWall
 from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
@@ -183,12 +182,6 @@ class TestHistory:
         assert found["split_length_m"] == approx(SPLITTING.height) and found["crushed_length_m"] == 0.0
         assert found["total_joint_length_m"] == approx(float(history.attributes["total_joint_length_m"]))
         assert summary_row(history)["split_length_m"] == approx(SPLITTING.height)
-
-    def test_its_crack_is_one_upright_line(self, history):
-        table = cracks_at(history, -1)
-        assert table["crack"].nunique() == 1 and table["length_m"].sum() == approx(SPLITTING.height)
-        assert np.ptp(table[["x_start_m", "x_end_m"]].to_numpy()) == approx(0.0)
-        assert (joints_table(history)["kind"] == "brick").sum() == CUT_POINTS * 21
 
 
 def pushed(layout, seconds=0.02, speed=0.05):

@@ -66,12 +66,6 @@ def test_the_shear_that_a_joint_holds_when_it_opens_is_dissipated_once():
     assert tracker.friction_energy - before == pytest.approx(tau**2 / (2 * stiffness) * contacts.area[0])
 
 
-def test_a_joint_that_sticks_is_not_at_its_limit():
-    path = [(4e-6, 0.0), *[(-5e-6, 1e-8 * k) for k in range(20)]]
-    state, tracker, _, _ = follow_both(path, 1)
-    assert not state.at_limit and not tracker.at_limit[0]
-
-
 def test_a_joint_whose_faces_no_longer_overlap_keeps_what_it_had():
     """Half a brick stands on the left one below, over 0.1125 m; the tip has left its face before: the opening seen is
     across the joint."""

@@ -152,24 +152,17 @@ def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
 
 
 @pytest.mark.parametrize(("change", "complaint"), [
-    (lambda: Opening(-0.1, 1.0, 1.0), "from 0 to 1000"),
     (lambda: Wall("w", 2.0, 1.0, (Opening(0.5, 1.0, 1.2),)), "outside"),
     (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
     (lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))), "another opening"),
     (lambda: Wall("w", 0.05, 1.0), "smaller than"),
     (lambda: Wall("no good", 2.0, 1.0), "names files"),
-    (lambda: Brick(density=-1.0), "from 1 to 100000"),
-    (lambda: Brick(length=float("nan")), "from 0.001 to 100"),
     (lambda: ModelOptions(lintel="slate"), "none, concrete, steel, timber, arch, courses, or how many"),
     (lambda: ModelOptions(lintel="stone"), "expected its modulus"),
     (lambda: ModelOptions(lintel=-1), "how many courses stay elastic, 0 to 20000"),
-    (lambda: ModelOptions(lintel="20001"), "how many courses stay elastic, 0 to 20000"),
-    (lambda: ModelOptions(lintel=2.0), "how many courses"),
     (lambda: ModelOptions(lintel=True), "how many courses"),
-    (lambda: ModelOptions(load="both"), "expected one of"),
     (lambda: ModelOptions(cells=0), "whole number"),
     (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),
-    (lambda: ModelOptions(strength_cov=float("nan")), "from 0 to 2"),
     (lambda: ModelOptions(strength_seed=-1), "whole number"),
 ])
 def test_bad_parameters_are_refused_in_one_line(change, complaint):

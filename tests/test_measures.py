@@ -177,11 +177,6 @@ def test_the_index_of_an_instant(given, expected):
     assert {name: row[name] for name in expected} == pytest.approx(expected)
 
 
-def test_no_damage_is_exactly_zero_and_all_damage_exactly_one():
-    assert index_of().DI == 0.0 and index_of(opening=(1, 1, 1, 1)).DI == 1.0
-    assert index_of(drift=0.05).DI_drift == 1.0 and index_of(opening=FIRST, threshold=3e-4).DI_open == 0.0
-
-
 def test_index_is_now_and_not_ever():
     frame = damage_index([0.0, 1.0], [0.01, 0.0], np.array([[1e-3] * 4, [0.0] * 4]), np.zeros((2, 4)),
                          np.zeros((2, 4), bool), LENGTH)

@@ -7,13 +7,12 @@ from dataclasses import FrozenInstanceError, replace
 import numpy as np
 import pytest
 import scipy
-from conftest import one_line_error, refused_with, wall_file
+from conftest import one_line_error, refused_with
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from damage.__main__ import main
-from damage.motion.formats import read_record, shipped_record_path, shipped_records, write_csv
+from damage.motion.formats import read_record, shipped_record_path, shipped_records
 from damage.motion.loading import Recorded
 from damage.motion.plausible import record_warnings
 from damage.motion.record import (
@@ -77,19 +76,6 @@ class TestOffsetsAndSpikes:
         assert any(said in one for one in record_warnings(Recorded(Record("r", 0.005, motion))))
         quiet = Record("quiet", 0.005, np.zeros(motion.size))
         assert any(said in one for one in record_warnings(Recorded(quiet, across=Record("r", 0.005, motion))))
-
-    def test_a_run_and_the_command_say_it(self, tmp_path, capsys):
-        motion = sine_record(5.0, duration_s=2.0).acceleration_m_s2 + np.where(np.arange(401) == 300, -3.99, 0.5)
-        path = write_csv(Record("r", 0.005, motion), tmp_path / "r.csv")
-        assert main(["record", str(path)]) == 0
-        said = capsys.readouterr().err
-        assert "sample 300 (from 0) at 1.5 s" in said and "an instrument's offset" in said
-        assert "the base still moves" in said
-        wall = wall_file(tmp_path / "w.py", "Wall('w', 0.45, 0.15)")
-        assert main(["reference", str(wall), "--record", str(path), "--out", str(tmp_path / "h.h5"), "--rest", "0",
-                     "--no-pictures"]) == 0
-        said = capsys.readouterr().err
-        assert "sample 300 (from 0) at 1.5 s" in said and "an instrument's offset" in said
 
     def test_no_record_that_ships_is_doubtful(self):
         paths = [path for path in shipped_records().values() if path.suffix == ".csv"]

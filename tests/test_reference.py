@@ -9,7 +9,6 @@ from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
-from damage.run.watch import unbalanced_force
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -46,13 +45,6 @@ def test_free_fall_is_exact_in_central_differences():
     expected = -9.81 / 2 * time * (time + solver.time_step)
     assert_allclose(solver.displacement[:, 1], expected, rtol=1e-10)
     assert_allclose(solver.displacement[:, [0, 2]], 0.0, atol=1e-15)
-
-
-def test_static_stage_carries_the_weight():
-    solver = small_solver()
-    settle(solver)
-    assert_allclose(solver.base_force()[1], 9.81 * solver.layout.total_mass, rtol=1e-3)
-    assert unbalanced_force(solver.layout, *solver.forces()) < 1e-3
 
 
 def rigid_turn(bodies, turn):

@@ -191,12 +191,10 @@ def test_a_wall_of_its_dictionary_has_its_restraints():
 
 
 @pytest.mark.parametrize(("made", "said"), [
-    (lambda: Restraint("bottom"), "top"),
     (lambda: Restraint("left", "free"), "party wall"),
     (lambda: Restraint("top", play=0.01), "stiffness"),
     (lambda: strip(load=0.0), "precompression"),
     (lambda: strip(restraint=Restraint("top", mass=1e6)), "precompression weighs"),
-    (lambda: strip(options=ModelOptions(top="uniform")), "--top uniform"),
     (lambda: Wall("twice", 1.0, 1.0, restraints=[Restraint("top")] * 2), "2 restraints"),
     (lambda: Wall("none", 1.0, 1.0, restraints=[Opening(0.3, 0.3, 0.3)]), "Restraint")])
 def test_what_cannot_be_is_refused(made, said):

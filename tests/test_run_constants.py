@@ -11,7 +11,7 @@ from small_history import small_layout
 from damage.errors import InputError
 from damage.law.states import BROKEN, ENDED
 from damage.run import settings as run_settings
-from damage.run.options import make_parser, parse_run
+from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step
 from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places, unbalanced_force
 
@@ -86,15 +86,3 @@ def test_following_bricks_without_contacts_is_refused():
         parse_run(["--after-fall", "--new-contacts", "--past-collapse", "2"], "test", "yade")
     with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):
         parse_run(["--new-contacts", "--bricks", "deformable"], "test", "reference")
-
-
-@pytest.mark.parametrize("solver", ["reference", "yade"])
-def test_every_number_on_a_command_line_has_its_range_tested(solver):
-    """An option that is added without a row in the table of `test_ranges` fails here: it might accept NaN."""
-    from test_ranges import RUN, YADE_ALONE
-
-    tested = {word for template in (*RUN, *YADE_ALONE) for word in template.split() if word.startswith("--")}
-    numbers = {option for action in make_parser("test", solver)._actions for option in action.option_strings
-               if action.type in (int, float) or getattr(action.type, "__name__", "") in ("int", "float")}
-    assert numbers - tested == set()
-    assert len(numbers) > 15

@@ -9,7 +9,6 @@ import damage
 from damage.draw.words import run_title
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.run.opening import describe_sampling
 from damage.run.options import parse_run
 from damage.run.report import describe
 
@@ -63,16 +62,6 @@ def test_the_run_says_that_it_interpolates_and_what_lines_would_take_off(runs):
 
 def settings(*words):
     return parse_run([str(word) for word in words], "test", "reference")
-
-
-def test_the_first_lines_of_a_run_name_steps_and_loss(tmp_path):
-    driven = settings("--record", sampled(tmp_path, 0.02)).for_period(PERIOD_S)
-    assert describe_sampling(driven.loading) == [
-        "record: its step of 0.02 s is more than a tenth of the first period; interpolated (band-limited) to 0.002 s, "
-        "as lines between samples would take off 42 % at that period"]
-    asked = settings("--record", "BGAR_HGE")
-    assert asked.for_period(0.0532) == asked and describe_sampling(asked.loading) == []  # the stiffest wall that ships
-    assert settings("--harmonic", 0.2, 0.1).for_period(0.01).loading.lost_by_lines is None
 
 
 def test_all_events_of_a_sequence_are_interpolated_and_stay_the_same_motion(tmp_path):

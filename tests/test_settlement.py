@@ -126,13 +126,10 @@ def test_bad_options_are_one_line(words, said):
 
 @pytest.mark.parametrize("text, said", [
     ("x,z\n0,0\n", "line 1: no column x_m; expected x_m and any of uz_m, height_m, date"),
-    ("x_m,uz_m\n", "has a header and no row"),
     ("x_m,uz_m\n0,0\n1,a\n", "line 3: uz_m = 'a': expected a finite number"),
     ("x_m,uz_m\n0,0\n1,0\n", "is zero at every point"),
-    ("x_m,date\n0,2020-01-01\n", "expected x_m and uz_m of a profile, or x_m, height_m and date of levels"),
     ("x_m,height_m,date\n0,1,\n", "line 2: date = '': expected a day like 2019-05-22"),
     ("x_m,height_m,date\n0,1,2020-01-01\n1,1,2021-01-01\n", "1 level of one date; expected two or more"),
-    ("x_m,height_m\n0,1\n0,1.1\n", "line 3: a second level at x = 0 m"),
     ("x_m,uz_m\n1,0\n0,1e-3\n", "does not rise"), ("x_m,uz_m\n0,0\n1,5\n", "expected a number from -1 to 1"),
 ])
 def test_bad_profiles_are_one_line(tmp_path, text, said):

@@ -319,13 +319,6 @@ def test_arithmetic_is_that_of_each_number():
     assert wall_of(EIGHT, 3) == Lane(3) and wall_of(ONE, 0) is ONE
 
 
-@pytest.mark.skipif(os.environ.get("NUMBA_CPU_NAME") == "generic", reason="is itself what this test starts")
-def test_a_vector_of_other_registers_does_the_same():
-    """Where a register of the processor holds no eight numbers."""
-    code = "import test_widths as t; from numba import njit; t.check_vectors(njit(error_model='numpy')(t.arithmetic))"
-    in_python(code, NUMBA_CPU_NAME="generic")
-
-
 def in_python(code, **environment):
     """Run code beside the tests, in a Python of its own."""
     path = os.pathsep.join([str(REPOSITORY), os.environ.get("PYTHONPATH", "")])

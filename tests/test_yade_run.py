@@ -93,14 +93,6 @@ class TestDamagedWall:
         friction = history.series.friction_energy_j.to_numpy()
         assert np.all(np.diff(friction) >= 0) and friction[-1] > 0
 
-    def test_the_run_says_what_it_did_and_drew_it(self, shaken):
-        history, text = shaken
-        assert "maximum" in text and "history:" in text
-        assert f"bricks are {history.versions['yade_bricks']}" in text
-        folder = history.path.with_suffix("")
-        assert (folder / "wall_max.png").read_bytes()[:4] == b"\x89PNG"
-        assert (folder / "wall_max.pdf").read_bytes()[:4] == b"%PDF"
-
 
 def count_samples(path):
     """Of a history that may not be there yet, or still be locked while its datasets are made."""
