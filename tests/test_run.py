@@ -234,9 +234,6 @@ def test_events_count_from_time_zero(run_through):
     assert_allclose(history.events["time_s"], [-LOOK_STEPS * DT, 0.0, LOOK_STEPS * DT])
 
 
-# --- turns ------------------------------------------------------------------------------------------
-
-
 # --- runs that are not to be believed ---------------------------------------------------------------
 
 @pytest.fixture

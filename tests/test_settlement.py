@@ -258,6 +258,7 @@ def test_without_a_motion_the_run_ends_at_time_zero():
     assert compare(history, [history])["agrees"]
 
 
+@pytest.mark.long
 def test_a_settlement_that_topples_the_wall_is_one_line(tmp_path):
     slender = Wall("slender", 0.225, 0.75, precompression=0.0, joint=STRONG)
     ground = Settlement("steep.csv", None, (0.0, 0.225), (0.0, -0.1))  # 0.44, the diagonal 0.29 from upright
