@@ -10,13 +10,16 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
 import pytest
+from short_runs import RUNS
 from small_history import make_history
 
+import damage
 from benchmarks.report_in_browser import BROWSER, DRIVER, browser
 from damage.__main__ import main
 from damage.errors import InputError
@@ -71,6 +74,21 @@ def symmetric_wall():
 def still_history(tmp_path_factory):
     """A History of a small wall to which nothing happens, for reading alone."""
     return make_history(tmp_path_factory.mktemp("still") / "small.h5")
+
+
+@pytest.fixture(scope="session")
+def run_of(tmp_path_factory):
+    """run_of(name): the History of one of RUNS of `short_runs.py`, whose file stays, for reading alone."""
+    folder = tmp_path_factory.mktemp("runs")
+
+    @functools.cache
+    def run(name):
+        wall, words = RUNS[name]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", damage.RunWarning)
+            return damage.run(wall, **words, out=folder / f"{name}.h5")
+
+    return run
 
 
 def without_progress(text):

@@ -15,14 +15,14 @@ SUBJECTS = {
                "study_schema validity outdated claim",
     "pictures and documents": "app app_browser dictionary document_tables documents examples guides html "
                               "html_browser model_pictures paraview pictures programs site_browser",
-    "model and solver": "after_peak any_wall as_built before bits brick_stress cells checkpoint columns convergence "
+    "model and solver": "after_peak any_wall as_built before bits brick_stress cells checkpoint columns "
                         "crack_file cracks crushing curves damping deformable draws elementary ends evidence "
                         "exposure fields floors "
-                        "fragility history hysteresis intensity joint_law joint_stress joint_tracker layout "
+                        "fragility grid history hysteresis intensity joint_law joint_stress joint_tracker layout "
                         "life limit_analysis lintel lintels loading loose lourenco mass_scaling measures members "
-                        "mirror_and_momentum model_options modes new_contacts offset outlines own_law "
-                        "plausible random_runs ranges rounded record_sequence records reference restraints run "
-                        "run_constants run_warnings sampling sequence settlement shaken softening soil supports "
+                        "model_options modes new_contacts offset outlines own_law "
+                        "plausible random_runs ranges rounded records reference restraints run "
+                        "run_constants run_warnings sampling sequence settlement shaken softening soil "
                         "survey synthetic text_records together verification wall_data wall_plan widths yade_ends "
                         "yade_falls yade_free yade_ground yade_house yade_joint yade_push yade_run yade_scene",
     "tools": "architecture command compare dic environment formats from_pip gates in_memory digests "

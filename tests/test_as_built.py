@@ -4,14 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_html import Page, unpack_arrays
 
 import damage
 from damage.__main__ import main
-from damage.draw.style import BODY_COLOURS
 from damage.errors import InputError
-from damage.html.charts import states_legend
-from damage.html.report import page
 from damage.measure.summary import summarise
 from damage.wall.as_built import describe_lintels, describe_openings, warn_of_courses, warn_of_slabs
 from damage.wall.floors import Floor
@@ -29,8 +25,7 @@ def with_opening(height, sill):
 
 @pytest.mark.parametrize(("height", "sill", "courses"), [
     (0.6, 0.9, (5, 8)), (0.6, 1.1, (6, 9)),  # both edges by themselves: 4 to 8, 6 to 8
-    (0.6, 0.8, (4, 7)), (0.6, 0.85, (4, 7)), (0.6, 0.95, (5, 8)), (0.5, 0.8, (4, 7)), (0.7, 0.0, (0, 4)),
-    (2.0, 0.0, (0, 10)), (0.7, 2.1, (10, 14)), (0.3, 2.5, (12, 14))])
+    (0.5, 0.8, (4, 7)), (0.7, 0.0, (0, 4)), (0.3, 2.5, (12, 14))])
 def test_an_opening_keeps_its_number_of_courses(height, sill, courses):
     wall = with_opening(height, sill)
     assert wall.opening_courses(wall.openings[0]) == courses
@@ -51,13 +46,6 @@ def test_openings_all_over_are_as_high_as_given_and_near_their_place():
         assert max(abs(first * course - sill), abs(above * course - sill - height)) < 0.75 * course + 1e-9
         alone = round(sill / course), round((sill + height) / course)
         assert alone == (first, above) or alone[1] - alone[0] != above - first
-
-
-def test_two_windows_of_one_size_are_built_alike():
-    """Their first periods were 0.0524 and 0.0486 s, as one was four courses high and the other two."""
-    bricks = [lay_out(with_opening(0.6, sill)).n_bricks for sill in (0.9, 1.1)]
-    missing = [len(lay_out(replace(BLOCKS, openings=())).bodies) - n for n in bricks]
-    assert missing[0] == pytest.approx(missing[1], abs=1) and missing[0] < 15
 
 
 def test_lines_and_warnings_of_what_is_built():
@@ -126,12 +114,3 @@ def test_a_kind_by_option_takes_the_place_of_all_others():
     layouts = lay_out(wall), lay_out(wall, ModelOptions(lintel="timber"))
     kinds = [[line.split()[0] for line in describe_lintels(layout.plan)] for layout in layouts]
     assert kinds == [["steel", "concrete"], ["timber", "timber"]]
-
-
-def test_the_report_draws_bodies_in_the_colours_of_pictures(tmp_path):
-    wall = Wall("w", 2.25, 1.2, (Opening(0.675, 0.9, 0.6),), floors=(Floor(1.2, 500.0, kind="concrete", depth=0.075),),
-                precompression=0.0)
-    history = damage.run(wall, harmonic=(0.1, 0.01), cycles=1, rest=0, out=tmp_path / "a.h5")
-    kinds = np.array([*BODY_COLOURS])[unpack_arrays(Page(page([history.path], [])).data["runs"][0])["kind"]]
-    assert {kind: int(np.sum(kinds == kind)) for kind in ("slabs", "lintels")} == {"slabs": 1, "lintels": 10}
-    assert [one["fill"] for one in states_legend()["bodies"]] == ["#f5f5f5", "#bfbfbf", "#b9cbd9", "#dcc48e"]

@@ -8,14 +8,10 @@ from conftest import refused_with, written
 from numpy.testing import assert_array_equal
 
 import damage
-from damage.__main__ import main
 from damage.errors import InputError
-from damage.history.moments import choose_samples
 from damage.history.reader import read_history
-from damage.laboratory.crack_report import history_drawn
 from damage.laboratory.register import Surveyed
-from damage.measure.crack_file import read_cracks
-from damage.measure.crack_mapping import describe_level, map_cracks
+from damage.measure.crack_file import Surveyed, read_cracks
 from damage.measure.summary import summarise
 from damage.run.before import without_bond
 from damage.run.options import parse_run
@@ -59,14 +55,6 @@ def test_a_run_that_continues_is_the_second_half_bit_for_bit(tmp_path, wall, opt
         "time_s"].iloc[-1] + whole.series["time_s"].iloc[-1] + 1e-9).sum()
 
 
-def test_a_settled_wall_is_shaken_later(tmp_path):
-    """Without a motion the first half ends at time zero, where the second begins."""
-    damage.run(SMALL, settle="hogging", distortion=1 / 500, lintel=2, out=tmp_path / "settled.h5")
-    later = damage.run(SMALL, supports="bricks", lintel=2, **SHAKE, **{"continue": tmp_path / "settled.h5"})
-    assert later.series["time_s"].iloc[0] == 0.0 and later.opening_m[0].max() > 1e-4
-    assert later.support_displacement[-1][:, 1].min() < -5e-4
-
-
 def test_a_history_of_another_wall_is_one_line(tmp_path):
     damage.run(SMALL, **SHAKE, out=tmp_path / "first.h5")
     other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)], lintel="courses")
@@ -87,13 +75,6 @@ def test_a_history_without_a_state_is_one_line(tmp_path):
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------
 
-@pytest.fixture(scope="module")
-def first_half(tmp_path_factory):
-    path = tmp_path_factory.mktemp("first") / "first.h5"
-    damage.run(SMALL, **SHAKE, out=path)
-    return path
-
-
 CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
 """A bed joint through the left pier, at mid-height of the opening."""
 
@@ -113,17 +94,6 @@ def test_joints_along_surveyed_cracks_have_no_bond(tmp_path):
     assert_array_equal(failed, expected)
     assert layout.contacts.z[failed[0]] == pytest.approx(0.3)
     assert read_cracks(path)[-1].length_m.sum() == pytest.approx(0.3375)
-
-
-def test_a_cracked_wall_is_weaker(tmp_path):
-    """The part of a slender wall above a crack rocks where the intact wall is elastic."""
-    path = written(tmp_path / "cracks.csv", CRACK.replace("0.3375", "0.45"))
-    slender = Wall("slender", 0.45, 1.5, precompression=0.0)
-    shake = {"harmonic": (0.2, 0.5), "rest": 0.05}
-    intact, cracked = damage.run(slender, **shake), damage.run(slender, cracked=path, **shake)
-    joint = np.isclose(cracked.joints["z_m"], 0.3) & (cracked.joints["kind"] == "bed")
-    assert intact.is_intact and joint.sum() == 8 and cracked.opening_m[:, joint].max() > 1e-4
-    assert cracked.parameters["cracked"]["file"] == "cracks.csv"
 
 
 DIAGONALS = "crack,point,x_m,z_m,width_mm\n" + "".join(
@@ -169,25 +139,6 @@ def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
     assert not any("failed under gravity" in warning for warning in summary["warnings"])
     failed = history.broken[-1] & ~freed
     assert summary["tension_breaks"] + summary["shear_breaks"] == failed.sum() > 0
-
-
-def test_cracks_of_a_history_are_drawn(first_half, tmp_path):
-    assert main(["cracks", str(first_half), "--at", "max,end", "--out", str(tmp_path)]) == 0
-    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["cracks_level_1.png", "cracks_level_2.png"]
-    history = read_history(first_half)
-    (mapped,), (pattern,), _ = history_drawn(history, choose_samples(history, ["max"]))
-    assert mapped.drawn_m == pytest.approx(pattern.length_m.sum()) and pattern.length_m.sum() > 0.1
-    assert mapped.unmapped_m == pytest.approx(0, abs=1e-6)  # they are the joints' own
-
-
-def test_cracks_count_as_drawn(tmp_path):
-    """Straight lines touch many joints here and there; the label says which is one crack."""
-    path = written(tmp_path / "cracks.csv", DIAGONALS)
-    pattern = read_cracks(path)[-1]
-    mapped = map_cracks(pattern, lay_out(SMALL))
-    level = describe_level(pattern, mapped, lay_out(SMALL))
-    assert len(mapped.table) > 3 and level["cracks"] == 3
-    assert level["psi"] == pytest.approx(2 * 3**0.15) == level["psi_drawn"]  # of 1 mm
 
 
 def test_cracks_beside_the_wall_are_one_line(tmp_path, error_of):

@@ -32,12 +32,6 @@ def test_this_machine_computes_the_published_histories(name):
     assert bits.differing(bits.digests([name]), bits.published()) == {}
 
 
-def test_all_quantities_of_all_runs_are_published():
-    quantities = {quantity for _, quantity in bits.published()}
-    assert quantities == {"base", "drift", "energies", "events", "joints"}
-    assert set(bits.published()) == {(name, quantity) for name in bits.CASES for quantity in quantities}
-
-
 def test_the_command_says_which_runs_differ(monkeypatch, capsys):
     known = bits.published()
     found, n = dict(known), len(bits.CASES)

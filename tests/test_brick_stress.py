@@ -7,12 +7,10 @@ import pytest
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from damage.export.vtkhdf import WallCells
 from damage.law.modes import natural_modes
 from damage.measure.brick_stress import bricks_table, principal_stresses, stress_measures, warn_of_splitting
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
-from damage.run.banner import describe_brick
 from damage.studies.records import record_of
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP
@@ -98,19 +96,3 @@ def test_bricks_below_their_strength_or_without_one(stressed):
     strong, none = stressed(strength=2.1e6), stressed()
     assert warn_of_splitting(strong) == warn_of_splitting(none) == []
     assert [stress_measures(one)["bricks_above_strength"] for one in (strong, none)] == [0, None]
-
-
-def test_stresses_of_the_cells_for_paraview(stressed):
-    history = stressed()
-    fields = WallCells(history).brick_fields(1)
-    n = len(history.bodies) + len(history.joints)
-    assert {name: values.shape for name, values in fields.items()} == {
-        "stress_pa": (n, 3), "max_principal_stress_pa": (n,), "min_principal_stress_pa": (n,)}
-    assert_allclose(fields["stress_pa"][1], [0.0, -3e5, 0.0])
-    assert not fields["stress_pa"][len(history.bodies):].any()
-    assert not WallCells(history).brick_fields(-1)["stress_pa"].any()  # at rest, before the first snapshot
-    assert WallCells(replace(history, stress_pa=None)).brick_fields(0) == {}
-
-
-def test_the_strength_is_described():
-    assert describe_brick(Brick(tensile_strength=1e6), DEFORMABLE).endswith("plane stress), tensile strength 1 MPa")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import one_line_error, wall_file
 from numpy.testing import assert_allclose
-from test_deformable import lay, of_timoshenko, stiffer
+from test_deformable import lay
 
 import damage
 from damage.law.modes import natural_modes
@@ -28,7 +28,7 @@ def wall_with_cut_bricks(**brick):
     return Wall("w", 1.53, 0.975, [Opening(0.63, 0.4, 0.6)], brick=Brick(**brick), lintel="courses")
 
 
-@pytest.mark.parametrize("number", [2, 4, 8])
+@pytest.mark.parametrize("number", [2, 8])
 def test_a_cut_has_the_stiffness_of_the_brick_between_the_centres_of_its_cells(number):
     """Axial E t h / d, bending E t h^3 / (12 d), and half of the shear compliance of G t h / d."""
     layout = lay(1, 1, **(CELLS | {"brick_cells": number}))
@@ -78,19 +78,10 @@ def test_the_middle_of_a_splitting_brick_alone_can_fail():
     assert np.isinf(contacts.tensile_strength[(contacts.kind == CUT) & contacts.elastic]).all()
 
 
-@pytest.mark.parametrize("factor", [1, 1000])
-def test_a_bonded_cantilever_of_cells_bends_as_timoshenkos_beam(factor):
-    """Rigid bricks 1.0046 with Table 1's joints, cells 1.0026."""
-    found, bending, sheared = of_timoshenko(lay(2, 36, stiffer(factor), **CELLS))
-    assert_allclose(found, bending + sheared, rtol=5e-3)
-
-
-@pytest.mark.parametrize(("name", "by_cells", "by_modes"), [
-    ("solid", 0.0617, 0.0612), ("symmetric", 0.2046, 0.2009), ("asymmetric", 0.1763, 0.1739)])
-def test_first_periods_are_near_those_of_strain_modes(name, by_cells, by_modes):
-    layout = lay_out(load_wall(f"walls/{name}.py"), ModelOptions(bricks="deformable", brick_cells=4, contacts="gauss"))
-    period = natural_modes(layout, 1).period_s[0]
-    assert period == pytest.approx(by_cells, abs=6e-5) and period == pytest.approx(by_modes, rel=0.02)
+def test_the_first_period_is_near_that_of_strain_modes():
+    found = [natural_modes(lay_out(load_wall("walls/symmetric.py"), ModelOptions(
+        bricks="deformable", contacts="gauss", brick_cells=cells)), 1).period_s[0] for cells in (4, 0)]
+    assert found == pytest.approx([0.2046, 0.2009], abs=6e-5)
 
 
 def test_yade_makes_deformable_bricks_of_four_cells():
@@ -106,11 +97,6 @@ def test_yade_makes_deformable_bricks_of_four_cells():
                                                                          "never splitting")
     order = parse_run(["--bricks", "deformable", "--brick-order", "3"], "test", "yade")
     assert "--brick-order = 3 with bricks of glued cells" in one_line_error(order.for_bricks, 4)
-
-
-def test_cells_that_cannot_be():
-    assert "expected an even number" in one_line_error(ModelOptions, bricks="deformable", brick_cells=3)
-    assert "beside --bricks deformable" in one_line_error(ModelOptions, brick_cells=4)
 
 
 @pytest.mark.yade

@@ -9,9 +9,6 @@ from damage.index import THRESHOLD
 from damage.measure.cracks import (
     JOINING_GAP,
     PSI_FROM,
-    close_pairs,
-    count_cracks,
-    crack_numbers,
     crack_table,
     cracks_at,
     mean_width,
@@ -55,12 +52,6 @@ def test_cracks_closer_than_ten_millimetres_are_one(gap, cracks, direction):
     table = crack_table(np.stack([first, first + shift]), [1e-3, 1e-3], [0.0, 0.0])
     assert table["crack"].nunique() == cracks
     assert psi(table) == pytest.approx(2 * cracks**0.15)
-
-
-def test_a_small_segment_beside_a_long_one_is_its_neighbour():
-    ends = np.array([along_x(0, 1.0), along_x(0.95, 0.01, z=0.005), along_x(3, 0.1), along_x(3.2, 0.1)])
-    assert close_pairs(ends).tolist() == [[0, 1]]
-    assert close_pairs(ends[:1]).shape == close_pairs(ends[:0]).shape[:1] + (2,) == (0, 2)
 
 
 def test_a_stepped_crack_is_one_and_an_intact_joint_parts_it(tmp_path):
@@ -116,13 +107,3 @@ def test_an_uncracked_or_unfinished_run(tmp_path):
                                     "residual_crack_width_mm": None}
     refused_with("sample 21: expected a whole number from 0 to 20", cracks_at, history, 21)
     refused_with("threshold = -1: expected a positive number", psi_history, history, -1)
-
-
-def test_cracks_over_time_are_counted_as_at_each_moment():
-    chance = np.random.default_rng(3)
-    is_cracked = chance.random((40, 60)) < np.linspace(0, 0.8, 40)[:, None]
-    is_cracked[10:15] = is_cracked[10]  # nothing changes for a while
-    pairs = np.unique(np.sort(chance.integers(0, 60, (80, 2)), axis=1), axis=0)
-    one_by_one = [crack_numbers(now, pairs).max(initial=0) for now in is_cracked]
-    assert count_cracks(is_cracked, pairs).tolist() == one_by_one
-    assert count_cracks(np.zeros((3, 60), bool), pairs).tolist() == [0, 0, 0]

@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 from conftest import total_energy
 from numpy.testing import assert_allclose
-from test_widths import everything
 
 from damage.law.modes import natural_modes
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
-from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
@@ -86,22 +84,6 @@ def test_a_brick_that_is_pushed_off_falls_freely_from_where_the_faces_end(speed)
     assert total_energy(wall) - began == pytest.approx(0.0, abs=1e-4 * friction)
 
 
-def test_a_brick_that_is_shoved_off_tips_and_then_flies():
-    """Its deceleration by friction is at most mu g; in the air it falls with g and turns at a constant rate."""
-    wall = pair()
-    shove(wall, 2.0)
-    run_to_the_end(wall)
-    wall.run(1)
-    before, where = wall.velocity[1], wall.displacement[1]
-    slowest = np.sqrt(2.0**2 - 2 * FRICTION_COEFFICIENT * GRAVITY * LENGTH)
-    assert slowest < before[0] < 2.0 and before[2] < 0.0
-    wall.run(1000)
-    time_s = 1000 * wall.time_step
-    assert_allclose(wall.velocity[1] - before, [0, -GRAVITY * time_s, 0], atol=1e-9)
-    fallen = before[1] * time_s - GRAVITY * time_s * (time_s + wall.time_step) / 2
-    assert wall.displacement[1, Z] - where[Z] == pytest.approx(fallen, abs=1e-9)
-
-
 KINDS = {"dry": DRY, "brittle": {"tensile_strength": 1e4, "cohesion": 1e4},
          "softening": {"tensile_strength": 1e4, "cohesion": 1e4, "mode_i_fracture_energy": 0.1,
                        "mode_ii_fracture_energy": 1.0}, "crushing": DRY | {"compressive_strength": 1e4}}
@@ -143,13 +125,6 @@ def test_contact_data_keep_the_values_of_the_end():
     assert ended(wall) == ENDED and np.all(wall.force[1] == 0.0)
 
 
-@pytest.mark.parametrize("slide", [5.0, -5.0])
-def test_a_joint_on_the_ground_does_not_end(slide):
-    wall = pair()
-    wall.displacement = [[slide, -1e-6, 0.0], [slide, -1e-6, 0.0]]
-    assert wall.system.limits[0, HAS_FAILED] == FAILED and wall.force[0, Z] > 0.0
-
-
 def test_the_cut_of_a_split_brick_ends_over_its_height():
     """Two halves that have split, shifted upwards against each other."""
     wall = Wall("brick", 0.225, HEIGHT, precompression=0.0, joint=Joint(**DRY),
@@ -160,26 +135,3 @@ def test_the_cut_of_a_split_brick_ends_over_its_height():
     for share, state in ((0.999, FAILED), (1.001, ENDING), (0.5, ENDED)):
         split.displacement = [[0, 0, 0], [0, share * HEIGHT, 0]]
         assert split.system.limits[cut, HAS_FAILED] == state
-
-
-@pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])
-@pytest.mark.parametrize("kind", KINDS)
-def test_joints_of_walls_that_step_together_end_each_by_itself(kind, damping):
-    speeds = (2.5, 0.1, -2.0, 1.9, 3.0)
-    walls = [[pair(joint=KINDS[kind]) for _ in speeds] for _ in range(2)]
-    together, alone = walls
-    for wall, speed in zip([*together, *alone], speeds * 2):
-        wall.damp(**damping)
-        shove(wall, speed)
-    for _ in range(12):
-        run_together(together, 450, 50)
-        for one, other in zip(together, alone):
-            other.run(450, 50)
-            assert everything(one) == everything(other)
-    assert [ended(wall) for wall in together] == [ENDED, FAILED, ENDED, ENDED, ENDED]
-    for wall in together:
-        wall.displacement = wall.velocity = np.zeros((2, 3))
-    run_together(together, 450, 50)  # back in its place a joint that has ended stays without forces
-    fall = -GRAVITY * 500 * together[0].time_step
-    falls = [wall.velocity[1, Z] == pytest.approx(fall, rel=1e-9) for wall in together]
-    assert falls == [True, False, True, True, True]

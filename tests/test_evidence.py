@@ -6,13 +6,12 @@ from dataclasses import replace
 from math import atan
 
 import pytest
-from conftest import REPOSITORY, run_here, wall_file
+from conftest import run_here, wall_file
 
 import damage
 from damage.history.info import info
 from damage.html.report import page
-from damage.measure.evidence import QUANTITIES, describe, evidence_for, markdown, outside
-from damage.measure.summary import summarise
+from damage.measure.evidence import describe, evidence_for, outside
 from damage.measure.tables import summary_row
 
 SHAKEN = {"loading": {"kind": "harmonic", "period_s": 0.2, "amplitude_g": 0.05}, "sequence": [1.0], "rest_s": 1.0}
@@ -79,12 +78,6 @@ def test_limits_are_inside_and_what_does_not_apply_is_neither():
     assert found["rest after the motion"]["inside"] is found["drift"]["inside"] is None
 
 
-def test_the_document_has_the_ranges_of_the_code():
-    text = (REPOSITORY / "docs/model/validity.md").read_text(encoding="utf-8")
-    assert markdown() in text
-    assert all(one.range in line for one, line in zip(QUANTITIES, markdown().splitlines()[2:]) if one.value)
-
-
 def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypatch, output_of):
     for name in ("run_part.still", "run_part.preview", "report.plotly_code"):  # they take most of a page's time
         monkeypatch.setattr(f"damage.html.{name}", lambda *_: "plotly.js (basic - minified) v0")
@@ -107,8 +100,3 @@ def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypa
     text = page([out], [])
     assert line in text and "<td>0.45 m</td><td>1 to 4.05 m</td><td>outside</td>" in text
     assert "<td>does not apply</td><td>up to 2</td><td></td>" in text
-
-
-def test_old_histories_without_what_newer_ones_have_are_judged(still_history):
-    found = summarise(still_history)["evidence"]
-    assert found["length"]["inside"] is not None

@@ -15,9 +15,7 @@ from conftest import REPOSITORY, refused_with
 from numpy.testing import assert_allclose
 
 import damage
-from damage.history.info import describe as describe_info
-from damage.history.info import info
-from damage.history.schema import GROUND, SCHEMA_VERSION, SERIES
+from damage.history.schema import GROUND, SCHEMA_VERSION
 from damage.history.writer import HistoryWriter
 from damage.law.states import AT_LIMIT, BROKEN
 from damage.motion.formats import read_record, shipped_record_path
@@ -90,33 +88,6 @@ def test_a_history_gives_its_records_back(tmp_path, loading):
     assert history.command == "yade w.py" and "command" not in history.parameters
 
 
-def test_info_lists_the_caps_with_the_stress_under_them(tmp_path):
-    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.45, 0.9, 0.45),))
-    HistoryWriter(tmp_path / "a.h5", lay_out(wall), solver="reference", versions={}, parameters={
-        "wall": wall.as_dict(), **RunSettings(LOADINGS[0], ModelOptions()).as_dict()}).finish("complete")
-    found = info(damage.read_history(tmp_path / "a.h5"))
-    assert [(cap["left_m"], cap["right_m"]) for cap in found["caps"]] == [pytest.approx((0.0, 0.45)),
-                                                                        pytest.approx((1.35, 1.8))]
-    assert [cap["stress_pa"] for cap in found["caps"]] == pytest.approx([0.6e6, 0.6e6])
-    assert "rigid top mass from x = 1.35 to 1.8 m: 2.82 t, 0.6 MPa below it" in describe_info(found)
-
-
-def test_info_separates_results_from_parameters(tmp_path):
-    wall = Wall("w", 1.8, 0.9)
-    given = {"wall": wall.as_dict(), **RunSettings(LOADINGS[0], ModelOptions()).as_dict()}
-    follows = {"eigen_period_s": 0.123, "pier_stress_pa": 3e5, "pgv_m_s": 0.5}
-    HistoryWriter(tmp_path / "a.h5", lay_out(wall), solver="reference", versions={},
-                  parameters=given | follows).finish("complete")
-    history = damage.read_history(tmp_path / "a.h5")
-    found = info(history)
-    assert found["results"] == follows and found["parameters"] == history.parameters
-    results, parameters = describe_info(found).split("results:\n")[1].split("parameters:\n")
-    assert [line.split() for line in results.splitlines()] == [
-        ["eigen_period_s", "0.123"], ["pier_stress_pa", "300000.0"], ["pgv_m_s", "0.5"]]
-    assert "rest_s" in parameters and not any(name in parameters for name in follows)
-    assert set(history.parameters) - set(found["results"]) == given.keys() - {"command"}  # the file has it elsewhere
-
-
 def test_a_recorded_motion_comes_back_without_its_samples():
     found = loading_from_dict(json.loads(json.dumps(RECORDED.as_dict())))
     for name in ("name", "duration_s", "window_s", "scale"):
@@ -146,20 +117,6 @@ def test_every_dataset_names_its_unit(tmp_path):
         file.visititems(lambda name, item: missing.append(name) if isinstance(item, h5py.Dataset)
                         and not {"unit", "codes"} & set(item.attrs) else None)
     assert missing == []
-
-
-def test_readable_while_it_grows(tmp_path):
-    writer = open_writer(tmp_path / "a.h5")
-    write_samples(writer, 100)
-    writer.flush()
-    first = damage.read_history(tmp_path / "a.h5")
-    write_samples(writer, 100, first=100)
-    writer.flush()
-    second = damage.read_history(tmp_path / "a.h5")
-    assert (len(first.series), len(second.series)) == (100, 200)
-    assert first.status == "unfinished" and not first.complete
-    writer.finish("interrupted")
-    assert damage.read_history(tmp_path / "a.h5").status == "interrupted"
 
 
 def test_what_was_flushed_is_whole_after_sigkill(tmp_path):
@@ -227,8 +184,3 @@ def test_another_schema_is_refused(version, remedy, tmp_path):
     assert content.startswith(head)
     path.write_bytes(f"masonry-damage-history {version}\n".encode() + content[len(head):])
     refused_with(f"schema version {version}, this software reads {SCHEMA_VERSION}; {remedy}", damage.read_history, path)
-
-
-def test_units_of_the_series_stand_in_the_names():
-    endings = {"s": "_s", "m/s2": "_m_s2", "m": "_m", "1": "_ratio", "N": "_n", "J": "_j", "rad": "_rad"}
-    assert all(name.endswith(endings[column.unit]) for name, column in SERIES.items() if name != "stage")

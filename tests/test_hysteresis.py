@@ -1,21 +1,17 @@
 """Envelope, cycles and failure mode of pushed walls, against closed forms; the tests' measured figures."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error, refused_with, run_here
+from conftest import one_line_error, refused_with, run_here
 from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
 from damage import Joint, brick_of_masonry
-from damage.laboratory import pushed as laboratory
-from damage.laboratory.pictures import beside_test_picture, save
-from damage.laboratory.pushed import SPECIMENS, TESTS, draws_report, figures, pushed_report, read_test
+from damage.laboratory.pushed import SPECIMENS, draws_report, figures, pushed_report, read_test
 from damage.measure.pushed import (
-    averaged,
     backbone,
     bilinear,
     capacity,
@@ -28,7 +24,6 @@ from damage.measure.pushed import (
     mean_force,
     mode_shares,
 )
-from damage.wall.file import load_wall
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
 
@@ -64,17 +59,6 @@ class TestCycles:
         assert_allclose([steady.max_force_kn, steady.min_force_kn], [20, -20])
         assert_allclose(steady.max_drift_pct, 100 * amplitude / small_layout().drift_height, rtol=5e-4)
 
-    def test_a_run_cut_short_has_its_whole_cycles(self, plastic):
-        n = int(0.6 * len(plastic.series))
-        table = cycles_table(replace(plastic, series=plastic.series.iloc[:n], opening_m=plastic.opening_m[:n],
-                                     slip_m=plastic.slip_m[:n], offset_m=plastic.offset_m[:n],
-                                     at_limit=plastic.at_limit[:n]))
-        assert_allclose(table, cycles_table(plastic).iloc[:1])
-
-    def test_index_is_that_of_the_instant(self, plastic):
-        table = cycles_table(plastic)
-        assert_allclose(table.DI_drift_at_max, table.max_drift_pct / 2)  # of the limit of 2 %
-
     def test_shaken_walls_have_none(self, still_history, error_of):
         refused_with("pushover", cycles_table, still_history)
         assert "pushover" in error_of("cycles", still_history.path)
@@ -104,13 +88,6 @@ class TestEnvelope:
         assert_allclose(force * (ultimate - force / 50e6 / 2), 172.0)
         assert_allclose(line["elastic_drift"], force / 50e6 / 2)
         assert_allclose([mean_force(curve, 1e-3), mean_force(curve, 2e-3)], [50e3, 62.5e3])
-
-    def test_a_mean_over_windows_keeps_area_and_loses_shocks(self):
-        drift = np.linspace(5e-6, 1e-3 - 5e-6, 100)
-        force = 1e3 + 900 * (-1.0) ** np.arange(100)
-        curve = averaged(pd.DataFrame({"drift_ratio": drift, "force_n": force}), 1e-4)
-        assert_allclose(curve["force_n"], 1e3)
-        assert_allclose(curve["drift_ratio"], np.arange(5e-5, 1e-3, 1e-4))
 
     def test_a_backbone_leaves_out_the_branch_between_two_cycles(self, plastic):
         """The wall slides: in the negative direction its samples begin near zero drift with all of the force."""
@@ -202,10 +179,6 @@ class TestFigures:
         assert_allclose(rows["mean force to 0.05 % drift"]["simulated"], 18, rtol=0.02)
         assert rows["peak force"]["measured"] is None
 
-    def test_a_force_that_has_not_fallen_is_named(self, tmp_path):
-        found = pushed_report(pushed_over(tmp_path / "pushed.h5", 2e7 * self.DRIFT, self.DRIFT))
-        assert any(row["figure"] == "ultimate drift, not reached: over" for row in found["figures"])
-
     def test_of_several_draws_medians_and_how_many_are_needed(self, tmp_path, output_of):
         histories = [pushed_over(tmp_path / f"{seed}.h5", size * np.minimum(self.DRIFT, 1e-4) / 1e-4, self.DRIFT,
                                  seed=seed) for seed, size in enumerate((18e3, 20e3, 25e3), start=1)]
@@ -231,45 +204,8 @@ class TestMeasured:
         assert all(read_test(specimen).height > 1 for specimen in SPECIMENS.values())
         refused_with("COMP1_3", read_test, "COMP9")
 
-    def test_a_picture_beside_a_test_needs_one(self, plastic):
-        refused_with("squat", laboratory.test_of, plastic)
-
-
-class TestCommand:
-    def test_cycles_prints_what_its_json_holds(self, plastic, output_of):
-        printed = json.loads(output_of("cycles", plastic.path, "--json"))
-        assert printed["cycles"] == json.loads(json.dumps(pushed_report(plastic)))["cycles"]
-        assert "damping" in output_of("cycles", plastic.path)
-
-
-def test_picture_beside_the_test(plastic, tmp_path):
-    squat = replace(plastic, wall="squat")
-    figure = beside_test_picture([squat])
-    assert "measured" in figure._suptitle.get_text()
-    names = {path.name for path in save([squat], tmp_path)}
-    assert names == {"COMP1_3_beside_test.png", "COMP1_3_beside_test.pdf"}
-    refused_with("one", beside_test_picture, [squat, replace(plastic, wall="comp2_1")])
-
 
 class TestLaboratoryWalls:
-    @pytest.mark.parametrize("name", ["squat", "squat_tested", "comp2_1", "comp2_4"])
-    def test_sizes_are_the_specimens(self, name):
-        wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
-        row = pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name]]
-        assert_allclose([wall.length, wall.built_height, wall.brick.thickness], row[["L_m", "H_m", "t_m"]].to_list(),
-                        rtol=6e-3)
-        assert_allclose(wall.precompression, 1e6 * row["sigma0_MPa"])
-        assert wall.courses == row["N courses"]
-
-    @pytest.mark.parametrize("name", ["squat_tested", "comp2_1", "comp2_4"])
-    def test_material_is_the_tested_one(self, name):
-        wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
-        row = pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name]]
-        joint, brick = wall.joint, wall.brick
-        assert_allclose([joint.cohesion, np.tan(joint.friction_angle)], [1e6 * row["fv0_MPa"], row["mu"]])
-        modulus = 1 / (1 / brick.young_modulus + 1 / (joint.normal_stiffness * brick.height))
-        shear = 1 / (1 / brick.shear_modulus + 1 / (joint.shear_stiffness * brick.height))
-        assert_allclose([modulus, shear], [1e6 * row["Em_MPa"], 0.4e6 * row["Em_MPa"]])
 
     def test_masonry_softer_than_its_bricks_can_make_it_is_refused(self):
         refused_with("softer", brick_of_masonry, 1e12, Joint())

@@ -111,30 +111,11 @@ def test_states_are_those_of_the_joints_that_ever_have_one(write, tmp_path):
     assert make_history(tmp_path / "b.h5", stages=CRACKED["stages"], write=write).is_intact
 
 
-@pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory])
-def test_the_table_of_joints_is_that_of_whole_frames(write, tmp_path):
-    history = make_history(tmp_path / "a.h5", **CRACKED, write=write)
-    table = joints_table(history)
-    for column, frame in (("opening_m", history.opening_m), ("slip_m", history.slip_m), ("offset_m", history.offset_m)):
-        assert np.array_equal(table[f"final_{column}"], frame[-1])
-        largest = "max_" if column == "opening_m" else "max_abs_"
-        assert np.array_equal(table[f"{largest}{column}"], np.abs(frame).max(axis=0))
-        assert table[f"final_{column}"].dtype == frame.dtype
-    for column, frame in (("broken", history.broken), ("at_shear_limit", history.at_limit),
-                          ("crushed", history.crushed)):
-        assert np.array_equal(table[column], frame[-1])
-
-
 @pytest.mark.parametrize("status", ["failed", "interrupted"])
 def test_a_run_without_an_end_leaves_its_file(status, tmp_path):
     written = make_history(tmp_path / "a.h5", **CRACKED | {"status": status})
     make_history(tmp_path / "b.h5", **CRACKED | {"status": status}, write=HistoryInMemory)
     assert differences(written, read_history(tmp_path / "b.h5")) == []
-
-
-def test_one_without_samples_is_read_as_its_file_is(tmp_path):
-    written = make_history(tmp_path / "a.h5", stages=(), snapshots={})
-    assert differences(written, make_history(tmp_path / "b.h5", stages=(), snapshots={}, write=HistoryInMemory)) == []
 
 
 FREED = """

@@ -19,7 +19,6 @@ from damage.motion.intensity import (
     SPECTRUM_PERIODS_S,
     applied_measures,
     arias_m_s,
-    avg_sa_g,
     describe,
     end_warnings,
     motion_summary,
@@ -34,7 +33,7 @@ from damage.motion.intensity import (
     summary,
 )
 from damage.motion.loading import FreeVibration, Harmonic, Recorded, loading_from_dict
-from damage.motion.record import Record, band_passed, on_axis_of, scaled, windowed
+from damage.motion.record import Record, band_passed, on_axis_of, windowed
 from damage.units import GRAVITY
 
 # a peak between two of the instants at which it is looked for
@@ -52,9 +51,6 @@ def constant(amplitude_m_s2=1.0, step_s=0.01, samples=501):
 
 
 class TestPeaks:
-    def test_pga_is_the_largest_absolute_sample(self):
-        # one division by g
-        assert pga_g(Record("r", 0.1, [0.0, -GRAVITY, 2.0])) == pytest.approx(1.0, rel=1e-15)
 
     def test_pgv_converges_with_the_square_of_the_step(self):
         exact = 100 * 2 / (2 * np.pi / 0.5)
@@ -83,51 +79,13 @@ class TestArias:
 
 
 class TestSpectrum:
-    @pytest.mark.parametrize("damping", [0.0, 0.02, 0.05, 0.3])
-    @pytest.mark.parametrize("period_s", [0.013, 0.1, 1.0])
+    @pytest.mark.parametrize("damping", [0.0, 0.05, 0.3])
+    @pytest.mark.parametrize("period_s", [0.013, 1.0])
     def test_sudden_constant_acceleration(self, period_s, damping):
         # overshoot of a step load, exp(-pi z / sqrt(1 - z^2)); constant motion is taken exactly
         overshoot = math.exp(-math.pi * damping / math.sqrt(1 - damping**2))
         sa_g = response_spectrum(constant(GRAVITY), [period_s], damping)
         assert_allclose(sa_g, 1 + overshoot, rtol=BETWEEN_INSTANTS)
-
-    def test_undamped_resonance_grows_by_pi_a_cycle(self):
-        # x = A / (2 w^2) (w t cos w t - sin w t), largest at the end of the last cycle;
-        # a sine by straight lines is smaller by (pi/200)^2 / 3 = 8e-5
-        sa_g = response_spectrum(sine(GRAVITY, 0.5, cycles=10), [0.5], damping=0.0)
-        assert_allclose(sa_g, math.pi * 10, rtol=2e-4)
-
-    @pytest.mark.parametrize("ratio", [0.3, 0.8, 1.0, 1.6, 4.0])
-    def test_damped_oscillator_under_a_sine_from_rest(self, ratio):
-        damping, omega = 0.05, 2 * math.pi / 0.5
-        natural = omega / ratio
-        time_s = np.linspace(0, 5, 200_001)
-        a = (1 - ratio**2, 2 * damping * ratio)
-        steady = (a[0] * np.sin(omega * time_s) - a[1] * np.cos(omega * time_s)) / (
-            a[0] ** 2 + a[1] ** 2
-        )
-        damped = natural * math.sqrt(1 - damping**2)
-        start = a[1] / (a[0] ** 2 + a[1] ** 2)
-        speed = -a[0] * omega / (a[0] ** 2 + a[1] ** 2)
-        transient = np.exp(-damping * natural * time_s) * (
-            start * np.cos(damped * time_s)
-            + (speed + damping * natural * start) / damped * np.sin(damped * time_s)
-        )
-        exact = np.abs(steady + transient).max()
-        sa_g = response_spectrum(sine(GRAVITY, 0.5), [2 * math.pi / natural], damping)
-        # the peak between instants, and 8e-5 of the straight lines between 200 samples a cycle
-        assert_allclose(sa_g, exact, rtol=BETWEEN_INSTANTS + 1e-4)
-
-    def test_exact_for_straight_lines_between_coarse_samples(self):
-        # three samples a period: the same motion on a 50 times finer grid must give the same
-        coarse = sine(GRAVITY, 0.5, samples_per_cycle=8)
-        fine_s = np.arange(50 * (coarse.acceleration_m_s2.size - 1) + 1) * coarse.time_step_s / 50
-        fine = np.interp(fine_s, coarse.time_s, coarse.acceleration_m_s2)
-        refined = Record("fine", coarse.time_step_s / 50, fine)
-        periods_s = [0.02, 0.06, 0.2]
-        expected = response_spectrum(refined, periods_s)
-        # only the instants of the search differ
-        assert_allclose(response_spectrum(coarse, periods_s), expected, rtol=BETWEEN_INSTANTS)
 
     def test_a_stiff_oscillator_follows_the_ground(self):
         record = read_record(shipped_record_path())
@@ -135,20 +93,6 @@ class TestSpectrum:
         for part in (10, 30):
             sa_g = response_spectrum(record, [record.time_step_s / part])
             assert_allclose(sa_g, pga_g(record), rtol=1e-3 / part)
-
-    def test_a_soft_oscillator_moves_as_the_ground_displacement(self):
-        record = sine(GRAVITY, 0.5, cycles=10)
-        omega, period_s = 2 * math.pi / 0.5, 1e4
-        displacement_m = GRAVITY / omega * record.duration_s  # a sine from rest drifts
-        expected = (2 * math.pi / period_s) ** 2 * displacement_m / GRAVITY
-        # damping takes z w t = 1.6e-4 of a steady drift over 5 s, straight lines 8e-5 of the sine
-        assert_allclose(response_spectrum(record, [period_s]), expected, rtol=5e-4)
-
-    def test_grows_with_the_motion(self):
-        record = read_record(shipped_record_path())
-        double = response_spectrum(scaled(record, -2.0), SPECTRUM_PERIODS_S)
-        # linear but for round-off
-        assert_allclose(double, 2 * response_spectrum(record, SPECTRUM_PERIODS_S), rtol=1e-10)
 
     @pytest.mark.parametrize("refusal", [
         *(("expected 0 <= start < end <= 1", significant_duration_s, constant(), *bounds) for bounds in (
@@ -196,14 +140,6 @@ class TestZeerijpRecords:
         # half a unit of the third decimal
         assert_allclose(list(found.values()), self.SA_G, rtol=0, atol=5e-4)
 
-    def test_keys_of_the_summary(self):
-        found = summary(read_record(shipped_record_path()))
-        assert list(found) == ["pga_g", "pgv_cm_s", "end_velocity_cm_s", *self.KEYS[2:], "avg_sa_g", "sa_g"]
-        assert list(found["sa_g"]) == (
-            ["0.06", "0.08", "0.1", "0.15", "0.2", "0.25", "0.33", "0.5", "1.0"]
-        )
-        assert {type(value) for value in (*found["sa_g"].values(), found["pga_g"])} == {float}
-
 
 CUT = {"scale": 3.0, "window_s": (18.2, 20.2)}  # 2 s of BGAR, of which a band-pass from 0.1 Hz makes another motion
 
@@ -215,7 +151,7 @@ class TestLargestOfAllDirections:
         return Record("turned", pair[0].time_step_s, math.cos(angle) * pair[0].acceleration_m_s2
                       + math.sin(angle) * pair[1].acceleration_m_s2)
 
-    @pytest.mark.parametrize("station", ["BGAR", "BWSE", "BZN1", "BLOP"])
+    @pytest.mark.parametrize("station", ["BGAR", "BLOP"])
     def test_shipped_stations_against_a_turn_by_single_degrees(self, station):
         """180 directions miss the largest by up to 1 - cos(0.5 degrees), 4e-5."""
         east, north = (read_record(shipped_record_path(f"{station}_{end}")) for end in ("HGE", "HGN"))
@@ -238,11 +174,6 @@ class TestLargestOfAllDirections:
         pair = [Record("x", 1e-3, np.cos(7 * time_s)), Record("y", 1e-3, np.sin(7 * time_s))]
         assert_allclose(rotd100(*pair)["pga_rotd100_g"] * GRAVITY, 1.0, rtol=1e-12)
         assert pgv_rotd100_m_s(*pair) == pytest.approx(2 / 7, rel=1e-4)  # from rest: the circle's diameter
-
-    def test_one_component_alone_has_its_own(self):
-        record = read_record(shipped_record_path("BGAR_HGE"))
-        still = Record("still", record.time_step_s, 0 * record.acceleration_m_s2)
-        assert pgv_rotd100_m_s(record, still) == pytest.approx(pgv_m_s(record), rel=1e-4)
 
     def test_a_run_has_it_where_the_other_component_is_given(self):
         east, north = (read_record(shipped_record_path(f"BGAR_{end}")) for end in ("HGE", "HGN"))
@@ -279,12 +210,6 @@ class TestMotionSummary:
             [applied[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")]
         assert found["filtered"] == [] and "\nfilter: none (--band" in describe(found)
 
-    def test_the_peak_velocity_of_the_cut_lies_between_two_samples(self):
-        acceleration, step_s = self.motion().acceleration_m_s2, self.motion().time_step_s
-        at_samples = integrate.cumulative_trapezoid(acceleration, dx=step_s)
-        assert 100 * np.abs(at_samples).max() == pytest.approx(9.985, abs=0.005)
-        assert self.found(**CUT)["end_velocity_cm_s"] == pytest.approx(100 * at_samples[-1])
-
     @staticmethod
     def motion():
         return Recorded(read_record(shipped_record_path("BGAR_HGE")), **CUT).applied()
@@ -295,12 +220,6 @@ class TestMotionSummary:
         assert all(found[name] != plain[name] for name in found["filtered"])
         assert "\nfilter: zero-phase band-pass 0.5 to 10 Hz, in all measures\n" in describe(found)
 
-    def test_a_base_that_still_moves_at_the_end_is_noted(self):
-        drifting = motion_summary(Recorded(read_record(shipped_record_path("BLOP_HGE"))))
-        assert abs(drifting["end_velocity_cm_s"]) > 0.9 * drifting["pgv_cm_s"]
-        assert "note: the base still moves" in describe(drifting)
-        assert "note:" not in describe(self.found(**CUT))
-
     def test_a_run_warns_of_a_baseline_that_is_off(self):
         """As recorded, BLOP east drifts to seven times its PGV; filtered it comes to rest."""
         record = read_record(shipped_record_path("BLOP_HGE"))
@@ -309,9 +228,8 @@ class TestMotionSummary:
         assert end_warnings(Recorded(record, window_s=(16.5, 24.5), band_hz=(0.5, 40.0)).applied()) == []
 
 
-MOTIONS = {  # of every shipped record, one with all that a run may do to it
-    name: {} for name in ("BGAR_HGE", "BGAR_HGN", "BLOP_HGE", "BLOP_HGN", "BWSE_HGE", "BWSE_HGN", "BZN1_HGE",
-                          "BZN1_HGN", "MID1_N_synthetic")} | {
+MOTIONS = {  # of shipped records, one with all that a run may do to it
+    name: {} for name in ("BGAR_HGE", "BLOP_HGN", "MID1_N_synthetic")} | {
     "windowed": {"window_s": (17.0, 25.0), "scale": -2.0},
     "prepared": {"window_s": (15.0, 30.0), "scale": 1.5, "baseline_order": 1, "band_hz": (0.3, 30.0)}}
 
@@ -357,15 +275,6 @@ class TestAppliedMotion:
             begin, end = np.interp([0.05 * energy[-1], share * energy[-1]], energy, time_s)
             assert found[key] == pytest.approx(end - begin, rel=1e-9)
 
-    def test_the_ten_periods_have_equal_ratios(self):
-        assert (len(AVERAGE_PERIODS_S), AVERAGE_PERIODS_S[0], AVERAGE_PERIODS_S[-1]) == (10, 0.01, pytest.approx(1.0))
-        assert_allclose(np.diff(np.log(AVERAGE_PERIODS_S)), np.log(100) / 9)
-
-    def test_the_geometric_mean_is_that_of_the_spectrum_and_grows_with_the_motion(self):
-        record = sine(3.0)
-        assert_allclose(np.log(avg_sa_g(record)), np.log(response_spectrum(record, AVERAGE_PERIODS_S)).mean())
-        assert avg_sa_g(scaled(record, -2.5)) == pytest.approx(2.5 * avg_sa_g(record))
-
     def test_the_peak_velocity_between_two_samples(self):
         # from 2 to -1 m/s2 in 0.3 s the acceleration passes zero after 0.2 s, where the velocity is 0.2 m/s
         assert pgv_m_s(Record("r", 0.3, [2.0, -1.0])) == pytest.approx(0.2)
@@ -387,12 +296,6 @@ class TestAppliedMotion:
         expected = 2 * np.pi / period_s * 0.001 * math.exp(-z / math.sqrt(1 - z**2) * phase) / GRAVITY
         assert applied_measures(record, period_s)["sa_eigen_period_g"] == pytest.approx(expected, rel=2e-3)
         assert response_spectrum(record, [period_s])[0] < 0.1 * expected
-
-    @pytest.mark.parametrize("period_s, cycles", [(1e-3, 3), (1.01e-3, 3), (3.99e-3, 1), (1000.0, 2), (0.7, 1)])
-    def test_every_harmonic_motion_is_a_record(self, period_s, cycles):
-        record = Harmonic(period_s, 0.1, cycles).applied()
-        assert record.duration_s == pytest.approx(period_s * cycles)
-        assert pga_g(record) == pytest.approx(0.1, rel=1e-12)
 
     def test_what_does_not_apply_is_none(self):
         assert set(applied_measures(FreeVibration().applied(), 0.2).values()) == {None}

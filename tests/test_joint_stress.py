@@ -1,26 +1,18 @@
 """Stresses of joints against statics of a pier and of a flat arch, and YADE's contact forces; what is shown of them."""
 
-import json
-from dataclasses import replace
 from types import SimpleNamespace
-from unittest import mock
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, SHORT, one_line_error, wall_file, written
+from conftest import SHORT, one_line_error, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
+from short_runs import POINTS, SMALL
 
 import damage
 from damage import Brick, Joint, Lintel, Opening, Wall
-from damage.__main__ import main
-from damage.draw.run import save_all
-from damage.export.vtkhdf import WallCells
-from damage.html.report import write_report
 from damage.measure.joint_stress import contact_forces, joint_history, joint_of, points_table, sections_table
 from damage.measure.tables import write_run_tables
-from damage.reference.session import run_references
-from damage.reference.settled import Settled, SettledWalls
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.geometry import body_table, joint_table
@@ -30,8 +22,6 @@ from damage.wall.model_options import ModelOptions
 
 BRICK = Brick(0.2, 0.1, 0.1)
 PIER = Wall("pier", 0.2, 1.0, precompression=0.5e6, brick=BRICK, joint=Joint(tensile_strength=1e6, cohesion=1e6))
-PANEL = Wall("panel", 0.6, 0.4, precompression=0.3e6, brick=BRICK)
-SMALL = REPOSITORY / "walls" / "variants" / "small.py"
 NO_TENSION = Joint(2e10, 1e10, 1.2, 0.0, 1e7)
 
 
@@ -101,7 +91,7 @@ def test_thrust_of_a_pier_passes_where_statics_says(pier):
 
 
 def test_contact_forces_carry_every_course_and_every_brick():
-    layout = lay_out(damage.load_wall(SMALL), ModelOptions())
+    layout = lay_out(SMALL)
     now, _ = at_rest(layout)
     history, bodies, points = as_history(layout, now.joint_stress_pa), layout.bodies, layout.contacts
     force = turned(layout, now, contact_forces(history, 0))
@@ -153,13 +143,10 @@ def test_thrust_of_a_flat_arch_is_the_parabola_of_its_weight():
 
 # --- of runs ----------------------------------------------------------------------------------------
 
-@pytest.fixture(scope="module")
-def shaken(tmp_path_factory):
-    """A panel that cracks, with the stresses of its joints and two material points; and the same run without."""
-    folder = tmp_path_factory.mktemp("stresses")
-    words = {"harmonic": (0.05, 0.9), "cycles": 1, "rest": 0, "contacts": "gauss"}
-    return (damage.run(PANEL, **words, stresses=True, point=[(0.05, 0.05), (0.6, 0.4)], out=folder / "with.h5"),
-            damage.run(PANEL, **words, out=folder / "without.h5"))
+@pytest.fixture
+def shaken(run_of):
+    """A wall that cracks, with the stresses of its joints and two material points; and the same run without."""
+    return run_of("stresses"), run_of("shaken")
 
 
 def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken):
@@ -179,17 +166,10 @@ def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken)
     pd.testing.assert_frame_equal(series, without.series)
 
 
-def test_failed_joints_transmit_no_tension(shaken):
-    kept, _ = shaken
-    opened = kept.opening_m > 1e-6
-    assert opened.any() and kept.joint_stress_pa[opened].max() == 0.0
-    assert (kept.joint_stress_pa[..., 0][kept.broken] <= 0.0).all()
-
-
 def test_the_joint_law_holds_in_what_is_kept(shaken):
     kept, _ = shaken
     normal, shear = np.moveaxis(kept.joint_stress_pa[:, ~kept.joints["elastic"].to_numpy()].astype(float), 2, 0)
-    joint, broken = PANEL.joint, kept.broken[:, ~kept.joints["elastic"].to_numpy()]
+    joint, broken = SMALL.joint, kept.broken[:, ~kept.joints["elastic"].to_numpy()]
     friction = np.tan(joint.friction_angle) * -np.minimum(normal, 0.0)
     assert broken.any() and np.all(np.abs(shear) <= (friction + np.where(broken, 0.0, joint.cohesion)) * 1.0001 + 1.0)
     assert (normal <= joint.tensile_strength * 1.0001).all()
@@ -206,7 +186,7 @@ def test_the_static_stage_is_kept_to_where_it_ends(shaken):
 
 def test_material_points_move_with_their_bricks(shaken):
     kept, _ = shaken
-    assert kept.points == [(0.05, 0.05), (0.6, 0.4)]
+    assert kept.points == POINTS
     at = np.searchsorted(kept.series["time_s"], kept.snapshot_time_s)
     for number, (x, z) in enumerate(kept.points):
         bodies = kept.bodies
@@ -223,8 +203,9 @@ def test_material_points_move_with_their_bricks(shaken):
 
 def test_a_point_of_a_deformable_brick_bends_with_it():
     """Both sides of an intact bed joint move together; the middle of a brick moves otherwise than its rigid motion."""
-    soft = replace(PANEL, joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
-    history = damage.run(soft, pushover=0.005, bricks="deformable", contacts="gauss",
+    panel = Wall("panel", 0.6, 0.4, precompression=0.3e6, brick=BRICK,
+                 joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
+    history = damage.run(panel, pushover=0.005, bricks="deformable", contacts="gauss",
                          point=[(0.3, 0.2999), (0.3, 0.3001), (0.1, 0.25)])
     last = history.point_displacement[-1]
     body = np.flatnonzero((np.abs(history.bodies.x_m - 0.1) < 0.01) & (np.abs(history.bodies.z_m - 0.25) < 0.01))[0]
@@ -236,9 +217,9 @@ def test_a_joint_by_its_number_or_place(shaken):
     kept, _ = shaken
     joints = kept.joints
     assert joint_of(kept, "5") == joint_of(kept, 5) == 5
-    row = joint_of(kept, "head:0.2,0.05")
-    assert joints["kind"][row] == "head" and abs(joints["x_m"][row] - 0.2) < 1e-9
-    assert joints["kind"][joint_of(kept, "bed:0.2,0.05")] == "bed"
+    row = joint_of(kept, "head:0.225,0.0375")
+    assert joints["kind"][row] == "head" and abs(joints["x_m"][row] - 0.225) < 1e-9
+    assert joints["kind"][joint_of(kept, "bed:0.225,0.0375")] == "bed"
     table = joint_history(kept, f"{joints['x_m'][7]},{joints['z_m'][7]}")
     assert_array_equal(table[["normal_stress_pa", "shear_stress_pa"]], kept.joint_stress_pa[:, 7])
     for name, said in (("400", "expected a row of the joints, 0 to"), ("9,9", "the nearest, "), ("0.1", "correct it"),
@@ -246,119 +227,39 @@ def test_a_joint_by_its_number_or_place(shaken):
         assert said in one_line_error(joint_of, kept, name)
 
 
-def test_what_is_shown_of_them(shaken, tmp_path, output_of):
+def test_what_is_shown_of_them(shaken, tmp_path, output_of, error_of):
     kept, without = shaken
-    names = {path.name for path in write_run_tables(kept, tmp_path / "run")}
-    assert {"run_stresses.csv", "run_sections.csv", "run_points.csv", "run_static_stage.csv"} <= names
-    assert not {path.name for path in write_run_tables(without, tmp_path / "other")} & {
-        "other_stresses.csv", "other_sections.csv", "other_points.csv"}
-    fields = WallCells(kept).joint_fields(3)
-    assert_array_equal(fields["joint_normal_stress_pa"][len(kept.bodies):], kept.joint_stress_pa[3, :, 0])
-    assert "joint_normal_stress_pa" not in WallCells(without).joint_fields(3)
-    assert {"contact_forces_rest.png", "contact_forces_max.png"} <= {
-        path.name for path in map(type(tmp_path), save_all(kept, tmp_path / "pictures"))}
-    page = write_report([kept.path], tmp_path / "page.html").read_text()
-    assert page.count("<figcaption>Forces in the contact points ") == 2 and "at the largest DI" in page
-    words = ["--at", "rest,0.03", "--joint", "0.1,0", "--out", str(tmp_path / "st")]
+    added = {"run_stresses.csv", "run_sections.csv", "run_points.csv"}
+    assert added <= {path.name for path in write_run_tables(kept, tmp_path / "run")}
+    assert not added & {path.name for path in write_run_tables(without, tmp_path / "run")}
+    words = ["--at", "rest,0.03", "--joint", "0.05,0", "--out", str(tmp_path / "st")]
     shown = output_of("stresses", kept.path, *words)
-    assert "pier 1 at 0.000 m: N -" in shown and "joint 2 (0.1,0): normal -" in shown
-    joints = pd.read_csv(tmp_path / "st" / "joint_2.csv")
-    assert_allclose(joints["normal_stress_pa"], kept.joint_stress_pa[:, 2, 0], rtol=1e-7)
+    assert "pier 1 at 0.000 m: N -" in shown and "joint 0 (0.05,0): normal -" in shown
+    row = joint_of(kept, "0.05,0")
+    joints = pd.read_csv(tmp_path / "st" / f"joint_{row}.csv")
+    assert_allclose(joints["normal_stress_pa"], kept.joint_stress_pa[:, row, 0], rtol=1e-7)
     assert (tmp_path / "st" / "contact_forces_0.03.png").exists()
-    assert len(json.loads(output_of("stresses", kept.path, "--json"))["moments"]) == 3
-
-
-@pytest.mark.parametrize("words, said", [
-    (["--at", "later"], "--at later: expected rest, max, end or a time [s]"),
-    (["--at", "99"], "--at 99: expected rest, max, end, or a time within"),
-    (["--joint", "7,7"], "--joint 7,7: expected a row of the joints"),
-])
-def test_a_wrong_word_is_one_line(shaken, words, said, error_of):
-    assert said in error_of("stresses", shaken[0].path, *words)
-
-
-def test_a_run_without_stresses_is_one_line(still_history, error_of):
-    assert "has no stresses of joints: expected a run with --stresses" in error_of("stresses", still_history.path)
-
-
-@pytest.mark.parametrize("place", [(0.1,), [(0.1, 0.1, 0.1)], "left"])
-def test_a_point_in_python_that_is_none_is_one_line(place):
-    assert "expected X_M Z_M, or a list of these" in one_line_error(damage.run, PANEL, point=place)
+    assert "--at later: expected rest, max, end or a time [s]" in error_of("stresses", kept.path, "--at", "later")
+    assert "has no stresses of joints: expected a run with --stresses" in error_of("stresses", without.path)
 
 
 @pytest.mark.parametrize("place, said", [
     (("0.6", "0.25"), "--point 0.6 0.25: no brick is there; expected x and z in the undeformed wall [m]; the nearest"),
-    (("9", "0"), "--point 9 0: no brick is there"), (("nan", "0"), "expected a number"),
 ])
 def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, tmp_path, error_of):
-    assert said in error_of("reference", SMALL, "--point", *place, "--out", tmp_path / "a.h5")
+    assert said in error_of("reference", "walls/variants/small.py", "--point", *place, "--out", tmp_path / "a.h5")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_run_says_before_it_how_large_they_are(tmp_path, capsys):
-    words = ["--harmonic", "0.05", "0.01", "--cycles", "1", "--rest", "0", "--no-pictures", "--point", "0.1", "0.1"]
-    assert main(["reference", str(SMALL), *words, "--stresses", "--out", str(tmp_path / "a.h5")]) == 0
-    before, _, _ = capsys.readouterr().out.partition("history: ")
-    history = damage.read_history(tmp_path / "a.h5")
-    n_bytes = history.joint_stress_pa.nbytes
-    assert (f"stresses of {len(history.joints)} contact points at {len(history.series)} samples: {n_bytes / 1e6:.3g} MB"
-            in before)
-    assert "point 0.1 0.1: in brick 5, course 1" in before
-
-
-def test_runs_that_share_a_static_stage_both_keep_its_course(tmp_path):
-    words = [str(SMALL), "--harmonic", "0.05", "0.1", "--cycles", "1", "--rest", "0"]
-    settled, recall = SettledWalls(), Settled.recall
-    with mock.patch.object(Settled, "recall", autospec=True, side_effect=recall) as recalled:
-        for name in "ab":  # one after the other: the second finds the wall at rest
-            line = name, [*words, "--out", str(tmp_path / f"{name}.h5")]
-            assert list(run_references(iter([line]), settled=settled)) == [(name, 0)]
-    assert recalled.call_count == 2 and len(settled._kept) == 1
-    first, second = (damage.read_history(tmp_path / f"{name}.h5").static_stage for name in "ab")
-    assert len(first) > 10
-    pd.testing.assert_frame_equal(first, second)
 
 
 # --- YADE ----------------------------------------------------------------------------------------------
 
-SCRIPT = f"""
-import json, sys
-sys.path.insert(0, {str(REPOSITORY)!r})
-from damage import Wall
-from yade_scripts import open_scene
-from yade_scripts.leaving import run_and_leave
-
-
-def stresses():
-    scene = open_scene(Wall("panel", 0.675, 0.3, precompression=0.3e6), harmonic=(0.05, 0.9), cycles=1, rest=0,
-                       stresses=True)
-    history = scene.finish()
-    areas = history.joints["area_m2"]
-    return {{"forces": [scene.force(joint) for joint in history.joints.index], "areas": areas.tolist(),
-            "last": history.joint_stress_pa[-1].tolist(), "broken": int(history.broken[-1].sum())}}
-
-
-run_and_leave(lambda: print(json.dumps(stresses())))
-"""
-
 
 @pytest.mark.yade
-def test_stresses_in_yade_are_its_contact_forces(tmp_path, yade_command):
-    path = written(tmp_path / "scene.py", SCRIPT)
-    done = yade_command(path, status=0)
-    found = json.loads(done.stdout.splitlines()[-1])
-    forces = np.array(found["last"]) * np.array(found["areas"])[:, None]
-    assert found["broken"] > 0
-    assert_allclose(forces, found["forces"], atol=1e-6 * np.abs(found["forces"]).max())
-
-
-@pytest.mark.yade
-@pytest.mark.parametrize("more", [(), ("--fibres", "4")], ids=["brittle", "softening"])
-def test_both_solvers_have_the_same_stresses_at_rest(more, tmp_path, in_both):
-    joint = ", joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)" if more else ""
-    wall = wall_file(tmp_path / "wall.py", f"Wall('panel', 0.675, 0.3, precompression=0.3e6{joint})")
+def test_both_solvers_have_the_same_stresses(tmp_path, in_both):
+    wall = wall_file(tmp_path / "wall.py", "Wall('panel', 0.675, 0.3, precompression=0.3e6, "
+                     "joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))")
     one, two = in_both(tmp_path, wall, "--harmonic", 0.05, 0.05, "--cycles", 1, "--rest", 0, "--stresses", "--point",
-                       0.3, 0.1, *more, yade=SHORT).values()
+                       0.3, 0.1, "--fibres", 4, yade=SHORT).values()
     largest = np.abs(two.joint_stress_pa[0]).max()
     assert_allclose(one.joint_stress_pa[0], two.joint_stress_pa[0], atol=1e-3 * largest)
     n = min(len(one.series), len(two.series))

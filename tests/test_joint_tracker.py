@@ -66,24 +66,6 @@ def test_the_shear_that_a_joint_holds_when_it_opens_is_dissipated_once():
     assert tracker.friction_energy - before == pytest.approx(tau**2 / (2 * stiffness) * contacts.area[0])
 
 
-def test_slip_is_frozen_while_open():
-    path = [(4e-6, 0.0), *[(2e-4, 1e-5 * k) for k in range(50)], *[(-1e-6, 4.9e-4)] * 5]
-    _, tracker, _, events = follow_both(path, 1)
-    assert tracker.slip[0] == 0.0 and tracker.opening[0] == 0.0
-    assert events == [(0, "opened")]
-
-
-def test_first_passing_is_reported_once():
-    _, _, _, events = follow_both(shaken(), 1)
-    assert sorted(events) == [(0, "opened"), (0, "slipped")]
-
-
-def test_a_joint_that_sticks_is_not_at_its_limit():
-    path = [(4e-6, 0.0), *[(-5e-6, 1e-8 * k) for k in range(20)]]
-    state, tracker, _, _ = follow_both(path, 1)
-    assert not state.at_limit and not tracker.at_limit[0]
-
-
 def test_a_joint_whose_faces_no_longer_overlap_keeps_what_it_had():
     """Half a brick stands on the left one below, over 0.1125 m; the tip has left its face before: the opening seen is
     across the joint."""
@@ -141,18 +123,3 @@ def test_fibres_that_slide_out_and_back_and_open_are_one_dry_joint():
     assert tracker.broken[0] and all(state.broken for state in states)
     assert_allclose(tracker.opening[0], 4e-4)
     assert_allclose(tracker.fracture_energy, shares @ [state.fracture_work for state in states] * area, rtol=2e-3)
-
-
-def test_a_fibre_that_breaks_beside_others_makes_their_stresses_one():
-    """Two dry halves, one at rest and one at its limit: what the mean holds less than both counts as friction."""
-    tracker, pressure = frayed([(0.0, 0.0)])[2], 1e5
-    ks, area, limit = tracker.shear_stiffness[0], tracker.area[0], pressure * tracker.friction[0]
-    sigma, tau = -pressure, limit + 2e5
-    tracker.fibre_breaks(0, "tension", 1e5, 0.0, 0.5, False)
-    before = tracker.friction_energy
-    tracker.sample(np.array([0]), np.array([-1e-6]), np.array([0.0]), np.array([0.0]))
-    tracker.fibre_breaks(0, "shear", sigma, tau, 0.5, False)
-    slid, mean = 2e5 / ks, limit / 2
-    expected = (limit * slid / 2 + (0.5 * limit**2 - mean**2) / (2 * ks)) * area
-    assert_allclose(tracker.friction_energy - before, expected)
-    assert_allclose(tracker.slip[0], slid / 2)

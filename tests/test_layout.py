@@ -7,7 +7,6 @@ import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 
-from damage.wall.as_built import describe_top
 from damage.wall.kinds import BED, CAP, GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -17,7 +16,7 @@ BRICK = 0.225
 
 EVERY_OPTION = [ModelOptions(lintel=lintel, top=top, cells=cells, contacts=contacts)
                 for lintel, top, cells, contacts in itertools.product(
-                    ("elastic", "none"), ("piers", "uniform", "beam"), (1, 2, 3), ("interior", "corners"))]
+                    ("elastic", "none"), ("piers", "uniform", "beam"), (1, 3), ("interior", "corners"))]
 EVERY_OPTION += [ModelOptions(top=top, cells=cells, contacts="gauss") for top in ("piers", "beam") for cells in (2, 4)]
 
 # Walls whose openings ask for cut bricks, for windows, for several openings.
@@ -41,17 +40,6 @@ def test_solid_wall_joint_length_by_hand():
     # 37 bed joints with the base's, and 17 or 18 head joints in a course of whole or half start.
     by_hand = 37 * 4.05 + (19 * 17 + 18 * 18) * 0.075
     assert_allclose(lay_out(solid).total_joint_length, by_hand, rtol=1e-12)
-
-
-def test_top_mass_and_weight(shipped_wall):
-    layout = lay_out(shipped_wall)
-    area = 4.05 * 0.1025
-    caps = layout.bodies.mass[layout.n_bricks:]
-    assert_allclose(caps.sum() * 9.81, 0.3e6 * area, rtol=2.0**-26)
-    assert len(caps) == (1 if shipped_wall.name == "solid" else 2)
-    openings = sum(opening.width * opening.height for opening in shipped_wall.openings)
-    bricks = 1900 * 0.1025 * (4.05 * 2.775 - openings)
-    assert_allclose(layout.total_mass, bricks + caps.sum(), rtol=2.0**-26)
 
 
 STOREYS = Wall("door-below-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.2, 3.0)), precompression=1e5)
@@ -94,37 +82,12 @@ def test_the_load_on_piers_is_the_precompression_in_them(symmetric_wall, top):
     assert_allclose((on_length.total_mass - bricks) * 9.81, 0.6e6 * area, rtol=2.0**-25)
 
 
-def test_caps_and_stresses_are_reported(symmetric_wall):
-    top, left, right = describe_top(lay_out(symmetric_wall))
-    assert "0.3 MPa over the length of the wall" in top and "0.6 MPa in the piers below" in top
-    assert left == "rigid top mass from x = 0 to 1.0125 m: 6.35 t, 0.6 MPa below it"
-    assert right.startswith("rigid top mass from x = 3.0375 to 4.05 m")
-    [spread] = describe_top(lay_out(symmetric_wall, ModelOptions(top="uniform", load="piers")))
-    assert "0.3 MPa over the piers alone" in spread and "0.3 MPa in the piers below" in spread
-    _, beam = describe_top(lay_out(symmetric_wall, ModelOptions(top="beam")))
-    assert "x = 0 to 4.05 m" in beam and "0.3 MPa below it" in beam  # and 0.6 MPa in the piers below
-    assert describe_top(lay_out(Wall("bare", 0.9, 0.45, precompression=0.0))) == ["no mass on top: no precompression"]
-
-
 def test_a_cap_on_half_a_brick_stands_on_two_points():
     wall = Wall("half", 2.025, 1.2, (Opening(BRICK / 2, 0.9, 0.75),))
     layout = lay_out(wall, ModelOptions(contacts="corners"))
     under = (layout.contacts.kind == CAP) & (layout.contacts.second == layout.n_below_caps)
     assert_allclose(layout.contacts.x[under], [0.0, BRICK / 2])
     assert_allclose(layout.contacts.length[under], BRICK / 4)
-
-
-@pytest.mark.parametrize("share", [1, 2, 3, 4, 5, 7, 8, 11])
-def test_no_bed_joint_is_lost_whatever_the_size_of_the_bricks(share):
-    wall = Wall("fine", 0.9, 0.45, brick=Brick(length=0.225 / share, height=0.075 / share))
-    contacts = lay_out(wall).contacts
-    assert_allclose(contacts.length[contacts.kind == BED].sum(), wall.courses * 0.9)
-    assert_allclose(contacts.length[contacts.kind == CAP].sum(), 0.9)
-
-
-def test_piers_of_the_perforated_walls(shipped_wall):
-    widths = np.diff(lay_out(shipped_wall).plan.piers, axis=1).ravel() / BRICK
-    assert_allclose(widths, {"solid": [18], "symmetric": [4.5, 4.5], "asymmetric": [2.5, 6.5]}[shipped_wall.name])
 
 
 @pytest.mark.parametrize("wall", ODD_WALLS, ids=lambda w: w.name)
@@ -151,24 +114,6 @@ class TestOddWall:
         x, z = contacts.x[heads], contacts.z[heads]
         neighbours = np.isclose(np.abs(z[:, None] - z), 0.075)
         assert np.abs(x[:, None] - x)[neighbours].min() > BRICK / 8
-
-
-def test_corner_contacts_lie_at_the_ends_of_each_overlap(symmetric_wall):
-    contacts = lay_out(symmetric_wall, ModelOptions(contacts="corners")).contacts
-    bed = contacts.kind == BED
-    assert_allclose(contacts.x[bed] / (BRICK / 2), np.round(contacts.x[bed] / (BRICK / 2)), atol=1e-9)
-
-
-def test_lintel_is_the_inside_of_the_spandrel_with_its_bearing(symmetric_wall):
-    layout = lay_out(symmetric_wall)
-    contacts = layout.contacts
-    inside = np.flatnonzero(contacts.elastic & (contacts.kind != CAP))
-    left, right, bottom = 3.5 * BRICK, 14.5 * BRICK, 33 * 0.075
-    assert np.all((contacts.x[inside] > left) & (contacts.x[inside] < right))
-    assert np.all(contacts.z[inside] > bottom + 1e-9)
-    # Bed joints of the four courses: three levels, 11 bricks of 2 x 2 points each.
-    assert np.sum(contacts.kind[inside] == BED) == 3 * 11 * 4
-    assert not np.any(lay_out(symmetric_wall, ModelOptions(lintel="none")).contacts.elastic[:layout.n_joints])
 
 
 @pytest.mark.parametrize("contacts", ["interior", "corners", "gauss"])
@@ -207,24 +152,17 @@ def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
 
 
 @pytest.mark.parametrize(("change", "complaint"), [
-    (lambda: Opening(-0.1, 1.0, 1.0), "from 0 to 1000"),
     (lambda: Wall("w", 2.0, 1.0, (Opening(0.5, 1.0, 1.2),)), "outside"),
     (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
     (lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))), "another opening"),
     (lambda: Wall("w", 0.05, 1.0), "smaller than"),
     (lambda: Wall("no good", 2.0, 1.0), "names files"),
-    (lambda: Brick(density=-1.0), "from 1 to 100000"),
-    (lambda: Brick(length=float("nan")), "from 0.001 to 100"),
     (lambda: ModelOptions(lintel="slate"), "none, concrete, steel, timber, arch, courses, or how many"),
     (lambda: ModelOptions(lintel="stone"), "expected its modulus"),
     (lambda: ModelOptions(lintel=-1), "how many courses stay elastic, 0 to 20000"),
-    (lambda: ModelOptions(lintel="20001"), "how many courses stay elastic, 0 to 20000"),
-    (lambda: ModelOptions(lintel=2.0), "how many courses"),
     (lambda: ModelOptions(lintel=True), "how many courses"),
-    (lambda: ModelOptions(load="both"), "expected one of"),
     (lambda: ModelOptions(cells=0), "whole number"),
     (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),
-    (lambda: ModelOptions(strength_cov=float("nan")), "from 0 to 2"),
     (lambda: ModelOptions(strength_seed=-1), "whole number"),
 ])
 def test_bad_parameters_are_refused_in_one_line(change, complaint):

@@ -1,16 +1,11 @@
 """The share of joints that a lintel keeps elastic: by hand, alike in layout and history, reported and warned of."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from small_history import make_history
-from test_html import Page, unpack_arrays
 
-from damage.draw.run import wall_picture
-from damage.draw.wall import wall_shape
 from damage.history.in_memory import HistoryInMemory
-from damage.html.report import page
 from damage.law.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
@@ -21,7 +16,7 @@ from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.lintels import LARGE_SHARE, elastic_share, warn_of_share
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Opening, Wall
+from damage.wall.parameters import Opening, Wall
 
 DOOR = Wall("door", 1.8, 0.6, (Opening(0.45, 0.9, 0.45),), lintel="courses")
 """Eight bricks by eight courses, a door of four bricks by six courses in it."""
@@ -42,15 +37,6 @@ def test_the_share_of_a_door_by_hand():
     share, total = share_of(DOOR), lay_out(DOOR).total_joint_length
     assert share.above_openings == pytest.approx(elastic / above)
     assert share.of_all == pytest.approx(elastic / total)
-
-
-@pytest.mark.parametrize("lintel", ["elastic", "1", "none"])
-def test_the_share_depends_neither_on_contact_points_nor_on_bricks_that_split(lintel):
-    share = share_of(DOOR, lintel=lintel)
-    assert share_of(DOOR, lintel=lintel, contacts="corners") == pytest.approx(share)
-    assert share_of(DOOR, lintel=lintel, cells=3) == pytest.approx(share)
-    splitting = replace(DOOR, brick=Brick(tensile_strength=1e6))
-    assert share_of(splitting, lintel=lintel) == pytest.approx(share)
 
 
 def test_an_ordinary_facade_has_three_times_the_share_of_the_paper_s_walls(symmetric_wall):
@@ -88,43 +74,6 @@ def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
             "cohesion 0.24 MPa", "friction angle 32 deg, brittle", "modulus 5200 MPa",
             f"first period by eigenvalue {modes.period_s[0]:.4f} s", "(74 % above the openings) is elastic"):
         assert words in lines
-
-
-def collection(figure, label):
-    (found,) = (one for one in figure.axes[0].collections if one.get_label() == label)
-    return found
-
-
-def test_pictures_draw_elastic_joints_in_a_way_of_their_own(run):
-    elastic = np.flatnonzero(run.joints["elastic"])
-    assert wall_shape(run).select("elastic").tolist() == elastic.tolist()
-    assert not set(elastic) & set(wall_shape(run).select("intact"))
-    figure = wall_picture(run)
-    assert len(collection(figure, "elastic").get_segments()) == len(elastic)
-    styles = [(tuple(collection(figure, kind).get_colors()[0]), str(collection(figure, kind).get_linestyles()))
-              for kind in ("elastic", "intact")]
-    assert styles[0][0] != styles[1][0] and styles[0][1] != styles[1][1]
-    (legend,) = figure.legends
-    assert "elastic, cannot fail" in [text.get_text() for text in legend.get_texts()]
-    figure.draw_without_rendering()
-    box = legend.get_window_extent()
-    assert box.x0 >= 0 and box.x1 <= figure.bbox.x1  # the longest legend still fits
-
-
-def test_the_legend_names_elastic_joints_only_where_there_are_any(run):
-    (legend,) = wall_picture(make_history(run.path, write=HistoryInMemory)).legends
-    assert "elastic, cannot fail" not in [text.get_text() for text in legend.get_texts()]
-
-
-def test_the_report_tells_and_draws_them(run):
-    text = page([run.path], [])
-    drawn = Page(text).data["runs"][0]
-    elastic = np.flatnonzero(run.joints["elastic"])
-    arrays = unpack_arrays(drawn)
-    assert drawn["n_elastic"] == len(elastic) == len(arrays["elastic_ends"]) / 4
-    assert np.array_equal(arrays["elastic_second"], run.joints["second_body"].iloc[elastic])
-    assert "is elastic and cannot fail" in text and "elastic_joint_share" in text.replace("<wbr>", "")
-    assert "thin dashed lines" in text and f"{len(elastic)} are elastic and cannot fail" in text
 
 
 @pytest.mark.parametrize("kind", ["concrete", "timber", "steel", "arch"])

@@ -10,23 +10,20 @@ import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 
-from damage.draw.words import motion_words
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.loading import (
     EASE_S,
-    Drive,
     FreeVibration,
     Harmonic,
-    Loading,
     Recorded,
     TopDisplacement,
     loading_from_dict,
     mean_velocities,
 )
-from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, interpolated, windowed
+from damage.motion.record import Record, band_passed, baseline_corrected, interpolated, windowed
 from damage.units import GRAVITY
 
-STEP_LIMITS_S = (1.63e-5, 3e-5, 1.3e-3, 0.05)
+STEP_LIMITS_S = (1.63e-5, 0.05)
 
 
 @pytest.fixture(scope="module")
@@ -48,17 +45,13 @@ class TestHarmonic:
         assert_allclose(load.base_acceleration(time_s)[:, 0], expected, rtol=0, atol=1e-14)
         assert_allclose(load.base_acceleration(time_s)[:, 1], 0.0, atol=0)
 
-    def test_peaks_and_zeros_are_exact(self):
-        found = Harmonic(0.25, 0.05).base_acceleration(np.arange(13) * 0.0625)[:, 0]
-        assert_allclose(found, 0.05 * GRAVITY * np.array([0, 1, 0, -1] * 3 + [0]), rtol=0, atol=0)
-
     def test_nothing_before_and_after(self):
         load = Harmonic(0.2, 0.05, cycles=2)
         assert load.duration_s == pytest.approx(0.4, rel=1e-15)  # one product
         assert_allclose(load.base_acceleration([-0.05, 0.45, 1.05]), np.zeros((3, 2)), atol=0)
 
     @pytest.mark.parametrize("max_step_s", STEP_LIMITS_S)
-    @pytest.mark.parametrize("period_s", [0.06, 0.2, 0.33, 1.0])
+    @pytest.mark.parametrize("period_s", [0.06, 0.33])
     def test_every_peak_falls_on_a_step(self, period_s, max_step_s):
         load = Harmonic(period_s, 0.1)
         step_s = load.preferred_step_s(max_step_s)
@@ -68,18 +61,6 @@ class TestHarmonic:
         found = load.base_acceleration(np.arange(1, 12, 2) * quarter * step_s)[:, 0] / GRAVITY
         # near its peak the sine hides the round-off of the time: only that of the product is left
         assert_allclose(found, [0.1, -0.1] * 3, rtol=1e-14)
-
-    def test_base_velocity_returns_to_zero(self):
-        load = Harmonic(0.2, 0.05)
-        step_s = load.preferred_step_s(1e-4)
-        time_s = np.arange(round(load.duration_s / step_s) + 1) * step_s
-        velocity_m_s = np.cumsum(load.base_acceleration(time_s)[:, 0]) * step_s
-        # whole cycles cancel but for the round-off of 6000 sums
-        assert velocity_m_s[-1] == pytest.approx(0.0, abs=1e-12)
-
-    def test_names_are_short_and_tell_cycles_when_unusual(self):
-        assert Harmonic(0.2, 0.05).name == "harmonic_0.2s_0.05g"
-        assert Harmonic(1, 0.1, cycles=5).name == "harmonic_1s_0.1g_5cycles"
 
     @pytest.mark.parametrize("refusal", [
         *(("harmonic period", period_s, 0.05) for period_s in (0, -0.2, math.nan, math.inf)),
@@ -96,12 +77,6 @@ class TestRecorded:
         # one product, and the round-off of the time over the slope of the record
         found = load.base_acceleration(bgar.time_s)[:, 0]
         assert_allclose(found, 1.5 * bgar.acceleration_m_s2, rtol=0, atol=1e-12)
-
-    def test_linear_between_samples_and_zero_outside(self):
-        load = Recorded(Record("r", 0.1, [1.0, 3.0, 2.0]))
-        # two products of interpolation
-        assert_allclose(load.base_acceleration([0.05, 0.15])[:, 0], [2.0, 2.5], rtol=1e-14)
-        assert_allclose(load.base_acceleration([-1e-9, 0.2001]), np.zeros((2, 2)), atol=0)
 
     def test_a_sample_is_met_at_times_that_are_off_by_rounding(self, bgar):
         """The last one, too, which is zero just after it."""
@@ -121,13 +96,6 @@ class TestRecorded:
         found = np.abs(load.base_acceleration(time_s)[:, 0]).max()
         # round-off of the time over the slope of the record
         assert found == pytest.approx(np.abs(bgar.acceleration_m_s2).max(), rel=1e-10)
-
-    def test_window_starts_at_zero(self, bgar):
-        load = Recorded(bgar, window_s=(17, 23))
-        assert load.duration_s == pytest.approx(6.0, rel=1e-12)  # a product of 1200 and the step
-        # the same samples, at times that differ by round-off
-        found = load.base_acceleration([0.0, 1.0])[:, 0]
-        assert_allclose(found, bgar.acceleration_m_s2[[3400, 3600]], rtol=0, atol=1e-11)
 
     def test_order_of_preparation(self):
         record = noise()
@@ -187,15 +155,6 @@ class TestRecorded:
     def test_vertical_must_be_simultaneous(self, vertical):
         refused_with("aligned_with", Recorded, noise(), vertical=vertical)
 
-    def test_components_of_one_station_are_used_after_alignment(self):
-        pytest.importorskip("obspy", reason="obspy is an optional extra")
-        east, up = (read_record(shipped_record_path(f"NL.BGAR..HG{c}")) for c in "EZ")
-        refused_with("aligned_with", Recorded, east, vertical=up)
-        load = Recorded(east, vertical=aligned_with(up, east))
-        # 36.235 s to 37.090 s is 171 samples
-        found = load.motion[1].acceleration_m_s2
-        assert_allclose(found, up.acceleration_m_s2[171 : 171 + 9304], rtol=0, atol=0)
-
     @pytest.mark.parametrize(
         "bad",
         [
@@ -234,22 +193,11 @@ class TestRecorded:
 
 
 class TestFreeVibration:
-    def test_the_base_rests(self):
-        load = FreeVibration()
-        assert load.duration_s == 0.0
-        assert load.drive == Drive(first_mode_m_s=1e-3)
-
-    def test_the_largest_step_is_taken(self):
-        assert FreeVibration().preferred_step_s(1.63e-5) == 1.63e-5
 
     def test_last_bits_of_the_critical_step_do_not_choose_the_step(self):
         """Those of one wall's linear algebra by one thread and by two: a wall pushed so had peaks 0.7 % apart."""
         one, two = 9.270022376811165e-06, 9.27002237681116e-06
         assert FreeVibration().preferred_step_s(one) == FreeVibration().preferred_step_s(two) == 9.27002e-06
-
-    def test_names(self):
-        assert FreeVibration().name == "free_vibration"
-        assert FreeVibration(0.002).name == "free_vibration_0.002m_s"
 
     @pytest.mark.parametrize("velocity", [0.0, -1e-3, math.nan, math.inf])
     def test_velocity_must_be_positive(self, velocity):
@@ -289,17 +237,6 @@ class TestTopDisplacement:
         moved = np.cumsum(self.velocities(interval)) * interval
         asked = self.LOAD.top_displacement(np.arange(1, len(moved) + 1) * interval, self.HEIGHT)
         assert_allclose(moved, asked, atol=1e-12)
-
-    def test_a_push_goes_one_way(self):
-        top = TopDisplacement((0.1,), cycles=0).top_displacement(np.linspace(0, 10, 1001), 1.0)
-        assert np.all(np.diff(top) >= -1e-15) and top[-1] == pytest.approx(1e-3)
-
-
-def test_a_loading_without_words_of_its_own_is_called_by_its_name():
-    class Ricker(Loading):
-        name = "ricker_5hz"
-
-    assert motion_words(Ricker()) == "ricker 5hz"
 
 
 @pytest.mark.parametrize(

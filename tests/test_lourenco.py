@@ -12,15 +12,11 @@ from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from verification.limit_analysis import collapse_load
 from verification.lourenco import (
-    CRUSHING,
     LENGTH,
     LOADS_N,
     SPLITTING_PUSH_M_S,
     STONE,
-    Push,
     bound,
-    crushing_needed,
-    draw,
     far_force,
     lay,
     lay_splitting,
@@ -30,8 +26,6 @@ from verification.lourenco import (
     push,
     sliding_by_hand,
     stone_tension,
-    table,
-    toe_length,
 )
 
 
@@ -54,35 +48,11 @@ class TestLimitAnalysis:
         about_the_toe = layout.total_mass * GRAVITY * LENGTH / 2 / arm
         assert 0.85 * about_the_toe < bound(layout, held=()) < about_the_toe
 
-    def test_crushing_at_the_stones_strength_changes_nothing(self, name):
-        assert_allclose(bound(lay(name), crushing=CRUSHING), bound(lay(name)), rtol=1e-6)
-        assert toe_length(lay(name)) < 0.02
-
     def test_stones_that_do_not_split_change_nothing(self, name):
         layout = lay(name)
         halves = lay_splitting(name, 1e9)
         assert_allclose(bound(halves), bound(layout), rtol=1e-6)
         assert_allclose(collapse_load(halves).multiplier, collapse_load(layout).multiplier, rtol=1e-6)
-
-    def test_weaker_stones_never_raise_the_bound(self, name):
-        bounds = [bound(lay_splitting(name, strength)) for strength in (1e6, 1e5, 3e4, 0.0)]
-        assert np.all(np.diff(bounds) <= 1e-6 * bounds[0])
-        assert bounds[-1] < 0.6 * bounds[0]
-
-
-def test_crushing_would_have_to_start_far_below_the_strength():
-    needed = crushing_needed(lay("SW.200", cells=2), measured_peak("SW.200"))
-    assert 1.3e6 < needed < 0.03 * CRUSHING
-
-
-def test_halves_keep_mass_and_moment_of_the_stones():
-    layout = lay("SW.30")
-    halves = lay_splitting("SW.30")
-    assert len(halves.bodies) == len(layout.bodies) + 45  # five whole stones in a course, or four and two halves
-    for weight in (np.ones_like, lambda x: x):
-        assert_allclose(np.sum(halves.bodies.mass * weight(halves.bodies.x)),
-                        np.sum(layout.bodies.mass * weight(layout.bodies.x)))
-    assert list(halves.pushed_bodies) == [len(halves.bodies) - 1]
 
 
 def test_tension_of_a_stone_on_its_two_ends():
@@ -95,14 +65,6 @@ def test_tension_of_a_stone_on_its_two_ends():
     wall.system.readings[READINGS.index("sigma")] = np.where(ends, -weight / 2 / contacts.area, 0.0)
     modulus = STONE.thickness * STONE.height**2 / 6
     assert_allclose(stone_tension(wall), [weight * STONE.length / 8 / modulus])
-
-
-def test_table_and_picture():
-    steps = np.linspace(0, 0.02, 30)
-    curve = Push(steps, 1e6 * steps, 1e8 * steps)
-    pushes = dict.fromkeys(LOADS_N, (curve, curve))
-    assert "| measured, two walls [kN] | 21.5 and 22.7 | 72.2 and 68.6 |" in table(pushes)
-    draw(pushes).canvas.draw()
 
 
 @pytest.mark.long

@@ -59,12 +59,6 @@ def test_the_energy_balance_counts_all_that_is_stored_and_dissipated():
     assert balance.error == pytest.approx(0.25)
 
 
-def test_no_crossing_in_a_wall_that_leans_or_stands_still():
-    time_s = np.arange(0, 1, 0.01)
-    assert len(upward_crossings(time_s, 1 + 0.5 * np.sin(20 * time_s))) == 0
-    assert len(upward_crossings(time_s, 0 * time_s)) == 0
-
-
 def test_free_cycle_shows_the_softened_period(harmonic):
     history = harmonic(softening(0.3))
     history.parameters["eigen_period_s"] = 0.2
@@ -72,14 +66,6 @@ def test_free_cycle_shows_the_softened_period(harmonic):
     assert found["last_cycle_s"] == pytest.approx(0.2, rel=1e-3)
     assert found["first_free_cycle_s"] == pytest.approx(0.3, rel=1e-3)
     assert found["period_elongation"] == pytest.approx(1.5, rel=1e-3)
-
-
-def test_last_cycle_may_end_after_the_motion(harmonic):
-    """A wall of 0.25 s: cycles begin at 0, 0.25, 0.5 s; the third is the last that begins driven."""
-    found = cycle_measures(harmonic(1e-3 * np.sin(2 * np.pi * TIME_S / 0.25 - 1e-9)))
-    assert found["last_cycle_s"] == pytest.approx(0.25, rel=1e-3)
-    assert found["first_free_cycle_s"] == pytest.approx(0.25, rel=1e-3)
-    assert found["period_elongation"] is None  # the period of the intact wall is not in the file
 
 
 def test_cycles_of_the_motion_then_free_ones(harmonic):
@@ -161,14 +147,6 @@ class TestMotion:
         row = summary_row(history)
         assert {name: row[name] for name in WRITTEN} == motion_measures(history)
 
-    def test_of_an_older_file_a_harmonic_motion_is_known_and_a_record_is_not(self, tmp_path, still_history):
-        harmonic = motion_measures(still_history)  # 0.2 s, 0.05 g
-        assert harmonic["pgv_m_s"] == pytest.approx(2 * 0.05 * 9.81 * 0.2 / (2 * np.pi), rel=1e-3)
-        assert harmonic["sa_eigen_period_g"] is None  # the file does not tell the period
-        for loading in ("record", "free_vibration", "cyclic"):
-            assert set(motion_measures(make_history(tmp_path / "b.h5", loading=loading, overwrite=True)).values()) == {
-                None}
-
 
 # --- the index: equations (1) to (4), thresholds, clipping, criteria ---------------------------------
 
@@ -197,11 +175,6 @@ FIRST, SECOND, LIMITED = (2e-4, 0, 0, 0), (0, 2e-4, 0, 0), (0, 0, 1, 1)
 def test_the_index_of_an_instant(given, expected):
     row = index_of(**given)
     assert {name: row[name] for name in expected} == pytest.approx(expected)
-
-
-def test_no_damage_is_exactly_zero_and_all_damage_exactly_one():
-    assert index_of().DI == 0.0 and index_of(opening=(1, 1, 1, 1)).DI == 1.0
-    assert index_of(drift=0.05).DI_drift == 1.0 and index_of(opening=FIRST, threshold=3e-4).DI_open == 0.0
 
 
 def test_index_is_now_and_not_ever():

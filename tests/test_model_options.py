@@ -1,6 +1,6 @@
 """The default model stands once, in ModelOptions: command lines, names and tables follow from its fields."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,20 +10,12 @@ from conftest import refused_with
 from damage.measure.columns import read_table
 from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
-from damage.run.options import free_name, make_parser, parse_run, settings_of, words_of
+from damage.run.options import free_name, parse_run, settings_of, words_of
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
 from damage.wall.parameters import Wall
 from paper.evidence import SHAPE
 from paper.study_figures import choice
-
-
-@pytest.mark.parametrize("solver", ["yade", "reference"])
-def test_every_option_of_a_solver_is_on_its_command_line(solver):
-    offered = vars(make_parser("test", solver).parse_args([]))
-    for one in fields(ModelOptions):
-        assert one.name in offered
-    assert parse_run([], "test", solver).model == ModelOptions()
 
 
 @pytest.mark.parametrize(("options", "name"), [
@@ -55,10 +47,6 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     write_table(pd.DataFrame({"lintel": [kept]}), tmp_path / "points.csv")
     assert list(read_table(tmp_path / "points.csv")["lintel"]) == [kept]
     assert choice({**USUAL_MODEL, "lintel": kept}) == ("default" if kept == "elastic" else f"lintel: {kept}")
-
-
-def test_an_old_history_has_the_defaults_of_younger_options(still_history):
-    assert still_history.model == ModelOptions()  # its parameters hold no option
 
 
 @pytest.mark.parametrize(("options", "words"), [

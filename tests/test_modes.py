@@ -1,11 +1,10 @@
 """Natural modes against closed forms, and the periods of the three walls."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, refused_with
+from conftest import refused_with
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh, splu
@@ -73,25 +72,6 @@ def test_a_stack_of_one_brick_vibrates_as_by_hand():
 HALF_BRICK_PIER = Wall("half", 2.025, 1.2, (Opening(0.1125, 0.9, 0.75),), lintel="courses")
 
 
-@pytest.mark.parametrize("options", [{}, {"cells": 3}, {"contacts": "corners"}, {"contacts": "corners", "cells": 1}])
-def test_a_half_brick_pier_with_its_cap_vibrates(options):
-    period_s = natural_modes(lay_out(HALF_BRICK_PIER, ModelOptions(**options))).period_s
-    assert period_s[0] == pytest.approx(0.067, rel=0.04)  # 0.0647 to 0.0682 s; with the cap on a hinge 1e6 s
-
-
-def test_the_command_tells_periods_and_stress_as_json(output_of):
-    printed = json.loads(output_of("modes", REPOSITORY / "walls/symmetric.py", "--json", "--load", "piers"))
-    assert printed["pier_stress_pa"] == pytest.approx(0.3e6)
-    assert printed["period_s"][0] == pytest.approx(0.1436, abs=5e-5)  # about 1 / sqrt(2) of 0.2003 s: half of the mass
-
-
-def test_half_bricks_have_two_contact_points_each_and_so_cannot_turn():
-    """With one contact point a half brick's length they turned, and were refused; now the pier is that of two, but for
-    the glue of its cap, which is at the ends of a single cell."""
-    one, two = (natural_modes(lay_out(HALF_BRICK_PIER, ModelOptions(cells=cells))).period_s for cells in (1, 2))
-    assert_allclose(one[0], two[0], rtol=5e-3)
-
-
 def test_a_cap_on_a_hinge_has_no_period_even_where_rounding_gives_it_one():
     layout = lay_out(HALF_BRICK_PIER, ModelOptions(contacts="corners"))
     glue = layout.contacts.second == layout.n_bricks  # of the cap on half a brick
@@ -134,16 +114,6 @@ def test_modes_do_not_know_the_last_bits_of_libraries(symmetric_wall, monkeypatc
     found = natural_modes(layout)
     assert np.array_equal(found.shape, wanted.shape) and np.array_equal(found.period_s, wanted.period_s)
     assert found.critical_time_step_s == wanted.critical_time_step_s
-
-
-def test_small_motion_of_exact_kinematics_is_the_linear_one(symmetric_wall):
-    layout = lay_out(symmetric_wall)
-    motion = np.random.default_rng(1).normal(0, 1e-7, (len(layout.bodies), 3))
-    normals = contact_normals(layout.contacts)
-    opening, shear = ContactKinematics(layout).displacements(motion)
-    # Second order in rotations of 1e-7: 1e-14 m beside displacements of 1e-7 m.
-    assert_allclose(opening, kinematic_matrix(layout, normals) @ motion.ravel(), atol=1e-13)
-    assert_allclose(shear, kinematic_matrix(layout, normals[:, ::-1]) @ motion.ravel(), atol=1e-13)
 
 
 def test_large_rigid_rotation_opens_no_joint_between_bricks(symmetric_wall):

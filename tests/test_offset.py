@@ -5,11 +5,10 @@ from functools import partial
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
-from damage import Joint, ModelOptions, Opening, Wall
+from damage import Joint, ModelOptions, Wall
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
 from damage.measure.cracks import psi_summary, psi_value
 from damage.measure.patterns import cracked
@@ -65,16 +64,6 @@ def test_the_offset_is_what_one_sees_now_and_slip_what_added_up():
         assert np.all(now.offset[now.state == 0] == 0.0)
 
 
-@pytest.mark.yade
-def test_yade_agrees_along_the_path(yade_command, tmp_path):
-    """But for the tilt by which an elastic shear s turns the line between a bond's members: 0.2 % of friction."""
-    np.save(tmp_path / "corners.npy", [there for there, _ in PATH])
-    yade_command(REPOSITORY / "tests/yade_checks/offset_of_two_bricks.py", tmp_path / "corners.npy",
-                 tmp_path / "results.npy", status=0)
-    expected = [(max(opening, 0.0), *sizes) for (opening, _), sizes in PATH]
-    assert_allclose(np.load(tmp_path / "results.npy"), expected, atol=2e-3 * HELD)
-
-
 def test_a_bond_that_breaks_in_shear_keeps_what_friction_does_not_hold():
     pair, peak = Pair(), (0.24e6 + MU * 0.3e6) / KS
     whole = pair.go((PRESSED, 0.99 * peak))
@@ -115,16 +104,6 @@ def test_a_bond_that_softens_and_its_fibres(number):
                        for k in mine)
     assert_allclose(ours, expected, atol=1e-11)
     assert 0 < ours[0] < 4e-5 and abs(ours[-2]) > 1e-4
-
-
-def test_a_joint_of_the_lintel_has_no_offset():
-    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), lintel="courses")
-    solver = ReferenceSolver(lay_out(wall), 1e-6)
-    random = np.random.default_rng(1)
-    solver.shift(random.normal(0, 2e-4, (len(solver.layout.bodies), 2)))
-    elastic = solver.layout.contacts.elastic[:solver.layout.n_joints]
-    offset = solver.offset
-    assert elastic.any() and np.all(offset[elastic] == 0.0) and np.all(offset[solver.state > 0] != 0.0)
 
 
 def test_a_rocking_brick_has_no_offset_and_one_that_turned_far_keeps_within_its_motion():

@@ -1,20 +1,12 @@
 """Outlines: gables, wings, parapets, openings that reach the top; what is built, by hand and by closed forms."""
 
-import math
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.linalg import eigh
 
-import damage
-from damage.errors import InputError
-from damage.laboratory.pushed import describe, pushed_report
-from damage.law.modes import natural_modes
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
-from verification.collapse import raise_to, settled_wall
+from damage.wall.parameters import Brick, Opening, Wall
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
 GABLE = ((0.0, 0.4), (0.8, 1.2), (1.6, 0.4))
@@ -66,15 +58,6 @@ class TestByHand:
             area = np.sum(layout.bodies.length * layout.bodies.height)
             assert_allclose(area, run * 0.3 + 0.35 * run**2, rtol=0.02)
 
-    def test_openings_in_a_gable(self):
-        """A door below and a window whose right upper corner the slope cuts: what is right of it is less than half a
-        brick, and nothing lies on it."""
-        made = lay_out(wall(1.6, GABLE, openings=(Opening(0.6, 0.4, 0.3),), lintel="courses"))
-        assert made.plan.runs[1] == ((0.0, 0.6), (1.0, 1.6))
-        assert made.plan.runs[3] == ((0.0, 1.6),)
-        with pytest.raises(InputError, match="course 9 .* nothing below"):
-            wall(1.6, GABLE, openings=(Opening(0.7, 0.5, 0.2, 0.6),), lintel="courses")
-
 
 class TestDrift:
     @pytest.mark.parametrize(("outline", "course"), [
@@ -89,76 +72,3 @@ class TestDrift:
         assert layout.plan.drift_course == course
         assert_allclose(layout.drift_height, 0.1 * course + 0.05)
         assert set(layout.bodies.course[layout.drift_bodies]) == {course}
-
-
-def test_a_tapered_cantilever_has_the_period_of_beam_theory():
-    """From 2.0 to 0.8 m over 8 m: Timoshenko's beam of the masonry's moduli by Ritz's method."""
-    base, top, height = 2.0, 0.8, 8.0
-    taper = (base - top) / 2
-    layout = lay_out(wall(base, ((0.0, 0.0), (taper, height), (base - taper, height), (base, 0.0))),
-                     ModelOptions(contacts="gauss"))
-    assert_allclose(natural_modes(layout, 2).period_s[0], tapered_period(base, top, height), rtol=0.03)
-
-
-def tapered_period(base, top, height):
-    """First period [s] of a cantilever of BRICK and default joints whose width tapers from base to top [m]."""
-    joint, order, t = Joint(), 8, BRICK.thickness
-    bed_n, bed_s = (1 / (1 / k + BRICK.height / modulus) for k, modulus in (
-        (joint.normal_stiffness, BRICK.young_modulus), (joint.shear_stiffness, BRICK.shear_modulus)))
-    head_s = 1 / (1 / joint.shear_stiffness + BRICK.length / BRICK.shear_modulus)
-    young = bed_n * BRICK.height
-    shear = 1 / (1 / (bed_s * BRICK.height)
-                 + 1 / (bed_n * BRICK.length**2 / (4 * BRICK.height) + head_s * BRICK.length))
-    place, weight = np.polynomial.legendre.leggauss(2 * order)
-    z, weight = (place + 1) * height / 2, weight * height / 2
-    width = base + (top - base) * z / height
-    area, inertia = t * width, t * width**3 / 12
-    power = np.arange(1, order + 1)
-    shape, slope = (z[:, None] / height)**power, power / height * (z[:, None] / height)**(power - 1)
-    none = np.zeros_like(shape)
-    moved, turned = np.hstack([shape, none]), np.hstack([none, shape])
-    curved, sheared = np.hstack([none, slope]), np.hstack([slope, -shape])
-
-    def integral(factor, one):
-        return (one * (weight * factor)[:, None]).T @ one
-
-    stiffness = integral(young * inertia, curved) + integral(5 / 6 * shear * area, sheared)
-    mass = integral(BRICK.density * area, moved) + integral(BRICK.density * inertia, turned)
-    return 2 * math.pi / math.sqrt(eigh(stiffness, mass, eigvals_only=True)[0])
-
-
-class TestOverturning:
-    """A dry house front of stiff joints under horizontal body load: above a stair of half a brick a course from its toe
-    all turns about the toe, what lies below the stair stays."""
-
-    LENGTH, EAVES, RISE, BLOCK = 1.6, 2.4, 0.8, Brick(0.4, 0.1, 0.1, 2000.0)
-
-    def layout(self):
-        joint = Joint(1e10, 4e9, math.atan(1.0), 0.0, 0.0)
-        outline = ((0.0, self.EAVES), (self.LENGTH / 2, self.EAVES + self.RISE), (self.LENGTH, self.EAVES))
-        return lay_out(Wall("front", self.LENGTH, self.EAVES + self.RISE, precompression=0.0, brick=self.BLOCK,
-                            joint=joint, outline=outline), ModelOptions(lintel="none", contacts="corners", cells=1))
-
-    def closed_form(self):
-        """Horizontal over vertical distance of the turning polygon's centroid from the toe."""
-        stair = self.BLOCK.height / (self.BLOCK.length / 2)
-        x, z = np.array([(self.LENGTH, 0.0), (self.LENGTH, self.EAVES), (self.LENGTH / 2, self.EAVES + self.RISE),
-                         (0.0, self.EAVES), (0.0, stair * self.LENGTH)]).T
-        cross = x * np.roll(z, -1) - np.roll(x, -1) * z
-        middle = [np.sum((value + np.roll(value, -1)) * cross) / (3 * np.sum(cross)) for value in (x, z)]
-        return (self.LENGTH - middle[0]) / middle[1]
-
-    def test_it_stands_1_percent_below_the_closed_form_and_falls_1_percent_above(self):
-        wall, multiplier = settled_wall(self.layout()), self.closed_form()
-        assert multiplier == pytest.approx(0.4722, abs=1e-4)
-        assert raise_to(wall, 0.0, 0.99 * multiplier, 0.2) is None
-        assert raise_to(wall, 0.99 * multiplier, 1.01 * multiplier, 0.2) is not None
-
-
-def test_a_pushed_gable_is_reported_without_the_capacities_of_rectangles():
-    """Pushed at the drift's bricks, for it has no mass on top; the formulae by hand are of rectangular walls."""
-    history = damage.run(wall(0.8, ((0.0, 0.2), (0.4, 0.6), (0.8, 0.2))), pushover=0.02)
-    report = pushed_report(history)
-    assert history.complete and report["by_hand_n"] == {}
-    assert "by hand" not in describe(report)
-    assert report["bilinear"]["positive"]["force_n"] > 0

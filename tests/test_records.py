@@ -3,18 +3,16 @@
 import hashlib
 import math
 from dataclasses import FrozenInstanceError, replace
-from itertools import product
 
 import numpy as np
 import pytest
 import scipy
-from conftest import one_line_error, refused_with, wall_file
+from conftest import one_line_error, refused_with
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from damage.__main__ import main
-from damage.motion.formats import read_record, shipped_record_path, shipped_records, write_csv
+from damage.motion.formats import read_record, shipped_record_path, shipped_records
 from damage.motion.loading import Recorded
 from damage.motion.plausible import record_warnings
 from damage.motion.record import (
@@ -41,10 +39,6 @@ def sine_record(frequency_hz=2.0, step_s=0.005, duration_s=20.0, name="sine"):
 
 
 class TestRecord:
-    def test_time_starts_at_zero_and_ends_at_the_duration(self):
-        record = Record("r", 0.01, [0.0, 1.0, 2.0])
-        assert_allclose(record.time_s, [0.0, 0.01, 0.02], rtol=ROUND_OFF)
-        assert record.duration_s == pytest.approx(0.02, rel=ROUND_OFF)
 
     def test_a_record_cannot_be_changed_from_outside(self):
         samples = np.array([0.0, 1.0, 2.0])
@@ -83,32 +77,10 @@ class TestOffsetsAndSpikes:
         quiet = Record("quiet", 0.005, np.zeros(motion.size))
         assert any(said in one for one in record_warnings(Recorded(quiet, across=Record("r", 0.005, motion))))
 
-    def test_a_run_and_the_command_say_it(self, tmp_path, capsys):
-        motion = sine_record(5.0, duration_s=2.0).acceleration_m_s2 + np.where(np.arange(401) == 300, -3.99, 0.5)
-        path = write_csv(Record("r", 0.005, motion), tmp_path / "r.csv")
-        assert main(["record", str(path)]) == 0
-        said = capsys.readouterr().err
-        assert "sample 300 (from 0) at 1.5 s" in said and "an instrument's offset" in said
-        assert "the base still moves" in said
-        wall = wall_file(tmp_path / "w.py", "Wall('w', 0.45, 0.15)")
-        assert main(["reference", str(wall), "--record", str(path), "--out", str(tmp_path / "h.h5"), "--rest", "0",
-                     "--no-pictures"]) == 0
-        said = capsys.readouterr().err
-        assert "sample 300 (from 0) at 1.5 s" in said and "an instrument's offset" in said
-
     def test_no_record_that_ships_is_doubtful(self):
         paths = [path for path in shipped_records().values() if path.suffix == ".csv"]
         assert len(paths) >= 30
         assert [said for path in paths for said in record_warnings(Recorded(read_record(path)))] == []
-
-
-class TestScaling:
-    def test_every_sample_is_scaled_and_the_record_stays(self):
-        record = sine_record()
-        assert_allclose(
-            scaled(record, -1.5).acceleration_m_s2, -1.5 * record.acceleration_m_s2, rtol=ROUND_OFF
-        )
-        assert record.acceleration_m_s2.max() == pytest.approx(1.0, rel=ROUND_OFF)
 
 
 class TestWindow:
@@ -118,11 +90,6 @@ class TestWindow:
         assert part.duration_s == pytest.approx(1.5, rel=ROUND_OFF)
         assert_allclose(part.acceleration_m_s2, record.acceleration_m_s2[500:801], rtol=0, atol=0)
         assert part.start_utc == "2018-01-08T14:00:02.500000Z"
-
-    def test_the_whole_record_is_a_window(self):
-        record = sine_record()
-        whole = windowed(record, 0.0, record.duration_s)
-        assert whole.acceleration_m_s2.size == record.acceleration_m_s2.size
 
 
 def sines(rate_hz, until_s=4.0):
@@ -141,23 +108,6 @@ class TestInterpolation:
         assert off[640:-640].max() < 2e-4 * np.abs(true.acceleration_m_s2).max()
         lines = np.interp(true.time_s, sines(50).time_s, sines(50).acceleration_m_s2)
         assert np.abs(lines - true.acceleration_m_s2).max() > 0.3 * np.abs(true.acceleration_m_s2).max()
-
-    def test_samples_stay(self):
-        record = Record("noise", 0.01, np.random.default_rng(3).normal(size=300))
-        assert_allclose(interpolated(record).acceleration_m_s2[::10], record.acceleration_m_s2, rtol=0, atol=5e-5)
-
-    @pytest.mark.parametrize("values", [np.ones(300), np.linspace(-3, 5, 300), np.array([1.0, 2.0])])
-    def test_ends_do_not_ring(self, values):
-        """A record that begins and ends away from zero, or on a trend: a zero-padded one would swing by 9 % there."""
-        fine = interpolated(Record("r", 0.02, values))
-        lines = np.interp(fine.time_s, 0.02 * np.arange(values.size), values)
-        assert_allclose(fine.acceleration_m_s2, lines, rtol=0, atol=1e-4)
-
-    def test_a_record_cut_in_full_motion_stays_bounded(self):
-        cut = Record("sine", 0.02, np.sin(2 * np.pi * 5.0 * 0.02 * np.arange(300) + 1.0))
-        assert np.abs(interpolated(cut).acceleration_m_s2).max() < 1.01
-        fast = Record("sine", 0.02, np.sin(2 * np.pi * 20.0 * 0.02 * np.arange(300) + 1.0))
-        assert np.abs(interpolated(fast).acceleration_m_s2).max() < 1.05
 
     def test_a_window_is_the_part_of_the_whole(self):
         record = sines(50, 10.0)
@@ -202,15 +152,8 @@ class TestAlignment:
 
 
 class TestBaseline:
-    @pytest.mark.parametrize("order", [0, 1, 2, 3])
-    def test_a_polynomial_of_the_order_vanishes(self, order):
-        time_s = np.arange(1001) * 0.01
-        drift = sum((0.3 - 0.1 * k) * time_s**k for k in range(order + 1))
-        left = baseline_corrected(Record("drift", 0.01, drift), order).acceleration_m_s2
-        # round-off of a least-squares fit to values up to 10^order
-        assert_allclose(left, 0.0, atol=1e-13 * 10**order)
 
-    @pytest.mark.parametrize("order", range(10))
+    @pytest.mark.parametrize("order", [0, 1, 4, 9])
     def test_values_are_those_of_numpy(self, order):
         """Within 1e-13 of the largest; ten samples have a polynomial of the order 9 through all."""
         for size in (10, 3000):
@@ -220,34 +163,11 @@ class TestBaseline:
                             record.acceleration_m_s2 - fit(record.time_s),
                             rtol=0, atol=1e-13 * np.abs(record.acceleration_m_s2).max())
 
-    def test_a_higher_term_stays(self):
-        time_s = np.arange(1001) * 0.01
-        left = baseline_corrected(Record("drift", 0.01, time_s**2), 1).acceleration_m_s2
-        # t^2 on 0..L less its best line is (t - L/2)^2 - L^2/12; sampling shifts it by step/L
-        assert left[0] == pytest.approx(100 / 6, rel=0.005)
-
 
 class TestBandPass:
-    @staticmethod
-    def amplitude_after(frequency_hz, **options):
-        record = sine_record(frequency_hz, duration_s=60.0)
-        middle = slice(4000, 8000)  # 20 s away from both ends, and whole cycles
-        passed = band_passed(record, 0.5, 20.0, **options).acceleration_m_s2[middle]
-        return math.sqrt(2 * np.mean(passed**2))
 
-    @pytest.mark.parametrize("order, frequency_hz", [*product((2, 4), (0.25, 0.5, 1.0, 3.2, 15.0, 20.0, 40.0, 60.0)),
-                                                     (8, 0.5), (8, 20.0)])
-    def test_amplitude_is_that_of_butterworth(self, order, frequency_hz):
-        """One half at both corners."""
-        # the bilinear transform bends frequency: f -> tan(pi f step)
-        bent, low, high = (math.tan(math.pi * f * 0.005) for f in (frequency_hz, 0.5, 20.0))
-        place = (bent**2 - low * high) / (bent * (high - low))
-        found = self.amplitude_after(frequency_hz, order=order)
-        # the mean over whole cycles is exact; the ringing of the ends has died to round-off
-        assert_allclose(found, 1 / (1 + place**order), rtol=1e-10)
-
-    @pytest.mark.parametrize("order", [2, 4, 6, 8, 20])
-    @pytest.mark.parametrize("band_hz", [(0.1, 40.0), (0.5, 20.0), (2.0, 3.0), (0.05, 99.0)])
+    @pytest.mark.parametrize("order", [2, 4, 20])
+    @pytest.mark.parametrize("band_hz", [(0.1, 40.0), (2.0, 3.0), (0.05, 99.0)])
     def test_values_are_those_of_scipy(self, order, band_hz):
         """Within 1e-10 of the peak, to the last sample, of a record that begins and ends in full motion."""
         record = Record("noise", 0.005, np.random.default_rng(8).normal(size=3000) + 2.0)
@@ -263,12 +183,6 @@ class TestBandPass:
         refused_with("samples are too few for a filter", band_passed, windowed(record, 0.0, 0.005 * (3 * order + 2)),
                      0.5, 20, order)
 
-    def test_no_delay(self):
-        record = sine_record(3.0)
-        passed = band_passed(record, 0.5, 20.0).acceleration_m_s2
-        crossings = np.correlate(passed, record.acceleration_m_s2, "same").argmax()
-        assert crossings == record.acceleration_m_s2.size // 2
-
 
 class TestWholeSteps:
     @given(
@@ -280,20 +194,9 @@ class TestWholeSteps:
         assert step_s / steps <= max_step_s
         assert steps == 1 or step_s / (steps - 1) > max_step_s
 
-    @pytest.mark.parametrize("share", range(1, 60))
+    @pytest.mark.parametrize("share", [1, 3, 49, 59])
     def test_a_limit_that_divides_the_step_is_used_itself(self, share):
         assert whole_steps(0.005, 0.005 / share) == share
-
-    def test_no_peak_is_lost_on_resampling(self):
-        record = windowed(read_record(shipped_record_path()), 17.0, 23.0)
-        step_s = record.time_step_s / whole_steps(record.time_step_s, 1.63e-5)
-        time_s = np.arange(round(record.duration_s / step_s) + 1) * step_s
-        fine = np.interp(time_s, record.time_s, record.acceleration_m_s2)
-        peak = np.abs(record.acceleration_m_s2).max()
-        # a step's time is k * step: round-off of the time over the slope of the record
-        assert np.abs(fine).max() == pytest.approx(peak, rel=1e-10)
-        missed = np.interp(np.arange(0, 6, 1.63e-5), record.time_s, record.acceleration_m_s2)
-        assert np.abs(missed).max() < peak * (1 - 1e-6)
 
 
 @pytest.mark.parametrize("prepared, start", [

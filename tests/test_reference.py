@@ -1,17 +1,14 @@
 """The reference solver: conservation, symmetry, closed forms, and YADE beside it."""
 
 import numpy as np
-import pytest
-from conftest import run_here, total_energy, wall_file
+from conftest import total_energy
 from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
-from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
-from damage.run.watch import unbalanced_force
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -48,13 +45,6 @@ def test_free_fall_is_exact_in_central_differences():
     expected = -9.81 / 2 * time * (time + solver.time_step)
     assert_allclose(solver.displacement[:, 1], expected, rtol=1e-10)
     assert_allclose(solver.displacement[:, [0, 2]], 0.0, atol=1e-15)
-
-
-def test_static_stage_carries_the_weight():
-    solver = small_solver()
-    settle(solver)
-    assert_allclose(solver.base_force()[1], 9.81 * solver.layout.total_mass, rtol=1e-3)
-    assert unbalanced_force(solver.layout, *solver.forces()) < 1e-3
 
 
 def rigid_turn(bodies, turn):
@@ -120,13 +110,13 @@ def test_what_is_read_of_the_joints_balances_the_forces_on_the_ground():
         assert_allclose(force, ground, rtol=0, atol=(1e-2 if beta == 0.0 else 0.2) * np.abs(ground).max())
 
 
-def test_energy_of_an_intact_wall_is_kept_over_100_000_steps():
+def test_energy_of_an_intact_wall_is_kept_over_20_000_steps():
     solver = small_solver(STRONG)
     settle(solver)
     solver.velocity = 1e-3 * natural_modes(solver.layout).shape[0]
     kick, errors = solver.kinetic_energy(), []
     zero = total_energy(solver)
-    for _ in range(100):
+    for _ in range(20):
         solver.run(1000)
         errors.append(total_energy(solver) - zero)
     assert np.abs(errors).max() < 1e-3 * kick
@@ -157,54 +147,19 @@ def test_period_error_is_second_order_in_the_step():
     assert np.all(np.abs(orders - 2) < 0.25), errors
 
 
-@pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """{name: History} of the symmetric wall by the reference solver, through its command."""
-    folder = tmp_path_factory.mktemp("reference")
-    words = {"free": ["--free-vibration", "--rest", "1.0"],
-             "shaken": ["--harmonic", "0.2", "0.05", "--rest", "0.5"],
-             "beta": ["--harmonic", "0.2", "0.05", "--rest", "0.5", "--beta", "1e-6"]}
-    return {name: run_here(folder / f"{name}.h5", "walls/symmetric.py", *options) for name, options in words.items()}
+def test_a_kicked_wall_vibrates_with_its_period_and_without_damage(run_of):
+    """P-delta, which the eigenvalue does not know, softens the wall by some 0.1 %."""
+    free = run_of("free")
+    assert_allclose(summarise(free)["period_s"], free.parameters["eigen_period_s"], rtol=5e-3)
+    assert energy_error(free.series) < 1e-4 and free.is_intact and len(free.events) == 0
 
 
-class TestSymmetricWall:
-    def test_period(self, runs):
-        period = summarise(runs["free"])["period_s"]
-        # P-delta, which the eigenvalue does not know, softens the wall by about 0.4 %.
-        assert_allclose(period, runs["free"].parameters["eigen_period_s"], rtol=5e-3)
-
-    def test_elastic_energy_balance(self, runs):
-        assert energy_error(runs["free"].series) < 1e-4
-
-    @pytest.mark.parametrize("name", ["shaken", "beta"])
-    def test_nonlinear_energy_balance(self, runs, name):
-        assert energy_error(runs[name].series) < 2e-3
-
-    def test_dissipation_never_decreases(self, runs):
-        for column in ("friction_energy_j", "fracture_energy_j"):
-            assert np.all(np.diff(runs["shaken"].series[column]) >= 0)
-            assert runs["shaken"].series[column].iloc[-1] > 0
-        assert runs["beta"].series["damping_energy_j"].iloc[-1] > 0
-
-    def test_damage_is_that_of_the_harmonic_study(self, runs):
-        """docs/tables/harmonic_points.csv, slip accumulated: 0.0921; members whose strengths scatter by 0.1 %, or other
-        roundings of another machine, 0.0895 to 0.0930."""
-        assert_allclose(summarise(runs["shaken"])["max_accumulated"]["DI"], 0.0921, rtol=0.04)
-
-    def test_every_break_is_an_event(self, runs):
-        events = runs["shaken"].events
-        breaks = events[events.kind.isin(["tension", "shear"])]
-        assert set(breaks.joint) == set(np.flatnonzero(runs["shaken"].broken[-1]))
-
-
-def test_without_out_a_second_run_takes_a_name_of_its_own(tmp_path, monkeypatch):
-    wall_file(tmp_path / "tiny.py", "Wall('tiny', 0.45, 0.15)")
-    monkeypatch.chdir(tmp_path)
-    for _ in range(2):
-        assert run_reference(["tiny.py", "--harmonic", "0.03", "0.1", "--cycles", "1", "--rest", "0",
-                              "--no-pictures"]) == 0
-    stem = "tiny_harmonic_0.03s_0.1g_1cycles_reference"
-    assert sorted(path.name for path in (tmp_path / "results").iterdir()) == [f"{stem}.h5", f"{stem}_2.h5"]
+def test_every_break_is_an_event_and_dissipation_never_decreases(run_of):
+    shaken = run_of("shaken")
+    breaks = shaken.events[shaken.events.kind.isin(["tension", "shear"])]
+    assert set(breaks.joint) == set(np.flatnonzero(shaken.broken[-1])) and not breaks.joint.duplicated().any()
+    for column in ("friction_energy_j", "fracture_energy_j"):
+        assert np.all(np.diff(shaken.series[column]) >= 0) and shaken.series[column].iloc[-1] > 0
 
 
 def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():

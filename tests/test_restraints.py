@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from conftest import refused_with, written
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.linalg import eigvals
 from scipy.optimize import brentq
 
 from damage.law.modes import natural_modes
@@ -89,12 +88,6 @@ class TestStrip:
         assert_allclose(natural_modes(layout).period_s[0], 1 / brentq(ends, 10.0, 60.0), rtol=0.02)
         assert area * 2.58 * DENSITY == pytest.approx(layout.bodies.mass[:-1].sum())
 
-    def test_a_bearing_in_series_lengthens_the_period_of_a_stiff_strip(self):
-        """A block and the beam on the shear springs of both joints and the bearing."""
-        layout, joint = strip(1, joint=Joint(1e14, 1e9), restraint=Restraint("top", stiffness=3e8)), 1e9 * THICK * WIDTH
-        squares = eigvals([[2 * joint, -joint], [-joint, joint + 3e8]], np.diag(layout.bodies.mass)).real
-        assert_allclose(natural_modes(layout).period_s[0], 2 * math.pi / math.sqrt(squares.min()), rtol=1e-3)
-
     def test_the_load_stays_constant_on_a_light_beam(self):
         light, heavy = (strip(restraint=Restraint("top", mass=mass)) for mass in (100.0, None))
         assert light.total_mass == pytest.approx(heavy.total_mass) and light.bodies.mass[-1] == 100.0
@@ -129,17 +122,6 @@ class TestBearing:
         work = sum(0.5 * (one + other) * (b - a) for (one, other), (a, b) in zip(
             pairwise([0.0, *forces]), pairwise([0.0, *self.path()]))) - 0.5 * forces[-1]**2 / 2e6
         assert_allclose(wall.energy[FRICTION], work, rtol=1e-9)
-
-    def test_a_slow_cycle_takes_four_plays_of_friction(self):
-        layout, work, slip = strip(restraint=self.TOP), 0.0, 0.0
-        load, before = GRAVITY * layout.top_mass, 0.0
-        path = np.interp(np.arange(8001), [0, 2000, 6000, 8001], [0, 0.02, -0.02, 0.02])
-        for k, place in enumerate(path):
-            new = self.TOP.slip(place, slip, load)
-            force = 2e6 * (place - new)
-            work += 0.5 * (before + force) * (new - slip) * (k > 2000)
-            slip, before = new, force
-        assert_allclose(work, 4 * 0.004 * 0.3 * load, rtol=1e-5)
 
     def test_eight_walls_together_have_the_bits_of_each_alone(self):
         def make(k):
@@ -188,8 +170,8 @@ PARTY = as_toml(Wall("party", 0.7, 0.6, precompression=200e3, joint=Joint(1e10, 
 
 
 @pytest.mark.yade
-@pytest.mark.parametrize(("text", "period", "peak"), [(SMALL, 0.15, 0.45), (PARTY, 0.1, 0.2)],
-                         ids=["top", "side"])
+@pytest.mark.parametrize(("text", "period", "peak"), [
+    pytest.param(SMALL, 0.15, 0.45, id="top"), pytest.param(PARTY, 0.1, 0.2, id="side", marks=pytest.mark.long)])
 def test_both_solvers_agree(tmp_path, in_both, text, period, peak):
     yade, reference = in_both(tmp_path, written(tmp_path / "wall.toml", text), "--harmonic", period, peak, "--rest",
                               0.1, "--contacts", "gauss", "--cells", 4, "--quiet").values()
@@ -209,12 +191,10 @@ def test_a_wall_of_its_dictionary_has_its_restraints():
 
 
 @pytest.mark.parametrize(("made", "said"), [
-    (lambda: Restraint("bottom"), "top"),
     (lambda: Restraint("left", "free"), "party wall"),
     (lambda: Restraint("top", play=0.01), "stiffness"),
     (lambda: strip(load=0.0), "precompression"),
     (lambda: strip(restraint=Restraint("top", mass=1e6)), "precompression weighs"),
-    (lambda: strip(options=ModelOptions(top="uniform")), "--top uniform"),
     (lambda: Wall("twice", 1.0, 1.0, restraints=[Restraint("top")] * 2), "2 restraints"),
     (lambda: Wall("none", 1.0, 1.0, restraints=[Opening(0.3, 0.3, 0.3)]), "Restraint")])
 def test_what_cannot_be_is_refused(made, said):

@@ -234,46 +234,6 @@ def test_events_count_from_time_zero(run_through):
     assert_allclose(history.events["time_s"], [-LOOK_STEPS * DT, 0.0, LOOK_STEPS * DT])
 
 
-# --- turns ------------------------------------------------------------------------------------------
-
-class Counter:
-    """Counts its steps, and can take so many."""
-
-    def __init__(self, most=100):
-        self.step, self.most = 0, most
-
-    def run(self, n_steps):
-        self.step += n_steps
-        if self.step > self.most:
-            raise MemoryError
-
-    def turns(self, *numbers):
-        """A run that asks for so many steps, one number after the other; returns steps taken, and what went wrong."""
-        try:
-            for n_steps in numbers:
-                yield self, n_steps
-        except MemoryError as error:
-            return self.step, error
-        return self.step, None
-
-
-def test_runs_go_on_until_each_has_ended_and_an_error_of_steps_is_its_own_runs_alone():
-    first, second, third = take_turns([Counter().turns(1, 2, 3), Counter(2).turns(1, 2, 3), Counter().turns()])
-    assert first == (6, None) and third == (0, None)
-    assert second[0] == 3 and isinstance(second[1], MemoryError)
-
-
-def test_all_steps_of_a_turn_are_taken_at_once():
-    moved = []
-
-    def move(asked):
-        moved.append([n_steps for _, n_steps in asked])
-        return [None] * len(asked)
-
-    take_turns([Counter().turns(1, 2, 3), Counter().turns(4)], move)
-    assert moved == [[1, 4], [2], [3]]
-
-
 # --- runs that are not to be believed ---------------------------------------------------------------
 
 @pytest.fixture
@@ -311,8 +271,8 @@ def test_an_error_while_the_wall_settles_is_none(session):
     assert status == 0 and summarise(history)["energy_error_fraction"] == 0.0
 
 
-@pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("what", ["kinetic_j", "input_j", "slip_m", "offset_m"])
+@pytest.mark.parametrize("what, odd", [
+    ("kinetic_j", np.nan), ("input_j", np.inf), ("slip_m", -np.inf), ("offset_m", np.nan)])
 def test_a_run_that_blows_up_ends_at_once_and_keeps_what_was_finite(session, what, odd):
     status, printed, history = session(**{what: lambda step: odd if step >= 1000 else 0.0})
     assert (status, history.status) == (1, "failed")

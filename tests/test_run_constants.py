@@ -10,10 +10,9 @@ from small_history import small_layout
 
 from damage.errors import InputError
 from damage.law.states import BROKEN, ENDED
-from damage.run import run as run_module
 from damage.run import settings as run_settings
-from damage.run.options import make_parser, parse_run
-from damage.run.schedule import choose_time_step, sample_steps, stages
+from damage.run.options import parse_run
+from damage.run.schedule import choose_time_step
 from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places, unbalanced_force
 
 CRITICAL_S = 4.67e-5
@@ -87,29 +86,3 @@ def test_following_bricks_without_contacts_is_refused():
         parse_run(["--after-fall", "--new-contacts", "--past-collapse", "2"], "test", "yade")
     with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):
         parse_run(["--new-contacts", "--bricks", "deformable"], "test", "reference")
-
-
-def test_lengths_of_the_stages_and_looks():
-    """Gravity ramps up in 0.2 s and holds from 0.2 to 3 s; a wall settles for 0.5 s; a look every 500 steps."""
-    assert (run_settings.RAMP_S, run_settings.HOLD_S, run_settings.HOLD_AT_MOST_S) == (0.2, 0.2, 3.0)
-    assert run_module.LOOK_STEPS == 500
-    settings = parse_run(["--harmonic", "0.2", "0.05", "--rest", "1"], "test", "reference")
-    ends = [stage.end_step * 3e-5 for stage in stages(settings, small_layout(), 3e-5, sample_steps(3e-5))]
-    assert_allclose(ends, [0.6, 1.6, 2.1], atol=0.0021)
-    assert sample_steps(3e-5) * 3e-5 == pytest.approx(2e-3, rel=0.06)
-
-
-def test_damping_of_the_stages_that_are_not_dynamics():
-    assert (run_settings.LOCAL_DAMPING, run_settings.ADAPTIVE_DAMPING) == (0.7, 1.0)
-
-
-@pytest.mark.parametrize("solver", ["reference", "yade"])
-def test_every_number_on_a_command_line_has_its_range_tested(solver):
-    """An option that is added without a row in the table of `test_ranges` fails here: it might accept NaN."""
-    from test_ranges import RUN, YADE_ALONE
-
-    tested = {word for template in (*RUN, *YADE_ALONE) for word in template.split() if word.startswith("--")}
-    numbers = {option for action in make_parser("test", solver)._actions for option in action.option_strings
-               if action.type in (int, float) or getattr(action.type, "__name__", "") in ("int", "float")}
-    assert numbers - tested == set()
-    assert len(numbers) > 15

@@ -2,7 +2,6 @@
 
 import json
 import pickle
-import warnings
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +10,7 @@ from conftest import wall_file
 import damage
 from damage.history.reader import read_history
 from damage.measure.energy import energy_error_of
-from damage.measure.warnings import energy_warnings, static_warnings
+from damage.measure.warnings import static_warnings
 from damage.reference.session import run_reference
 
 DRY = damage.Wall("course", 0.675, 0.075, precompression=0.0, joint=damage.Joint(tensile_strength=0.0, cohesion=0.0))
@@ -61,18 +60,6 @@ def test_warnings_before_the_run_are_among_them(capsys):
     assert "warning" not in capsys.readouterr().err
 
 
-def test_a_sound_run_warns_of_nothing():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        history = damage.run(damage.Wall("pier", 0.45, 0.3), harmonic=(0.05, 0.01), cycles=1, rest=0)
-        assert damage.warnings_of(history) == []
-
-
-def test_energy_is_balanced_on_soil_that_settles_far():
-    wall = damage.Wall("pier", 0.9, 0.6)
-    assert energy_error_of(damage.run(wall, free_vibration=True, rest=0.5, soil="1e6")) < 1e-4
-
-
 def test_energy_is_balanced_where_bonds_snap_back():
     """The fracture energy in mode II is below cohesion² / shear stiffness, 361 J/m2."""
     joint = damage.Joint(3.109e9, 1.2436e9, 0.1846, 73300.0, 669900.0, mode_i_fracture_energy=11.82,
@@ -92,8 +79,3 @@ def test_an_odd_static_stage_is_reported(broken, unbalanced, words):
     warnings = static_warnings(history)
     assert len(warnings) == len(words)
     assert all(word in warning for word, warning in zip(words, warnings))
-
-
-@pytest.mark.parametrize(("error", "count"), [(None, 0), (0.0099, 0), (0.011, 1), (1e15, 1), (float("nan"), 1)])
-def test_an_energy_error_that_spoils_a_run_is_reported(error, count):
-    assert len(energy_warnings(error)) == count

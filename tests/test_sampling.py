@@ -3,16 +3,12 @@
 
 import numpy as np
 import pytest
-from conftest import one_line_error, wall_file
+from conftest import one_line_error
 
 import damage
 from damage.draw.words import run_title
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.motion.formats import read_record
-from damage.motion.intensity import sa_g
-from damage.motion.loading import Recorded
-from damage.run.banner import describe_sampling
 from damage.run.options import parse_run
 from damage.run.report import describe
 
@@ -68,16 +64,6 @@ def settings(*words):
     return parse_run([str(word) for word in words], "test", "reference")
 
 
-def test_the_first_lines_of_a_run_name_steps_and_loss(tmp_path):
-    driven = settings("--record", sampled(tmp_path, 0.02)).for_period(PERIOD_S)
-    assert describe_sampling(driven.loading) == [
-        "record: its step of 0.02 s is more than a tenth of the first period; interpolated (band-limited) to 0.002 s, "
-        "as lines between samples would take off 42 % at that period"]
-    asked = settings("--record", "BGAR_HGE")
-    assert asked.for_period(0.0532) == asked and describe_sampling(asked.loading) == []  # the stiffest wall that ships
-    assert settings("--harmonic", 0.2, 0.1).for_period(0.01).loading.lost_by_lines is None
-
-
 def test_all_events_of_a_sequence_are_interpolated_and_stay_the_same_motion(tmp_path):
     for name, scale in (("one", 1.0), ("two", 0.5)):
         sampled(tmp_path, 0.02, name, scale)
@@ -97,24 +83,3 @@ def test_a_record_whose_steps_exceed_half_the_period_is_refused_unless_it_is_acc
     assert "every_40_ms: a time step of 0.04 s; expected at most half of the wall's first period of 0.0508 s" in said
     driven = settings(*words, "--accept-implausible").for_period(PERIOD_S)
     assert driven.loading.interpolated_for_s == PERIOD_S
-
-
-def test_record_shows_the_motion_of_a_wall_with_a_period(tmp_path, output_of):
-    path = str(sampled(tmp_path, 0.02))
-    plain = output_of("record", path)
-    assert "time step: 0.02 s, taken as it is by walls of a first period from 0.2 s, by stiffer ones inter" in plain
-    shown = output_of("record", path, "--period", PERIOD_S)
-    assert "time step: 0.02 s, interpolated (band-limited) for a wall of 0.0508 s; lines between samples would" in shown
-    expected = sa_g(Recorded(read_record(sampled(tmp_path, 0.002))).applied(), PERIOD_S)
-    (line,) = (line for line in shown.splitlines() if line.startswith("sa_eigen_period_g"))
-    assert float(line.split()[1]) == pytest.approx(expected, rel=2e-3)
-    assert "sa_eigen_period_g" not in plain
-
-
-def test_members_take_the_interpolated_motion(tmp_path, output_of):
-    pier = "Wall('pier', 0.42, 0.6, precompression=0.1e6, brick=Brick(0.21, 0.06, 0.1))"
-    wall = wall_file(tmp_path / "pier.py", pier)
-    said = output_of("reference", wall, "--record", sampled(tmp_path, 0.01), "--window", 0.3, 0.5, "--rest", 0,
-                     "--no-pictures", "--members", 2, "--out", tmp_path / "members.h5")
-    assert said.count("record: its step of 0.01 s is more than a tenth of the first period") == 1
-    assert said.count("record interpolated, as lines between its samples would take off") == 1

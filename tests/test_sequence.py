@@ -1,90 +1,185 @@
-"""The same wall shaken again and again: the schedule, the damage carried over, the tables."""
+"""Sequences of events, by factors and from a file: reading, schedule, damage carried over, tables."""
 
 from types import SimpleNamespace
 
 import numpy as np
-import pandas as pd
 import pytest
-from conftest import refused_with, run_here, wall_file
+from conftest import contents, one_line_error, refused_with, written
+from damage.run.opening import sequence_lines
 from numpy.testing import assert_allclose, assert_array_equal
 
+import damage
+from damage.draw.run import sequence_picture
+from damage.draw.words import run_title
 from damage.measure.cycles import shocks_table
 from damage.measure.energy import energy_error
-from damage.measure.tables import write_run_tables
-from damage.run.options import parse_run
-from damage.run.schedule import stages
+from damage.measure.tables import summary_row, write_run_tables
+from damage.motion.sequence import read_sequence
+from damage.reference.session import run_reference
+from damage.rounded import ACCELERATION
+from damage.run.options import free_name, parse_run
+from damage.run.report import describe_events
+from damage.run.schedule import base_acceleration, stages
 from damage.run.settings import SETTLE_S
-from paper.study_figures import sequences
 
 DT = 2e-5
+RECORD = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
+DIFFERENT = ("record,component,scale,start_s,end_s,rest_s\nBGAR,HGE,2,18.4,19.4,0.1\n"
+             "G100_HG2,,8,6,7,\nBWSE_HGN,,-3,20,20.8,0.3\n")
 
 
-def settings(*words):
-    return parse_run(["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3", *words], "test", "reference")
+def file_of(folder, text, name="sequence.csv"):
+    return written(folder / name, text)
 
 
-def test_stages_follow_one_another_and_end_with_samples():
-    schedule = stages(settings("--sequence", "1,0.5"), None, DT, 100)
-    assert [(stage.shock, stage.name) for stage in schedule] == [
-        (shock, name) for shock in (1, 2) for name in ("motion", "rest", "settling")]
-    assert schedule[0].start_step == 0
-    for before, after in zip(schedule, schedule[1:]):
-        assert before.end_step == after.start_step
-    assert all(stage.end_step % 100 == 0 for stage in schedule)
-    lengths = [(stage.end_step - stage.start_step) * DT for stage in schedule]
-    assert_allclose(lengths, 2 * [0.2, 0.3, SETTLE_S], atol=100 * DT)
+def settings(path, *words):
+    return parse_run(["--sequence", str(path), *words], "test", "reference")
 
 
-@pytest.mark.parametrize("words, message", [
-    (["--sequence", "1,x"], "numbers with commas"),
-    (["--sequence", "1,nan"], "factor of --sequence = nan"),
-    (["--free-vibration", "--sequence", "1,1"], "belongs to"),
-])
-def test_bad_sequences_are_refused(words, message):
-    refused_with(message, parse_run, words, "test", "reference")
+class TestReading:
+    def test_rows_become_events(self, tmp_path):
+        first, second, third = read_sequence(file_of(tmp_path, DIFFERENT), 0.7)
+        assert [event.factor for event in (first, second, third)] == [2, 8, -3]
+        assert [event.rest_s for event in (first, second, third)] == [0.1, 0.7, 0.3]
+        assert [event.loading.record.name for event in (first, second, third)] == ["BGAR_HGE", "G100_HG2", "BWSE_HGN"]
+        assert first.loading.window_s == (18.4, 19.4) and first.loading.scale == 1.0
+
+    def test_only_a_record_is_needed(self, tmp_path):
+        (event,) = read_sequence(file_of(tmp_path, "record\nMID1_N_synthetic\n"), 2.0, band_hz=(0.5, 40.0))
+        assert (event.factor, event.rest_s, event.loading.window_s) == (1.0, 2.0, None)
+        assert event.loading.band_hz == (0.5, 40.0)
+
+    def test_the_working_folder_does_not_decide_which_record_is_meant(self, tmp_path, monkeypatch):
+        """A batch and its shards have other working folders than the file's, each with a file of that name."""
+        elsewhere = tmp_path / "elsewhere"
+        elsewhere.mkdir()
+        (tmp_path / "mine.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,1\n0.01,0\n")
+        (elsewhere / "mine.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,5\n0.01,0\n")
+        (elsewhere / "other.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,5\n0.01,0\n")
+        monkeypatch.chdir(elsewhere)
+        (event,) = read_sequence(file_of(tmp_path, "record\nmine.csv\n"), 2.0)
+        assert event.loading.peak_g == pytest.approx(1 / 9.81)
+        assert "is in the working folder; expected it from the folder of this file" in one_line_error(
+            read_sequence, file_of(tmp_path, "record\nother.csv\n"), 2.0)
+
+    @pytest.mark.parametrize("text, message", [
+        ("record,scale\nBGAR_HGE,1\nBGAR_HGX,1\n", "line 3: BGAR_HGX: no such file"),
+        ("record,scale\nBGAR_HGE,large\n", "line 2: scale = 'large'"),
+        ("record,start_s,end_s\nBGAR_HGE,18,\n", "line 2: a window with one end"),
+        ("record,start_s,end_s\nBGAR_HGE,18,99\n", "line 2: window 18.0 to 99.0 s"),
+        ("record\n\"\"\n", "line 2: no record"),
+        ("record,factor\nBGAR_HGE,1\n", "unknown column 'factor'"), ("record\n", "no row"),
+        ("record\nBGAR_HGE\nten_ms.csv\n", "line 3: a record with another time step than the 0.005 s"),
+    ])
+    def test_a_bad_row_is_named(self, tmp_path, text, message):
+        (tmp_path / "ten_ms.csv").write_text("time_s,acc_m_s2\n0,0\n0.01,1\n0.02,0\n")
+        assert message in one_line_error(read_sequence, file_of(tmp_path, text), 2.0)
+
+    @pytest.mark.parametrize("words, message", [
+        (["--record", "BGAR_HGE"], "and --record"), (["--window", "1", "2"], "--window"),
+        (["--harmonic", "0.2", "0.1"], "--harmonic"), (["--rest", "-1"], "--rest")])
+    def test_other_motions_beside_it_are_refused(self, tmp_path, words, message):
+        assert message in one_line_error(settings, file_of(tmp_path, DIFFERENT), *words)
+
+    @pytest.mark.parametrize("words, message", [
+        (["--sequence", "1,x"], "factors with commas"), (["--sequence", "1,nan"], "factor of --sequence = nan"),
+        (["--free-vibration", "--sequence", "1,1"], "belongs to")])
+    def test_bad_factors_are_refused(self, words, message):
+        refused_with(message, parse_run, words, "test", "reference")
+
+    def test_a_factor_and_a_rest_out_of_range(self, tmp_path):
+        for row in ("BGAR_HGE,1e6,1", "BGAR_HGE,1,-1", "BGAR_HGE,1,1e6"):
+            one_line_error(settings, file_of(tmp_path, f"record,scale,rest_s\n{row}\n"))
+
+
+class TestSchedule:
+    def test_stages_follow_one_another_with_lengths_of_their_own(self, tmp_path):
+        asked = settings(file_of(tmp_path, DIFFERENT), "--rest", "0.7")
+        schedule = stages(asked, None, DT, 100)
+        assert [(stage.shock, stage.name) for stage in schedule] == [
+            (shock, name) for shock in (1, 2, 3) for name in ("motion", "rest", "settling")]
+        assert schedule[0].start_step == 0 and all(stage.end_step % 100 == 0 for stage in schedule)
+        assert all(before.end_step == after.start_step for before, after in zip(schedule, schedule[1:]))
+        lengths = [(stage.end_step - stage.start_step) * DT for stage in schedule]
+        assert lengths == pytest.approx([1, 0.1, SETTLE_S, 1, 0.7, SETTLE_S, 0.8, 0.3, SETTLE_S], abs=100 * DT)
+        assert asked.duration_s == pytest.approx(2.8 + 1.1 + 3 * SETTLE_S)
+
+    def test_the_base_follows_each_record_times_its_factor(self, tmp_path):
+        asked = settings(file_of(tmp_path, DIFFERENT))
+        schedule = stages(asked, None, DT, 100)
+        base = base_acceleration(asked, schedule, DT)
+        for event, stage in zip(asked.events, schedule[::3]):
+            n = round(event.loading.duration_s / DT) + 1
+            assert_allclose(base[stage.start_step:stage.start_step + n],
+                            event.factor * event.loading.base_acceleration(np.arange(n) * DT), atol=ACCELERATION / 2)
+            assert not base[stage.start_step + n:stage.start_step + n + 1000].any()  # rest and settling
+
+    def test_equal_rows_are_the_list_of_factors(self, tmp_path):
+        rows = "".join(f"{RECORD},{factor},18.4,19.4\n" for factor in (1, -0.5, 0.3))
+        of_file = settings(file_of(tmp_path, "record,scale,start_s,end_s\n" + rows), "--rest", "0.4")
+        of_list = parse_run(["--record", RECORD, "--window", "18.4", "19.4", "--sequence", "1,-0.5,0.3",
+                             "--rest", "0.4"], "test", "reference")
+        assert stages(of_file, None, DT, 100) == stages(of_list, None, DT, 100)
+        schedule = stages(of_file, None, DT, 100)
+        assert_array_equal(base_acceleration(of_file, schedule, DT), base_acceleration(of_list, schedule, DT))
+        assert (of_file.peak_g, of_file.duration_s) == pytest.approx((of_list.peak_g, of_list.duration_s), rel=1e-12)
+
+    def test_the_strongest_motion_names_the_run(self, tmp_path):
+        asked = settings(file_of(tmp_path, DIFFERENT))
+        peaks = [event.loading.peak_g * abs(event.factor) for event in asked.events]
+        assert asked.loading is asked.events[int(np.argmax(peaks))].loading and asked.peak_g == max(peaks)
+        assert free_name(SimpleNamespace(name="w"), asked, "reference").name.startswith("w_sequence-of-3_BGAR_HGE_x1")
+        assert "3 events of 3 records" in sequence_lines(asked)[0]
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """{name: History}: a narrow wall shaken once, and twice."""
+    """{name: path of a history}: a list of factors, the same events from a file, different records."""
     folder = tmp_path_factory.mktemp("sequence")
-    wall = wall_file(folder / "narrow.py", "Wall('narrow', 0.9, 1.5)")
-    return {name: run_here(folder / f"{name}.h5", wall, "--harmonic", 0.15, 0.35, "--rest", 0.2, *words)
-            for name, words in (("once", []), ("twice", ["--sequence", "1,1"]))}
+    equal = file_of(folder, "record,scale,start_s,end_s\n" + 2 * f"{RECORD},9,18.4,18.9\n", "equal.csv")
+    different = file_of(folder, DIFFERENT.replace("HGE,2", "HGE,12"))
+    asked = {"list": ["--record", RECORD, "--window", "18.4", "18.9", "--sequence", "9,9"],
+             "file": ["--sequence", str(equal)], "different": ["--sequence", str(different)]}
+    for name, words in asked.items():
+        out = str(folder / f"{name}.h5")
+        assert run_reference(["walls/variants/small.py", *words, "--rest", "0.1", "--no-pictures", "--out", out]) == 0
+    return {name: folder / f"{name}.h5" for name in asked}
 
 
-def test_the_first_shock_is_the_run_by_itself(runs):
-    once, twice = runs["once"], runs["twice"]
-    n = len(once.series)
+def test_equal_events_equal_the_list_of_factors_bit_for_bit(runs):
+    one, other = contents(runs["list"]), contents(runs["file"])
+    assert one.keys() == other.keys() and len(one) > 20
+    assert [name for name in one if one[name] != other[name]] == []
+    one, other = (damage.read_history(runs[name]) for name in ("list", "file"))
+    assert shocks_table(one).equals(shocks_table(other)) and other.strongest_factor == one.strongest_factor == 9
+
+
+def test_a_row_an_event(runs):
+    history = damage.read_history(runs["different"])
+    table = shocks_table(history)
+    assert list(table["factor"]) == [12, 8, -3]
+    assert [name.split("_x1")[0] for name in table["motion"]] == ["BGAR_HGE", "G100_HG2", "BWSE_HGN"]
+    assert_array_equal(table["offset_before_mm"].to_numpy()[1:], table["offset_after_mm"].to_numpy()[:-1])
+    assert table["offset_before_mm"].iloc[0] == 0 and (table["newly_failed"] >= 0).all()
+    ends = np.flatnonzero(np.diff(history.series["shock"], append=4))
+    assert_array_equal(np.cumsum(table["newly_failed"]), history.broken[ends].sum(axis=1))
+    assert table["newly_failed"].sum() > 0
+    peak = np.abs(history.series["base_acceleration_x_m_s2"]).max() / 9.81
+    assert summary_row(history)["pga_g"] == pytest.approx(peak, rel=0.02)  # of the strongest event, between samples
+    assert run_title(history) == "Small wall, sequence of three events, three records"
+    assert len(describe_events(table)) == 4 and "G100_HG2" in describe_events(table)[2]
+    figure = sequence_picture(history)
+    assert_array_equal([bar.get_height() for bar in figure.axes[4].patches], table["newly_failed"])
+
+
+def test_the_first_shock_is_the_run_by_itself_and_damage_is_carried_over(run_of, tmp_path):
+    once, twice = run_of("shaken"), run_of("twice")
+    n, table = len(once.series), shocks_table(twice)
     assert_array_equal(once.series["drift_ratio"], twice.series["drift_ratio"][:n])
     assert_array_equal(once.slip_m, twice.slip_m[:n])
     assert twice.series["shock"].tolist() == [1] * n + [2] * (len(twice.series) - n)
-
-
-def test_damage_is_carried_over(runs):
-    table = shocks_table(runs["twice"])
-    assert table["residual_DI"].iloc[0] > 0
-    assert runs["twice"].broken[-1].sum() >= runs["once"].broken[-1].sum() > 0
-    # The second shock finds a broken wall: its first state is the residual one of the first.
-    second = runs["twice"].index()[runs["twice"].series["shock"] == 2]
-    assert second["DI"].min() <= table["max_DI"].iloc[1]
-    assert_allclose(table["residual_DI"].iloc[0], runs["once"].index()["DI"].iloc[-1])
-    assert energy_error(runs["twice"].series) < 5e-3
-
-
-def test_a_sequence_has_a_table_of_its_shocks(runs, tmp_path):
-    names = [path.name for path in write_run_tables(runs["twice"], tmp_path / "t")]
-    assert "t_shocks.csv" in names
-    assert "o_shocks.csv" not in [path.name for path in write_run_tables(runs["once"], tmp_path / "o")]
-
-
-def test_the_figure_shows_the_index_of_every_shock(runs):
-    points = pd.DataFrame([{"wall": "narrow", "solver": "reference", "members": 2, "motion_period_s": 0.15,
-                            "amplitude_g": 0.35, "record": np.nan, "shocks": 2}])
-    results = SimpleNamespace(histories=lambda point: [runs["twice"], runs["twice"]])
-    ax = sequences(results, points).axes[0]
-    assert ax.get_title(loc="left") == "(a) 0.15 s, 0.35 g, 2 times"
-    table = shocks_table(runs["twice"])
-    drawn = [bars[0].get_ydata() for bars in ax.containers]
-    for values, column in zip(drawn, ("max_DI", "residual_DI", "max_shear_limit_DI")):
-        assert_allclose(np.asarray(values, float), table[column].astype(float))
+    assert twice.broken[-1].sum() >= once.broken[-1].sum() > 0 and energy_error(twice.series) < 5e-3
+    assert table["residual_DI"].iloc[0] == pytest.approx(once.index()["DI"].iloc[-1], abs=1e-12)
+    assert twice.opening_m[n].max() > 1e-4  # where the second shock begins
+    assert tmp_path / "t_shocks.csv" in write_run_tables(twice, tmp_path / "t")
+    assert tmp_path / "o_shocks.csv" not in write_run_tables(once, tmp_path / "o")

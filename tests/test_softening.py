@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import REPOSITORY, refused_with, wall_file
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from pytest import approx
 from scipy.special import lambertw
@@ -24,9 +22,7 @@ from damage.law.joint_law import (
     Material,
     advance,
     elastic_energy,
-    inelastic_opening,
     strength_left,
-    tension_stiffness,
 )
 from damage.measure.summary import summarise
 from damage.motion.loading import Harmonic
@@ -111,59 +107,9 @@ class TestLaw:
         assert not states[failure - 1].at_limit and states[failure].at_limit and states[failure].broken
         assert states[-1].shear_stress == approx(MU * 1e-6 * KN)
 
-    def test_at_the_limit_means_nothing_while_cohesion_is_left(self):
-        states, _, _ = follow([(-1e-6, k * 1e-6) for k in range(300)])
-        assert states[-1].slip > 1e-4 and not states[-1].at_limit and not states[-1].broken
-
-    @pytest.mark.parametrize("energy", [1e-3, 1e-9])
-    def test_without_fracture_energy_it_is_the_brittle_law(self, energy):
-        path = [(1e-6 * math.sin(k / 7) - 5e-7 + 2e-8 * k, 2e-5 * math.sin(k / 11)) for k in range(400)]
-        soft, soft_events, _ = follow(path, LAW._replace(mode_i_energy=energy, mode_ii_energy=energy))
-        brittle, events, _ = follow(path, LAW._replace(mode_i_energy=0.0, mode_ii_energy=0.0))
-        assert soft_events == events
-        for here, there in zip(soft, brittle):
-            assert_allclose(here[:3], there[:3], rtol=1e-12, atol=1e-9 * FT)
-            assert (here.broken, here.at_limit) == (there.broken, there.at_limit)
-
-
-corners = st.lists(st.tuples(st.floats(-6e-6, 4e-5), st.floats(-2e-4, 2e-4)), min_size=1, max_size=6)
-
-
-@settings(max_examples=30, deadline=None)
-@given(corners)
-def test_work_done_is_stored_or_dissipated(targets):
-    """Along any path cut into small steps; what is left over is of the order of stress times step."""
-    n, path, at = 150, [], np.zeros(2)
-    for target in targets:
-        path += [tuple(at + (np.array(target) - at) * k / n) for k in range(1, n + 1)]
-        at = np.array(target)
-    states, _, work = follow(path)
-    last, largest = states[-1], np.abs(np.diff(path, axis=0, prepend=[(0.0, 0.0)])).max()
-    dissipated = last.friction_work + last.fracture_work
-    allowed = 5 * 6e-6 * KN * largest * (1 + len(targets))
-    assert work - stored(last, path[-1][0]) - dissipated == approx(0.0, abs=allowed)
-    for before, after in zip(states, states[1:]):
-        assert after.kappa >= before.kappa and after.gap >= before.gap
-        assert after.friction_work >= before.friction_work and after.fracture_work >= before.fracture_work
-
-
-@settings(max_examples=100, deadline=None)
-@given(corners)
-def test_stresses_stay_within_what_is_left(targets):
-    shear, state = 0.0, ContactState()
-    for opening, target in targets:
-        state, _ = advance(opening, target - shear, state, LAW)
-        shear = target
-        strength, cohesion = strength_left(state.broken, LAW, state.kappa)
-        assert state.normal_stress <= strength * (1 + 1e-9)
-        assert abs(state.shear_stress) <= max(cohesion - MU * state.normal_stress, 0.0) * (1 + 1e-9) + 1e-6
-        if opening > 0 and not state.broken:
-            assert state.normal_stress <= tension_stiffness(strength, state.gap, KN) * opening * (1 + 1e-9)
-            assert inelastic_opening(opening, state.normal_stress, KN) >= -1e-18
-
 
 class TestFibres:
-    @pytest.mark.parametrize("number", [4, 8, 16])
+    @pytest.mark.parametrize("number", [4, 16])
     def test_they_share_the_area_hold_both_energies_and_break_one_after_another(self, number):
         wall = Wall("w", 0.675, 0.45, joint=SOFT)
         layout = lay_out(wall, ModelOptions(fibres=number, strength_cov=0.1))
@@ -226,34 +172,10 @@ class TestRun:
         assert parse_run(["--beta", "0"], "test", "reference").for_joint(SOFT).beta_s == 0.0
         assert choose_time_step(RunSettings(Harmonic(0.2, 0.05), ModelOptions()), critical) <= STEP_FACTOR * critical
 
-    def test_less_damping_or_a_larger_step_is_warned_of(self, tmp_path, capsys):
-        run(tmp_path, "--harmonic", 0.1, 0.01, "--rest", 0.1, "--beta", 0)
-        assert "--beta" in capsys.readouterr().err
-        run(tmp_path, "--harmonic", 0.1, 0.01, "--rest", 0.1, "--dt", 2.5e-5, name="b.h5")
-        assert "--dt" in capsys.readouterr().err
-
     def test_a_solver_that_knows_no_softening_refuses(self, tmp_path, capsys):
         backend = Backend("other", {}, None, tmp_path)
         assert run(tmp_path, backend=backend)[0] == 2
         assert "fracture energies" in capsys.readouterr().err
-
-    @pytest.mark.parametrize("fibres", [0, 8])
-    def test_its_energy_closes_and_its_joints_soften(self, tmp_path, fibres):
-        status, out = run(tmp_path, "--harmonic", 0.06, 0.8, "--rest", 0.1, "--fibres", fibres)
-        history = read_history(out)
-        assert status == 0 and summarise(history)["energy_error_fraction"] < 0.01
-        assert history.series["fracture_energy_j"].iloc[-1] > 0.1
-        partly = (history.opening_m[-1] > 0) & ~history.broken[-1]
-        assert partly.any()  # open, and not failed: a part of the bond is intact
-        assert np.all(np.diff(history.broken.astype(int), axis=0) >= 0)
-
-    def test_half_the_step_cracks_the_same_joints(self, tmp_path):
-        _, one = run(tmp_path, "--harmonic", 0.06, 0.5, "--rest", 0.02)
-        step = read_history(one).time_step_s
-        _, half = run(tmp_path, "--harmonic", 0.06, 0.5, "--rest", 0.02, "--dt", step / 2, name="half.h5")
-        one, half = read_history(one), read_history(half)
-        assert one.index()["DI"].max() > 0.02
-        assert one.index()["DI"].max() == approx(half.index()["DI"].max(), abs=1e-3)
 
 
 class TestParameters:
@@ -305,14 +227,9 @@ def pushed(tmp_path, name, energies, *words):
 FIVE_FIFTY = {"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0}
 
 
-@pytest.mark.slow
-def test_a_tested_wall_that_slides_reaches_its_measured_force(tmp_path):
-    """COMP1_3: 76.7 / 78.0 kN measured, 61 with brittle joints; docs/validation/laboratory.md."""
-    assert 70e3 < pushed(tmp_path, "squat_tested", FIVE_FIFTY, "--pushover", 0.07) < 85e3
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(("name", "energies", "least", "most", "words"), [
+    ("squat_tested", FIVE_FIFTY, 70e3, 85e3, ["--pushover", 0.07]),
     ("comp2_4", FIVE_FIFTY, 119e3, 145e3, ["--pushover", 0.06, "--boundary", "fixed"]),
     ("comp2_4", softening_energies(0.13125e6), 0.85 * 131.6e3, 1.15 * 131.6e3,
      ["--pushover", 0.1, "--boundary", "fixed"]),

@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, run_command, script_file, written
+from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
 from damage import Brick, Floor, Joint, Opening, Wall, load_wall, masonry
@@ -88,16 +88,6 @@ class TestData:
     def test_what_would_be_misread_is_refused(self, table, message):
         assert message in one_line_error(wall_from, {"name": "w", "length": 2, "height": 1, **table})
 
-    def test_a_history_keeps_it(self):
-        assert Wall.from_dict(json.loads(json.dumps(HOUSE.as_dict()))) == HOUSE
-
-    def test_a_wall_without_outline_and_floors_is_kept_as_before(self):
-        assert not {"outline", "floors"} & set(Wall("w", 2.0, 1.0).as_dict())
-
-    def test_it_is_not_executed(self, tmp_path):
-        path = written(tmp_path / "code.toml", "import os\nos.remove('x')\n", encoding="utf-8")
-        assert "no TOML" in one_line_error(load_wall, path)
-
     def test_a_byte_order_mark_and_dots_in_words_are_read(self, house):
         house.write_text(TEXT.replace("height = 4.2", f"height = 4.2 # {'.' * 200}"), encoding="utf-8-sig")
         assert house.read_bytes().startswith(b"\xef\xbb\xbf") and load_wall(house) == HOUSE
@@ -120,21 +110,6 @@ class TestData:
         one, other = lay_out(HOUSE), lay_out(load_wall(house))
         assert np.array_equal(one.contacts.x, other.contacts.x) and np.array_equal(one.bodies.mass, other.bodies.mass)
 
-    def test_the_launcher_gives_yade_the_program_for_data(self, tmp_path):
-        """A stand-in for YADE prints its arguments: the program comes before the first wall, once."""
-        (tmp_path / "bin").mkdir()
-        fake = script_file(tmp_path / "bin/yade", 'printf "%s\\n" "$@"')
-        given = ["-n", "a/house.toml", "--out", "x.h5"]
-        (tmp_path / "a").mkdir()
-        (tmp_path / "a/house.toml").touch()
-        said = run_command(REPOSITORY / "yade", *given, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}, cwd=tmp_path,
-                           check=True).stdout.splitlines()
-        assert said[2:] == ["-n", str(REPOSITORY / "yade_scripts/wall_data.py"), *given[1:]]
-        (tmp_path / "a/wall.py").touch()
-        script = run_command(REPOSITORY / "yade", "a/wall.py", "b.toml", cwd=tmp_path, check=True,
-                             env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
-        assert script[2:] == ["a/wall.py", "b.toml"]
-
 
 class TestMaterials:
     @pytest.mark.parametrize("name", MATERIALS)
@@ -147,9 +122,6 @@ class TestMaterials:
         assert_allclose((across, math.tan(joint.friction_angle)), (found.young_modulus, found.friction))
         assert joint.cohesion == found.cohesion
         assert not implausible(Wall("w", 2.0, 1.0, **made))
-
-    def test_every_value_has_a_source(self):
-        assert all(one.source for one in (*MATERIALS.values(), *FORMATS.values()))
 
     def test_bricks_have_their_share_of_mortar(self):
         made = masonry("clay-weak", "waalformaat", mortar=0.012, wythes=2)["brick"]
@@ -180,21 +152,6 @@ class TestPreview:
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
         assert labels == ["bricks", "support", "concrete floors", "elastic joints (lintel)", "outline"]
 
-    def test_it_sizes_openings_as_built(self):
-        blocks = Wall("blocks", 3.6, 2.8, [Opening(1.2, 1.2, 0.55, 0.9)], brick=Brick(length=0.4, height=0.2))
-        layout = lay_out(blocks)
-        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout))
-        assert "1.2 x 0.6\nsill 0.8" in [text.get_text() for text in figure.axes[0].texts]
-
-    @pytest.mark.parametrize("name", ["terrace_end", "symmetric", "shop_front"])
-    def test_the_label_of_its_axis_stands_above_the_legend(self, name):
-        wall = load_wall(name)
-        layout = lay_out(wall)
-        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout))
-        figure.draw_without_rendering()  # once, as when it is written
-        label, legend = figure.axes[0].xaxis.label.get_window_extent(), figure.legends[0].get_window_extent()
-        assert label.y0 > legend.y1
-
     @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
     def test_the_command_writes_it(self, house, tmp_path, output_of, ending):
         path = tmp_path / f"house.{ending}"
@@ -204,9 +161,6 @@ class TestPreview:
         assert path.read_bytes() == first
         if ending == "svg":
             assert ElementTree.fromstring(first).tag.endswith("svg")
-
-    def test_another_ending_is_refused(self, house, error_of):
-        assert "expected a name that ends in .png, .pdf, .svg" in error_of("draw", house, "--out", "house.gif")
 
 
 def test_the_command_names_its_floors(house, output_of):

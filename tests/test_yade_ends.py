@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, wall_file
+from conftest import wall_file
 from numpy.testing import assert_allclose
-from test_ends import HEIGHT, LENGTH, pair, shove
+from test_ends import HEIGHT, LENGTH
 
 import damage
-from damage.law.states import ENDED
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
 
@@ -49,28 +48,6 @@ def test_a_brick_that_is_pushed_off_a_pier_is_a_collapse(pushed, solver):
 def test_both_codes_let_it_fall_at_the_same_time(pushed):
     fallen = [history.collapsed_at_s for history, _ in pushed.values()]
     assert_allclose(*fallen, rtol=0.1)
-
-
-@pytest.mark.parametrize("speed", [2.0, 4.0])
-def test_a_shoved_brick_falls_alike(yade_command, tmp_path, speed):
-    """Off a brick that stands still, free to turn: time until it is half its height lower, state and data of the joint,
-    and energy from the end on, when it flies."""
-    yade_command(REPOSITORY / "tests/yade_checks/shoved_brick.py", speed, tmp_path / "found.npz", status=0)
-    with np.load(tmp_path / "found.npz") as results:
-        found = dict(results)
-    wall = pair()
-    wall.system.inverse_mass[0] = wall.system.velocity[0] = 0.0
-    shove(wall, speed)
-    start = wall.step
-    while wall.displacement[1, 1] > -HEIGHT / 2:
-        wall.run(10)
-    assert found["time_s"][-1] == pytest.approx((wall.step - start) * wall.time_step, rel=0.1)
-    ended = (found["state"] & ENDED) > 0
-    end = int(np.argmax(ended[:, 0]))
-    assert ended[end:].all() and not ended[:end].any()
-    assert_allclose(found["offset_m"][end:], LENGTH, rtol=0.02)
-    assert_allclose(found["opening_m"][end:], np.tile(found["opening_m"][end], (len(ended) - end, 1)), rtol=0, atol=0)
-    assert np.ptp(found["energy_j"][end - 1:]) < 1e-6 * found["energy_j"][end]
 
 
 def test_a_run_that_continues_after_a_joint_ended_keeps_its_stresses(tmp_path, yade_command):

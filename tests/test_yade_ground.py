@@ -95,14 +95,3 @@ def test_what_cannot_continue_is_one_line(halves, change, said):
     done = run("--continue", "first.h5", "--out", "other.h5", *change)
     line = done.stderr.strip().splitlines()[-1]
     assert done.returncode == 2 and said in line and line.startswith("error: ")
-
-
-def test_a_first_half_of_the_other_solver_is_one_line(halves, damage_command):
-    folder, run, _ = halves
-    done = damage_command("reference", folder / "small.py", "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0,
-                          "--no-pictures", "--out", folder / "reference.h5", status=0)
-    done = run("--continue", "reference.h5", "--out", "other.h5")
-    assert done.returncode == 2 and "--continue reference.h5: " in done.stderr
-    done = run("--continue", "whole.h5", "--out", "other.h5")
-    assert done.returncode == 2 and "no whole.checkpoint beside it" in done.stderr
-    assert not (folder / "other.h5").exists()
