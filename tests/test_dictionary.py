@@ -13,7 +13,6 @@ from test_fragility import recorded, walls
 from damage.export.curves import coefficients
 from damage.export.dictionary import DICTIONARY, dictionary_table, write_dictionary
 from damage.history.schema import OPTIONAL
-from damage.measure.crack_file import COLUMNS
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
 from damage.studies.after_damage import table_after_damage
 from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table
@@ -82,15 +81,6 @@ def test_tables_of_records_left_out():
     assert set(scores(table)) == known("left_out_scores.csv")
 
 
-def test_every_column_of_fragility_is_written_for_some_intensity():
-    written = set()
-    for intensity in ("pga_g", "pgv_m_s"):
-        runs = walls(10, seed=1)
-        runs[intensity] = runs["pga_g"]
-        written |= set(fragility_table(fit_all(runs, intensity, replicates=2), intensity).assign(slip="displacement"))
-    assert written == known("fragility_INTENSITY.csv")
-
-
 def test_the_table_of_fragility_after_damage():
     """Runs of one class are shocks as `load_shocks` gives them."""
     written = set()
@@ -101,10 +91,6 @@ def test_the_table_of_fragility_after_damage():
     assert written == known("fragility_after_damage_INTENSITY.csv")
 
 
-def test_crack_files():
-    assert set(COLUMNS) == known("crack files")
-
-
 def test_every_dataset_of_a_history_is_in_it(history):
     with h5py.File(history.path) as file:
         for group in (name for name, part in file.items() if isinstance(part, h5py.Group) and name != "run"):
@@ -112,18 +98,7 @@ def test_every_dataset_of_a_history_is_in_it(history):
             assert set(file[group]) == known(f"RUN.h5 {group}") - of_deformable
 
 
-def test_every_column_has_a_meaning():
-    table = dictionary_table()
-    assert not table["meaning"].eq("").any()
-    assert not table.duplicated(["table", "column"]).any()
-
-
 def test_the_shipped_ones_are_current(tmp_path):
     """python3 -m damage dictionary --out docs/reference."""
     for path in write_dictionary(tmp_path):
         assert path.read_text() == (REPOSITORY / "docs" / "reference" / path.name).read_text()
-
-
-def test_the_command_writes_both(tmp_path, output_of):
-    assert output_of("dictionary", "--out", tmp_path).split() == [
-        str(tmp_path / name) for name in ("dictionary.csv", "dictionary.md")]

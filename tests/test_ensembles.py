@@ -7,9 +7,7 @@ import pandas as pd
 import pytest
 from conftest import REPOSITORY, one_line_error, refused_with, written
 from numpy.testing import assert_allclose
-from small_history import make_history
 
-from damage.measure.tables import summary_row
 from damage.studies.definition import StudyRun, load_study
 from damage.studies.grid import expand
 from damage.studies.tables import points_of
@@ -31,10 +29,6 @@ class TestGrid:
         assert [(one["wall"], one["options"]["harmonic"]) for one in tables] == [
             ("a.py", [1, 0.1]), ("a.py", [2.5, 0.1]), ("b.py", [1, 0.1]), ("b.py", [2.5, 0.1])]
         assert tables[1]["options"]["x"] == "a2.5" and "vary" not in tables[0]
-
-    def test_a_range_stands_for_whole_numbers_and_any_value_for_a_name_alone(self):
-        assert [one["a"] for one in expand({"a": "{n}", "vary": {"n": {"from": 3, "to": 5}}}, "")] == [3, 4, 5]
-        assert [one["a"] for one in expand({"a": "{n}", "vary": {"n": [False, [1, 2]]}}, "")] == [False, [1, 2]]
 
     def test_rows_of_a_file_go_with_every_value_of_vary(self, tmp_path):
         (tmp_path / "list.csv").write_text(f"record,start,end,scale\n{BGAR},18,19,2\n{BGAR},18.5,20,0.5\n\n")
@@ -89,12 +83,6 @@ class TestGrid:
     def test_a_bad_grid_or_ensemble_is_refused_in_one_line(self, tmp_path, text, message):
         assert message in refused_with("", load_study, write_study(tmp_path, text), "reference")
 
-    def test_the_first_file_that_is_there_counts(self, tmp_path):
-        path = write_study(tmp_path, f'[[runs]]\n{WALL}options = {{ record = ["own.csv", "{BGAR}"] }}\n')
-        assert load_study(path).runs[0].words == ("--record", BGAR)
-        (tmp_path / "own.csv").write_text("time_s,acc_g\n0,0\n0.01,1\n0.02,0\n")
-        assert load_study(path).runs[0].words == ("--record", str(tmp_path / "own.csv"))
-
 
 class TestShipped:
     def test_harmonic_is_the_papers_matrix(self):
@@ -114,9 +102,6 @@ class TestShipped:
 
 
 class TestTables:
-    def test_a_row_names_the_point_the_record_and_the_peak_of_the_motion_as_applied(self, tmp_path):
-        row = summary_row(make_history(tmp_path / "a_s1.h5"), point="a")
-        assert (row["run"], row["point"], row["record"], row["pga_g"]) == ("a_s1", "a", None, row["amplitude_g"])
 
     def test_a_point_is_the_median_of_its_runs_with_their_range(self):
         runs = pd.DataFrame({"run": list("abcd"), "point": ["p", "p", "p", "q"], "solver": "reference", "wall": "w",

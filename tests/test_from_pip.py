@@ -4,7 +4,6 @@ import io
 import json
 import os
 import sys
-import threading
 import tomllib
 from contextlib import redirect_stdout
 from dataclasses import replace
@@ -71,13 +70,6 @@ def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
         assert (tmp_path / name).is_file(), name
 
 
-def test_a_study_by_yade_without_a_clone_is_one_line(installed, tmp_path):
-    done = run_command(sys.executable, "-m", "damage", "study", "quick", "--solver", "yade", cwd=tmp_path,
-                       env={**os.environ, "PYTHONPATH": str(installed / "site")})
-    assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr
-    assert "--solver yade: YADE's programs are in a clone" in done.stderr
-
-
 def test_the_notebook_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = GUIDES / "notebook.ipynb"
@@ -123,22 +115,10 @@ class TestNames:
         printed = error_of(*words)
         assert f"; did you mean {meant}?" in printed and printed.count("\n") == 1
 
-    def test_what_is_far_from_every_name_has_no_nearest(self, error_of):
-        assert "did you mean" not in error_of("xyzzy")
-
     def test_shipped_paths_are_those_of_a_clone_and_no_others(self):
         assert shipped_path("walls/variants/symmetric_fast.py").is_file()
         for path in ("pyproject.toml", "walls/../LICENSE", "walls/absent.py", "damage/files.py", "/etc/hosts", ""):
             assert shipped_path(path) is None
-
-    def test_record_draws_a_motion(self, tmp_path, capsys, error_of):
-        picture = tmp_path / "a.png"
-        words = ["record", "BGAR_HGE", "--window", "18", "20", "--band", "0.5", "25", "--json", "--plot"]
-        assert main([*words, str(picture)]) == 0
-        printed = capsys.readouterr()
-        assert json.loads(printed.out)["band_hz"] == [0.5, 25.0] and "picture: " in printed.err
-        assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 20_000
-        assert "expected a name that ends in .png" in error_of(*words, tmp_path / "a.pdf")
 
 
 class TestRun:
@@ -166,13 +146,6 @@ class TestRun:
         assert damage.run(PIER, pushover=0.001).loading == TopDisplacement((0.001,), cycles=0)
         assert len(damage.run(PIER, **SHORT | {"sequence": [1, 0.5]}).sequence) == 2
         assert capfd.readouterr().out == ""
-
-    def test_a_run_in_a_thread_is_one(self):
-        ended = []
-        thread = threading.Thread(target=lambda: ended.append(damage.run(PIER, **SHORT)))
-        thread.start()
-        thread.join()
-        assert ended[0].complete
 
     @pytest.mark.parametrize("arguments, says", [
         ({"harmonc": 1}, "did you mean harmonic?"), ({"rest": -1}, "--rest"), ({"motion": 3}, "motion = 3"),

@@ -1,7 +1,6 @@
 """What is there of a study and is not of today: other inputs, another model, other measures, changed records, and the
 folders of earlier versions.  One rule finds all of it (`damage.batch.outdated`)."""
 
-import hashlib
 import json
 import os
 import shutil
@@ -19,7 +18,7 @@ from damage.history.head import read_head
 from damage.motion.formats import shipped_records
 from damage.provenance import measures_digest, model_digest
 from damage.studies import inputs
-from damage.studies.definition import StudyRun, load_study
+from damage.studies.definition import load_study
 from damage.studies.inputs import as_json, inputs_of
 from damage.studies.records import NAME, line_of, read_records, record_of
 from damage.studies.tables import summary_of
@@ -152,29 +151,6 @@ class TestInputs:
             there.write(path, text)
         assert any(said in word for word in changes(task, note))
 
-    def test_words_that_change_nothing_keep_all(self, tmp_path):
-        there = Folder(tmp_path)
-        there.make()
-        there.write("w.py", f"{WALL}# words")
-        before = {path: path.stat().st_mtime_ns for path in there.out.rglob("*")}
-        there.study("harmonic = [0.2, 0.1], rest = 2")  # the default
-        assert there.settle() == [] and before == {path: path.stat().st_mtime_ns for path in there.out.rglob("*")}
-
-    def test_a_field_that_a_note_lacks_agrees_at_its_default_alone(self, tmp_path):
-        """A note from before there was such a field."""
-        (tmp_path / "x.h5").write_bytes(b"one")
-        for options, differing in (('harmonic = [0.2, 0.1]', []), ('harmonic = [0.2, 0.1], continue = "x.h5"',
-                                                                  ["continued"])):
-            there = Folder(tmp_path, options)
-            shutil.rmtree(there.out, ignore_errors=True)
-            there.make()
-            records = read_records(there.out)
-            (inputs,) = records.inputs.values()
-            del inputs["continued"], inputs["drawn_from"]
-            (there.out / NAME).write_text(records.text())
-            found = [word.partition(" ")[0] for words in there.judge().changed.values() for word in words]
-            assert found == differing
-
     def test_a_record_that_only_later_lives_use_is_noticed(self, tmp_path, monkeypatch):
         """The first life of a point is parsed; a record that the others use counts, too."""
         there = Folder(tmp_path, 'address = "h.toml", rest = 0', "lives = 3", h_toml=ADDRESS)
@@ -229,22 +205,6 @@ class TestRecords:
         results.write(verdict)
         assert (tmp_path / NAME).read_text() == line_of({"inputs": None} | record("a", tmp_path))  # reported once
 
-    @pytest.mark.parametrize(("name", "value", "good"), [
-        ("max_DI", 1.0, True), ("max_DI", 7.95, False), ("residual_accumulated_DI_slip", -0.1, False),
-        ("max_slip_mm", -1e-9, False), ("residual_drift_ratio", -0.5, True), ("input_energy_j", float("inf"), False),
-        ("period_s", float("nan"), True), ("collapsed_at_s", None, True)])
-    def test_an_older_record_without_a_checksum_is_believed_if_its_numbers_can_be(self, name, value, good, tmp_path):
-        one = record("a", tmp_path)
-        older = tmp_path / "shards" / "a.rows"
-        older.parent.mkdir()
-        assert name in one["row"]
-        for changed, right in ((one | {"row": one["row"] | {name: value}}, good),
-                               (one | {"cycles": [{"max_DI": value if name == "max_DI" else 0.5}]},
-                                good or name != "max_DI")):
-            older.write_text(json.dumps(changed) + "\n")
-            found = read_records(tmp_path)
-            assert (len(found.runs), len(found.faults)) == ((1, 0) if right else (0, 1))
-
     def test_slices_add_to_the_records_and_a_batch_makes_one_file_of_them(self, tmp_path):
         there = Folder(tmp_path, "harmonic = [0.2, 0.1], strength-cov = 0.3", "samples = 2")
         there.make()
@@ -256,17 +216,6 @@ class TestRecords:
         assert Results(there.out).names_of(run) == [run.name(1), run.name(2)]
         assert there.settle() == [] and not part.exists()
         assert list(read_records(there.out).runs) == [run.name(1), run.name(2)]
-
-    def test_a_point_that_leaves_a_study_and_returns_has_its_runs(self, tmp_path):
-        there = Folder(tmp_path)
-        there.make()
-        results = Results(there.out)
-        other = StudyRun("other", str(tmp_path / "w.py"), (), "reference")
-        verdict = results.judge([other])
-        assert results.bring_up_to_date(verdict) == []
-        results.write(verdict)
-        (run,) = there.load().runs
-        assert Results(there.out).names_of(run) == [run.first] and there.settle() == []
 
 
 class TestVersions:
@@ -294,60 +243,6 @@ class TestVersions:
         assert list(read_records(there.out).runs) == [run.first]
         (again,) = there.settle(remake=True)
         assert "are made again" in again and not list((there.out / "runs").iterdir())
-
-
-class TestEarlierVersions:
-    """Folders whose state was in shards, lists of members and notes."""
-
-    def older(self, folder, note, **options):
-        there = Folder(folder, **options)
-        there.make()
-        (run,) = there.load().runs
-        records = read_records(there.out)
-        (one,) = records.runs.values()
-        one.pop("inputs")
-        for name in ("shards", "runs/.inputs", "tables/rows", ".snakemake"):
-            (there.out / name).mkdir(parents=True)
-        (there.out / "shards" / "0000.rows").write_text(line_of(one))
-        (there.out / "runs" / f"{run.id}.members").write_text(f"{run.first}\n")
-        (there.out / NAME).unlink()
-        if note is not None:
-            (there.out / "runs" / ".inputs" / run.id).write_text(
-                json.dumps(*records.inputs.values(), indent=1) if note == "whole" else note)
-        return there, run
-
-    def test_it_is_read_and_written_anew(self, tmp_path):
-        there, run = self.older(tmp_path, "whole")
-        assert summary_of(there.load(), there.out)["run"].tolist() == [run.first]
-        before = read_records(there.out)
-        assert there.settle() == []
-        after = read_records(there.out)
-        assert after.runs == before.runs and after.orderly
-        assert sorted(path.name for path in there.out.iterdir()) == [NAME, "runs", "tables"]
-        assert [path.name for path in (there.out / "runs").iterdir()] == [f"{run.first}.h5"]
-
-    def test_its_notes_count(self, tmp_path):
-        there, run = self.older(tmp_path, "whole")
-        there.write("w.py", WALL.replace("0.45", "0.6"))
-        assert there.judge().changed[run] == ["wall.height 0.45 -> 0.6"]
-        there.write("w.py", WALL)
-        digest = hashlib.sha256(WALL.encode()).hexdigest()
-        first = hashlib.sha256(json.dumps([run.wall, run.words, run.varied, [digest]]).encode()).hexdigest()
-        (there.out / "runs" / ".inputs" / run.id).write_text(first)  # as 0.2.0.dev0 wrote it
-        assert there.judge().changed == {}
-        there.write("w.py", f"{WALL}# words")  # of which an old note does not tell that they change nothing
-        assert list(there.judge().changed) == [run]
-
-    def test_without_a_note_a_single_run_is_kept_and_an_ensemble_made_again(self, tmp_path):
-        there, run = self.older(tmp_path, None)
-        (warning,) = there.settle()
-        assert run.id in warning and "kept without a comparison" in warning
-        assert list(read_records(there.out).runs) == [run.first]
-        shutil.rmtree(there.out)
-        there, run = self.older(tmp_path, None, options="harmonic = [0.2, 0.1], strength-cov = 0.3",
-                                ensemble="samples = 2")
-        (warning,) = there.settle()
-        assert "there is no note of them" in warning and read_records(there.out).runs == {}
 
 
 STUDY = """

@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, written
 
 from damage.index import COMPONENTS
 from damage.measure.damage_index import CRITERIA
@@ -15,7 +14,7 @@ from paper.__main__ import main
 from paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
 from paper.evidence import MODELS
 from paper.readings import conclusions, judge_readings, table
-from paper.report import BEGIN, END, STATEMENTS, merged, source_in_words
+from paper.report import BEGIN, END, STATEMENTS, merged
 from paper.verdict import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
 from scripts.documents import judge_tables
 from scripts.keep_tables import keep
@@ -136,17 +135,6 @@ class TestReadings:
         assert row.endswith("| s | das | ? | das |")
         assert "0.3 MPa in the piers: gains nothing; loses nothing." in conclusions(judge_readings(tmp_path))
 
-    def test_the_command_writes_a_document(self, papers_world, tmp_path, capsys):
-        (tmp_path / "tables").mkdir()
-        papers_world.to_csv(tmp_path / "tables" / "summary.csv", index=False)
-        assert main(["readings", str(tmp_path), "--markdown", str(tmp_path / "readings.md")]) == 0
-        assert "Most claims" in capsys.readouterr().out and "| by default |" in (tmp_path / "readings.md").read_text()
-
-    def test_results_without_a_reading_are_refused(self, papers_world, tmp_path, error_of):
-        (tmp_path / "tables").mkdir()
-        papers_world.assign(solver="yade").to_csv(tmp_path / "tables" / "summary.csv", index=False)
-        assert "run_all.sh readings" in error_of("readings", tmp_path, of=main)
-
 
 def test_every_claim_has_its_judge_and_every_statement_its_claims():
     assert [claim.id for claim in CLAIMS] == list(dict.fromkeys(claim.id for claim in CLAIMS))
@@ -254,12 +242,6 @@ def test_kept_tables_say_what_the_runs_said(papers_world, judged, tmp_path):
     ("P6b", "symmetric-0.2-0.1-3", (0.10, 0.20, 0.19))])
 def test_cycles_contradict(papers_world, judged, claim, run, values):
     assert usual(judged(papers_world, {**CYCLES, run: values}, alone=claim), claim) == DIFFERS
-
-
-def test_records_are_measured_themselves(papers_world, judged):
-    findings = judged(papers_world)
-    assert findings["P13a", "elastic", "displacement"].value.startswith("0.111 g")
-    assert "synthetic" in findings["P13b", "elastic", "displacement"].value
 
 
 def test_a_claim_whose_runs_are_missing_cannot_be_judged(papers_world, judged):
@@ -385,36 +367,8 @@ def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, output
     assert readme.read_text() == renewed
 
 
-def test_no_table_is_bad_input(tmp_path, error_of):
-    assert "no tables/summary.csv" in error_of("verdict", tmp_path, of=main)
-
-
-@pytest.mark.parametrize(("text", "complaint"), [
-    ("", "cannot be read"), ("a,b\n1,2\n", "no column run"),
-    ("run,wall,solver,status,motion\nx,symmetric,yade,failed,harmonic\n", "no complete run")])
-def test_odd_tables_are_bad_input(tmp_path, error_of, text, complaint):
-    (tmp_path / "tables").mkdir()
-    (tmp_path / "tables" / "summary.csv").write_text(text)
-    assert complaint in error_of("verdict", tmp_path, of=main)
-
-
 def test_a_table_without_later_measures_is_judged_as_far_as_it_goes(papers_world, judged):
     table = papers_world.drop(columns=["damping_energy_j", "energy_error_fraction", "last_cycle_s", "shocks"])
     findings = judged(table, {})
     assert usual(findings, "P4") == HOLDS
     assert {usual(findings, claim) for claim in ("P5", "P12a", "P16")} == {UNJUDGED}
-
-
-def test_a_readme_without_markers_is_left_alone(papers_world, judged, tmp_path, capsys):
-    judged(papers_world)
-    readme = written(tmp_path / "README.md", "mine")
-    assert main(["verdict", str(tmp_path), "--readme", str(readme)]) == 2
-    assert readme.read_text() == "mine" and "lacks the line" in capsys.readouterr().err
-
-
-def test_the_readme_has_a_row_a_model():
-    _, begin, rest = (REPOSITORY / "README.md").read_text().partition(BEGIN)
-    block, end, _ = rest.partition(END)
-    assert begin and end
-    rows = [line.split(" | ")[0].removeprefix("| ") for line in block.strip().splitlines()[2:]]
-    assert rows == [f"{source_in_words('reference', model)}, elastic lintel" for model in MODELS]

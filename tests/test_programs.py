@@ -1,15 +1,13 @@
-"""Walls for OpenSees and 3DEC: what is written is read back and compared with the layout; OpenSeesPy runs it (long)."""
+"""Walls for OpenSees: what is written is read back and compared with the layout; OpenSeesPy runs it (long)."""
 
 import json
 import math
-import re
 import sys
 import types
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import one_line_error
 from environments import environment, run_in
 from numpy.testing import assert_allclose
 from test_reference import settle
@@ -17,20 +15,15 @@ from test_reference import settle
 import damage
 from damage.errors import RunWarning
 from damage.export.opensees import write_opensees
-from damage.export.threedec import NO_STIFFNESS, write_3dec
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
 from damage.law.modes import natural_modes, static_displacement
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
-from damage.wall.floors import Floor
-from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
-from damage.wall.restraints import Restraint
+from damage.wall.parameters import Brick, Opening, Wall
 
 DOOR = Wall("door", 1.35, 0.9, [Opening(0.45, 0.45, 0.6)], lintel="courses")
-CONTACT = re.compile(r"block contact (property|jmodel assign) (.*?)(?: range group-intersection (.*))?$")
 SCATTERED = ModelOptions(contacts="corners", strength_cov=0.3, strength_seed=4)
 
 
@@ -153,125 +146,18 @@ def test_opensees_breaks_a_joint_at_its_strength(mode, beyond, tmp_path, monkeyp
         assert (springs[words[words.index("-P") + 1]], springs[words[words.index("-Mz") + 1]]) == (kn, 0.0)
 
 
-def deck_of(layout, tmp_path):
-    """({group: box, (3, 2)}, {group: density}, {pair of groups: properties as 3DEC has them in the end}), warnings."""
-    path, said = write_3dec(layout, tmp_path / "wall.dat")
-    boxes, densities, commands, fixed = {}, {}, [], set()
-    for line in path.read_text(encoding="utf-8").splitlines():
-        words = line.split()
-        if line.startswith("block create brick"):
-            boxes[words[-1].strip("'")] = np.array(words[3:9], float).reshape(3, 2)
-        elif line.startswith("block property density"):
-            densities[words[-1].strip("'")] = float(words[3])
-        elif line.startswith("block fix range group"):
-            fixed.add(words[-1].strip("'"))
-        elif found := CONTACT.match(line):
-            commands.append((found[1], found[2].split(), found[3] and tuple(found[3].replace("'", "").split())))
-    assert fixed == {name for name in boxes if name.startswith("s")}
-    joints = {}
-    for pair in touching_of(boxes):
-        has = {}
-        for kind, words, at in commands:  # in their order, as 3DEC takes them
-            if at in (None, pair, pair[::-1]):
-                has |= {"model": words[0]} if kind != "property" else dict(zip(words[::2], map(float, words[1::2])))
-        joints[pair] = has
-    return boxes, densities, joints, said
-
-
-def touching_of(boxes):
-    """{(one, other): shared area [m2]} of boxes (3, 2) by name."""
-    names, found = list(boxes), {}
-    for k, one in enumerate(names):
-        for other in names[k + 1:]:
-            low = np.maximum(boxes[one][:, 0], boxes[other][:, 0])
-            size = np.minimum(boxes[one][:, 1], boxes[other][:, 1]) - low
-            if np.sum(size > 1e-6) == 2 and np.sum(np.abs(size) < 1e-6) == 1 and "b" in one[0] + other[0]:
-                found[one, other] = float(np.prod(size[size > 1e-6]))
-    return found
-
-
-@pytest.mark.parametrize(("wall", "options"), [
-    (DOOR, SCATTERED), (DOOR, ModelOptions(lintel="1")), (DOOR, ModelOptions(top="beam", supports="bricks")),
-    (Wall("dry", 0.9, 0.45, joint=Joint(tensile_strength=0.0, cohesion=0.0)),
-     ModelOptions(top="uniform", soil="1e8"))])
-def test_3dec_has_the_mass_the_joints_and_their_sums(wall, options, tmp_path):
-    layout = lay_out(wall, options)
-    boxes, densities, joints, said = deck_of(layout, tmp_path)
-    contacts, areas = layout.contacts, touching_of(boxes)
-    masses = [densities[f"b{k + 1}"] * np.prod(np.ptp(boxes[f"b{k + 1}"], axis=1)) for k in range(len(layout.bodies))]
-    assert_allclose(masses, layout.bodies.mass, rtol=1e-9)
-    pairs = {(int(first), int(second)) for first, second in zip(contacts.first, contacts.second)}
-    assert len(joints) == len(pairs) and said == []
-    for name, of in (("stiffness-normal", "normal_stiffness"), ("stiffness-shear", "shear_stiffness")):
-        found = sum(has[name] * areas[pair] for pair, has in joints.items())
-        assert_allclose(found, np.sum(getattr(contacts, of) * contacts.area), rtol=1e-9)
-    assert {has["model"] for has in joints.values()} == {"mohr", "elastic" if contacts.elastic.any() else "mohr"}
-    brittle = {pair: has for pair, has in joints.items() if has["model"] == "mohr"}
-    for name, of in (("tension", "tensile_strength"), ("cohesion", "cohesion")):
-        expected = np.sum((getattr(contacts, of) * contacts.area)[~contacts.elastic])
-        assert_allclose(sum(has[name] * areas[pair] for pair, has in brittle.items()), expected, rtol=1e-9)
-    assert_allclose([has["friction"] for has in brittle.values()], 32.0)
-    elastic = contacts.elastic if options.top != "uniform" else contacts.kind == CAP
-    assert_allclose(sum(areas[pair] for pair in joints if pair not in brittle), np.sum(contacts.area[elastic]))
-
-
-def test_3dec_says_where_a_joint_is_elastic_in_part(tmp_path):
-    """Beside an opening whose edge lies over a brick; the joint is elastic as a whole."""
-    layout = lay_out(Wall("edge", 1.35, 0.9, [Opening(0.5, 0.3, 0.6)], lintel="courses"))
-    _, _, joints, said = deck_of(layout, tmp_path)
-    contacts = layout.contacts
-    parts = {}
-    for first, second, elastic in zip(contacts.first, contacts.second, contacts.elastic):
-        parts.setdefault((f"b{first + 1}", f"b{second + 1}"), set()).add(bool(elastic))
-    mixed = [pair for pair, kinds in parts.items() if len(kinds) == 2]
-    assert mixed and len(said) == 1 and f" {len(mixed)} joints at the end of an elastic lintel are elastic" in said[0]
-    assert all(joints[pair]["model"] == "elastic" for pair in mixed)
-
-
-@pytest.mark.parametrize("elastic", [False, True])
-def test_3dec_gives_no_stiffness_to_blocks_that_only_touch(elastic, tmp_path):
-    """The ends of a slab do not touch the bricks beside them, here; in 3DEC a contact is found there.  It is dry, also
-    where all joints are elastic."""
-    layout = lay_out(Wall("slab", 1.35, 0.9, floors=[Floor(0.6, 500.0, 0.45, 0.9, "concrete")]))
-    if elastic:
-        layout.contacts.elastic[:], layout.contacts.tensile_strength[:], layout.contacts.cohesion[:] = 1, np.inf, np.inf
-    _, _, joints, _ = deck_of(layout, tmp_path)
-    slab = f"b{int(np.flatnonzero(layout.bodies.course == -2)[0]) + 1}"
-    free = [pair for pair, has in joints.items() if has["stiffness-normal"] == NO_STIFFNESS]
-    assert len(free) == 4 and all(slab in pair for pair in free)  # two courses on either side
-    assert all((joints[pair]["model"], joints[pair]["tension"], joints[pair]["cohesion"]) == ("mohr", 0, 0)
-               for pair in free)
-    assert {has["model"] for pair, has in joints.items() if pair not in free} == {"elastic", *["mohr"] * (not elastic)}
-
-
-@pytest.mark.parametrize(("option", "words", "said"), [
-    ("--opensees", ("--bricks", "deformable"), "with deformable bricks"),
-    ("--3dec", ("--bricks", "deformable", "--brick-cells", "4"), "of glued parts"),
-    ("--3dec", ("--lintel", "concrete"), "of glued parts"),
-    ("--opensees", ("--soil", "1e8", "--soil-velocity", "150"), "radiation damping"),
-    ("--parquet", ("--cells", "4"), "for a wall only")])
-def test_what_another_program_cannot_have_is_refused(option, words, said, tmp_path, error_of):
-    assert said in error_of("export", "symmetric", *words, option, tmp_path / "out")
+@pytest.mark.parametrize(("words", "said"), [
+    (("--bricks", "deformable"), "with deformable bricks"),
+    (("--soil", "1e8", "--soil-velocity", "150"), "radiation damping")])
+def test_what_opensees_cannot_have_is_refused(words, said, tmp_path, error_of):
+    assert said in error_of("export", "symmetric", *words, "--opensees", tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("has", "said"), [
-    ({"joint": Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0)}, "soften"),
-    ({"joint": Joint(compressive_strength=1e7)}, "crush"), ({"restraints": [Restraint("top")]}, "restraints")])
-def test_walls_that_soften_crush_or_are_held_are_refused(has, said, tmp_path):
-    layout = lay_out(Wall("soft", 0.9, 0.45, **has))
-    for write in (write_opensees, write_3dec):
-        assert said in one_line_error(write, layout, tmp_path / "out")
-
-
-def test_the_command_writes_both(tmp_path, output_of, error_of):
-    both = "--opensees", tmp_path / "squat.py", "--3dec", tmp_path / "squat.dat"
-    assert "of glued parts" in error_of("export", "symmetric", "--lintel", "concrete", *both)
-    assert not any(tmp_path.iterdir())
-    assert output_of("export", "squat", *both).split() == [str(both[3]), str(both[1])]
-    (tmp_path / "run.h5").touch()
-    for source in (tmp_path / "run.h5", tmp_path):
-        assert "expected a wall file" in error_of("export", source, "--opensees", tmp_path / "a.py")
+def test_walls_that_soften_are_refused_and_others_written(tmp_path, output_of):
+    soft = Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0)
+    assert "soften" in one_line_error(write_opensees, lay_out(Wall("soft", 0.9, 0.45, joint=soft)), tmp_path / "out")
+    assert output_of("export", "squat", "--opensees", tmp_path / "squat.py").split() == [str(tmp_path / "squat.py")]
 
 
 @pytest.mark.long
