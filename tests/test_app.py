@@ -182,6 +182,22 @@ def png_that_claims(width, height):
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in parts)
 
 
+def with_scans(photo, more):
+    """A JPEG with its last scan so many times more."""
+    last = photo[photo.rindex(b"\xff\xda"):-2]
+    return photo[:-2] + more * last + photo[-2:]
+
+
+def test_a_photograph_of_many_scans_is_refused_and_their_bytes_elsewhere_are_not_counted():
+    """Each takes time for all pixels: 200 of 50 million hold a processor for seconds."""
+    file = io.BytesIO()
+    Image.new("RGB", (400, 300), (90, 120, 40)).save(file, "JPEG", progressive=True, comment=b"\xff\xda" * 100)
+    photo = file.getvalue()
+    assert cleaned(photo) == cleaned(photo + b"\xff\xda" * 100) == cleaned(with_scans(photo, 20))
+    refused_with("more than 32 scans; expected fewer", cleaned, with_scans(photo, 30))
+    refused_with("more than 32 scans; expected fewer", cleaned, with_scans(photo, 100_000))
+
+
 @pytest.mark.parametrize("data, said", [
     (b"", "cannot be read; expected JPEG or PNG"), (b"<svg onload='x()'/>", "cannot be read"),
     (exif_photo()[:900], "cannot be read"),
@@ -245,6 +261,17 @@ def test_what_the_page_cannot_do_is_one_line(client, tmp_path, name, given, said
     assert re.search(said, message) and "Traceback" not in message
     assert {path.name for path in (tmp_path / "out").iterdir()} <= {"house.toml", "survey.csv", "levels.csv"}
     assert (tmp_path / "out/house.toml").read_text() == FRONT
+
+
+def test_what_is_refused_leaves_what_was_accepted(client, tmp_path):
+    done(client, "front", text=FRONT)
+    done(client, "survey", **drawn(CRACK))
+    done(client, "levels", text="x_m,height_m\n0,0.5\n1.1,0.498\n")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert "the survey" in refused(client, "survey", **drawn(CRACK | {"points": [[5, 5], [9, 9]]}))
+    assert "the file of levels" in refused(client, "levels", text="x_m,height_m\n0,0.5\n0.2,0.498\n")
+    assert "the front" in refused(client, "front", text="length = ")
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 
 @pytest.mark.parametrize("name", ["claim/patterns", "claim/tables/a.csv", "claim.log"])
@@ -331,20 +358,16 @@ def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, 
     done(client, "start", **START, shown=shown | {"levels": "not used"})
 
 
-def test_modules_of_the_working_folder_are_not_run(tmp_path, monkeypatch):
-    """A folder that was sent has a damage.py."""
-    written(tmp_path / "damage.py", f"open({str(tmp_path / 'ran')!r}, 'w')")
-    monkeypatch.chdir(tmp_path)
-    desk = Desk(tmp_path / "out")
-    desk.front(FRONT)
-    desk.survey([CRACK], [], 0.1, 0.05)
-    desk.start(**START | {"latitude": 53.3, "draws": 200})
-    until = time.monotonic() + 120
-    while desk.running and not any("expected: 400 runs" in line for line in desk.progress()["lines"]):
-        assert time.monotonic() < until
-        time.sleep(0.2)
-    lines = desk.stop()["lines"]
-    assert not (tmp_path / "ran").exists() and any("expected: 400 runs" in line for line in lines), lines
+def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
+    """Whole numbers, areas whose corners were given the other way round."""
+    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    done(client, "front", text=FRONT)
+    other = {"points": [[0.5, 0.1], [0.8, 0.3]], "offset": "yes"}
+    done(client, "survey", **drawn(CRACK | {"width_mm": 5}, CRACK | other) | {
+        "areas": [[[1.1, 0.1], [0.8, 0.5]]], "limit_mm": 1})
+    state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
+    survey = state["drawn"] | {"areas": [[area[:2], area[2:]] for area in state["drawn"]["areas"]]}
+    done(client, "start", **START, shown={"front": state["house"], "levels": "", "survey": survey})
 
 
 def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatch):
@@ -364,8 +387,16 @@ def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatc
     assert re.search(r'content="0; url=http://127\.0\.0\.1:\d+/\w{16}/\?token=[\w-]{40,}"', text) and not file.exists()
 
 
-def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
-    """Whose command line is that of the claim."""
+def test_a_pipe_is_not_opened(client, tmp_path):
+    """It would keep the page waiting."""
+    os.mkfifo(tmp_path / "out" / "house.toml")
+    assert "house.toml is a link, a pipe or a device" in refused(client, "front", text=FRONT)
+
+
+def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path, monkeypatch):
+    """Whose command line is that of the claim; modules of the working folder, which may have been sent, are not run."""
+    written(tmp_path / "damage.py", f"open({str(tmp_path / 'ran')!r}, 'w')")
+    monkeypatch.chdir(tmp_path)
     desk = Desk(tmp_path / "out")
     desk.front(FRONT)
     desk.survey([CRACK], [], 0.1, 0.05)
@@ -380,6 +411,7 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
         assert time.monotonic() < until and desk.running, desk.progress()
         time.sleep(0.2)
     assert not desk.stop()["running"] and str(tmp_path) not in json.dumps(desk.progress()["lines"])
+    assert not (tmp_path / "ran").exists()
 
 
 def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):

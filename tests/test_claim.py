@@ -147,6 +147,17 @@ class TestTwins:
         assert main(words(claimed.parent)) == 0
         assert read_records(claimed).runs[f"{BOTH}_from1_reference_s3"]["patterns"] == seal
 
+    @pytest.mark.parametrize("change, said", [
+        ({"opening_m": np.zeros((2, 9), "f4")}, "opening_m of shape (2, 9), expected (2, 1)"),
+        ({"joints": np.full(1, 10**6, "i4")}, "contact points that the wall does not have")])
+    def test_patterns_of_another_wall_are_refused(self, claimed, tmp_path, change, said):
+        layout = layout_of(claimed.parent / "narrow.py")
+        whole = {"moment": np.zeros(2, "i4"), "joints": np.zeros(1, "i4"), "opening_m": np.zeros((2, 1), "f4"),
+                 "offset_m": np.zeros((2, 1), "f4"), "displacement": np.zeros((2, len(layout.bodies.x), 3), "f4")}
+        np.savez_compressed(tmp_path / "one.npz", **whole | change)
+        seal = sha256((tmp_path / "one.npz").read_bytes()).hexdigest()
+        assert said in one_line_error(read_patterns, tmp_path / "one.npz", seal, layout)
+
 
 class TestGround:
     ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"

@@ -98,6 +98,14 @@ def half_moved(tmp_path, noise=NOISE):
     return layout, sampled_field(layout, motion, noise=noise, drift_ratio=0.0)
 
 
+def test_a_field_whose_z_points_down_is_named(tmp_path):
+    layout, field = half_moved(tmp_path)
+    assert field_warnings([field], measure([field], layout), layout) == []
+    down = Field(1, 0.0, field.points * (1, -1) + (0, 0.45), field.displacement * (1, -1))
+    (said,) = field_warnings([down], measure([down], layout), layout)
+    assert "the lowest course moves by 0.5 mm, the top one by 0" in said and "z up from a base at rest" in said
+
+
 @pytest.mark.parametrize("noise", [NOISE, 0.0])
 def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsys):
     """Not those of the half at rest, and not a point about which a brick turns."""

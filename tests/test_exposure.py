@@ -58,8 +58,8 @@ class TestModel:
                "MAX": "-3.2738 2.3343 -2.8857 -1.0060 -2.1016 -3.3940 1.1513 -0.3354"})
 
     @pytest.mark.parametrize("component", PRINTED)
-    @pytest.mark.parametrize("case", [(1.5, 0), (2.4, 4.2), (3.4, 2.554), (3.6, 8.5), (3.4, 11.69), (3.5, 24)])
-    @pytest.mark.parametrize("vs30", [200, 160, 320])
+    @pytest.mark.parametrize("case", [(1.5, 0), (3.4, 2.554), (3.6, 8.5), (3.5, 24)])
+    @pytest.mark.parametrize("vs30", [200, 320])
     def test_median_by_hand(self, component, case, vs30):
         expected = by_hand(self.PRINTED[component].split(), *case, vs30)
         assert float(Model(component).median_mm_s(*case, vs30)) == pytest.approx(expected, rel=1e-12)
@@ -236,8 +236,8 @@ class TestExposure:
         assert tuple(int(np.sum(exposure.median_mm_s > level)) for level in (1, 2, 4, 8)) == over
 
     def test_probability_of_any_event_against_draws(self, catalogue):
-        """20 000 draws; tolerance: four standard errors."""
-        n = 20_000
+        """5 000 draws; tolerance: four standard errors."""
+        n = 5_000
         exposure = Exposure(places.at(*DELFZIJL), catalogue.between(2006, 2012), Model())
         drawn = exposure.median_mm_s[:, np.newaxis]
         for level in (1, 2, 5):

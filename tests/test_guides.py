@@ -96,6 +96,7 @@ def test_a_wall_and_a_study_of_ones_own(clone):
     assert (clone / "my_study.html").stat().st_size > 1_000_000
 
 
+@pytest.mark.long
 def test_a_wall_that_was_cracked_before(clone):
     wall = next(text for language, text in blocks("own-wall") if language == "python")
     (clone / "walls/two_windows.py").write_text(wall, encoding="utf-8")
@@ -105,26 +106,31 @@ def test_a_wall_that_was_cracked_before(clone):
     assert damage.read_history(clone / "cracked.h5").parameters["cracked"]["file"] == "survey.csv"
 
 
+@pytest.mark.long
 def test_other_kinds_of_walls(clone):
     assert follow("other-walls", clone).count("mode 1: ") == 1
 
 
+@pytest.mark.long
 def test_a_wall_for_other_programs(clone):
     assert follow("other-programs", clone).split() == ["opensees_symmetric.py", "symmetric.dat"]
 
 
+@pytest.mark.long
 def test_walls_of_houses(clone):
     output = follow("houses", clone)
     assert "concrete lintel at 2.106 m" in output and "mode 1: 0.09" in output
     assert damage.read_history(clone / "house.h5").masonry_wall.lintel.kind == "concrete"
 
 
+@pytest.mark.long
 def test_a_record_of_ones_own(clone):
     assert "pga" in follow("own-record", clone).lower()
     history = damage.read_history(clone / "my_record.h5")
     assert history.complete and history.series["base_acceleration_x_m_s2"].abs().max() > 0.2 * 9.8
 
 
+@pytest.mark.long
 def test_a_wall_that_was_tested(clone):
     output = follow("tested-wall", clone)
     assert "comp2_2 / pushover_0.1pct_fixed: 2 draws" in output and "beside the test COMP2_2" in output

@@ -291,6 +291,17 @@ class TestRuns:
         (again,) = lives_of(tmp_path, [path])
         assert again.note == one.note is not None
 
+    def test_lives_are_of_the_wall_that_they_were_made_of(self, lived, tmp_path):
+        """Which may have been edited since; runs after the study above."""
+        folder, *_ = lived
+        (one,), text = lives_of(folder), (folder / "narrow.py").read_text()
+        try:
+            wall_file(folder / "narrow.py", WALL.replace("1.5", "1.35"))
+            (edited,) = lives_of(folder)
+        finally:
+            (folder / "narrow.py").write_text(text)
+        assert edited.note == one.note is not None
+
 
 def _written(table, path):
     table.to_csv(path, index=False)
@@ -319,6 +330,13 @@ class TestStudy:
         assert [one.life["largest_alone"] for one in settings] == [False, False, True, True]
         assert settings[0].settlement.name.startswith("tilt") and settings[1].life["number"] == 49
         assert len(settings[2].events) == 1 and settings[0].life["strong"] == [0.05, 0.1]
+
+    def test_a_second_command_is_refused_before_it_writes_anything(self, tmp_path, error_of, monkeypatch):
+        monkeypatch.setattr(batch_folder, "LOCK_PATIENCE_S", 0.0)
+        with batch_folder.held(tmp_path / "out", "lives"):
+            assert "another batch is at work" in error_of(
+                "life", "symmetric", "--at", "53.36786", "6.71359", "--out", tmp_path / "out")
+        assert list((tmp_path / "out").iterdir()) == []
 
 
 class TestEstimate:

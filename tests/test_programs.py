@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import one_line_error
 from environments import environment, run_in
 from numpy.testing import assert_allclose
 from test_reference import settle
@@ -21,7 +22,7 @@ from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Opening, Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 DOOR = Wall("door", 1.35, 0.9, [Opening(0.45, 0.45, 0.6)], lintel="courses")
 SCATTERED = ModelOptions(contacts="corners", strength_cov=0.3, strength_seed=4)

@@ -12,7 +12,7 @@ from damage.errors import InputError
 from damage.law.states import BROKEN, ENDED
 from damage.run import run as run_module
 from damage.run import settings as run_settings
-from damage.run.options import make_parser, parse_run
+from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step, sample_steps, stages
 from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places, unbalanced_force
 
@@ -101,15 +101,3 @@ def test_lengths_of_the_stages_and_looks():
 
 def test_damping_of_the_stages_that_are_not_dynamics():
     assert (run_settings.LOCAL_DAMPING, run_settings.ADAPTIVE_DAMPING) == (0.7, 1.0)
-
-
-@pytest.mark.parametrize("solver", ["reference", "yade"])
-def test_every_number_on_a_command_line_has_its_range_tested(solver):
-    """An option that is added without a row in the table of `test_ranges` fails here: it might accept NaN."""
-    from test_ranges import RUN, YADE_ALONE
-
-    tested = {word for template in (*RUN, *YADE_ALONE) for word in template.split() if word.startswith("--")}
-    numbers = {option for action in make_parser("test", solver)._actions for option in action.option_strings
-               if action.type in (int, float) or getattr(action.type, "__name__", "") in ("int", "float")}
-    assert numbers - tested == set()
-    assert len(numbers) > 15
