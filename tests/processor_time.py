@@ -11,7 +11,7 @@ from collections import Counter
 import pytest
 
 SUBJECTS = {
-    "batches": "batch combinations ensembles paper servers slurm study study_export study_figures "
+    "batches": "batch combinations ensembles paper plan servers slurm study study_export study_figures "
                "study_schema validity outdated claim",
     "pictures and documents": "app app_browser dictionary documented_rows documents examples guides html "
                               "html_browser model_pictures paraview pictures programs site_browser",

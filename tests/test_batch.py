@@ -18,7 +18,6 @@ from conftest import (
     BATCH_ENVIRONMENT,
     REPOSITORY,
     TINY,
-    contents,
     is_running,
     refused_with,
     run_command,
@@ -30,15 +29,15 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from benchmarks.resume import kill_tree
-from damage.batch import again, command, folder, worker
+from damage.batch import command, folder, worker
 from damage.batch.outdated import Results
 from damage.batch.pool import Pool
 from damage.batch.tasks import CHANGED, Task
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.studies.definition import StudyRun, load_study
+from damage.studies.definition import StudyRun
 from damage.studies.inputs import as_json, inputs_of
-from damage.studies.records import NAME, line_of, read_records, record_of
+from damage.studies.records import NAME, read_records
 
 POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
           'members = 3\nvary = { g = [%s], rest = [0.5] }\n')
@@ -94,6 +93,14 @@ def whole(tmp_path_factory):
     """A batch that was left alone."""
     one = Batches(tmp_path_factory.mktemp("whole"))
     one.done = one.run(one.study(POINTS % "0.5, 0.4, 0.01"))
+    return one
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """A batch of drawn strengths and of a sequence, all of whose histories are kept."""
+    one = Batches(tmp_path_factory.mktemp("drawn"))
+    assert one.run(one.study(DRAWN % 4)).returncode == 0
     return one
 
 
@@ -164,28 +171,23 @@ class TestBatch:
         assert "warning: a process was lost (SIGKILL): " in errors and "begin again" in errors
         assert batches.tables() == whole.tables()
 
-    def test_with_histories_of_a_sample_alone_the_tables_are_the_same_and_any_run_can_be_made_again(self, batches):
-        study, summary, all_kept = batches.study(DRAWN % 4), batches.folder / "summary", batches.out
-        assert batches.run(study).returncode == 0
+    def test_with_histories_of_a_sample_alone_the_tables_are_the_same(self, batches, drawn):
+        study, summary = batches.study(DRAWN % 4), batches.folder / "summary"
         assert batches.run(study, "--keep", "summary", out=summary).returncode == 0
         firsts = {"drawn_reference_s1", "alone_reference"}
         assert {path.stem for path in (summary / "runs").glob("*.h5")} == firsts
-        assert batches.tables(summary) == batches.tables() and len(batches.tables()) == 15
-        shocks = pd.read_csv(io.BytesIO(batches.tables()["shocks.csv"]))
+        assert batches.tables(summary) == drawn.tables() and len(drawn.tables()) == 15
+        shocks = pd.read_csv(io.BytesIO(drawn.tables()["shocks.csv"]))
         assert set(shocks["run"]) == {"alone_reference"} and len(shocks) == 2
 
-        done = batches.run(study, "--keep", "summary", "--run", "drawn_reference_s3", out=summary)
-        assert done.returncode == 0 and "the values are those of its record" in done.stdout, done.stderr
-        made = summary / "runs" / "drawn_reference_s3.h5"
-        assert contents(made) == contents(all_kept / "runs" / "drawn_reference_s3.h5")
         before = {path: path.stat().st_mtime_ns for path in (summary / "runs").glob("*.h5")}
         more = batches.study(DRAWN % 5)
         assert batches.run(more, "--keep", "summary", out=summary).returncode == 0
         assert before == {path: path.stat().st_mtime_ns for path in before}
         assert len(pd.read_csv(summary / "tables" / "summary.csv")) == 6
-        assert (summary / "logs" / "reference.log").read_text().count("--- ") == 7  # five, one again, and one more
+        assert (summary / "logs" / "reference.log").read_text().count("--- ") == 6  # five, and one more
 
-    def test_slices_by_themselves_then_the_whole(self, batches):
+    def test_slices_by_themselves_then_the_whole(self, batches, drawn):
         """As an array of jobs of a cluster: two at once, then a call that makes the tables."""
         study = batches.study(DRAWN % 4)
         slices = [batches.start(study, "--slice", f"{k}/2") for k in (1, 2)]
@@ -199,9 +201,7 @@ class TestBatch:
         done = batches.run(study)
         assert done.returncode == 0 and "started" not in done.stdout, done.stderr
         assert [path.name for path in batches.out.glob("records*")] == [NAME] and batches.checksums() == histories
-        alone = batches.folder / "alone"
-        assert batches.run(study, out=alone).returncode == 0
-        assert batches.tables() == batches.tables(alone)
+        assert batches.tables() == drawn.tables()
 
     def test_a_failing_member_stops_no_other_point_and_is_named(self, batches):
         # A step above the stable one is refused when the member starts.
@@ -351,49 +351,6 @@ class TestFolder:
         assert mine.read_text() == "mine"
 
 
-class TestOneRunAgain:
-    """`--run NAME` compares inputs before and values after."""
-
-    NAME = "drawn_reference_s2"
-
-    @pytest.fixture
-    def once_more(self, tmp_path):
-        """Makes the run again, by a history made by hand; returns the exit status."""
-        def simulate(task, inputs):
-            make_history(task.history, drift=simulate.drift)
-            return 0
-
-        batches = Batches(tmp_path)
-        path = batches.study(DRAWN % 3)
-        simulate.drift = 1e-4
-        results = Results(tmp_path)
-        results.write(results.judge(load_study(path, "reference", REPOSITORY).runs))
-        record = record_of(make_history(tmp_path / "other.h5", drift=1e-4), self.NAME, "drawn")
-        with open(tmp_path / NAME, "a") as file:
-            file.write(line_of({"inputs": read_records(tmp_path).points["drawn_reference"]} | record))
-        return SimpleNamespace(simulate=simulate, make=lambda: again.make_again(
-            self.NAME, load_study(path, "reference", REPOSITORY), Results(tmp_path), simulate))
-
-    def test_equal_values_are_reported_and_the_history_stays(self, once_more, tmp_path, capsys):
-        assert once_more.make() == 0
-        assert "the values are those of its record" in capsys.readouterr().out
-        assert (tmp_path / "runs" / f"{self.NAME}.h5").is_file()
-        refused_with("is there; expected one that is not", once_more.make)
-
-    def test_other_values_are_named_and_the_history_gets_another_name(self, once_more, tmp_path, capsys):
-        once_more.simulate.drift = 2e-4
-        assert once_more.make() == 1
-        printed = capsys.readouterr().err.splitlines()[-1]
-        assert printed.startswith(f"error: --run {self.NAME}: ") and "columns are not those of" in printed
-        assert "max_DI 0.005 -> 0.01" in printed and "differs.h5" in printed
-        assert [path.name for path in (tmp_path / "runs").glob("*.h5")] == [f"{self.NAME}.differs.h5"]
-
-    def test_other_inputs_are_refused_before_anything_runs(self, once_more, tmp_path):
-        wall_file(tmp_path / "tiny.py", TINY.replace("0.6", "0.45"))
-        refused_with("are not those that the table was made from: wall.height 0.6 -> 0.45", once_more.make)
-        assert not list((tmp_path / "runs").glob("*.h5"))
-
-
 class TestInputsThatChange:
     """Files that are edited while a study runs; which ones, `test_outdated`."""
 
@@ -422,12 +379,6 @@ class TestInputsThatChange:
         assert not read_records(batches.out).runs and not list((batches.out / "runs").iterdir())
         wall_file(wall, TINY)
         assert command.run_study(words) == 0 and len(read_records(batches.out).runs) == 4
-
-        with monkeypatch.context() as patch:
-            self.edited(patch, lambda: wall_file(wall, TINY.replace("0.6", "0.45")))
-            assert command.run_study([*words, "--run", "drawn_reference_s2"]) == 1
-        assert "1 runs were not made, as inputs changed" in capfd.readouterr().err
-        assert not (batches.out / "runs" / "drawn_reference_s2.h5").exists()
 
     @pytest.mark.slow
     def test_slices_of_other_inputs_do_not_become_part_of_a_study(self, batches, monkeypatch, capfd):

@@ -7,6 +7,7 @@ import shutil
 import string
 import subprocess
 import sys
+from hashlib import sha256
 
 import numpy as np
 import pandas as pd

@@ -9,6 +9,7 @@ from conftest import refused_with, run_here, wall_file, written
 from damage.__main__ import main
 from damage.laboratory.dic import (
     Field,
+    field_warnings,
     measure,
     patterns_of_fields,
     points_of_bricks,

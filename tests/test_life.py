@@ -11,6 +11,7 @@ from conftest import BATCH, BATCH_ENVIRONMENT, contents, one_line_error, refused
 from scipy import stats
 
 import damage
+from damage.batch import folder as batch_folder
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure
