@@ -12,7 +12,6 @@ from conftest import IN_BROWSER, written
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
 from selenium.webdriver.common.action_chains import ActionChains
-from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 from test_app import FRONT, exif_photo
@@ -136,31 +135,6 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
     driver.switch_to.window(driver.window_handles[0])
     assert {path.name for path in (tmp_path / "claim").iterdir()} == {
         "house.toml", "photo.jpg", "straight.jpg", "survey.csv", "claim.log", "claim"}
-
-
-def test_by_keys_alone(page):
-    """A crack, an area and its deletion without a mouse; the cross says where it is, and is seen."""
-    driver, _ = page
-    write(driver, "front-text", FRONT)
-    by(driver, "use-front").send_keys(Keys.ENTER)
-    WebDriverWait(driver, 20).until(lambda driver: by(driver, "said-front").text)
-    canvas = by(driver, "front")
-    driver.execute_script("arguments[0].focus()", canvas)
-    assert driver.switch_to.active_element == canvas
-    assert canvas.value_of_css_property("outline-style") == "solid"
-    canvas.send_keys(*[Keys.ARROW_LEFT] * 20, Keys.ENTER, *[Keys.ARROW_RIGHT] * 15, Keys.ENTER, Keys.BACKSPACE,
-                     Keys.ENTER, "f")
-    assert by(driver, "cross").text.startswith("Cross at x = ")
-    (row,) = driver.find_elements("css selector", "#drawn tbody tr")
-    assert "a crack" in row.text and re.search(r"0\.19\d|0\.2", row.text)
-    press(driver, "put-on-joints", "said-cracks")
-    Select(by(driver, "tool")).select_by_value("area")
-    canvas.send_keys(*[Keys.ARROW_UP] * 5, Keys.ENTER, *[Keys.ARROW_UP, Keys.ARROW_RIGHT] * 5, Keys.ENTER)
-    rows = driver.find_elements("css selector", "#drawn tbody tr")
-    assert len(rows) == 2
-    rows[1].find_element("tag name", "button").send_keys(Keys.ENTER)
-    assert len(driver.find_elements("css selector", "#drawn tbody tr")) == 1
-    silent(driver)
 
 
 def test_a_page_of_another_site_gets_nothing(page):

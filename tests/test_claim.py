@@ -29,17 +29,15 @@ from damage.claim.answer import (
     wilson,
     worlds_of,
 )
-from damage.claim.likeness import FARTHEST, KERNEL, kernel, pairwise, strange_share
+from damage.claim.likeness import FARTHEST, KERNEL, kernel
 from damage.claim.make import describe, layout_of
-from damage.claim.numbers import draws_needed, enough
 from damage.claim.sheet import sheet
-from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, psi_of, read_twins, write_twins
+from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, read_twins, write_twins
 from damage.exposure.lives import read_address
 from damage.html.words import LANGUAGES, all_words, number
-from damage.measure.cracks import close_pairs
 from damage.measure.evidence import QUANTITIES
 from damage.measure.kept import SETTLED, patterns_of, read_patterns
-from damage.measure.survey import Seen, distance, distances, read_survey, seen_of, surveyed
+from damage.measure.survey import distance, distances, read_survey, seen_of, surveyed
 from damage.motion.settlement import PROFILES
 from damage.provenance import commit, measures_digest
 from damage.run.options import parse_run
@@ -233,12 +231,6 @@ class TestButFor:
         assert widths(worlds_of(fell, 1.0))["left"] == pytest.approx([0.5, 0.5, 0.5])
         assert list(kernel(np.zeros(2), ~fell.fell["both"])) == [0.0, 1.0]
 
-    def test_psi_of_many_is_that_of_each(self):
-        ends = np.array([[[0.0, 0.0], [0.1, 0.0]], [[0.1, 0.0], [0.2, 0.0]], [[1.0, 0.0], [1.1, 0.0]]])
-        width = np.array([[1e-4, 0, 0], [1e-4, 1e-4, 1e-4], [0, 0, 0]])
-        found = psi_of(width, np.full(3, 0.1), close_pairs(ends))
-        assert found == pytest.approx([2 * 0.1**0.3, 2 * 2**0.15 * 0.1**0.3, 0.0])
-
 
 class TestAnswer:
     def tables(self, *bounds):
@@ -259,17 +251,6 @@ class TestAnswer:
         survey = {"max_width_mm": 0.1, "share_on_joints": 0.8} | change
         assert [code for code, _ in reasons(survey, draws, strange)] == why
 
-    def test_more_draws_until_intervals_are_narrow_and_draws_enough(self):
-        def numbers(low, high, why):
-            return {"all_draws": {"0.5": {"both": {"share": 0.5, "low": low, "high": high}}}, "draws": 96,
-                    "no_answer": [{"why": one} for one in why], "effective_draws": {"0.1": 12.0, "0.5": 30.0}}
-
-        assert enough(numbers(0.4, 0.6, []), 400) and enough(numbers(0.4, 0.6, ["small"]), 400)
-        assert not enough(numbers(0.39, 0.6, []), 400) and not enough(numbers(0.4, 0.6, ["draws"]), 400)
-        assert draws_needed(numbers(0.4, 0.6, [])) == 400
-        assert enough(numbers(0.4, 0.6, ["draws"]), 199), "400 draws are out of reach"
-        assert enough(numbers(0.4, 0.6, ["draws", "strange"]), 400), "more draws would not give an answer"
-
 
 class TestLikeness:
     def test_distances_are_those_of_the_survey(self, claimed):
@@ -286,16 +267,6 @@ class TestLikeness:
         away = np.full(100, FARTHEST + 1e-9)
         assert effective(kernel(away, np.ones(100, bool))) == 0, "draws equally far away do not resemble the survey"
         assert effective(np.exp(-(away / KERNEL)**2 / 2)) == pytest.approx(100)
-
-    def test_a_survey_unlike_all_is_stranger_than_all(self):
-        rng = np.random.default_rng(0)
-        area = 1 + 0.1 * rng.standard_normal((30, 20))
-        seen = Seen(area, np.ones_like(area), np.zeros_like(area))
-        pairs = pairwise(seen, 0.0, np.zeros(20))
-        other = Seen(np.flip(np.eye(20)[:1] * 20, axis=1), np.ones((1, 20)), np.zeros((1, 20)))
-        assert strange_share(distances(other, seen, 0.0, np.zeros(20)), pairs) == 1.0
-        middle = Seen(np.ones((1, 20)), np.ones((1, 20)), np.zeros((1, 20)))
-        assert strange_share(distances(middle, seen, 0.0, np.zeros(20)), pairs) < 0.1
 
 
 class TestSheet:

@@ -152,11 +152,6 @@ def test_the_best_combination_is_the_one_that_spoils_nothing(commanded):
     assert sum(line.startswith(default) for line in table_of_best(found)) == 1
 
 
-def test_an_incomplete_design_gives_no_effects(design):
-    found = judge_combinations(design(by_choices, WALLS[:3]))
-    assert len(found) == 6 and table_of_effects(found) == ["The design is incomplete: effects cannot be separated."]
-
-
 def test_a_combination_with_missing_runs_is_left_out(design):
     def unfinished(table, levels):
         if levels == levels_of(WALLS[1]):

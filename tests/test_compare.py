@@ -44,13 +44,6 @@ def test_drift_rms_is_the_relative_amplitude_of_the_difference(tmp_path):
     assert not compare_drift(first, second)["agrees"]
 
 
-def test_lag_of_a_late_copy(tmp_path):
-    first = history(tmp_path / "a.h5", wave() * np.exp(-3 * TIME))
-    second = history(tmp_path / "b.h5", wave(late=0.0044) * np.exp(-3 * (TIME - 0.0044)))
-    # The parabola through three samples of 1 ms finds the peak to a few hundredths of a sample.
-    assert compare_drift(first, second)["lag_s"] == approx(0.0044, abs=1e-4)
-
-
 def test_the_median_of_an_ensemble_is_judged(tmp_path):
     first = history(tmp_path / "a.h5", wave(1.0e-3))
     others = [history(tmp_path / f"{k}.h5", wave(scale * 1e-3)) for k, scale in enumerate((0.5, 0.99, 3.0))]

@@ -8,16 +8,14 @@ import pandas as pd
 import pytest
 from conftest import REPOSITORY
 from small_history import make_history
-from test_fragility import recorded, walls
+from test_fragility import walls
 
 from damage.export.curves import coefficients
 from damage.export.dictionary import DICTIONARY, dictionary_table, write_dictionary
 from damage.history.schema import OPTIONAL
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
-from damage.studies.after_damage import table_after_damage
 from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table
-from damage.studies.left_out import leave_one_out, scores
-from damage.studies.states import INTENSITIES, State
+from damage.studies.states import INTENSITIES
 from damage.studies.tables import points_of, write_hdf5
 
 
@@ -73,22 +71,6 @@ def test_tables_of_fragility(intensity):
     assert set(efficiency_table(runs)) == known("efficiency.csv")
     assert set(coefficients(fits)) == known("fragility_coefficients.csv")
     assert set(at_intensities(fits, [0.1])) == known("fragility_INTENSITY_at.csv")
-
-
-def test_tables_of_records_left_out():
-    table = leave_one_out(recorded(4, 0.3, seed=1, n_walls=4), [State("max_DI", 0.1)])
-    assert set(table) == known("left_out.csv")
-    assert set(scores(table)) == known("left_out_scores.csv")
-
-
-def test_the_table_of_fragility_after_damage():
-    """Runs of one class are shocks as `load_shocks` gives them."""
-    written = set()
-    for intensity in ("pga_g", "pgv_m_s"):
-        shocks = walls(10, seed=1).assign(before="undamaged")
-        shocks[intensity] = shocks["pga_g"]
-        written |= set(table_after_damage(shocks, intensity, 2))
-    assert written == known("fragility_after_damage_INTENSITY.csv")
 
 
 def test_every_dataset_of_a_history_is_in_it(history):

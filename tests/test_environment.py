@@ -3,7 +3,6 @@
 import os
 import shutil
 import sys
-from pathlib import Path
 
 import pytest
 from conftest import REPOSITORY, run_command, script_file
@@ -67,10 +66,6 @@ class TestInterpreter:
         done = machine.source()
         assert (done.returncode, done.stdout.strip()) == (0, str(machine.system_python)), done.stderr
 
-    def test_the_users_choice_is_passed_over_where_it_lacks_packages(self, machine):
-        mine = machine.stub("mine", NO_PACKAGES)
-        assert machine.source(PYTHON=str(mine)).stdout.strip() == str(machine.system_python)
-
     def test_modules_of_the_working_folder_are_not_executed(self, machine, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         machine.stub("python3", f'PYTHONPATH={machine.modules} exec {sys.executable} -S "$@"',
@@ -102,45 +97,6 @@ class TestMissing:
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 
 
-OS_RELEASE = Path("/etc/os-release")
-
-
-@pytest.mark.skipif(not OS_RELEASE.exists() or "debian" not in OS_RELEASE.read_text(),
-                    reason="installs on Debian and its kin only")
-class TestInstalling:
-    @pytest.fixture
-    def debian(self, machine):
-        """A machine without YADE and packages whose apt-get fails once, then brings them."""
-        (machine.bin / "yade").unlink()
-        machine.stub("python3", NO_PACKAGES, machine.system_python.parent)
-        machine.stub("sudo", '[ "$1" = -n ] && exec "${@:2}"')
-        machine.stub("sleep", "exit 0")
-        good = machine.stub("good", machine.python(), machine.repository)
-        yade = machine.stub("yade", "exit 0", machine.repository)
-        machine.stub("apt-get", f"""
-            echo "${{DEBIAN_FRONTEND:-}}: $*" >>{machine.repository}/calls
-            case "$*" in *install*) ;; *) exit 0 ;; esac
-            if [ ! -e {machine.repository}/failed ]; then
-                : >{machine.repository}/failed
-                echo "E: no route" >&2
-                exit 100
-            fi
-            cat {good} >{machine.system_python}
-            cat {yade} >{machine.bin}/yade
-            {shutil.which("chmod")} +x {machine.bin}/yade""")
-        return machine
-
-    def test_it_updates_installs_and_tries_twice(self, debian):
-        done = debian.source(MASONRY_NO_INSTALL="")
-        assert (done.returncode, done.stdout.strip()) == (0, str(debian.system_python)), done.stderr
-        assert "E: no route" in done.stderr  # errors stay visible
-        calls = (debian.repository / "calls").read_text().splitlines()
-        assert [line.split(":")[0] for line in calls] == ["noninteractive"] * 4
-        assert ["update" in line for line in calls] == [True, False, True, False]
-        assert calls[1].endswith("install --no-install-recommends yade python3-numpy python3-scipy python3-pandas "
-                                 "python3-h5py python3-matplotlib python3-numba python3-jinja2")
-
-
 def run_all(*words, **variables):
     return run_command(REPOSITORY / "run_all.sh", *words, env={**os.environ, "MASONRY_NO_INSTALL": "1", **variables},
                        timeout=120)
@@ -150,16 +106,10 @@ class TestRunAll:
     @pytest.mark.parametrize(("words", "printed"), [
         ((), "no study given: expected"),
         (("harmonik",), "no study harmonik is shipped: expected"),
-        (("../studies/quick",), "is shipped: expected"),
         (("mine.toml",), "mine.toml: no such study file"),
         (("quick", "--fast"), "unknown option --fast: expected -j, --out, --solver, --keep, --run, --slice, --slurm, "
          "--cores, --shard, --remake or --dry-run"),
-        (("quick", "quick"), "two studies"),
-        (("quick", "-j"), "-j without a value"),
         (("quick", "-j", "0"), "-j 0: expected a whole number"),
-        (("quick", "-jmany"), "-j many: expected a whole number"),
-        (("quick", "--out="), "--out without a value"),
-        (("quick", "--solver", "udec"), "expected yade, reference or both"),
         (("quick", "--solver=udec"), "--solver udec: expected yade"),
     ], ids=str)
     def test_bad_command_lines_get_one_line_and_status_2(self, words, printed):

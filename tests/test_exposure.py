@@ -13,7 +13,6 @@ from scipy import stats
 
 from damage.__main__ import main
 from damage.csv_table import from_words
-from damage.draw.exposure import exposure_picture
 from damage.draws import Draws
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
@@ -28,11 +27,6 @@ GARSTHUIZEN, LOPPERSUM, DELFZIJL = (53.36786, 6.71359), (53.3325, 6.7475), (53.3
 @pytest.fixture(scope="module")
 def catalogue():
     return read_catalogue()
-
-
-@pytest.fixture(scope="module")
-def garsthuizen(catalogue):
-    return Exposure(places.at(*GARSTHUIZEN), catalogue, Model())
 
 
 def by_hand(coefficients, magnitude, epicentral_km, vs30=200):
@@ -151,21 +145,15 @@ class TestCatalogue:
     @pytest.mark.parametrize("text, message", [
         (HEAD + "2018-01-08,14:00:52,3.4,245789,598263\n2018-01-09,late,3,245789,598263\n", "line 3: time"),
         (HEAD + "2018-01-08,14:00:52,strong,245789,598263\n", "line 2: magnitude = 'strong'"),
-        (HEAD + "2018-01-08,14:00:52,,245789,598263\n", "line 2: no magnitude"),
         (HEAD + "2018-01-08,14:00:52,3.4,245789\n", "line 2: 4 cells"),
-        (HEAD + "2018-01-08,14:00:52,34,245789,598263\n", "line 2: expected a magnitude"),
         (HEAD + "2018-01-08,14:00:52,3.4,598263,245789\n", "line 2: epicentre outside"),
         ("date_utc,time_utc,magnitude\n2018-01-08,14:00:52,3.4\n", "no epicentres"),
         (HEAD, "no row"), ("", "empty"), ("magnitude\n3\n", "no column date_utc"),
         (FDSN + "a|2018-01-08T14:00:52|53.36|6.75|3.4\nb|2018-01-08T14:00:52|53.36|6.75\n", "line 3: 4 cells"),
-        (FDSN + "a|2018-01-08T14:00:52|53.36|x|3.4\n", "line 2: longitude = 'x'"),
-        (FDSN + "a|2018-01-08T14:00:52|48.1|6.75|3.4\n", "line 2: epicentre outside"),
-        (FDSN + "a||53.36|6.75|3.4\n", "line 2: time ''"), (FDSN, "no event"),
         ("#EventID|Time|Magnitude\na|2018-01-08|3\n", "line 1: no column latitude, longitude"),
         (ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n",
          "no event that the ground-motion models are for"),
         ("<?xml version='1.0'?>\n<q:quakeml/>\n", "XML or JSON; expected CSV, or the text"),
-        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "format=text"),
     ])
     def test_a_bad_line_is_named_and_another_format(self, tmp_path, text, message):
         assert message in one_line_error(read_catalogue, written(tmp_path / "bad.csv", text))
@@ -247,20 +235,6 @@ class TestExposure:
                 over += int(np.sum(pgv.max(axis=1) > level))
             p = exposure.at_least_once(level)
             assert over / n == pytest.approx(p, abs=4 * math.sqrt(p * (1 - p) / n))
-
-    def test_far_from_the_field(self, catalogue):
-        message = one_line_error(Exposure, places.at(52.37, 4.88), catalogue, Model())
-        assert "km from the nearest epicentre" in message
-        assert "--vs30" in one_line_error(Exposure, places.at(*LOPPERSUM), catalogue, Model(), 5)
-
-    def test_picture_shows_every_event_from_its_threshold(self, garsthuizen):
-        figure = exposure_picture(garsthuizen)
-        time, ground = figure.axes
-        over = garsthuizen.median_mm_s[garsthuizen.median_mm_s >= 0.1]
-        dots = next(line for line in time.get_lines() if line.get_marker() == "o")
-        assert sorted(dots.get_ydata()) == pytest.approx(sorted(over))
-        assert len(ground.collections[0].get_offsets()) == len(over)
-        assert len(ground.get_lines()[0].get_xdata()) == 1474
 
 
 class TestCommand:

@@ -21,14 +21,12 @@ from damage.studies.fragility import (
     load_runs,
     solve,
 )
-from damage.studies.left_out import beside_unseen, leave_one_out, scores
+from damage.studies.left_out import leave_one_out, scores
 from damage.studies.new_record import new_record
 from damage.studies.states import (
-    INTENSITIES,
     LEVELS,
     State,
     check_states,
-    leading,
     parse_state,
 )
 
@@ -184,15 +182,6 @@ class TestRecords:
         x = np.array([0.15, 0.2, 0.3])
         assert np.all(np.diff(one.bounds(x, "both"), axis=0) > np.diff(one.bounds(x, "walls"), axis=0))
 
-    def test_a_record_counts_as_often_as_it_is_drawn(self):
-        # of two records, one that harms at once and one that never does, samples have the first 0, 1 or 2 times: none
-        # exceeds, half of the runs, all
-        runs = recorded(2, 0.0, seed=1)
-        runs["max_DI"] = np.where(runs["record"] == "r0", 1.0, 0.0)
-        one = fragility(runs, "max_DI", 0.1, replicates=60)
-        medians = one.replicates["records"][:, 0]
-        assert 5 < np.isinf(medians).sum() < 25 and 5 < (medians == 0).sum() < 25 and 15 < np.isnan(medians).sum() < 45
-
 
 def study_of(medians, x, n_runs, dispersion):
     """What `new_record` takes of runs whose shares are exact: records of these medians, each at all intensities."""
@@ -222,13 +211,6 @@ class TestNewRecord:
         assert 0.85 < np.mean(held["new record"]) < 0.95
         assert np.mean(held["mean"]) < 0.75
 
-    def test_its_probability_is_sure_outside_the_interval_and_open_inside(self):
-        one = new_record(*study_of([0.1, 0.14, 0.2, 0.28, 0.4], np.geomspace(0.05, 0.8, 8), 25, 0.1))
-        low, high = one.median_bounds()
-        bounds = one.bounds([low / 2, np.sqrt(low * high), 2 * high])
-        assert_allclose(bounds, [[0, 0, 1], [0, 1, 1]], atol=0.02)
-        assert_allclose(one.probability([np.sqrt(low * high)]), 0.5, atol=0.03)
-
 
 class TestLeftOut:
     @pytest.fixture(scope="class")
@@ -254,26 +236,6 @@ class TestLeftOut:
         of_it = table[table["record"] == "r3"]
         assert_allclose(of_it["pooled"], alone.probability(of_it["value"]))
         assert (of_it["observed"] == 0).all()
-
-    def test_a_step_counts_by_its_part_in_the_interval_and_a_harmless_record_where_it_lies_outside(self):
-        runs = recorded(5, 0.3, seed=1)
-        steps = runs["record"] == "r3"
-        x, most = np.sort(runs.loc[steps, "pga_g"].unique()), runs.loc[runs["record"] == "r4", "pga_g"].max()
-        runs.loc[steps, "max_DI"] = np.where(runs.loc[steps, "pga_g"] > x[2], 0.2, 0.0)
-        runs.loc[runs["record"] == "r4", "max_DI"] = 0.0
-        table = leave_one_out(runs, [State("max_DI", 0.1)], ["pga_g"]).drop_duplicates("record").set_index("record")
-        of_step, harmless = table.loc["r3"], table.loc["r4"]
-        assert (of_step["own_median_low"], of_step["own_median_high"]) == (x[2], x[3])
-        inside = np.interp(np.log([of_step["median_low"], of_step["median_high"]]), np.log(x[2:4]), [0, 1])
-        assert of_step["median_inside"] == pytest.approx(np.diff(inside)[0])
-        assert (harmless["own_median_low"], harmless["own_median_high"]) == (most, np.inf)
-        assert harmless["median_inside"] == 0 and most > harmless["median_high"]
-
-    def test_runs_of_another_study_are_compared_with_all_records(self):
-        runs, other = recorded(4, 0.3, seed=1), recorded(1, 0.3, seed=9).assign(record="new")
-        table = beside_unseen(runs, pd.concat([other, runs]), [State("max_DI", 0.1)], ["pga_g"])
-        assert set(table["record"]) == {"new"}
-        assert_allclose(table["pooled"], fragility(runs, "max_DI", 0.1, "pga_g", 0).probability(table["value"]))
 
 
 class TestOwnStates:
@@ -315,14 +277,6 @@ class TestOwnStates:
         assert list(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")["state"]) == ["a"]
         for bad, complaint in ((["--state", "max_DI > x"], "level 'x'"), (["--intensity", "pga"], "perhaps pga_g")):
             assert complaint in error_of(*words, *bad)
-
-
-def test_the_spectral_acceleration_at_the_walls_period_leads():
-    assert next(iter(INTENSITIES)) == "sa_eigen_period_g"
-    runs = walls(2, seed=1).assign(sa_eigen_period_g=0.1, pgv_m_s=0.1)
-    assert leading(runs) == "sa_eigen_period_g"
-    assert leading(runs.drop(columns="sa_eigen_period_g")) == "pgv_m_s"
-    refused_with("no intensity in every run", leading, runs[["wall"]])
 
 
 class TestEfficiency:
@@ -393,10 +347,3 @@ class TestAfterDamage:
         # Psi is 1.5 f / c, or twice that: it reaches 1 at f = c / 1.5, c about 1, between the factors that were run.
         assert 0.05 <= median["Psi about 1"] <= 0.1 <= median["undamaged"] <= 0.2
         assert (tmp_path / "f" / "fragility_after_damage_w_pga_g.png").stat().st_size > 10_000
-
-    def test_a_fall_in_the_second_shock_is_none_of_the_first(self, study):
-        runs = load_runs(study)
-        runs["collapsed_at_s"] = 1.5
-        shocks = load_shocks(runs, study)
-        assert shocks.loc[shocks["shock"] == 1, "collapsed_at_s"].isna().all()
-        assert (shocks.loc[shocks["shock"] == 2, "collapsed_at_s"] == 1.5).all()

@@ -6,7 +6,6 @@ import os
 import sys
 import tomllib
 from contextlib import redirect_stdout
-from dataclasses import replace
 from shutil import copytree, ignore_patterns
 
 import numpy as np
@@ -16,9 +15,9 @@ from test_guides import GUIDES, blocks
 
 import damage
 from damage.__main__ import main
-from damage.files import shipped_files, shipped_path
+from damage.files import shipped_files
 from damage.motion.loading import Harmonic, TopDisplacement
-from damage.wall.file import load_wall, shipped_walls
+from damage.wall.file import load_wall
 from damage.wall.new import new_wall
 
 SETUP = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
@@ -101,12 +100,6 @@ class TestNames:
         assert "expected a name that ends in .toml or .py" in one_line_error(new_wall, tmp_path / "b.txt")
         assert "expected a name that ends in .toml;" in one_line_error(new_wall, tmp_path / "b.py", "terrace_end")
 
-    @pytest.mark.parametrize("name", shipped_walls())
-    def test_a_new_wall_as_data_is_the_one_that_ships_but_for_its_name(self, tmp_path, name):
-        path = new_wall(tmp_path / 'my "new" wall.toml', name)
-        assert load_wall(path) == replace(load_wall(name), name="my--new--wall")
-        assert path.read_text().startswith("#:schema ./wall.schema.json\n# A copy of the wall " + name)
-
     @pytest.mark.parametrize("words, meant", [
         (["idnex", "a.h5"], "index"), (["modes", "symetric"], "symmetric"), (["reference", "simmetric"], "symmetric"),
         (["modes", "elsewhere/symmetric.py"], "symmetric"), (["study", "qick"], "quick"),
@@ -114,11 +107,6 @@ class TestNames:
     def test_a_wrong_name_is_met_with_the_nearest(self, error_of, words, meant):
         printed = error_of(*words)
         assert f"; did you mean {meant}?" in printed and printed.count("\n") == 1
-
-    def test_shipped_paths_are_those_of_a_clone_and_no_others(self):
-        assert shipped_path("walls/variants/symmetric_fast.py").is_file()
-        for path in ("pyproject.toml", "walls/../LICENSE", "walls/absent.py", "damage/files.py", "/etc/hosts", ""):
-            assert shipped_path(path) is None
 
 
 class TestRun:

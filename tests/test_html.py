@@ -234,14 +234,6 @@ class TestSaidFirst:
         assert words in text
         assert text.index(words) < text.index("<main")
 
-    @pytest.mark.parametrize(("loading", "still", "title"), [
-        ("cyclic", True, "Base shear"), ("free_vibration", True, "Base shear"), ("record", False, "Base acceleration")])
-    def test_whatever_drives_the_wall_is_drawn_above(self, tmp_path, loading, still, title):
-        row = {"base_acceleration_x_m_s2": 0.0} if still else {"base_acceleration_z_m_s2": RAMP}
-        history = damaged(tmp_path / "driven.h5", loading=loading, row=row | {"top_force_n": np.nan})
-        panel = Page(page([history.path], [])).data["charts"][0]
-        assert (panel["title"], len(panel["lines"])) == (title, 1 if still else 2)
-
 
 class TestSideBySide:
     def test_differences_are_from_the_first(self, one, tmp_path):
@@ -282,31 +274,6 @@ class TestStudy:
         parsed = Page(page([], [study]))
         assert "Histories that cannot be read" in parsed.text and "a.h5" in parsed.text
         assert [run["letter"] for run in parsed.data["runs"]] == ["A"]
-
-    def test_what_is_missing_or_growing_is_said_first(self, study):
-        (study / "runs" / "c.part.h5").write_bytes(b"")
-        summary = read_table(study / "tables" / "summary.csv")
-        summary.loc[0, "status"], summary.loc[1, "collapsed_at_s"] = "interrupted", 0.1
-        write_table(summary, study / "tables" / "summary.csv")
-        (study / "study.toml").write_text(
-            'name = "mine"\n[[runs]]\nid = "x"\nwall = "walls/symmetric.py"\noptions = { harmonic = [0.2, 0.05] }\n' * 1
-            + "".join(f'[[runs]]\nid = "x{k}"\nwall = "walls/symmetric.py"\noptions = {{ harmonic = [0.2, 0.0{k}] }}\n'
-                      for k in (1, 2, 3)))
-        text = page([], [study])
-        first = text[text.index("<aside"):text.index("</aside>")]
-        for words in ("2 of 4 points", "c.part.h5", "did not come to their end: a", "1 of 2 runs collapsed"):
-            assert words in first
-
-    def test_scattered_strengths_have_their_fragility(self, study):
-        path = study / "tables" / "summary.csv"
-        summary = read_table(path)
-        many = pd.concat([summary.assign(strength_cov=0.3, strength_seed=seed, pga_g=pga, max_DI=damage,
-                                         run=f"r{seed}-{pga}", status="complete")
-                          for seed in (1, 2, 3) for pga, damage in ((0.1, 0.01), (0.2, 0.03 * seed), (0.3, 0.2))])
-        write_table(many, path)
-        parsed = Page(page([], [study]))
-        assert "Fragility" in parsed.text and "dispersion" in parsed.text
-        assert any("exceeding" in one["alt"] for one in parsed.all("img"))
 
 
 class TestEscaping:

@@ -38,7 +38,7 @@ from damage.run.opening import event_lines
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records
-from paper.accumulation import READINGS, after, final_psi
+from paper.accumulation import after
 
 WALL = "Wall('narrow', 0.9, 1.5)"
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
@@ -67,11 +67,6 @@ class TestDraws:
         low, high = draws(exposure, above_mm_s=0.5).life(1), draws(exposure, above_mm_s=3.0).life(1)
         assert low[low["pgv_mm_s"] >= 3.0].reset_index(drop=True).equals(high)
         assert len(high) < len(low)
-
-    def test_the_largest_event_is_always_part(self, exposure):
-        every, alone = draws(exposure, above_mm_s=1.0).life(2), draws(exposure, largest_alone=True).life(2)
-        assert alone.equals(draws(exposure, above_mm_s=500.0).life(2)) and len(alone) == 1
-        assert alone["pgv_mm_s"][0] == every["pgv_mm_s"].max() == draws(exposure).largest([2])[0]
 
     def test_records_obey_the_rule_and_have_the_drawn_pgv(self, exposure):
         table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
@@ -458,15 +453,3 @@ class TestReadings:
         """At PGV = exp(3.370) a wall has reached 1.0 with 50 %: shares 0.4 and 0.6; no table from Psi = 2 on."""
         pgv = np.full(3, np.exp(3.370))
         assert list(after(np.array([0.0, 0.0, 2.0]), pgv, np.array([0.4, 0.6, 0.0]))) == [1.0, 0.5, 2.0]
-
-    def test_a_wall_that_was_damaged_before(self):
-        """From Psi = 0.5 half of the walls reach 1 at exp(3.002) mm/s; the largest alone starts from 0.5, too."""
-        class Alike:
-            def pgv(self, number):
-                return np.array([np.exp(3.002), 0.01]), None
-
-        found = final_psi(Alike(), range(4000), before=0.5)
-        assert all(found[name].min() == 0.5 for name in READINGS)
-        assert [np.mean(found[name] >= 1) for name in READINGS] == pytest.approx([0.5] * 3, abs=4 * 0.5 / 4000**0.5)
-        assert "Psi before the first event 0.7: expected one of 0.0, 0.5" in one_line_error(
-            final_psi, Alike(), range(4), before=0.7)

@@ -171,15 +171,6 @@ class TestShape:
         moved = shape.corners[5] - body_corners(run.bodies, REST)[5]
         assert_allclose(moved, np.full((4, 2), (factor * push_m, 0.0)), atol=SINGLE)
 
-    @pytest.mark.parametrize("snapshots", [{}, {0.0: REST + 1e-3}])
-    def test_without_a_snapshot_near_the_wall_is_undeformed_and_says_so(self, history, snapshots):
-        run = history(snapshots=snapshots)
-        figure = wall_picture(run, 10)
-        shape = wall_shape(run, 10)
-        assert shape.snapshot_time_s is None
-        assert_allclose(shape.corners, body_corners(run.bodies, REST))
-        assert "undeformed" in title(figure)
-
     @pytest.mark.parametrize("options", [{"sample": "middle"}, {"sample": 21}, {"magnify": -1.0},
                                          {"magnify": np.nan}, {"slip": "often"}, {"threshold": 0.0}])
     def test_bad_options_are_refused(self, cracked, options):
@@ -224,11 +215,6 @@ class TestIndexPicture:
         assert_allclose([*residual.get_xdata(), *residual.get_ydata()], [0.20, damage[20]], atol=ROUND_OFF)
         assert float(re.search(r"maximum (\S+) at", largest.get_label())[1]) == round(damage[10], 3)
 
-    def test_an_interrupted_run_has_no_residual(self, history):
-        figure = index_picture(history(**CASES["no settling"]))
-        assert not any("residual" in label or "settling" in label for label in labels(figure))
-        assert "interrupted" in title(figure)
-
     def test_base_acceleration_in_g_with_the_vertical_one_where_there_is_one(self, cracked, history):
         above = index_picture(cracked).axes[0]
         assert_allclose(line(above, "base, horizontal").get_ydata()[5], 0.05)
@@ -236,12 +222,6 @@ class TestIndexPicture:
         shaken = index_picture(history(row={"base_acceleration_z_m_s2": 0.981}))
         assert_allclose(line(shaken.axes[0], "base, vertical").get_ydata(), 0.1)
         assert "base, vertical" in labels(shaken)
-
-    def test_the_base_shear_of_a_wall_whose_base_stands_still_is_drawn(self, history):
-        run = history(loading="cyclic", drift=1e-3 * PULSE, row={"base_acceleration_x_m_s2": 0.0})
-        above = index_picture(run).axes[0]
-        assert above.get_ylabel() == "base shear [kN]"
-        assert_allclose(above.get_lines()[0].get_ydata(), LAYOUT.drift_height * PULSE)
 
 
 class TestTitles:
@@ -259,14 +239,6 @@ class TestTitles:
 
 
 class TestOtherPictures:
-    @pytest.mark.parametrize(("drift", "shown"), [
-        (1e-4, []), (6e-4, ["0.050", "0.058"]), (-1.5e-3, ["0.050", "0.058", "0.070", "0.120"]), (0.05, [])])
-    def test_drift_limits_within_the_range(self, history, drift, shown):
-        figure = drift_picture(history(drift=drift * PULSE))
-        assert [label.split()[0] for label in labels(figure) if "%" in label] == shown
-        levels = sorted({round(abs(one.get_ydata()[0]), 6) for one in figure.axes[0].get_lines()[:2 * len(shown)]})
-        assert levels == [float(value) for value in shown]
-        assert_allclose(figure.axes[0].get_lines()[-1].get_ydata(), 100 * drift * PULSE)
 
     def test_hysteresis_in_percent_and_kilonewton(self, cracked):
         ax = hysteresis_picture(cracked).axes[0]

@@ -64,9 +64,7 @@ class TestLoading:
 
     @pytest.mark.parametrize(("text", "message"), [
         ("", "name = None"),
-        ('name = "a/b"', "since it names a folder"),
         ('name = "s"', "no runs"),
-        ('name = "s"\nruns = 3', "no list of tables"),
         ('name = "s', "is no TOML"),
         ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs, "
          "states, title"),
@@ -78,10 +76,7 @@ class TestLoading:
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ scale = 2 }}', "--scale belongs to --record"),
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonic = [0.2] }}', "expected 2 arguments"),
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonics = [0.2, 1] }}', "unrecognized arguments"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = {{ rest = [[1]] }}', "rest holds [1]"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = "--rest 1"', "expected a table or a list of words"),
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ out = "a.h5" }}', "--out is set by the batch"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = ["--help"]', "--help is set by the batch"),
         (f'name = "s"\n[[runs]]\nid = "a b"\n{WALL}{HARMONIC}', "run 1: run id 'a b_yade'"),
         (f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}', "runs 1 and 2 are both"),
     ], ids=str)

@@ -22,8 +22,7 @@ from damage.units import GRAVITY
 from paper import figures as study_figures
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
-from paper.results import Missing, load_results, variants
-from paper.study_figures import choices
+from paper.results import load_results, variants
 
 AMPLITUDES_G = (0.025, 0.05, 0.1)
 SCALES = (0.5, 1.0, 1.5, 2.0)
@@ -194,14 +193,6 @@ class TestRecords:
         assert_allclose(figure.axes[2].lines[0].get_ydata(), motion.acceleration_m_s2 / GRAVITY)
         assert "Zeerijp, BGAR east, PGA 0.111 g" in text(figure)
 
-    def test_another_file_of_the_same_name_is_not_taken(self, results, ida, tmp_path, monkeypatch):
-        other = tmp_path / "huizinge" / "MID1_N_synthetic_acc_m_s2.csv"
-        other.parent.mkdir()
-        other.write_text("0.0,1.0\n0.1,1.0\n")
-        monkeypatch.setattr("paper.ida_figures.shipped_record_path", lambda: other)
-        with pytest.raises(Missing, match="MID1_N_synthetic_acc_m_s2.csv"):
-            records(results, ida.points)
-
 
 class TestIda:
     def test_residuals_against_pga(self, ida):
@@ -264,35 +255,6 @@ class TestResults:
         found = type(results)(both, results.runs).of_studies(("harmonic", "crosscheck"), both["wall"].notna())
         assert len(found) == len(points) and not found.duplicated(["point", "solver"]).any()
         assert sorted(folder.name for folder in found["folder"]) == ["crosscheck"] + ["harmonic"] * (len(points) - 1)
-
-    def test_the_index_comes_from_the_history_where_its_table_is_missing(self, tmp_path):
-        write_study(tmp_path / "harmonic", harmonic_rows()[:1])
-        results = load_results(tmp_path)
-        point = results.points.iloc[0]
-        table = results.index(point)
-        (tmp_path / "harmonic" / "tables" / "h0.2-0.025_0_reference_index.csv").unlink()
-        assert_allclose(results.index(point)["DI"], table["DI"], rtol=1e-8)
-        (tmp_path / "harmonic" / "runs" / "h0.2-0.025_0_reference.h5").unlink()
-        with pytest.raises(Missing, match="no history h0.2-0.025_0_reference.h5"):
-            results.index(point)
-
-
-class TestChoices:
-    def test_medians_ranges_and_falls_stand_beside_the_default(self):
-        rows = [point_row("d", "reference", 1.0, motion_period_s=0.2, amplitude_g=0.1, cycles=3, top="piers"),
-                point_row("five", "reference", 2.0, motion_period_s=0.2, amplitude_g=0.1, cycles=5, top="piers"),
-                point_row("beam", "reference", 3.0, motion_period_s=0.2, amplitude_g=0.1, cycles=3, top="beam"),
-                point_row("alone", "reference", 3.0, motion_period_s=1.0, amplitude_g=0.1, cycles=2, top="piers")]
-        points = pd.DataFrame(rows).assign(beta_s=0.0, collapsed=[0, 0, 2, 0])
-        ax, *others = choices(points).axes
-        assert [label.get_text() for label in ax.get_yticklabels()] == ["default", "5 cycles", "top mass: beam"]
-        drawn, _, (ranges,) = ax.containers[0]
-        assert_allclose(drawn.get_xdata(), points["max_DI"][:2])
-        assert_allclose([segment[:, 0] for segment in ranges.get_segments()],
-                        points[["max_DI_min", "max_DI_max"]][:2])
-        crossed, = (line for line in ax.lines if line.get_marker() == "x")
-        assert_allclose(crossed.get_ydata(), [2])
-        assert not any(other.has_data() for other in others)  # one second has no default to be compared with
 
 
 def stars(figure):
