@@ -109,10 +109,10 @@ class TestFit:
     ("records", lambda seed: recorded(10, 0.4, seed, n_walls=6, levels=8)),
     ("both", lambda seed: recorded(8, 0.4, seed, n_walls=3, levels=8))])
 def test_intervals_of_the_median_cover_the_known_one(over, study):
-    """Over 80 studies with a median of 0.2 g; numbers outside occur in one of 500 such tests.  Percentiles of few
+    """Over 40 studies with a median of 0.2 g; numbers outside occur in one of 500 such tests.  Percentiles of few
     samples lie further in than those of many: between 40, at ranks 2.95 and 38.05, are 0.856 of a distribution, and not
     0.90."""
-    studies, samples = 80, 40
+    studies, samples = 40, 40
     outside = 2 * (1 + 0.05 * (samples - 1)) / (samples + 1)
     bounds = np.array([fragility(study(seed), "max_DI", 0.1, "pga_g", samples, over=(over,)).median_bounds(over)[:, 0]
                        for seed in range(studies)])

@@ -213,10 +213,6 @@ class TestBatch:
         assert {path.suffix for path in pictures} == {".png", ".pdf"}
         assert sorted(path.name for path in batches.folder.iterdir()) == [
             "bin", "calls", "out of {it}", "small.py", "study.toml", "yade.py"]
-        again, calls = batches.run(study)
-        assert (again.returncode, calls) == (0, []), again.stderr
-        assert "a_yade" in again.stdout
-
         untouched = (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns
         done, calls = batches.run(batches.study("all", a=1, b=1.7))
         assert (done.returncode, calls) == (0, ["1.7"]), done.stderr

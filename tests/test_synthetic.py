@@ -45,7 +45,7 @@ class TestShippedFile:
         assert np.abs(displacement).max() < 5e-3  # no drift on the way: PGV for the 0.3 s of the strong part, halved
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_script_makes_the_shipped_motion_again(record, tmp_path):
     """Within 0.1 % of PGA: linear algebra rounds differently on another machine; wavelets that are off by 1e-11 of
     themselves change the motion by less than the file's seven digits."""
