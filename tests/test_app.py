@@ -9,7 +9,6 @@ import socket
 import subprocess
 import sys
 import time
-from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -24,7 +23,6 @@ from damage.__main__ import main
 from damage.app.desk import Desk, words
 from damage.app.photo import MARGIN_M, cleaned, homography, rectified
 from damage.app.server import HEADER, PAGE, make_app, serve
-from damage.motion.settlement import PROFILES
 
 PORT, TOKEN, ROOT = 8765, "a token of the test", "/room"
 FRONT = """name = "house"
@@ -436,39 +434,12 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
 
 # --- words -------------------------------------------------------------------------------------------------
 
-class Texts(HTMLParser):
-    """Texts and attributes of a page that people read."""
-
-    def __init__(self):
-        super().__init__()
-        self.found, self.tags = [], []
-
-    def handle_starttag(self, tag, attributes):
-        self.tags.append(tag)
-        self.found += [value for name, value in attributes if name in ("aria-label", "title", "placeholder", "alt")]
-
-    def handle_data(self, data):
-        if data.strip() and self.tags[-1] != "script":
-            self.found.append(data.strip())
-
-
-def test_every_text_of_the_page_is_in_both_languages(app, client):
-    """The template has no text of its own, the program no word in quotes that people read, and no word is unused."""
+def test_every_text_of_the_page_is_in_both_languages():
+    """With the same places for numbers; the program names no word that is not there."""
     table = words()
     assert all(set(text) == {"en", "nl"} and all(text.values()) for text in table.values())
     places = [set(re.findall(r"{\w+}", text[language])) for text in table.values() for language in ("en", "nl")]
     assert places[::2] == places[1::2]
-    same = {key for key, text in table.items() if text["en"] == text["nl"]}
-    assert same == {"magnitude", "stop"}
-    for language in ("en", "nl"):
-        page = Texts()
-        page.feed(client.get(f"{ROOT}/?language={language}", headers={"Host": HERE}).text)
-        known = {text[language] for text in table.values()} | {"EN", "NL"} | {
-            table["point"][language].replace("{number}", str(number)) for number in range(1, 5)}
-        assert set(page.found) <= known, set(page.found) - known
     template, program = ((PAGE / name).read_text(encoding="utf-8") for name in ("app.html", "app.js"))
-    used = set(re.findall(r"words\.(\w+)", template + program)) | set(re.findall(r'fill\("(\w+)"', program)) | set(
-        re.findall(r'"(\w+)"', program)) | {f"profile_{one}" for one in PROFILES}
-    assert set(table) <= used
-    spoken = re.findall(r'textContent = ["`]([^"`$]+)', program) + re.findall(r'say\("[\w-]+", "(.+?)"', program)
-    assert spoken == []
+    named = set(re.findall(r"words\.(\w+)", template + program)) | set(re.findall(r'fill\("(\w+)"', program))
+    assert named - {"get", "items"} <= set(table)

@@ -114,17 +114,6 @@ class TestTwins:
         after = {path.name: path.read_bytes() for path in (claimed / "patterns").iterdir()}
         assert len(after) == 8 and {name: after[name] for name in before} == before
 
-    def test_states_of_the_twins(self, claimed):
-        layout = layout_of(claimed.parent / "narrow.py")
-        twins = read_twins(claimed, layout)
-        assert not twins.width_m["none"].any() and (twins.width_m["settlement"] > 0).any()
-        rows = [json.loads(line) for line in (claimed / "records.jsonl").read_text().splitlines() if '"run"' in line]
-        psi = {one["run"]: one["row"] for one in rows}
-        for k, life in enumerate(twins.numbers):
-            row = psi[f"{BOTH}_from1_reference_s{life}"]
-            assert twins.psi["both"][k] == pytest.approx(row["residual_psi"], abs=1e-6)
-            assert twins.psi["settlement"][k] == pytest.approx(row["settled_psi"], abs=1e-6)
-
     def test_patterns_of_two_runs_that_were_exchanged_are_refused(self, claimed):
         one, other = (claimed / "patterns" / f"{BOTH}_from1_reference_s{number}.npz" for number in (1, 2))
         before = one.read_bytes()

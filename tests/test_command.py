@@ -1,14 +1,12 @@
 """What every command has: its version, quiet, completion of a shell; and messages of a wall file's mistakes."""
 
-import os
 import re
 import shlex
-import subprocess
 import sys
 from contextlib import suppress
 
 import pytest
-from conftest import REPOSITORY, run_command, wall_file, written
+from conftest import run_command, wall_file, written
 
 from damage.__main__ import DELEGATED, command_parser, main
 from damage.commands.table import COMMANDS, GROUPS
@@ -67,19 +65,6 @@ def test_an_old_terminal_gets_replaced_letters(words):
     done = run_command("env", "PYTHONIOENCODING=ascii", sys.executable, "-m", "damage", *words)
     assert (done.returncode, done.stderr) == (0, "") and done.stdout.isascii()
     assert words != ["--help"] or "fa?ade" in done.stdout
-
-
-@pytest.mark.parametrize("line, expected", [
-    ("masonry-damage stu", {"study-tables", "study-schema"}), ("masonry-damage reference --rayl", {"--rayleigh"}),
-    ("masonry-damage index --slip ", {"displacement", "accumulated", "shear-limit"})])
-def test_a_shell_completes_commands_options_and_choices(tmp_path, line, expected):
-    pytest.importorskip("argcomplete")
-    answer = tmp_path / "answer"
-    asked = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line)),
-             "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}
-    done = subprocess.run([sys.executable, "-m", "damage"], cwd=REPOSITORY, env=os.environ | asked, timeout=60)
-    assert done.returncode == 0
-    assert {word.strip() for word in answer.read_text().split("\n")} >= expected
 
 
 def test_a_wall_in_python_says_how_it_is_run():

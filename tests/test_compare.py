@@ -11,7 +11,6 @@ from small_history import make_history
 from damage.measure.compare import cohens_kappa, compare, compare_drift, describe
 from damage.measure.patterns import compare_patterns, cracked, fractions_skill_score, places_of
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 
 N = 1200
@@ -118,14 +117,6 @@ def test_a_neighbour_scores_high_and_the_other_side_nothing(tmp_path, left):
     assert same["fss"] == 1.0 and 0.85 < near["fss"] < 1.0 and far["fss"] == 0.0
     assert near["tells_sides"] and far["mirrored"] == approx(1.0) and not far["tells_sides"]
     assert near["shuffled"] < 0.5
-
-
-def test_two_discretisations_of_one_pattern_score_high(tmp_path, left):
-    corners = lay_out(LAYOUT.wall, ModelOptions(contacts="corners"))
-    x, z = (getattr(corners.contacts, name)[:corners.n_joints] for name in ("x", "z"))
-    other = make_history(tmp_path / "corners.h5", corners, broken=np.flatnonzero((x < 0.5) & (z < 0.5)))
-    assert len(other.joints) != len(left.joints)
-    assert compare(left, [other])["patterns"]["broken"]["fss"] > 0.9
 
 
 def test_a_crack_counts_up_to_the_end_of_the_motion(tmp_path):

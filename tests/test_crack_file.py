@@ -13,7 +13,6 @@ from damage.index import combine
 from damage.measure.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
 from damage.measure.crack_mapping import (
     describe_level,
-    index_bounds,
     largest_index,
     least_index,
     map_cracks,
@@ -137,19 +136,6 @@ def test_bounds_of_an_unknown_mode_are_those_of_every_split():
     split = combine(drift, opened + only_open + both + weak_open, slipped + only_slip + both + weak_slip)
     low, high = least_index(drift, opened, slipped, strong), largest_index(drift, opened, slipped, strong, weak)
     assert low <= split.min() < low + 0.005 and high - 0.005 < split.max() <= high
-
-
-def test_bounds_from_a_file(tmp_path):
-    """0.1 m each of 0.05, 0.12 and 0.2 mm width of unknown mode: none, at most one, at least one of both."""
-    (pattern,) = patterns(tmp_path, f"1,0,1,1,0.1,{BED},,,0.05,\n1,,1,2,0.2,{BED},,,0.12,\n1,,1,3,0.3,{BED},,,0.2,\n"
-                          f"1,,1,4,0.4,{BED},,,,\n")
-    layout = small_layout()
-    share = 0.1 / layout.total_joint_length
-    level = figures(pattern, layout)
-    assert level["DI_open"] == level["DI_slip"] == pytest.approx((0, 2 * share))
-    assert level["DI"] == pytest.approx((combine(0, share / 2, share / 2), combine(0, 2 * share, share)))
-    assert level["undecided_m"] == pytest.approx(0.2)
-    assert index_bounds(map_cracks(pattern, layout).table.iloc[:0], 1.0, 0.3)["DI"] == pytest.approx((0.3, 0.3))
 
 
 # --- round trip -----------------------------------------------------------------------------------

@@ -247,18 +247,6 @@ class TestCommand:
         assert list(table) == list(COLUMNS) and table["median_mm_s"].max() == pytest.approx(12.96, abs=5e-3)
         assert {path.name for path in tmp_path.iterdir()} == {"exposure.csv", "exposure.png", "exposure.pdf"}
 
-    def test_an_event_of_two_agencies_counts_once_and_is_named(self, output_of, tmp_path):
-        """Twice it gave a median of the largest motion of 36.44 mm/s."""
-        path = tmp_path / "twice.txt"
-        path.write_text(TestCatalogue.ALL + TestCatalogue.FIRST
-                        + "b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|B|3.4|induced or triggered event\n"
-                        + "a2|2019-05-22T03:49:00.1|53.327|6.65|3.0|A|3.4|induced or triggered event\n")
-        words = ["exposure", "--at", "53.36", "6.75", "--catalogue", str(path)]
-        found = json.loads(output_of(*words, "--json"))
-        assert found["largest_of_all_median_mm_s"] == pytest.approx(27.21, abs=5e-3)
-        assert found["at_least_once"]["10"] == pytest.approx(0.960, abs=5e-4) and len(found["warnings"]) == 1
-        assert "warning: " in (said := output_of(*words)) and "lines 2 and 3 are 0.4 s" in said
-
     def test_formulas_of_a_catalogue_reach_no_spreadsheet(self, tmp_path):
         """Place and identifier are foreign text."""
         path = tmp_path / "events.txt"

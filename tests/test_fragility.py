@@ -174,15 +174,6 @@ def recorded(n_records, between, seed, n_walls=12, levels=6):
                          "max_DI": harm / capacity[wall] / 2, "max_crack_width_mm": 0.0, "max_psi": 0.0})
 
 
-class TestRecords:
-    def test_bounds_over_records_are_wide_where_records_scatter_and_both_wider_than_walls(self):
-        one = fragility(recorded(5, 0.6, seed=4), "max_DI", 0.1, "pga_g", replicates=60)
-        width = {over: np.ptp(np.log(one.median_bounds(over)[:, 0])) for over in ("walls", "records", "both")}
-        assert width["records"] > 3 * width["walls"] and width["both"] > 3 * width["walls"]
-        x = np.array([0.15, 0.2, 0.3])
-        assert np.all(np.diff(one.bounds(x, "both"), axis=0) > np.diff(one.bounds(x, "walls"), axis=0))
-
-
 def study_of(medians, x, n_runs, dispersion):
     """What `new_record` takes of runs whose shares are exact: records of these medians, each at all intensities."""
     shares = curve(x, np.asarray(medians)[:, None], dispersion)

@@ -100,14 +100,6 @@ class TestNames:
         assert "expected a name that ends in .toml or .py" in one_line_error(new_wall, tmp_path / "b.txt")
         assert "expected a name that ends in .toml;" in one_line_error(new_wall, tmp_path / "b.py", "terrace_end")
 
-    @pytest.mark.parametrize("words, meant", [
-        (["idnex", "a.h5"], "index"), (["modes", "symetric"], "symmetric"), (["reference", "simmetric"], "symmetric"),
-        (["modes", "elsewhere/symmetric.py"], "symmetric"), (["study", "qick"], "quick"),
-        (["record", "BGRA_HGE"], "BGAR_HGE")])
-    def test_a_wrong_name_is_met_with_the_nearest(self, error_of, words, meant):
-        printed = error_of(*words)
-        assert f"; did you mean {meant}?" in printed and printed.count("\n") == 1
-
 
 class TestRun:
     def test_the_public_names_are_listed(self):
@@ -143,10 +135,3 @@ class TestRun:
         ({"motion": TopDisplacement((0.1,)), "sequence": "1,2"}, "leave it out")])
     def test_bad_arguments_are_one_line(self, arguments, says):
         assert says in one_line_error(lambda: damage.run(**{"wall": PIER, **arguments}))
-
-    def test_a_history_is_short_and_a_table(self):
-        history = damage.run(PIER, **SHORT)
-        assert repr(history) == str(history) and len(repr(history)) < 120
-        assert repr(history).startswith("<History pier, harmonic_0.05s_0.1g_1cycles, reference solver: complete, ")
-        shown = history._repr_html_()
-        assert f"maximum {history.index()['DI'].max():.3f}" in shown and shown.count("<tr>") == 7

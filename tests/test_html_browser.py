@@ -90,19 +90,6 @@ def test_the_slider_moves_wall_cursor_and_ring_by_keys(opened):
     assert "1 slipped, 1 opened" in by_id(opened, "shown-A").text
 
 
-@of("one")
-def test_what_is_reported_is_what_the_history_holds(opened, reports):
-    from damage.history.reader import read_history
-
-    history = read_history(reports["one"].parent / "study" / "runs" / "one.h5")
-    by_id(opened, "to-end").click()
-    last = history.index().iloc[-1]
-    content = by_id(opened, "shown-A").text
-    assert f"DI {last['DI']:.3f} (drift {last['DI_drift']:.3f}, open {last['DI_open']:.3f}" in content
-    by_id(opened, "to-max").click()
-    assert f"DI {history.index()['DI'].max():.3f}" in by_id(opened, "shown-A").text
-
-
 @of("study")
 def test_the_table_of_points_sorts(opened):
     def column(number):

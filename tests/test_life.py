@@ -18,7 +18,7 @@ from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS
 from damage.exposure.lives import Choices, Draws, events_of, read_address
 from damage.exposure.models.bommer_2022 import Model
-from damage.life.comparison import by_own_curve, choices, largest_alone, readings
+from damage.life.comparison import largest_alone
 from damage.life.estimate import paired, probability, strata
 from damage.life.results import (
     Lives,
@@ -99,13 +99,6 @@ class TestDraws:
         assert [one.hex() for one in life["scale"]] == scales
         assert [*life["start_s"], *life["end_s"]] == pytest.approx([18.7, 18.7, 20.7, 20.9, 20.9, 23.8])
         assert (ground.profile, ground.distortion.hex()) == ("sagging", "0x1.789b3f8000000p-12")
-
-    @pytest.mark.parametrize("pgv, record", [(4.0, "half"), (4.0 * (1 - 1e-12), "half"), (4.1, "half"), (3.9, "twice")])
-    def test_factors_of_one_size_are_a_tie_whatever_their_last_bits(self, exposure, pgv, record):
-        """Records of 2 and 8 mm/s need factors of 2 and 1/2 for 4 mm/s: the first of both is taken."""
-        lives = draws(exposure)
-        lives.__dict__["components"] = lives.components.head(2).assign(record=["half", "twice"], pgv_mm_s=[8.0, 2.0])
-        assert lives._table([(0, pgv, 1.0, None)])["record"].tolist() == [record]
 
     def test_events_are_those_of_the_sequence_file(self, exposure, tmp_path):
         life = draws(exposure, above_mm_s=3.0).life(1)
@@ -426,26 +419,6 @@ class TestResults:
         said = describe([lives, alone])
         assert "1.00 of the final Psi" in said  # of lives 1 and 4, the fallen one not counted
         assert "p_largest beside p, 4 equal lives: P(Psi >= 1) at rest +0.000" in said
-
-    def test_a_wall_s_own_curve_read_twice(self, lives):
-        """Single events of 10 to 40 mm/s, visible from 20 on but for one each way; two events of the median PGV: 1/2 by
-        the largest, 3/4 if each draws anew."""
-        largest = np.array([10.0, 15.0, 19.0, 21.0, 19.0, 21.0, 30.0, 40.0])
-        found = by_own_curve(largest, [0, 0, 1, 0, 0, 1, 1, 1], np.full((3, 2), 1.0))
-        assert 18 < found["median_mm_s"] < 23 and found["p_by_each_event"] < 1e-6
-        found = by_own_curve(largest, [0, 0, 1, 0, 0, 1, 1, 1], np.full((3, 2), found["median_mm_s"]))
-        assert (found["p_by_largest"], found["p_by_each_event"]) == pytest.approx((0.5, 0.75))
-        for hits, why in ((np.zeros(8), "no run exceeds it"), ((0, 0, 0, 1, 0, 1, 1, 1), "no dispersion"),
-                          ((0, 0, 0, 0, 1, 1, 0, 0), "no rising curve fits")):
-            found = by_own_curve(largest, hits, np.ones((3, 2)))
-            assert why in found["undetermined"] and np.isnan([found["median_mm_s"], found["p_by_largest"]]).all()
-        alone = Lives("p_largest", replace(lives.draws, choices=replace(lives.draws.choices, largest_alone=True)),
-                      lives.table.drop(index=0))
-        rows = readings([lives, alone])
-        assert [(row["psi"], row["outcome"]) for row in rows] == [
-            (1.0, "at rest"), (2.0, "at rest"), (1.0, "at any moment"), (2.0, "at any moment")]
-        assert rows[0]["p"] == rows[0]["p_largest"] == 0.5 and readings([lives]) == []
-        assert [row["other"] for row in choices([lives, alone])] == ["p_largest"]
 
 
 class TestReadings:

@@ -7,14 +7,13 @@ import pandas as pd
 import pytest
 
 from damage.index import COMPONENTS
-from damage.measure.damage_index import CRITERIA
 from damage.studies.tables import points_of
 from paper import report
 from paper.__main__ import main
 from paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
 from paper.evidence import MODELS
 from paper.readings import conclusions, judge_readings, table
-from paper.report import BEGIN, END, STATEMENTS, merged
+from paper.report import BEGIN, END, STATEMENTS
 from paper.verdict import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
 from scripts.documents import judge_tables
 from scripts.keep_tables import keep
@@ -295,17 +294,6 @@ def test_the_model_of_the_papers_text_has_columns_of_its_own(papers_world, judge
     assert verdicts == {"": HOLDS, ends: DIFFERS, deformable: HOLDS}
     heads = report.overview(found)[0].strip("| ").split(" | ")[1:]
     assert heads[2:] == [f"reference solver, {model}, elastic lintel" for model in (ends, deformable)]
-
-
-def test_slip_criteria_and_lintels_are_judged_apart(papers_world, judged):
-    papers_world.loc[where(papers_world, period=0.33, amplitude=0.025), "max_shear_limit_DI"] = 0.03
-    findings = judged(papers_world)
-    assert findings["P4", "elastic", "displacement"].verdict == HOLDS
-    assert findings["P4", "elastic", "shear-limit"].verdict == DIFFERS
-    assert findings["P4", "none", "displacement"].verdict == UNJUDGED
-    [*lines] = merged([findings["P4", lintel, slip] for lintel in ("elastic", "none") for slip in CRITERIA])
-    assert [line[1] for line in lines] == ["elastic lintel, slip by displacement and slip accumulated",
-                                           "elastic lintel, slip by shear limit", "no lintel"]
 
 
 def test_a_statement_sums_up_its_claims(papers_world, judged):

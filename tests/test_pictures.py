@@ -154,23 +154,6 @@ class TestShape:
         assert_allclose(moved[~at_base], carried[~at_base], atol=1e-12)
         assert_allclose(moved[at_base], (carried[at_base] + ends[at_base]) / 2, atol=1e-12)
 
-    @pytest.mark.parametrize(("push_m", "factor"), [
-        (6e-4, 20),     # 3 % of 0.45 m over 0.6 mm is 22.5
-        (3e-5, 500),    # 450
-        (1e-9, 1000),   # what cannot be seen stays so
-        (0.05, 1),      # a collapse is drawn as it is
-        (0.0, 1),
-    ])
-    def test_automatic_magnification(self, history, push_m, factor):
-        motion = REST.copy()
-        motion[5, 0] = push_m
-        run = history(snapshots={0.1: motion})
-        shape = wall_shape(run, 10)
-        assert shape.magnification == factor
-        assert f"displacements × {factor}" in title(wall_picture(run, 10))
-        moved = shape.corners[5] - body_corners(run.bodies, REST)[5]
-        assert_allclose(moved, np.full((4, 2), (factor * push_m, 0.0)), atol=SINGLE)
-
     @pytest.mark.parametrize("options", [{"sample": "middle"}, {"sample": 21}, {"magnify": -1.0},
                                          {"magnify": np.nan}, {"slip": "often"}, {"threshold": 0.0}])
     def test_bad_options_are_refused(self, cracked, options):
@@ -246,15 +229,6 @@ class TestOtherPictures:
         assert_allclose(motion.get_xdata(), 0.1 * PULSE[:10])
         assert_allclose(motion.get_ydata(), LAYOUT.drift_height * PULSE[:10])  # 1 MN/m times 1e-3
         assert_allclose(rest.get_xdata(), 0.1 * PULSE[9:16])  # joined to the motion, without settling
-
-    def test_energy_lines_and_imbalance_in_percent(self, history):
-        lost_j = np.linspace(0, 0.02, 21)
-        row = {"input_energy_j": np.linspace(0, 4.0, 21), "elastic_energy_j": np.linspace(0, 4.0, 21) - lost_j}
-        above, below = energy_picture(history(row=row)).axes
-        assert_allclose(line(above, "stored").get_ydata(), row["elastic_energy_j"])
-        # Settling starts at sample 16: the largest input before is 3 J.
-        assert_allclose(below.get_lines()[-1].get_ydata(), -100 * lost_j / 3, atol=1e-12)
-        assert below.get_ylabel() == "imbalance [%]"
 
     def test_energies_are_supplied_stored_dissipated_and_damped(self, history):
         parts = {f"{name}_energy_j": factor * np.arange(21.0) for factor, name in enumerate(
