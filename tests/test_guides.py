@@ -85,6 +85,7 @@ def test_the_first_wall_and_what_it_left(clone):
     assert (clone / "three_moments.png").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_a_wall_and_a_study_of_ones_own(clone):
     assert "two-windows" in follow("own-wall", clone)
     history = damage.read_history(clone / "two_windows.h5")
@@ -142,6 +143,7 @@ def test_a_wall_that_was_tested(clone):
     assert 1.4 * after_peak.toe_drift(by_rule) == pytest.approx(0.0175, rel=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.yade
 def test_a_scene_for_yade_users(clone, yade_command):
     """The prompt as shown, typed in a terminal; the same script by YADE's own command; engines, O.save and O.load."""
