@@ -11,9 +11,9 @@ from collections import Counter
 import pytest
 
 SUBJECTS = {
-    "batches": "batch combinations ensembles full_study paper plan servers slurm study study_figures "
+    "batches": "batch combinations ensembles paper plan servers slurm study study_export study_figures "
                "study_schema validity outdated claim",
-    "pictures and documents": "app app_browser dictionary document_tables documents examples guides html "
+    "pictures and documents": "app app_browser dictionary documented_rows documents examples guides html "
                               "html_browser model_pictures paraview pictures programs site_browser",
     "model and solver": "after_peak any_wall as_built before bits brick_stress cells checkpoint columns "
                         "crack_file cracks crushing curves damping deformable draws elementary ends evidence "

@@ -9,13 +9,12 @@ import socket
 import subprocess
 import sys
 import time
-from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, is_running, one_line_error, refused_with, wait_until, written
+from conftest import REPOSITORY, is_running, refused_with, wait_until, written
 
 pytest.importorskip("flask", reason="Flask is not installed: python3-flask")
 from PIL import Image
@@ -24,7 +23,6 @@ from damage.__main__ import main
 from damage.app.desk import Desk, words
 from damage.app.photo import MARGIN_M, cleaned, homography, rectified
 from damage.app.server import HEADER, PAGE, make_app, serve
-from damage.motion.settlement import PROFILES
 
 PORT, TOKEN, ROOT = 8765, "a token of the test", "/room"
 FRONT = """name = "house"
@@ -58,12 +56,6 @@ def exif_photo(width=400, height=300, orientation=1):
 @pytest.fixture
 def app(tmp_path):
     return make_app(tmp_path / "out", PORT, TOKEN, ROOT)
-
-
-def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
-    (tmp_path / "out").touch()
-    said = one_line_error(make_app, tmp_path / "out", PORT, TOKEN, ROOT)
-    assert "cannot make this folder" in said and "expected a folder, or a name that nothing has yet" in said
 
 
 @pytest.fixture
@@ -127,41 +119,11 @@ def test_strangers_requests_are_refused(client, headers):
     assert call(client, "stop", {})[0] == 200
 
 
-def test_a_file_on_this_machine_may_lead_to_the_page_by_the_token_alone(app):
-    """Browsers call that cross-site, and such a redirection would be without the cookie."""
-    from_file = {"Host": HERE, "Sec-Fetch-Site": "cross-site"}
-    assert app.test_client().get(f"{ROOT}/?token={TOKEN}", headers=from_file).status_code == 200
-    assert app.test_client().get(f"{ROOT}/?token=wrong", headers=from_file).status_code == 403
-    assert app.test_client().get(f"{ROOT}/?token={TOKEN}",
-                                 headers=from_file | {"Host": "attacker.example"}).status_code == 403
-
-
-def test_the_port_that_browsers_leave_out_is_accepted_without_it(tmp_path):
-    client = make_app(tmp_path / "out", 80, TOKEN, ROOT).test_client()
-    for host in ("127.0.0.1", "localhost", "127.0.0.1:80"):
-        assert client.get(f"{ROOT}/?token={TOKEN}", headers={"Host": host}).status_code == 200
-        assert call(client, "stop", {}, Host=host, Origin=f"http://{host}")[0] == 200
-    assert client.get(f"{ROOT}/?token={TOKEN}", headers={"Host": "attacker.example"}).status_code == 403
-
-
-def test_a_port_that_is_taken_is_refused(tmp_path, error_of):
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        said = error_of("app", "--no-browser", "--port", port, "--out", tmp_path / "o")
-    assert f"--port {port}: Address already in use; expected a port that nothing else has" in said
-
-
-BODIES = {
-    "not UTF-8": b'{"text": "\xff"}', "UTF-16": '{"text": "x"}'.encode("utf-16"), "cut": b'{"text": ',
-    "list": b"[]", "number": b"1", "null": b"null", "deep": b"[" * 100_000, "deep object": b'{"text":' * 50_000,
-    "half a surrogate": b'{"text": "\\ud800"}', "half a surrogate as a name": b'{"\\ud800": 1}',
-    "missing": b"{}", "more": b'{"text": "x", "more": 1}', "digits": b'{"text": ' + b"9" * 5000 + b"}"}
-
-
-@pytest.mark.parametrize("name", ["front", "levels", "start", "survey", "stop"])
-@pytest.mark.parametrize("body", [one for one in BODIES if one != "missing"])
-def test_a_body_that_no_page_sends_is_one_line(client, name, body):
-    status, answer = call(client, name, BODIES[body], **{"Content-Type": "application/json"})
+@pytest.mark.parametrize("body", [b'{"text": "\xff"}', b'{"text": ', b"[]", b"[" * 100_000, b'{"text": "x", "more": 1}',
+                                  b'{"text": ' + b"9" * 5000 + b"}"],
+                         ids=["not UTF-8", "cut", "list", "deep", "more", "digits"])
+def test_a_body_that_no_page_sends_is_one_line(client, body):
+    status, answer = call(client, "front", body, **{"Content-Type": "application/json"})
     assert status == 400 and set(answer) == {"error"} and "expected" in answer["error"] and "\n" not in answer["error"]
 
 
@@ -265,17 +227,6 @@ def test_four_points_straighten_a_photograph():
     assert [1 + MARGIN_M - rows.max() / px_m, 1 + MARGIN_M - rows.min() / px_m] == pytest.approx([0.3, 0.7], abs=0.01)
 
 
-@pytest.mark.parametrize("pixels, said", [
-    ([[0, 0], [300, 0], [0, 200], [300, 200]], "no convex quadrilateral"),
-    ([[0, 0], [100, 100], [200, 200], [0, 200]], "too near each other|no convex"),
-    ([[0, 0], [1, 0], [1, 1], [0, 1]], "too near each other"), ([[0, 0]], "expected 4 to 4 points"),
-    ([[0, 0], [1, 0], [1, "1"], [0, 1]], "expected a number"), ("no", "expected 4 to 4 points")])
-def test_bad_points_are_one_line(client, pixels, said):
-    done(client, "front", text=FRONT)
-    call(client, "photograph", exif_photo())
-    assert re.search(said, refused(client, "straighten", pixels=pixels, places=[[0, 0], [1, 0], [1, 0.6], [0, 0.6]]))
-
-
 # --- the claim's parts --------------------------------------------------------------------------------------
 
 def test_a_survey_that_was_drawn_is_on_the_joints_and_read_back(client, tmp_path):
@@ -293,17 +244,12 @@ def drawn(*cracks):
 
 @pytest.mark.parametrize("name, given, said", [
     ("survey", drawn(CRACK | {"width_mm": "1; rm"}), "width of crack"),
-    ("survey", drawn(CRACK | {"points": [[0.02, 0.1]]}), "2 to 500"),
     ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"), ("survey", drawn(1), "crack 1: expected"),
-    ("survey", drawn(CRACK) | {"limit_mm": 0}, r"detection limit \[mm\]"),
-    ("survey", drawn() | {"cracks": {}}, "up to 500 cracks"), ("survey", drawn(CRACK) | {"error_mm": 10**400}, "error"),
     ("survey", drawn(CRACK | {"points": [[10**400, 0.1], [0.3, 0.3]]}), "crack 1"),
-    ("front", {"text": FRONT.replace("1.125", "9" * 400)}, "length"),
     ("address", {"latitude": 53, "longitude": -10**400}, "longitude"),
     ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),
     ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"), ("front", {"text": 3}, "characters of TOML"),
     ("front", {"text": "import os"}, "the front"), ("levels", {"text": "x,z\n1,1\n"}, "no column x_m"),
-    ("address", {"latitude": None, "longitude": 6.7}, "latitude"),
     ("address", {"latitude": 52.0, "longitude": 5.0}, "km"),
     ("start", {"latitude": 53.3, "longitude": 6.7, "settle": None, "distortion": None, "draws": None, "language": "en"},
      "the survey is missing")])
@@ -326,20 +272,7 @@ def test_what_is_refused_leaves_what_was_accepted(client, tmp_path):
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 
-def test_levels_are_a_profile(client):
-    done(client, "front", text=FRONT)
-    found = done(client, "levels", text="x_m,height_m\n0,0.5\n1.1,0.498\n")
-    assert max(found["uz_m"]) == 0 and found["notes"][0].endswith("level when it was built")
-
-
-def test_a_link_out_of_the_folder_is_not_followed(client, tmp_path):
-    other = written(tmp_path / "other.txt", "kept")
-    (tmp_path / "out/photo.jpg").symlink_to(other)
-    status, answer = call(client, "photograph", exif_photo())
-    assert status == 200 and "photo.jpg is a link" in answer["error"] and other.read_text() == "kept"
-
-
-@pytest.mark.parametrize("name", ["claim/patterns", "claim/runs", "claim/tables/a.csv", "claim/.cache", "claim.log"])
+@pytest.mark.parametrize("name", ["claim/patterns", "claim/tables/a.csv", "claim.log"])
 def test_runs_do_not_start_where_a_link_leads_out_of_the_folder(client, tmp_path, monkeypatch, name):
     """In a folder that was sent."""
     monkeypatch.setattr("damage.app.desk.subprocess.Popen", None)
@@ -411,8 +344,6 @@ def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypat
 @pytest.mark.parametrize("change, said", [
     ({"front": FRONT + "length = 2"}, "the front was changed since it was sent"),
     ({"survey": drawn(CRACK, CRACK)}, "the survey that is drawn was changed since it was sent"),
-    ({"survey": drawn(CRACK | {"width_mm": 0.5})}, "the survey that is drawn was changed since it was sent"),
-    ({"survey": drawn(CRACK) | {"limit_mm": 0.2}}, "the survey that is drawn was changed since it was sent"),
     ({"survey": []}, "expected cracks, areas"), ({"levels": "x_m,height_m\n"}, "the table of levels was changed")])
 def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, change, said):
     monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
@@ -435,22 +366,6 @@ def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
     state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
     survey = state["drawn"] | {"areas": [[area[:2], area[2:]] for area in state["drawn"]["areas"]]}
     done(client, "start", **START, shown={"front": state["house"], "levels": "", "survey": survey})
-
-
-def test_modules_of_the_working_folder_are_not_run(tmp_path, monkeypatch):
-    """A folder that was sent has a damage.py."""
-    written(tmp_path / "damage.py", f"open({str(tmp_path / 'ran')!r}, 'w')")
-    monkeypatch.chdir(tmp_path)
-    desk = Desk(tmp_path / "out")
-    desk.front(FRONT)
-    desk.survey([CRACK], [], 0.1, 0.05)
-    desk.start(**START | {"latitude": 53.3, "draws": 200})
-    until = time.monotonic() + 120
-    while desk.running and not any("expected: 400 runs" in line for line in desk.progress()["lines"]):
-        assert time.monotonic() < until
-        time.sleep(0.2)
-    lines = desk.stop()["lines"]
-    assert not (tmp_path / "ran").exists() and any("expected: 400 runs" in line for line in lines), lines
 
 
 def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatch):
@@ -476,8 +391,10 @@ def test_a_pipe_is_not_opened(client, tmp_path):
     assert "house.toml is a link, a pipe or a device" in refused(client, "front", text=FRONT)
 
 
-def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
-    """Whose command line is that of the claim."""
+def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path, monkeypatch):
+    """Whose command line is that of the claim; modules of the working folder, which may have been sent, are not run."""
+    written(tmp_path / "damage.py", f"open({str(tmp_path / 'ran')!r}, 'w')")
+    monkeypatch.chdir(tmp_path)
     desk = Desk(tmp_path / "out")
     desk.front(FRONT)
     desk.survey([CRACK], [], 0.1, 0.05)
@@ -492,6 +409,7 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path):
         assert time.monotonic() < until and desk.running, desk.progress()
         time.sleep(0.2)
     assert not desk.stop()["running"] and str(tmp_path) not in json.dumps(desk.progress()["lines"])
+    assert not (tmp_path / "ran").exists()
 
 
 def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
@@ -514,46 +432,14 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
             os.killpg(int(pid), signal.SIGKILL)
 
 
-def test_without_flask_the_command_is_one_line(monkeypatch, tmp_path, error_of):
-    monkeypatch.setitem(sys.modules, "werkzeug.serving", None)
-    assert "install Debian's package python3-flask" in error_of("app", "--out", tmp_path / "o")
-
-
 # --- words -------------------------------------------------------------------------------------------------
 
-class Texts(HTMLParser):
-    """Texts and attributes of a page that people read."""
-
-    def __init__(self):
-        super().__init__()
-        self.found, self.tags = [], []
-
-    def handle_starttag(self, tag, attributes):
-        self.tags.append(tag)
-        self.found += [value for name, value in attributes if name in ("aria-label", "title", "placeholder", "alt")]
-
-    def handle_data(self, data):
-        if data.strip() and self.tags[-1] != "script":
-            self.found.append(data.strip())
-
-
-def test_every_text_of_the_page_is_in_both_languages(app, client):
-    """The template has no text of its own, the program no word in quotes that people read, and no word is unused."""
+def test_every_text_of_the_page_is_in_both_languages():
+    """With the same places for numbers; the program names no word that is not there."""
     table = words()
     assert all(set(text) == {"en", "nl"} and all(text.values()) for text in table.values())
     places = [set(re.findall(r"{\w+}", text[language])) for text in table.values() for language in ("en", "nl")]
     assert places[::2] == places[1::2]
-    same = {key for key, text in table.items() if text["en"] == text["nl"]}
-    assert same == {"magnitude", "stop"}
-    for language in ("en", "nl"):
-        page = Texts()
-        page.feed(client.get(f"{ROOT}/?language={language}", headers={"Host": HERE}).text)
-        known = {text[language] for text in table.values()} | {"EN", "NL"} | {
-            table["point"][language].replace("{number}", str(number)) for number in range(1, 5)}
-        assert set(page.found) <= known, set(page.found) - known
     template, program = ((PAGE / name).read_text(encoding="utf-8") for name in ("app.html", "app.js"))
-    used = set(re.findall(r"words\.(\w+)", template + program)) | set(re.findall(r'fill\("(\w+)"', program)) | set(
-        re.findall(r'"(\w+)"', program)) | {f"profile_{one}" for one in PROFILES}
-    assert set(table) <= used
-    spoken = re.findall(r'textContent = ["`]([^"`$]+)', program) + re.findall(r'say\("[\w-]+", "(.+?)"', program)
-    assert spoken == []
+    named = set(re.findall(r"words\.(\w+)", template + program)) | set(re.findall(r'fill\("(\w+)"', program))
+    assert named - {"get", "items"} <= set(table)

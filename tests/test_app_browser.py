@@ -12,14 +12,13 @@ from conftest import IN_BROWSER, written
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
 from selenium.webdriver.common.action_chains import ActionChains
-from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 from test_app import FRONT, exif_photo
 
 from benchmarks.report_in_browser import screenshot
 from damage.app.desk import words
-from damage.app.server import DOOR, make_app
+from damage.app.server import make_app
 
 pytestmark = IN_BROWSER
 TOKEN, ROOT = "a token of the test", "/room"
@@ -136,111 +135,6 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
     driver.switch_to.window(driver.window_handles[0])
     assert {path.name for path in (tmp_path / "claim").iterdir()} == {
         "house.toml", "photo.jpg", "straight.jpg", "survey.csv", "claim.log", "claim"}
-
-
-def test_by_keys_alone(page):
-    """A crack, an area and its deletion without a mouse; the cross says where it is, and is seen."""
-    driver, _ = page
-    write(driver, "front-text", FRONT)
-    by(driver, "use-front").send_keys(Keys.ENTER)
-    WebDriverWait(driver, 20).until(lambda driver: by(driver, "said-front").text)
-    canvas = by(driver, "front")
-    driver.execute_script("arguments[0].focus()", canvas)
-    assert driver.switch_to.active_element == canvas
-    assert canvas.value_of_css_property("outline-style") == "solid"
-    canvas.send_keys(*[Keys.ARROW_LEFT] * 20, Keys.ENTER, *[Keys.ARROW_RIGHT] * 15, Keys.ENTER, Keys.BACKSPACE,
-                     Keys.ENTER, "f")
-    assert by(driver, "cross").text.startswith("Cross at x = ")
-    (row,) = driver.find_elements("css selector", "#drawn tbody tr")
-    assert "a crack" in row.text and re.search(r"0\.19\d|0\.2", row.text)
-    press(driver, "put-on-joints", "said-cracks")
-    Select(by(driver, "tool")).select_by_value("area")
-    canvas.send_keys(*[Keys.ARROW_UP] * 5, Keys.ENTER, *[Keys.ARROW_UP, Keys.ARROW_RIGHT] * 5, Keys.ENTER)
-    rows = driver.find_elements("css selector", "#drawn tbody tr")
-    assert len(rows) == 2
-    rows[1].find_element("tag name", "button").send_keys(Keys.ENTER)
-    assert len(driver.find_elements("css selector", "#drawn tbody tr")) == 1
-    silent(driver)
-
-
-@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_narrow_and_dark(page, dark):
-    """390 px wide nothing is cut off; text and its ground have a contrast of 4.5 or more."""
-    driver, _ = page
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
-        {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
-        "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
-    try:
-        write(driver, "front-text", FRONT)
-        press(driver, "use-front", "said-front")
-        press(driver, "show-earthquakes", "said-address")  # an error: no address
-        assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
-        for name in ("said-front", "said-address", "show-earthquakes", "cross", "latitude"):
-            assert contrast(driver, by(driver, name)) >= 4.5, name
-        ground = by(driver, "h-front").value_of_css_property("color")
-        assert (sum(map(int, re.findall(r"\d+", ground)[:3])) > 500) is dark
-    finally:
-        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    silent(driver)
-
-
-def contrast(driver, element):
-    """Contrast of an element's text and the page's ground (WCAG 2)."""
-    def luminance(colour):
-        parts = [int(one) / 255 for one in re.findall(r"\d+", colour)[:3]]
-        linear = [one / 12.92 if one <= 0.03928 else ((one + 0.055) / 1.055)**2.4 for one in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    ground = driver.find_element("tag name", "body").value_of_css_property("background-color")
-    lights = sorted(map(luminance, (element.value_of_css_property("color"), ground)))
-    return (lights[1] + 0.05) / (lights[0] + 0.05)
-
-
-def test_a_crack_that_was_not_sent_is_said_and_nothing_starts(page):
-    driver, app = page
-    write(driver, "front-text", FRONT)
-    press(driver, "use-front", "said-front")
-    for across, up in ((0.12, 0.3), (0.35, 0.6)):
-        click_at(driver, "front", across, up)
-    press(driver, "put-on-joints", "said-cracks")
-    write(driver, "latitude", "53.36786")
-    write(driver, "longitude", "6.71359")
-    for across, up in ((0.15, 0.3), (0.3, 0.6)):
-        click_at(driver, "front", across, up)
-    assert "the survey that is drawn was changed since it was sent" in press(driver, "start", "said-compute")
-    assert app.desk.job is None
-    driver.get_log("browser")
-
-
-def test_a_file_leads_to_the_page(page, tmp_path):
-    """As the program opens it: the browser's command line is without the token."""
-    driver, app = page
-    driver.delete_all_cookies()
-    driver.get(written(tmp_path / "open.html", DOOR.format(app.address)).as_uri())
-    WebDriverWait(driver, 20).until(lambda driver: driver.title == WORDS["title"]["en"])
-    ready(driver)
-    assert TOKEN not in driver.current_url
-    silent(driver)
-
-
-def test_dutch_and_what_was_drawn_stays(page):
-    """A change of language keeps what was drawn, so does another session of the server's folder."""
-    driver, app = page
-    write(driver, "front-text", FRONT)
-    press(driver, "use-front", "said-front")
-    for across, up in ((0.15, 0.3), (0.3, 0.6)):
-        click_at(driver, "front", across, up)
-    by(driver, "finish").click()
-    press(driver, "put-on-joints", "said-cracks")
-    driver.find_element("css selector", 'nav a[lang="nl"]').click()
-    ready(driver)
-    assert driver.title == WORDS["title"]["nl"] and by(driver, "start").text == WORDS["start"]["nl"]
-    assert WORDS["crack"]["nl"] in driver.find_element("css selector", "#drawn tbody tr").text
-    driver.execute_script("sessionStorage.clear(); window.onpagehide = null; cracks = []; areas = [];")
-    open_page(driver, app.address)
-    assert app.desk.state()["drawn"]["cracks"][0]["width_mm"] == 0.3
-    silent(driver)
 
 
 def test_a_page_of_another_site_gets_nothing(page):

@@ -32,7 +32,7 @@ from benchmarks.resume import kill_tree
 from damage.batch import command, folder, worker
 from damage.batch.outdated import Results
 from damage.batch.pool import Pool
-from damage.batch.tasks import CHANGED, Task, company_of
+from damage.batch.tasks import CHANGED, Task
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.studies.definition import StudyRun
@@ -93,6 +93,14 @@ def whole(tmp_path_factory):
     """A batch that was left alone."""
     one = Batches(tmp_path_factory.mktemp("whole"))
     one.done = one.run(one.study(POINTS % "0.5, 0.4, 0.01"))
+    return one
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """A batch of drawn strengths and of a sequence, all of whose histories are kept."""
+    one = Batches(tmp_path_factory.mktemp("drawn"))
+    assert one.run(one.study(DRAWN % 4)).returncode == 0
     return one
 
 
@@ -163,14 +171,13 @@ class TestBatch:
         assert "warning: a process was lost (SIGKILL): " in errors and "begin again" in errors
         assert batches.tables() == whole.tables()
 
-    def test_with_histories_of_a_sample_alone_the_tables_are_the_same(self, batches):
+    def test_with_histories_of_a_sample_alone_the_tables_are_the_same(self, batches, drawn):
         study, summary = batches.study(DRAWN % 4), batches.folder / "summary"
-        assert batches.run(study).returncode == 0
         assert batches.run(study, "--keep", "summary", out=summary).returncode == 0
         firsts = {"drawn_reference_s1", "alone_reference"}
         assert {path.stem for path in (summary / "runs").glob("*.h5")} == firsts
-        assert batches.tables(summary) == batches.tables() and len(batches.tables()) == 15
-        shocks = pd.read_csv(io.BytesIO(batches.tables()["shocks.csv"]))
+        assert batches.tables(summary) == drawn.tables() and len(drawn.tables()) == 15
+        shocks = pd.read_csv(io.BytesIO(drawn.tables()["shocks.csv"]))
         assert set(shocks["run"]) == {"alone_reference"} and len(shocks) == 2
 
         before = {path: path.stat().st_mtime_ns for path in (summary / "runs").glob("*.h5")}
@@ -180,7 +187,7 @@ class TestBatch:
         assert len(pd.read_csv(summary / "tables" / "summary.csv")) == 6
         assert (summary / "logs" / "reference.log").read_text().count("--- ") == 6  # five, and one more
 
-    def test_slices_by_themselves_then_the_whole(self, batches):
+    def test_slices_by_themselves_then_the_whole(self, batches, drawn):
         """As an array of jobs of a cluster: two at once, then a call that makes the tables."""
         study = batches.study(DRAWN % 4)
         slices = [batches.start(study, "--slice", f"{k}/2") for k in (1, 2)]
@@ -194,9 +201,7 @@ class TestBatch:
         done = batches.run(study)
         assert done.returncode == 0 and "started" not in done.stdout, done.stderr
         assert [path.name for path in batches.out.glob("records*")] == [NAME] and batches.checksums() == histories
-        alone = batches.folder / "alone"
-        assert batches.run(study, out=alone).returncode == 0
-        assert batches.tables() == batches.tables(alone)
+        assert batches.tables() == drawn.tables()
 
     def test_a_failing_member_stops_no_other_point_and_is_named(self, batches):
         # A step above the stable one is refused when the member starts.
@@ -206,18 +211,6 @@ class TestBatch:
         log = batches.out / "logs" / "reference.log"
         assert f"failed: bad_reference; see {log} (error: bad_reference_s1: --dt 0.1 s is above" in done.stderr
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
-
-    def test_an_interruption_says_what_it_loses(self, batches):
-        """Six walls that step together through 100 s: none has ended."""
-        text = (DRAWN % 6).partition('[[runs]]\nid = "alone"')[0].replace("rest = 0", "rest = 100")
-        batch = batches.start(batches.study(text), "-j1")
-        wait_until(lambda: len([*(batches.out / "runs").glob("*.part.h5")]) == 6 or batch.poll() is not None)
-        batch.send_signal(signal.SIGTERM)
-        printed, errors = batch.communicate(timeout=100)
-        assert batch.returncode == 130 and "interrupted: ending what runs" in errors
-        assert "up to 6 runs step together in a process: an interruption loses those under way\n" in printed
-        assert "interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in printed
-        assert not children(batch.pid)
 
 
 def children(pid):
@@ -281,49 +274,6 @@ class TestPool:
         assert [task.name for task in one.failed] == ["p2_reference"] and "p2_reference: FAILED" in lines
         assert "its process was ended twice (SIGKILL)" in one.failed[0].log.read_text()
 
-    def test_a_full_disk_ends_all_politely(self, pool, tmp_path):
-        def work(connection, *_):
-            while (task := connection.recv()) is not None:
-                connection.send((task, 0, {}))
-
-        def full(task, record):
-            raise OSError(28, "No space left on device")
-
-        one, _ = pool(work)
-        one.run(self.tasks(tmp_path), full)
-        assert one.short and one.ended and not one.failed
-
-    def test_a_process_does_not_run_handlers_of_its_parent(self, pool, tmp_path):
-        """A signal that comes before it has its own; the parent's would end other processes."""
-        def work(connection, *_):
-            came = []
-            os.kill(os.getpid(), signal.SIGTERM)
-            signal.signal(signal.SIGTERM, lambda *_: came.append(True))
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, folder.POLITE_ENDS)
-            while (task := connection.recv()) is not None:
-                connection.send((task, 0 if came else 1, {}))
-
-        one, _ = pool(work)
-        one.run(self.tasks(tmp_path, 2))
-        assert not one.failed and one.n_lost == 0 and not one.ended
-
-    def test_runs_that_have_ended_leave_their_records_though_they_are_interrupted(self, pool, tmp_path, monkeypatch):
-        """An interrupt while a process concludes."""
-        (tmp_path / "runs").mkdir()
-        tasks = self.tasks(tmp_path, 3)
-        for task in tasks:
-            make_history(task.history)
-
-        def conclude(task, kept=None):
-            os.kill(os.getpid(), signal.SIGTERM)  # as of Pool._interrupt
-            return 0, {"run": task.name}
-
-        monkeypatch.setattr(worker, "conclude", conclude)
-        one, _ = pool(worker.work, jobs=1)
-        done = []
-        one.run(tasks, lambda task, record: done.append(record["run"]) or ())
-        assert sorted(done) == [task.name for task in tasks]
-
     def test_a_process_ends_with_the_batch_that_is_killed_while_it_concludes(self, pool, tmp_path, monkeypatch):
         """A polite signal would be noted for runs that have ended, and dropped."""
         (tmp_path / "runs").mkdir()
@@ -350,12 +300,6 @@ class TestPool:
         finally:
             if is_running(left):
                 os.kill(left, signal.SIGKILL)
-
-    def test_runs_of_one_wall_and_model_are_company(self):
-        point = StudyRun("p", "walls/symmetric.py", (("rest", 1),), "reference", "strength_seed", 2)
-        alike = StudyRun("q", "walls/symmetric.py", (("harmonic", (0.2, 0.1)),), "reference")
-        other = StudyRun("r", "walls/symmetric.py", (("cells", 4),), "reference")
-        assert company_of(point) == company_of(alike) != company_of(other)
 
 
 class TestFolder:
@@ -395,15 +339,6 @@ class TestFolder:
         os.close(lock)
         os.close(folder.claim(tmp_path / "out", self.study(tmp_path), shared=True))
 
-    def test_a_slice_twice_at_once_is_refused(self, tmp_path):
-        with folder.open_records(tmp_path / "records-1-of-2.jsonl"), pytest.raises(InputError, match="another batch"):
-            folder.open_records(tmp_path / "records-1-of-2.jsonl")
-
-    def test_another_study_may_not_have_the_folder(self, tmp_path):
-        os.close(folder.claim(tmp_path / "out", self.study(tmp_path)))
-        other = SimpleNamespace(name="other", path=tmp_path / "s.toml")
-        refused_with("holds the study 's', not 'other'", folder.claim, tmp_path / "out", other)
-
     @pytest.mark.parametrize("name", [NAME, "logs/reference.log"])
     @pytest.mark.parametrize("kind", ["link", "pipe"])
     def test_what_a_batch_writes_at_a_known_name_goes_through_no_link(self, name, kind, tmp_path):
@@ -414,21 +349,6 @@ class TestFolder:
         with pytest.raises(InputError, match=f"{name} is a symbolic link, a pipe or a device"):
             folder.open_log(there) if name.endswith(".log") else folder.open_records(there)
         assert mine.read_text() == "mine"
-
-    def test_what_a_batch_starts_finds_what_the_user_has_in_pythonpath(self, monkeypatch):
-        """Behind the package, and from any working folder."""
-        monkeypatch.setenv("PYTHONPATH", f"mine:{REPOSITORY}::/obspy")
-        assert folder.python_path() == f"{REPOSITORY}:{os.getcwd()}/mine:/obspy"
-
-    @pytest.mark.parametrize(("words", "said"), [
-        (("--slice", "1/2", "--slurm"), "--slice and --slurm given together")])
-    def test_what_does_not_go_together_is_refused(self, words, said):
-        refused_with(said, command.run_study, ["quick", *words])
-
-    @pytest.mark.parametrize("word", ["0/2", "3/2", "2", "a/b", "1/2/3", "-1/2"])
-    def test_a_slice_is_one_of_its_parts(self, word, tmp_path):
-        with pytest.raises(InputError, match="--slice: .*expected K/N with K from 1 to N|expected one argument"):
-            command.parse(["quick", "--slice", word])
 
 
 class TestInputsThatChange:

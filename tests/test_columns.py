@@ -3,26 +3,16 @@
 import h5py
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import one_line_error
 
-from damage.history.schema import OPTIONAL, TABLES, Column, each, markdown, measure
-from damage.measure import columns, summary
+from damage.history.schema import OPTIONAL, TABLES, Column, each, measure
+from damage.measure import columns
 from damage.measure.summary import MEASURES
 from damage.measure.tables import summary_row
 from damage.studies.fragility import LEVELS, load_runs
 from damage.studies.tables import points_of
 
 SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **MEASURES}
-
-
-@pytest.mark.parametrize("section", SUMMARY)
-def test_the_measures_document_shows_the_table(section):
-    assert markdown(SUMMARY[section]) in (REPOSITORY / "docs/reference/measures.md").read_text()
-
-
-@pytest.mark.parametrize("group", TABLES)
-def test_the_schema_document_shows_the_table(group):
-    assert markdown(TABLES[group]) in (REPOSITORY / "docs/reference/history-schema.md").read_text()
 
 
 def test_a_summary_has_these_columns_and_no_others(still_history):
@@ -40,17 +30,6 @@ def test_a_measure_gives_its_values_by_name():
     assert measure(TWO)(lambda history: None)(None) == {"first_s": None, "last_s": None}
     with pytest.raises(ValueError, match="zip"):
         measure(TWO)(lambda history: (1.0, 2.0, 3.0))(None)
-
-
-def test_a_measure_is_asked_for_what_its_arguments_are_called(still_history, monkeypatch):
-    """The threshold of the index, and the measures of a section before."""
-    @measure({"drift_over_threshold": Column("1", "")})
-    def ratio(max_drift_ratio, threshold):
-        return max_drift_ratio / threshold
-
-    monkeypatch.setitem(summary.REGISTER, "Ratios", [ratio])
-    found = summary.summarise(still_history, threshold=5e-4)
-    assert found["drift_over_threshold"] == found["max_drift_ratio"] / 5e-4
 
 
 def test_a_point_begins_with_what_its_runs_share(still_history):

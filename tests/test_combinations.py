@@ -23,7 +23,6 @@ from paper.combinations import (
     is_orthogonal,
     judge_combinations,
     judged_by_some,
-    of_the_papers_period,
     signs,
     table_of_best,
     table_of_effects,
@@ -90,14 +89,6 @@ def test_effects_of_a_full_factorial_by_hand():
     assert differences == pytest.approx([0.5, 0.5, np.nan], nan_ok=True) and (alone, pairs) == pytest.approx((2 / 3, 1))
 
 
-def test_interactions_of_a_quarter_are_mixed():
-    """I = ABC: each main effect is one interaction of the two others, so that no share is given of these."""
-    levels = np.array([[-1, -1, 1], [-1, 1, -1], [1, -1, -1], [1, 1, 1]])
-    assert is_orthogonal(levels) and not is_orthogonal(levels, with_pairs=True)
-    differences, alone, pairs = effects([False, False, True, True], levels)
-    assert differences == pytest.approx([1.0, 0.0, 0.0]) and alone == pytest.approx(1.0) and np.isnan(pairs)
-
-
 def test_the_design_is_a_half_fraction_of_resolution_five():
     """16 different walls, I = ABCDE: the product of the five signs is the same in all."""
     walls = [levels_of(row) for row in WALLS]
@@ -158,51 +149,3 @@ def test_the_best_combination_is_the_one_that_spoils_nothing(commanded):
     default = "| inside | length | piers | all courses | 1 | 3 | 0.200 | holds |"
     assert [line.startswith(default) for line in table_of_best(found)].index(True) == 2
     assert sum(line.startswith(default) for line in table_of_best(found)) == 1
-
-
-def test_an_incomplete_design_gives_no_effects(design):
-    found = judge_combinations(design(by_choices, WALLS[:3]))
-    assert len(found) == 6 and table_of_effects(found) == ["The design is incomplete: effects cannot be separated."]
-
-
-def test_those_of_the_papers_period_are_ranked_apart(design):
-    """Lighter walls are faster than P2a allows and meet all else; at the default mass P4 differs."""
-    def spoil(table, levels):
-        if levels[-1]:
-            table.loc[table["wall"] == "symmetric", "eigen_period_s"] = 0.15
-        else:
-            table.loc[at(table, 0.33, 0.025), ["max_DI", "max_shear_limit_DI"]] = 0.03
-    of_each_mass = [[row for row in WALLS if levels_of(row)[-1] == mass] for mass in ("", LIGHT)]
-    found = judge_combinations(design(spoil, [row for rows in of_each_mass for row in rows[:2]]))
-    assert {one.levels[4] for one in of_the_papers_period(found)} == {""} and best(found)[0].levels[4] == LIGHT
-    rows = table_of_best(found)[2:]
-    assert sum("| 0.150 | differs |" in row for row in rows) == 4 == sum("| 0.200 | holds |" in row for row in rows)
-
-
-def test_a_combination_with_missing_runs_is_left_out(design):
-    def unfinished(table, levels):
-        if levels == levels_of(WALLS[1]):
-            table.loc[at(table, 1.0, cycles=[2]), "status"] = "interrupted"
-    found = judge_combinations(design(unfinished, WALLS[:3]))
-    assert len(found) == 5 and (*levels_of(WALLS[1]), 2) not in [one.levels for one in found]
-
-
-def test_a_combination_without_a_free_cycle_stays_and_does_not_meet_its_claims(design):
-    def at_rest(table, levels):
-        if levels == levels_of(WALLS[1]):
-            table.loc[at(table, 0.2, 0.01, cycles=[2]), "first_free_cycle_s"] = np.nan
-    found = judge_combinations(design(at_rest, WALLS[:3]))
-    assert len(found) == 6 and "P12c" in [claim.id for claim in judged_by_some(found)]
-    assert {one.levels[:-1] for one in found if not one.holds("P12c")} == {levels_of(WALLS[1])}
-    assert any("counted as not met: some with P12c" in line for line in combinations.conclusions(found))
-
-
-def test_the_command_prints_its_conclusions_before_its_tables(commanded):
-    text = commanded.printed
-    assert text.index("32 combinations, ") < text.index(", are met with the default") < text.index("\n| ")
-
-
-def test_results_without_combinations_are_refused(design, tmp_path, error_of):
-    (tmp_path / "tables").mkdir()
-    world_of_the_paper().assign(solver="yade").to_csv(tmp_path / "tables" / "summary.csv", index=False)
-    assert "run_all.sh combinations" in error_of("combinations", tmp_path, of=main)

@@ -9,13 +9,10 @@ import pytest
 from conftest import REPOSITORY, refused_with, wall_file, written
 from small_history import make_history, small_layout
 
-from damage.errors import InputError
 from damage.index import combine
 from damage.measure.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
 from damage.measure.crack_mapping import (
     describe_level,
-    index_bounds,
-    joint_table,
     largest_index,
     least_index,
     map_cracks,
@@ -52,11 +49,6 @@ def test_levels_polylines_and_sizes(tmp_path):
     assert first.length_m == pytest.approx([0.1, sqrt(0.1**2 + 0.05**2), 0.1])
 
 
-def test_the_least_that_a_file_needs(tmp_path):
-    (only,) = patterns(tmp_path, "1,1,0,0.15,0.2\n1,2,0.1,0.15,\n", "crack,point,x_m,z_m,width_mm\n")
-    assert only.level == 1 and np.isnan(only.drift_ratio) and only.stretches["mode"].tolist() == ["unknown"]
-
-
 @pytest.mark.parametrize("given, mode, expected", [
     ((0.3, 0.4, nan), "unknown", (0.3, 0.4, 0.5)), ((nan, nan, 0.5), "tension", (0.5, 0, 0.5)),
     ((nan, nan, 0.5), "shear", (0, 0.5, 0.5)), ((0.3, nan, nan), "tension", (0.3, 0, 0.3)),
@@ -70,23 +62,13 @@ def test_what_is_left_out_follows(given, mode, expected):
 POINTS = "1,0,1,1,0,0.15,,,0.2,tension\n"
 BAD = {
     "empty": (None, "", "is empty: expected a header"),
-    "only-a-header": (HEADER, "", "has a header and no row"),
     "no-column": ("crack,point,x_m\n", "1,1,0\n", "line 1: no column z_m"),
     "unknown-column": ("crack,point,x_m,z_m,width_cm\n", "1,1,0,0,1\n", "line 1: unknown column 'width_cm'"),
-    "column-twice": ("crack,point,x_m,z_m,x_m\n", "1,1,0,0,1\n", "line 1: a column twice"),
     "text": (HEADER, "1,0,1,1,left,0,,,0.2,tension\n", "line 2: x_m = 'left': expected a finite number"),
-    "infinite": (HEADER, "1,0,1,1,inf,0,,,0.2,tension\n", "line 2: x_m = 'inf'"),
-    "too-many-cells": (HEADER, "1,0,1,1,0,0,,,0.2,tension,7\n", "line 2: 11 cells; expected 10"),
     "too-few-cells": (HEADER, POINTS + "1,0,1,2\n", "line 3: 4 cells; expected 10"),
-    "quote": (HEADER, '1,0,"1,1,0,0,,,0.2,tension\n', "line 2: 3 cells"),
     "mode": (HEADER, POINTS.replace("tension", "flexure"), "line 2: mode = 'flexure': expected one of tension"),
     "negative": (HEADER, POINTS.replace("0.2", "-0.2"), "line 2: width_mm = -0.2: expected 0 to 10000"),
     "one-point": (HEADER, "# comment\n" + POINTS, "line 3: crack 1 has a polyline of one point"),
-    "order": (HEADER, POINTS + "1,0,1,3,0.1,0.15,,,,\n", "line 3: point = 3 after point 1 of crack 1: expected 2"),
-    "no-start": (HEADER, "1,0,1,2,0.1,0.15,,,,\n", "line 2: point = 2 of crack 1: expected 1 where"),
-    "no-place": (HEADER, "1,0,1,1,,0.15,,,,\n", "line 2: no x_m; give it"),
-    "no-level": (HEADER, ",0,1,1,0,0.15,,,,\n", "line 2: no load_level"),
-    "same-place": (HEADER, POINTS + "1,0,1,2,0,0.15,,,,\n", "line 3: the same place"),
     "no-width": (HEADER, "1,0,1,1,0,0.15,0.1,,,\n1,0,1,2,1,0.15,,,,\n", "line 2: the width is unknown"),
     "widths-differ": (HEADER, "1,0,1,1,0,0.15,3,4,6,\n1,0,1,2,1,0.15,,,,\n", "width_mm = 6, but .* give 5"),
     "two-drifts": (HEADER, POINTS + "1,0.5,1,2,1,0.15,,,,\n", "line 3: drift_pct = 0.5, but 0 in line 2"),
@@ -111,28 +93,6 @@ def test_a_crack_along_a_bed_joint_counts_with_its_length(tmp_path):
     assert level["DI_open"] == pytest.approx((0.3 / total,) * 2)
     assert level["DI"] == pytest.approx((combine(0.2, 0.3 / total, 0),) * 2)
     assert level["psi"] == level["psi_drawn"] == pytest.approx(2 * 0.2**0.3)
-
-
-def test_a_noisy_line_keeps_its_length_on_the_right_joints(tmp_path):
-    """A stepped crack digitised with 2 mm of noise every 20 mm: within 5 % on its own joints alone."""
-    random = np.random.default_rng(7)
-    layout = small_layout()
-    corners = np.array([[0.225, 0.075], [0.3375, 0.075], [0.3375, 0.15], [0.45, 0.15], [0.45, 0.225], [0.6, 0.225]])
-    points = np.concatenate([np.linspace(a, b, max(2, round(np.hypot(*(b - a)) / 0.02)), endpoint=False)
-                             for a, b in zip(corners, corners[1:])] + [corners[-1:]])
-    drawn = points + random.normal(0, 2e-3, points.shape)
-    (pattern,) = patterns(tmp_path, "".join(f"1,0,1,{k},{x},{z},,,0.3,tension\n"
-                                            for k, (x, z) in enumerate(drawn, start=1)))
-    mapped = map_cracks(pattern, layout)
-    joints = joint_table(layout).iloc[mapped.table["joint"].unique()]
-    on_path = [any(np.all((np.minimum(a, b) - 1e-6 <= place) & (place <= np.maximum(a, b) + 1e-6))
-                   for a, b in zip(corners, corners[1:])) for place in joints[["x_m", "z_m"]].to_numpy()]
-    length = np.abs(np.diff(corners, axis=0)).sum()
-    right = mapped.table["joint"].isin(joints.index[on_path])
-    assert mapped.table.loc[right, "length_m"].sum() == pytest.approx(length, rel=0.05)
-    assert mapped.table.loc[~right, "length_m"].sum() < 0.05 * length
-    assert mapped.drawn_m == pytest.approx(mapped.table["length_m"].sum() + mapped.unmapped_m + mapped.surplus_m)
-    assert figures(pattern, layout)["cracks"] == 1
 
 
 def test_a_crack_through_a_brick_or_beside_the_wall_is_on_no_joint(tmp_path):
@@ -161,14 +121,6 @@ def test_a_crack_through_a_bricks_middle(tmp_path, splits, cracks, on_joints):
     assert level["DI_open"][0] * layout.total_joint_length == pytest.approx(on_joints, abs=1e-3)
 
 
-def test_a_crack_drawn_twice_counts_once(tmp_path):
-    line = f"1,,{{0}},1,0.2,{BED},,,0.2,tension\n1,,{{0}},2,0.5,{BED},,,,\n"
-    mapped = map_cracks(patterns(tmp_path, line.format(1) + line.format(2))[0], small_layout())
-    # From 0.20625 m on whole joints of 0.05625 m, but twice the 0.025 m of the one at 0.45 m.
-    assert mapped.table["length_m"].sum() == pytest.approx(0.05 + 5 * 0.05625)
-    assert mapped.surplus_m == pytest.approx(0.6 - mapped.table["length_m"].sum())
-
-
 # --- bounds ---------------------------------------------------------------------------------------
 
 def test_bounds_of_an_unknown_mode_are_those_of_every_split():
@@ -184,19 +136,6 @@ def test_bounds_of_an_unknown_mode_are_those_of_every_split():
     split = combine(drift, opened + only_open + both + weak_open, slipped + only_slip + both + weak_slip)
     low, high = least_index(drift, opened, slipped, strong), largest_index(drift, opened, slipped, strong, weak)
     assert low <= split.min() < low + 0.005 and high - 0.005 < split.max() <= high
-
-
-def test_bounds_from_a_file(tmp_path):
-    """0.1 m each of 0.05, 0.12 and 0.2 mm width of unknown mode: none, at most one, at least one of both."""
-    (pattern,) = patterns(tmp_path, f"1,0,1,1,0.1,{BED},,,0.05,\n1,,1,2,0.2,{BED},,,0.12,\n1,,1,3,0.3,{BED},,,0.2,\n"
-                          f"1,,1,4,0.4,{BED},,,,\n")
-    layout = small_layout()
-    share = 0.1 / layout.total_joint_length
-    level = figures(pattern, layout)
-    assert level["DI_open"] == level["DI_slip"] == pytest.approx((0, 2 * share))
-    assert level["DI"] == pytest.approx((combine(0, share / 2, share / 2), combine(0, 2 * share, share)))
-    assert level["undecided_m"] == pytest.approx(0.2)
-    assert index_bounds(map_cracks(pattern, layout).table.iloc[:0], 1.0, 0.3)["DI"] == pytest.approx((0.3, 0.3))
 
 
 # --- round trip -----------------------------------------------------------------------------------
@@ -226,13 +165,6 @@ def test_the_round_trip_gives_the_same_index_and_psi(random_history, tmp_path):
     assert index["DI"].iloc[20] == 0 < index["DI"].iloc[3]
 
 
-def test_an_export_that_fails_leaves_the_old_file(random_history, tmp_path):
-    path = written(tmp_path / "kept.csv", "old")
-    with pytest.raises(InputError, match="sample 99"):
-        write_cracks(path, (pattern for sample in (3, 99) for pattern in patterns_of(random_history, [sample])))
-    assert path.read_text() == "old" and [p.name for p in tmp_path.glob(".*")] == []
-
-
 # --- command --------------------------------------------------------------------------------------
 
 def test_the_command_exports_reads_and_draws(random_history, tmp_path, output_of):
@@ -260,42 +192,3 @@ def test_the_example_of_the_documentation(tmp_path, output_of):
     assert cracked["DI_open"] == pytest.approx([(0.1125 + 0.075) / total, (0.1125 + 0.075 + 0.85) / total], abs=1e-5)
     assert cracked["DI_slip"] == pytest.approx([0.1125 / total, (0.1125 + 0.85) / total], abs=1e-5)
     assert (cracked["cracks"], cracked["undecided_m"]) == (2, pytest.approx(0.85, abs=1e-3))
-
-
-def test_the_command_says_where_the_mode_is_open(tmp_path, output_of):
-    wall = wall_file(tmp_path / "small.py", WALL)
-    (tmp_path / "optical.csv").write_text(f"crack,point,x_m,z_m,width_mm\n1,1,0.1,{BED},0.3\n1,2,0.4,{BED},\n")
-    out = output_of("cracks", tmp_path / "optical.csv", "--wall", wall)
-    assert "tension and shear cannot be distinguished" in out and ".." in out and "drift unknown" in out
-
-
-@pytest.mark.parametrize("words, complaint", [
-    ([], "expected one of FILE and --dic"), (["no.csv"], "a crack file needs --wall"),
-    (["no.csv", "--wall", "walls/solid.py"], "no.csv: No such file"), (["no.h5"], "no.h5: No such file"),
-    (["no.h5", "--wall", "walls/solid.py"], "--wall does not belong to a history"),
-    (["no.csv", "--wall", "walls/solid.py", "--at", "max"], "--at does not belong to a crack file"),
-    (["--dic", "no.csv"], "a DIC field needs --wall"),
-])
-def test_bad_command_lines(words, complaint, monkeypatch, error_of):
-    monkeypatch.chdir(REPOSITORY)
-    assert complaint in error_of("cracks", *words)
-
-
-@pytest.mark.parametrize("moment", ["later", "7", "-3"])
-def test_a_moment_that_the_history_lacks(random_history, moment, error_of):
-    assert "expected" in error_of("cracks", random_history.path, f"--at={moment}")
-
-
-@pytest.mark.parametrize("option", ["--tolerance-mm=0", "--threshold-mm=-1", "--threshold-mm=nan",
-                                    "--drift-limit-pct=0"])
-def test_bad_numbers(option, error_of):
-    """They are refused before any file is read."""
-    assert "expected a number from " in error_of("cracks", "no.csv", "--wall", "walls/solid.py", option)
-
-
-@pytest.mark.parametrize("below, unmapped", [(0.037, 0.0), (0.038, 0.3)])
-def test_the_usual_tolerance_is_half_a_bricks_height(below, unmapped, tmp_path):
-    """A line below the lowest joint, from which no other joint is nearer."""
-    line = f"1,0.1,1,1,0.1,{-below},,,0.5,unknown\n1,,1,2,0.4,{-below},,,,\n"
-    mapped = map_cracks(patterns(tmp_path, line)[0], small_layout())
-    assert mapped.unmapped_m == pytest.approx(unmapped, abs=1e-9)

@@ -9,7 +9,6 @@ from conftest import refused_with, run_here, wall_file, written
 from damage.__main__ import main
 from damage.laboratory.dic import (
     Field,
-    brick_motions,
     field_warnings,
     measure,
     patterns_of_fields,
@@ -126,34 +125,6 @@ def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsy
     assert len(stuck_points(turning, layout)) == 0
 
 
-def test_noise_is_estimated_and_its_deviation_foretold(rocking):
-    """The scatter of openings over 60 fields of a wall at rest is the predicted one."""
-    layout = rocking[0]
-    rest = np.zeros((len(layout.bodies), 3))
-    fields = [sampled_field(layout, rest, noise=NOISE, seed=seed) for seed in range(60)]
-    assert brick_motions(fields[0], layout).noise == pytest.approx(NOISE, rel=0.05)
-    levels = measure(fields, layout)
-    # Openings are cut at zero: their mean square is half of the variance.
-    scatter = np.sqrt(2 * np.mean([level.opening**2 for level in levels], axis=0))
-    foretold = levels[0].deviation
-    assert np.median(scatter / foretold) == pytest.approx(1, abs=0.25)
-
-
-def test_the_motion_of_the_base_is_taken_off(rocking):
-    """Camera and base move and turn together: the joints do not."""
-    layout, history, _ = rocking
-    field = sampled_field(layout, history.displacement[-1].astype(float))
-    base = np.stack(np.meshgrid(np.linspace(0, 0.9, 40), [-0.03, -0.02]), -1).reshape(-1, 2)
-    points = np.concatenate([field.points, base])
-    moved = points + np.concatenate([field.displacement, np.zeros_like(base)])
-    shifted = moved + [0.01, -0.02] + turned(moved, 2e-3) - points
-    (still,), (shaken,) = (measure([Field(1, np.nan, place, displacement)], layout)
-                           for place, displacement in ((field.points, field.displacement), (points, shifted)))
-    assert shaken.opening == pytest.approx(still.opening, abs=1e-9)
-    assert shaken.slip == pytest.approx(still.slip, abs=1e-9)
-    assert shaken.drift_ratio == pytest.approx(still.drift_ratio)
-
-
 # --- walls of the reference solver ----------------------------------------------------------------
 
 def test_openings_of_a_rocking_panel_are_those_of_the_simulation(rocking):
@@ -227,11 +198,6 @@ def test_lost_points_and_unseen_bricks(rocking, tmp_path):
     hidden = np.isnan(levels[0].opening)
     assert 0 < hidden.mean() < 0.5
     assert report(levels, layout)["unseen_m"] == pytest.approx(layout.contacts.length[:layout.n_joints][hidden].sum())
-
-
-def test_a_field_of_a_spreadsheet_with_decimal_commas(tmp_path):
-    (field,) = read_field(written(tmp_path / "field.csv", "x_m;z_m;ux_m;uz_m;\n0,1;0,2;-0,0005;1,5E-04;\n"))
-    assert field.points.tolist() == [[0.1, 0.2]] and field.displacement.tolist() == [[-5e-4, 1.5e-4]]
 
 
 @pytest.mark.parametrize("text, complaint", [

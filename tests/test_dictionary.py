@@ -8,17 +8,15 @@ import pandas as pd
 import pytest
 from conftest import REPOSITORY
 from small_history import make_history
-from test_fragility import recorded, walls
+from test_fragility import walls
 
 from damage.commands.table import all_tables
 from damage.export.curves import coefficients
 from damage.history.schema import OPTIONAL
 from damage.measure.dictionary import TABLES, dictionary_table, write_dictionary
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
-from damage.studies.after_damage import table_after_damage
 from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table
-from damage.studies.left_out import leave_one_out, scores
-from damage.studies.states import INTENSITIES, State
+from damage.studies.states import INTENSITIES
 from damage.studies.tables import points_of, write_hdf5
 
 
@@ -76,31 +74,6 @@ def test_tables_of_fragility(intensity):
     assert set(at_intensities(fits, [0.1])) == known("fragility_INTENSITY_at.csv")
 
 
-def test_tables_of_records_left_out():
-    table = leave_one_out(recorded(4, 0.3, seed=1, n_walls=4), [State("max_DI", 0.1)])
-    assert set(table) == known("left_out.csv")
-    assert set(scores(table)) == known("left_out_scores.csv")
-
-
-def test_every_column_of_fragility_is_written_for_some_intensity():
-    written = set()
-    for intensity in ("pga_g", "pgv_m_s"):
-        runs = walls(10, seed=1)
-        runs[intensity] = runs["pga_g"]
-        written |= set(fragility_table(fit_all(runs, intensity, replicates=2), intensity).assign(slip="displacement"))
-    assert written == known("fragility_INTENSITY.csv")
-
-
-def test_the_table_of_fragility_after_damage():
-    """Runs of one class are shocks as `load_shocks` gives them."""
-    written = set()
-    for intensity in ("pga_g", "pgv_m_s"):
-        shocks = walls(10, seed=1).assign(before="undamaged")
-        shocks[intensity] = shocks["pga_g"]
-        written |= set(table_after_damage(shocks, intensity, 2))
-    assert written == known("fragility_after_damage_INTENSITY.csv")
-
-
 def test_applications_register_their_tables():
     names = {name.split(",")[0] for name in all_tables().keys() - TABLES.keys()}
     assert names >= {"crack files", "points.csv", "fragility_coefficients.csv", "exposure.csv", "lives.csv"}
@@ -113,17 +86,7 @@ def test_every_dataset_of_a_history_is_in_it(history):
             assert set(file[group]) == known(f"RUN.h5 {group}") - of_deformable
 
 
-def test_every_column_has_a_meaning():
-    table = dictionary_table(all_tables())
-    assert not table["meaning"].eq("").any()
-    assert not table.duplicated(["table", "column"]).any()
-
-
 def test_the_shipped_one_is_current(tmp_path):
     """python3 -m damage dictionary --out docs/reference."""
     path = write_dictionary(all_tables(), tmp_path)
     assert path.read_text() == (REPOSITORY / "docs/reference/dictionary.csv").read_text()
-
-
-def test_the_command_writes_it(tmp_path, output_of):
-    assert output_of("dictionary", "--out", tmp_path).split() == [str(tmp_path / "dictionary.csv")]

@@ -2,19 +2,17 @@
 
 import re
 from fnmatch import fnmatch
+from pathlib import Path
 
-import pandas as pd
-import pytest
 from conftest import REPOSITORY, run_command
 
 from damage.__main__ import main
 from paper.__main__ import COMMANDS, PROGRAMS
-from paper.document_figures import FIGURES, after_the_peak, places_of, settled_walls, thirty_years, two_courses
+from scripts import seeded_faults
+from tests.processor_time import SUBJECT
 
 ROOT_DOCUMENTS = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
 DOCUMENTS = [*(REPOSITORY / name for name in ROOT_DOCUMENTS), *sorted((REPOSITORY / "docs").rglob("*.md"))]
-of_every_document = pytest.mark.parametrize(
-    "document", DOCUMENTS, ids=lambda path: path.relative_to(REPOSITORY).as_posix())
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 CODE = re.compile(r"^```.*?^```|^ {4}\S.*?$|`[^`]+`", re.DOTALL | re.MULTILINE)
@@ -58,24 +56,23 @@ def is_command(name):
         return end.code == 0
 
 
-@of_every_document
-def test_links_lead_somewhere(document):
-    links = [link.partition("#")[0] for link in LINK.findall(document.read_text()) if "://" not in link]
-    assert [link for link in links if link and not (document.parent / link).exists()] == []
+def test_links_lead_somewhere():
+    missing = [f"{document.name}: {link}" for document in DOCUMENTS for link in LINK.findall(document.read_text())
+               if "://" not in link and not (document.parent / link.partition("#")[0]).exists()]
+    assert missing == []
 
 
-@of_every_document
-def test_named_files_are_there(document):
-    names = [name for name in named_files(document.read_text())
-             if not any(fnmatch(name, pattern) for pattern in NOT_OURS)]
-    assert [name for name in names if not is_there(name, document)] == []
+def test_named_files_are_there():
+    missing = [f"{document.name}: {name}" for document in DOCUMENTS for name in named_files(document.read_text())
+               if not any(fnmatch(name, pattern) for pattern in NOT_OURS) and not is_there(name, document)]
+    assert missing == []
 
 
-@of_every_document
-def test_commands_are_those_of_the_program(document):
-    if document.name != "CHANGELOG.md":  # it names old ones, too
-        named = set(COMMAND.findall(document.read_text())) - {"COMMAND"}
-        assert [name for name in named if not is_command(name)] == []
+def test_commands_are_those_of_the_program():
+    """The log of changes names old ones, too."""
+    named = {name for document in DOCUMENTS if document.name != "CHANGELOG.md"
+             for name in COMMAND.findall(document.read_text())} - {"COMMAND"}
+    assert [name for name in sorted(named) if not is_command(name)] == []
 
 
 def test_programs_of_documents_are_there():
@@ -99,66 +96,17 @@ def test_every_document_is_in_the_index():
     assert linked == {page for page in PAGES if not page.startswith("api/")}
 
 
-def test_what_is_not_there_is_found():
-    document = REPOSITORY / "docs" / "README.md"
-    assert named_files("`damage/nowhere.py`, `walls/*.py`, `x/y`, `nothing.md`") == [
-        "damage/nowhere.py", "walls/*.py", "nothing.md"]
-    assert not is_there("damage/nowhere.py", document) and not is_there("nothing.md", document)
-    assert is_there("walls/*.py", document) and is_there("guides/planning.md", document)
-    assert LINK.findall("[a](b.md) and ![c](d/e.png)") == ["b.md", "d/e.png"]
-    assert COMMAND.findall("`python3 -m damage nonsense FILE`") == ["nonsense"]
-    assert is_command("index") and is_command("reference") and not is_command("nonsense")
+def test_seeded_faults_change_lines_that_are_there_and_name_tests_that_are():
+    for fault in seeded_faults.FAULTS:
+        assert fault.right in (REPOSITORY / fault.path).read_text(encoding="utf-8"), fault.what
+        assert all((REPOSITORY / "tests" / f"{name}.py").is_file() for name in fault.tests.split()), fault.what
 
 
-def test_tests_that_documents_name_are_there():
-    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`."""
-    named = {test for document in DOCUMENTS for test in re.findall(r"`(tests/\w+\.py::[\w:]+)`", document.read_text())}
-    missing = []
-    for test in sorted(named):
-        path, *names = test.split("::")
-        source = (REPOSITORY / path).read_text()
-        missing += [test for name in names if not re.search(rf"^ *(def|class) {name}\b", source, re.MULTILINE)]
-    assert missing == []
-
-
-def test_the_pictures_of_the_gallery_are_small():
-    from scripts.gallery import GALLERY
-
-    for name in GALLERY:
-        assert (REPOSITORY / "docs" / "pictures" / "gallery" / f"{name}.png").stat().st_size < 80_000
-
-
-class TestPicturesOfTables:
-    def test_they_are_there_and_small(self):
-        sizes = [(REPOSITORY / "docs" / "pictures" / f"{draw.__name__}.png").stat().st_size for draw in FIGURES]
-        assert max(sizes) < 150_000
-
-    def test_lives_are_those_of_the_page(self):
-        page = (REPOSITORY / "docs" / "paper" / "thirty-years.md").read_text()
-        drawn = [line.get_xdata() for line in thirty_years().axes[0].get_lines() if line.get_marker() in "os"]
-        rows = re.findall(r"^\| \w+, \w+ \| (at rest|settled) \|.*?\|.*?\| (\d+) \(", page, re.MULTILINE)
-        assert len(rows) == 10
-        for values, ground in zip(drawn, ("at rest", "settled"), strict=True):
-            assert list(values[:5]) == [float(share) for of, share in rows if of == ground]
-
-    def test_every_settled_wall_is_drawn_and_shares_are_those_of_the_table(self):
-        left, right = settled_walls().axes
-        assert sum(len(line.get_xdata()) for line in left.get_lines() if line.get_marker() in "Do^s") == 1000
-        shares = [line.get_ydata()[0] for line in right.get_lines() if line.get_linewidth() > 2]
-        table = pd.read_csv(REPOSITORY / "docs" / "tables" / "benchmarks" / "settled_start.csv")
-        assert [round(share) for share in shares] == [0, 0, *table["P(Ψ ≥ 1) [%]"]]
-
-    def test_every_prediction_is_drawn_over_its_test(self):
-        page = (REPOSITORY / "docs" / "validation" / "after-the-peak.md").read_text().partition("## Why")[0]
-        rows = re.findall(r"^\| \w+ \| (?:seed \d|cycles|prediction) \| ([\d.]+) \| ([\d.]+) \|", page, re.MULTILINE)
-        for ax in after_the_peak().axes:
-            drawn = [value for line in ax.get_lines() if line.get_marker() in "os>" for value in line.get_xdata()]
-            assert len(drawn) == len(rows) == 30
-            if "peak" in ax.get_title("left"):
-                assert sorted(drawn) == pytest.approx(sorted(float(ours) / float(test) for ours, test in rows))
-
-    def test_opening_and_shear_lead_from_one_place_of_a_contact_point_to_the_other(self):
-        layout, bricks, point = two_courses()
-        _, ends, shear, opening = places_of(layout, {name: bricks[name] for name in "ab"}, point)
-        assert ends["a"] + shear + opening == pytest.approx(ends["b"], abs=1e-12)
-        assert shear @ opening == pytest.approx(0.0, abs=1e-15) and shear[0] > 0.01 and opening[1] > 0.01
+def test_every_file_of_tests_has_one_subject_and_its_longer_checks_are_listed():
+    files = {path.name: path.read_text(encoding="utf-8") for path in (REPOSITORY / "tests").glob("test_*.py")}
+    assert sorted(SUBJECT) == sorted(files)
+    marked = {name for name, text in files.items() if re.search(r"mark\.long\b|= IN_BROWSER", text)}
+    text = (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = re.search(r"\| why they are longer checks \|\n((?:\|.*\n)+)", text)[1]
+    listed = set(re.findall(r"`(test_\w+\.py)`", "".join(row.split("|")[1] for row in table.splitlines())))
+    assert marked - {Path(__file__).name} == listed

@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import replace
 from decimal import Decimal, getcontext
 from types import MappingProxyType
 
@@ -14,12 +13,11 @@ from scipy import stats
 
 from damage.__main__ import main
 from damage.csv_table import from_words
-from damage.draw.exposure import exposure_picture
 from damage.draws import Draws
 from damage.exposure import places
-from damage.exposure.catalogue import SHIPPED, read_catalogue
-from damage.exposure.exposure import COLUMNS, LEVELS_MM_S, Exposure
-from damage.exposure.ground_motion import COMPONENTS, ZEERIJP, GroundMotionModel, model_named, model_names
+from damage.exposure.catalogue import read_catalogue
+from damage.exposure.exposure import COLUMNS, Exposure
+from damage.exposure.ground_motion import COMPONENTS, ZEERIJP, model_named
 from damage.exposure.models.bommer_2022 import Model
 
 getcontext().prec = 30
@@ -29,11 +27,6 @@ GARSTHUIZEN, LOPPERSUM, DELFZIJL = (53.36786, 6.71359), (53.3325, 6.7475), (53.3
 @pytest.fixture(scope="module")
 def catalogue():
     return read_catalogue()
-
-
-@pytest.fixture(scope="module")
-def garsthuizen(catalogue):
-    return Exposure(places.at(*GARSTHUIZEN), catalogue, Model())
 
 
 def by_hand(coefficients, magnitude, epicentral_km, vs30=200):
@@ -59,8 +52,8 @@ class TestModel:
                "MAX": "-3.2738 2.3343 -2.8857 -1.0060 -2.1016 -3.3940 1.1513 -0.3354"})
 
     @pytest.mark.parametrize("component", PRINTED)
-    @pytest.mark.parametrize("case", [(1.5, 0), (2.4, 4.2), (3.4, 2.554), (3.6, 8.5), (3.4, 11.69), (3.5, 24)])
-    @pytest.mark.parametrize("vs30", [200, 160, 320])
+    @pytest.mark.parametrize("case", [(1.5, 0), (3.4, 2.554), (3.6, 8.5), (3.5, 24)])
+    @pytest.mark.parametrize("vs30", [200, 320])
     def test_median_by_hand(self, component, case, vs30):
         expected = by_hand(self.PRINTED[component].split(), *case, vs30)
         assert float(Model(component).median_mm_s(*case, vs30)) == pytest.approx(expected, rel=1e-12)
@@ -72,19 +65,6 @@ class TestModel:
     def test_medians_have_the_same_bits_on_every_machine(self, component, known):
         found = Model(component).median_mm_s([3.4, 3.6, 2.4], [2.554, 8.5, 24.0], 180.0)
         assert [one.hex() for one in found.tolist()] == known
-
-    def test_one_value_with_a_pocket_calculator(self):
-        """M 3.4 above the hypocentre, LRG: exp(2 (-3.4407 + 1.1513 x 3.4)) = exp(0.94744) = 2.579097; R = sqrt(9 +
-        2.579097) = 3.402807; ln PGV = -3.3996 + 7.90772 - 2.8522 x 1.224601 = 1.015315."""
-        assert float(Model().median_mm_s(3.4, 0, 200)) == pytest.approx(10 * math.exp(1.015315), rel=2e-6)
-
-    def test_median_is_continuous_where_the_attenuation_changes(self):
-        model = Model()
-        near = math.exp(2 * (-3.4407 + 1.1513 * 3.0)) + 9
-        for distance in (7, 12):
-            at = math.sqrt(distance**2 - near)
-            below, above = model.median_mm_s(3.0, [at - 1e-9, at + 1e-9], 200)
-            assert below == pytest.approx(above, rel=1e-8)
 
     def test_values_exceeded(self):
         model = Model()
@@ -113,12 +93,6 @@ class TestModel:
             expected = shared / variance
             assert np.corrcoef(one, other)[0, 1] == pytest.approx(expected, abs=5 * (1 - expected**2) / math.sqrt(n))
 
-    def test_a_model_is_a_file(self):
-        assert model_names() == ["bommer-2022"]
-        assert isinstance(model_named("bommer-2022", "GEO"), GroundMotionModel)
-        assert "did you mean bommer-2022" in one_line_error(model_named, "bomer-2022")
-        assert "LRG, GEO, MAX" in one_line_error(model_named, "bommer-2022", "lrg")
-
 
 class TestPlaces:
     def test_both_formulae_agree_in_the_field(self):
@@ -139,13 +113,6 @@ class TestPlaces:
             "0x1.dfba3d502d102p+17", "0x1.2275fbc8c0a31p+19", "0x1.aaa8f5c2fd2f3p+5", "0x1.afd70a3fecdb6p+2"]
         arrays = places.to_rd(*(np.array([one, one]) for one in LOPPERSUM))
         assert [list(one) for one in arrays] == [[x, x], [y, y]]
-
-    @pytest.mark.parametrize("make, numbers, message", [
-        (places.at, (6.7475, 53.3325), "exchange them"), (places.at, (48.85, 2.35), "in the Netherlands"),
-        (places.at, (math.nan, 6.7), "latitude"), (places.at_rd, (594864, 245620), "easting"),
-    ])
-    def test_outside_the_country(self, make, numbers, message):
-        assert message in one_line_error(make, *numbers)
 
 
 class TestCatalogue:
@@ -170,12 +137,6 @@ class TestCatalogue:
             assert list(getattr(found, name)) == list(getattr(some, name))
         assert np.hypot(found.x_m - some.x_m, found.y_m - some.y_m).max() < 1.0
 
-    def test_degrees_in_csv(self, tmp_path):
-        path = tmp_path / "events.csv"
-        path.write_text("date_utc,time_utc,magnitude,latitude,longitude\n2018-01-08,14:00:52,3.4,53.363,6.751\n")
-        found = read_catalogue(path)
-        assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
-
     ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
     FIRST = "a1|2018-01-08T14:00:52.5|53.363|6.751|3.0|A|3.4|induced or triggered event\n"
     HEAD = "date_utc,time_utc,magnitude,easting_rd_m,northing_rd_m\n"
@@ -184,21 +145,15 @@ class TestCatalogue:
     @pytest.mark.parametrize("text, message", [
         (HEAD + "2018-01-08,14:00:52,3.4,245789,598263\n2018-01-09,late,3,245789,598263\n", "line 3: time"),
         (HEAD + "2018-01-08,14:00:52,strong,245789,598263\n", "line 2: magnitude = 'strong'"),
-        (HEAD + "2018-01-08,14:00:52,,245789,598263\n", "line 2: no magnitude"),
         (HEAD + "2018-01-08,14:00:52,3.4,245789\n", "line 2: 4 cells"),
-        (HEAD + "2018-01-08,14:00:52,34,245789,598263\n", "line 2: expected a magnitude"),
         (HEAD + "2018-01-08,14:00:52,3.4,598263,245789\n", "line 2: epicentre outside"),
         ("date_utc,time_utc,magnitude\n2018-01-08,14:00:52,3.4\n", "no epicentres"),
         (HEAD, "no row"), ("", "empty"), ("magnitude\n3\n", "no column date_utc"),
         (FDSN + "a|2018-01-08T14:00:52|53.36|6.75|3.4\nb|2018-01-08T14:00:52|53.36|6.75\n", "line 3: 4 cells"),
-        (FDSN + "a|2018-01-08T14:00:52|53.36|x|3.4\n", "line 2: longitude = 'x'"),
-        (FDSN + "a|2018-01-08T14:00:52|48.1|6.75|3.4\n", "line 2: epicentre outside"),
-        (FDSN + "a||53.36|6.75|3.4\n", "line 2: time ''"), (FDSN, "no event"),
         ("#EventID|Time|Magnitude\na|2018-01-08|3\n", "line 1: no column latitude, longitude"),
         (ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n",
          "no event that the ground-motion models are for"),
         ("<?xml version='1.0'?>\n<q:quakeml/>\n", "XML or JSON; expected CSV, or the text"),
-        ("<?xml version='1.0'?>\n<q:quakeml/>\n", "format=text"),
     ])
     def test_a_bad_line_is_named_and_another_format(self, tmp_path, text, message):
         assert message in one_line_error(read_catalogue, written(tmp_path / "bad.csv", text))
@@ -216,21 +171,6 @@ class TestCatalogue:
         found = read_catalogue(path)
         assert list(found.id) == ["a1"] and len(found.notes) >= 1 and any(note in one for one in found.notes)
 
-    def test_of_two_lines_the_field_s_depth_stays_then_the_larger(self, tmp_path):
-        path = tmp_path / "events.txt"
-        path.write_text(self.ALL + self.FIRST + "b|2018-01-08T14:00:53|53.36|6.75|3.0|B|3.5|\n"
-                        "c|2018-01-08T14:00:54|53.36|6.75|10.0|C|3.9|\n")
-        found = read_catalogue(path)
-        assert list(found.id) == ["b"] and sum("taken as one earthquake" in note for note in found.notes) == 2
-
-    @pytest.mark.parametrize("line", [
-        "b9|2018-01-08T14:00:56|53.36|6.75|3.0|A|1.4|earthquake",  # 3.5 s later in the list of the same agency
-        "b9|2018-01-08T14:01:04|53.36|6.75|3.0|B|3.4|", "b9|2018-01-08T14:00:52.9|53.30|6.75||A|3.4|not reported",
-        "b9|2018-02-08T14:00:52.9|53.36|6.75|10|B|3.4|earthquake"])
-    def test_other_events_stay(self, tmp_path, line):
-        path = written(tmp_path / "events.txt", self.ALL + self.FIRST + line + "\n")
-        assert list(read_catalogue(path).id) == ["a1", "b9"]
-
     KNMI = "YYMMDD,TIME,LOCATION,LAT,LON,DEPTH,MAG,EVALMODE\n20180108,140052.16,Zeerijp,53.363,6.751,3.0,3.4,manual\n"
 
     @pytest.mark.parametrize("line, time", [
@@ -246,23 +186,6 @@ class TestCatalogue:
         assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
         (note,) = found.notes
         assert note.endswith("left out as outside the Netherlands: line 4")
-
-    @pytest.mark.parametrize("line, message", [
-        ("180108,140052.16,Z,53.363,6.751,3.0,3.4,manual", "line 3: expected a date YYYYMMDD and a time HHMMSS.ss"),
-        ("20180108,14:00:52,Z,53.363,6.751,3.0,3.4,manual", "line 3: expected a date YYYYMMDD"),
-        ("20180108,990052,Z,53.363,6.751,3.0,3.4,manual", "line 3: time '20180108T99:00:52'")])
-    def test_other_dates_and_times_in_knmi_s_list(self, tmp_path, line, message):
-        assert message in one_line_error(read_catalogue, written(tmp_path / "all_induced.csv", self.KNMI + line + "\n"))
-
-    def test_depths_in_csv(self, tmp_path):
-        path = tmp_path / "events.csv"
-        path.write_text("date_utc,time_utc,magnitude,latitude,longitude,depth_km\n2018-01-08,14:00:52,3.4,53.363,6.751,3\n"
-                        "2018-01-09,14:00:52,3.4,53.363,6.751,12\n")
-        assert len(read_catalogue(path)) == 1
-
-    def test_a_copy_of_what_ships_is_the_same(self, catalogue, tmp_path):
-        path = written(tmp_path / "copy.csv", SHIPPED.read_bytes())
-        assert list(read_catalogue(path).id) == list(catalogue.id) and read_catalogue(path).notes == ()
 
     LATER = ("#EventID|Time|Latitude|Longitude|Depth/km|Author|Catalog|Contributor|ContributorID|MagType|Magnitude|"
              "MagAuthor|EventLocationName|EventType\n"
@@ -287,13 +210,6 @@ class TestCatalogue:
         assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in error_of(
             "catalogue", later, "--catalogue", joined, "--out", tmp_path / "c.csv")
 
-    def test_years(self, catalogue):
-        assert catalogue.between(2012, 2012).years == (2012, 2012)
-        assert len(catalogue.between(None, None)) == 1474
-        assert len(catalogue.between(1991, 2005)) + len(catalogue.between(2006, 2022)) == 1474
-        for years in ((1990, None), (None, 2023), (2012, 2011)):
-            one_line_error(catalogue.between, *years)
-
 
 class TestExposure:
     @pytest.mark.parametrize("place, median, rare, over", [
@@ -308,8 +224,8 @@ class TestExposure:
         assert tuple(int(np.sum(exposure.median_mm_s > level)) for level in (1, 2, 4, 8)) == over
 
     def test_probability_of_any_event_against_draws(self, catalogue):
-        """20 000 draws; tolerance: four standard errors."""
-        n = 20_000
+        """5 000 draws; tolerance: four standard errors."""
+        n = 5_000
         exposure = Exposure(places.at(*DELFZIJL), catalogue.between(2006, 2012), Model())
         drawn = exposure.median_mm_s[:, np.newaxis]
         for level in (1, 2, 5):
@@ -319,49 +235,6 @@ class TestExposure:
                 over += int(np.sum(pgv.max(axis=1) > level))
             p = exposure.at_least_once(level)
             assert over / n == pytest.approx(p, abs=4 * math.sqrt(p * (1 - p) / n))
-
-    def test_a_single_event_is_exceeded_as_itself(self, catalogue):
-        exposure = Exposure(places.at(*LOPPERSUM), catalogue.at(slice(0, 1)), Model("GEO"))
-        for level in LEVELS_MM_S:
-            assert exposure.at_least_once(level) == pytest.approx(
-                float(exposure.model.exceedance(exposure.median_mm_s, level)[0]), abs=1e-9)
-        assert exposure.largest_exceeded_mm_s(0.01) == pytest.approx(
-            float(exposure.model.exceeded_mm_s(exposure.median_mm_s[0], 0.01)), rel=1e-6)
-
-    def test_soft_soil_amplifies(self, catalogue, garsthuizen):
-        soft = Exposure(garsthuizen.place, catalogue, Model(), vs30_m_s=100)
-        assert soft.median_mm_s / garsthuizen.median_mm_s == pytest.approx(2**0.3295)
-
-    def test_far_from_the_field(self, catalogue):
-        message = one_line_error(Exposure, places.at(52.37, 4.88), catalogue, Model())
-        assert "km from the nearest epicentre" in message
-        assert "--vs30" in one_line_error(Exposure, places.at(*LOPPERSUM), catalogue, Model(), 5)
-
-    def test_far_from_the_field_by_a_catalogue_of_elsewhere(self, catalogue):
-        elsewhere = replace(catalogue.at(slice(0, 1)), x_m=np.array([190e3]), y_m=np.array([350e3]))
-        assert "km from the Groningen field's nearest" in one_line_error(
-            Exposure, places.at_rd(190e3, 350e3), elsewhere, Model())
-
-    def test_a_motion_that_comes_from_farther_than_was_compared_is_named(self, catalogue, garsthuizen):
-        assert garsthuizen.warnings == []
-        (warning,) = Exposure(places.at(53.0, 6.56), catalogue, Model()).warnings
-        assert "M 3.6, is 39 km away" in warning and "extrapolated" in warning
-
-    def test_picture_shows_every_event_from_its_threshold(self, garsthuizen):
-        figure = exposure_picture(garsthuizen)
-        time, ground = figure.axes
-        over = garsthuizen.median_mm_s[garsthuizen.median_mm_s >= 0.1]
-        dots = next(line for line in time.get_lines() if line.get_marker() == "o")
-        assert sorted(dots.get_ydata()) == pytest.approx(sorted(over))
-        assert len(ground.collections[0].get_offsets()) == len(over)
-        assert len(ground.get_lines()[0].get_xdata()) == 1474
-
-    def test_the_map_names_towns_and_has_a_scale(self, garsthuizen):
-        ground = exposure_picture(garsthuizen).axes[1]
-        words = {text.get_text(): text.xy for text in ground.texts}
-        assert math.dist(words["Loppersum"], np.array(places.to_rd(*LOPPERSUM)) / 1e3) < 1 and "Assen" not in words
-        (bar,) = (line for line in ground.get_lines() if line.get_marker() == "|")
-        assert np.ptp(bar.get_xdata()) == pytest.approx(5) and "5 km" in words
 
 
 class TestCommand:
@@ -373,25 +246,6 @@ class TestCommand:
         table = pd.read_csv(tmp_path / "exposure.csv")
         assert list(table) == list(COLUMNS) and table["median_mm_s"].max() == pytest.approx(12.96, abs=5e-3)
         assert {path.name for path in tmp_path.iterdir()} == {"exposure.csv", "exposure.png", "exposure.pdf"}
-
-    def test_the_grid_gives_the_same_place(self, output_of):
-        more = ["--json", "--component", "GEO", "--from", "2000", "--to", "2018"]
-        by_grid, by_degrees = (json.loads(output_of("exposure", *words, *more)) for words in (
-            ["--rd", *places.to_rd(*DELFZIJL)], ["--at", *DELFZIJL]))
-        assert by_grid["largest_median_mm_s"] == pytest.approx(by_degrees["largest_median_mm_s"], rel=1e-9)
-        assert (by_grid["from"], by_grid["to"]) == (2000, 2018)
-
-    def test_an_event_of_two_agencies_counts_once_and_is_named(self, output_of, tmp_path):
-        """Twice it gave a median of the largest motion of 36.44 mm/s."""
-        path = tmp_path / "twice.txt"
-        path.write_text(TestCatalogue.ALL + TestCatalogue.FIRST
-                        + "b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|B|3.4|induced or triggered event\n"
-                        + "a2|2019-05-22T03:49:00.1|53.327|6.65|3.0|A|3.4|induced or triggered event\n")
-        words = ["exposure", "--at", "53.36", "6.75", "--catalogue", str(path)]
-        found = json.loads(output_of(*words, "--json"))
-        assert found["largest_of_all_median_mm_s"] == pytest.approx(27.21, abs=5e-3)
-        assert found["at_least_once"]["10"] == pytest.approx(0.960, abs=5e-4) and len(found["warnings"]) == 1
-        assert "warning: " in (said := output_of(*words)) and "lines 2 and 3 are 0.4 s" in said
 
     def test_formulas_of_a_catalogue_reach_no_spreadsheet(self, tmp_path):
         """Place and identifier are foreign text."""
@@ -407,15 +261,6 @@ class TestCommand:
             assert list(table[name]) == [
                 "'+1+cmd", "'-2+3", "'@SUM(A1)", "'t Zandt", "-5", "'=HYPERLINK(\"x\")"]
         assert list(from_words(table)["place"][[0, 3]]) == ["+1+cmd", "'t Zandt"]
-
-    @pytest.mark.parametrize("words", [("53,36786", "6,71359"), ("53.36786,", "6.71359")])
-    def test_degrees_as_others_write_them(self, output_of, words):
-        """Elsewhere a comma may be of thousands."""
-        assert output_of("exposure", "--at", *words) == output_of("exposure", "--at", *GARSTHUIZEN)
-
-    def test_text(self, output_of):
-        said = output_of("exposure", "--at", *GARSTHUIZEN)
-        assert "largest median 19.61 mm/s; 74.09 mm/s" in said and "Westeremden" in said
 
     @pytest.mark.parametrize("words, message", [
         ([], "which address"), (["--at", "53.3", "6.7", "--rd", "245620", "594864"], "which address"),
@@ -460,19 +305,3 @@ class TestResiduals:
         assert stats.chi2.cdf(15 * found.var() / within**2, 15) > 0.025  # as scattered as the model says, or less by
         assert stats.chi2.sf(15 * found.var() / within**2, 15) > 0.025   # no more than chance explains
         assert found.mean() == pytest.approx(-0.0157, abs=2e-3) and found.std() == pytest.approx(0.3914, abs=2e-3)
-
-    def test_one_station_by_hand(self):
-        """BGAR is 2548.2 m from the epicentre; its larger component has 31.71 mm/s."""
-        row = station_residuals(Model()).set_index("station").loc["BGAR"]
-        expected = by_hand(TestModel.PRINTED["LRG"].split(), 3.4, row["epicentral_km"])
-        assert row["epicentral_km"] == pytest.approx(2.548, abs=1e-3)
-        assert row["residual"] == pytest.approx(math.log(31.7113 / expected), rel=1e-6)
-        geometric = station_residuals(Model("GEO")).set_index("station").loc["BGAR"]
-        assert geometric["pgv_mm_s"] == pytest.approx(math.sqrt(31.7113 * 19.8523), rel=1e-9)
-        largest = station_residuals(Model("MAX")).set_index("station").loc["BGAR"]
-        assert 31.7113 < largest["pgv_mm_s"] < math.hypot(31.7113, 19.8523)
-
-
-def test_the_catalogue_ships_with_its_licence():
-    readme = (SHIPPED.parent / "README.md").read_text()
-    assert "KNMI" in readme and "CC BY 4.0" in readme and SHIPPED.name in readme

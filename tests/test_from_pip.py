@@ -4,10 +4,8 @@ import io
 import json
 import os
 import sys
-import threading
 import tomllib
 from contextlib import redirect_stdout
-from dataclasses import replace
 from shutil import copytree, ignore_patterns
 
 import numpy as np
@@ -17,9 +15,9 @@ from test_guides import GUIDES, blocks
 
 import damage
 from damage.__main__ import main
-from damage.files import shipped_files, shipped_path
+from damage.files import shipped_files
 from damage.motion.loading import Harmonic, TopDisplacement
-from damage.wall.file import load_wall, shipped_walls
+from damage.wall.file import load_wall
 from damage.wall.new import new_wall
 
 SETUP = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
@@ -71,13 +69,6 @@ def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
         assert (tmp_path / name).is_file(), name
 
 
-def test_a_study_by_yade_without_a_clone_is_one_line(installed, tmp_path):
-    done = run_command(sys.executable, "-m", "damage", "study", "quick", "--solver", "yade", cwd=tmp_path,
-                       env={**os.environ, "PYTHONPATH": str(installed / "site")})
-    assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr
-    assert "--solver yade: YADE's programs are in a clone" in done.stderr
-
-
 def test_the_notebook_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = GUIDES / "notebook.ipynb"
@@ -109,37 +100,6 @@ class TestNames:
         assert "expected a name that ends in .toml or .py" in one_line_error(new_wall, tmp_path / "b.txt")
         assert "expected a name that ends in .toml;" in one_line_error(new_wall, tmp_path / "b.py", "terrace_end")
 
-    @pytest.mark.parametrize("name", shipped_walls())
-    def test_a_new_wall_as_data_is_the_one_that_ships_but_for_its_name(self, tmp_path, name):
-        path = new_wall(tmp_path / 'my "new" wall.toml', name)
-        assert load_wall(path) == replace(load_wall(name), name="my--new--wall")
-        assert path.read_text().startswith("#:schema ./wall.schema.json\n# A copy of the wall " + name)
-
-    @pytest.mark.parametrize("words, meant", [
-        (["idnex", "a.h5"], "index"), (["modes", "symetric"], "symmetric"), (["reference", "simmetric"], "symmetric"),
-        (["modes", "elsewhere/symmetric.py"], "symmetric"), (["study", "qick"], "quick"),
-        (["record", "BGRA_HGE"], "BGAR_HGE")])
-    def test_a_wrong_name_is_met_with_the_nearest(self, error_of, words, meant):
-        printed = error_of(*words)
-        assert f"; did you mean {meant}?" in printed and printed.count("\n") == 1
-
-    def test_what_is_far_from_every_name_has_no_nearest(self, error_of):
-        assert "did you mean" not in error_of("xyzzy")
-
-    def test_shipped_paths_are_those_of_a_clone_and_no_others(self):
-        assert shipped_path("walls/variants/symmetric_fast.py").is_file()
-        for path in ("pyproject.toml", "walls/../LICENSE", "walls/absent.py", "damage/files.py", "/etc/hosts", ""):
-            assert shipped_path(path) is None
-
-    def test_record_draws_a_motion(self, tmp_path, capsys, error_of):
-        picture = tmp_path / "a.png"
-        words = ["record", "BGAR_HGE", "--window", "18", "20", "--band", "0.5", "25", "--json", "--plot"]
-        assert main([*words, str(picture)]) == 0
-        printed = capsys.readouterr()
-        assert json.loads(printed.out)["band_hz"] == [0.5, 25.0] and "picture: " in printed.err
-        assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 20_000
-        assert "expected a name that ends in .png" in error_of(*words, tmp_path / "a.pdf")
-
 
 class TestRun:
     def test_the_public_names_are_listed(self):
@@ -167,13 +127,6 @@ class TestRun:
         assert len(damage.run(PIER, **SHORT | {"sequence": [1, 0.5]}).sequence) == 2
         assert capfd.readouterr().out == ""
 
-    def test_a_run_in_a_thread_is_one(self):
-        ended = []
-        thread = threading.Thread(target=lambda: ended.append(damage.run(PIER, **SHORT)))
-        thread.start()
-        thread.join()
-        assert ended[0].complete
-
     @pytest.mark.parametrize("arguments, says", [
         ({"harmonc": 1}, "did you mean harmonic?"), ({"rest": -1}, "--rest"), ({"motion": 3}, "motion = 3"),
         ({"members": 3}, "expected 1"), ({"pictures": True}, "pictures=True"), ({"quiet": 3}, "quiet = 3"),
@@ -182,10 +135,3 @@ class TestRun:
         ({"motion": TopDisplacement((0.1,)), "sequence": "1,2"}, "leave it out")])
     def test_bad_arguments_are_one_line(self, arguments, says):
         assert says in one_line_error(lambda: damage.run(**{"wall": PIER, **arguments}))
-
-    def test_a_history_is_short_and_a_table(self):
-        history = damage.run(PIER, **SHORT)
-        assert repr(history) == str(history) and len(repr(history)) < 120
-        assert repr(history).startswith("<History pier, harmonic_0.05s_0.1g_1cycles, reference solver: complete, ")
-        shown = history._repr_html_()
-        assert f"maximum {history.index()['DI'].max():.3f}" in shown and shown.count("<tr>") == 7

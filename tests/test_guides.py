@@ -85,6 +85,7 @@ def test_the_first_wall_and_what_it_left(clone):
     assert (clone / "three_moments.png").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_a_wall_and_a_study_of_ones_own(clone):
     output = follow("own-wall", clone)
     assert "two-windows" in output and "concrete lintel at 2.106 m" in output and "mode 1: 0.09" in output
@@ -98,6 +99,7 @@ def test_a_wall_and_a_study_of_ones_own(clone):
     assert (clone / "my_study.html").stat().st_size > 1_000_000
 
 
+@pytest.mark.long
 def test_a_wall_that_was_cracked_before(clone):
     wall = next(text for language, text in blocks("own-wall") if language == "python")
     (clone / "walls/two_windows.py").write_text(wall, encoding="utf-8")
@@ -107,16 +109,19 @@ def test_a_wall_that_was_cracked_before(clone):
     assert damage.read_history(clone / "cracked.h5").parameters["cracked"]["file"] == "survey.csv"
 
 
+@pytest.mark.long
 def test_a_wall_for_other_programs(clone):
     assert follow("other-programs", clone).split() == ["opensees_symmetric.py"]
 
 
+@pytest.mark.long
 def test_a_record_of_ones_own(clone):
     assert "pga" in follow("own-record", clone).lower()
     history = damage.read_history(clone / "my_record.h5")
     assert history.complete and history.series["base_acceleration_x_m_s2"].abs().max() > 0.2 * 9.8
 
 
+@pytest.mark.long
 def test_a_wall_that_was_tested(clone):
     output = follow("tested-wall", clone)
     assert "comp2_2 / pushover_0.1pct_fixed: 2 draws" in output and "beside the test COMP2_2" in output
@@ -128,6 +133,7 @@ def test_a_wall_that_was_tested(clone):
     assert 1.4 * after_peak.toe_drift(by_rule) == pytest.approx(0.0175, rel=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.yade
 def test_a_scene_for_yade_users(clone, yade_command):
     """The prompt as shown, typed in a terminal; the same script by YADE's own command; engines, O.save and O.load."""

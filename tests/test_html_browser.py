@@ -4,7 +4,6 @@
 """
 
 import json
-import re
 
 import numpy as np
 import pytest
@@ -16,11 +15,9 @@ from damage.html.report import write_report
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 from selenium.webdriver.common.keys import Keys
 
-from benchmarks.report_in_browser import open_report, print_pdf
+from benchmarks.report_in_browser import open_report
 
 pytestmark = IN_BROWSER
-UNCRACKED = ("rgb(176, 176, 176)", "rgb(119, 119, 119)")
-"""Outlines of bricks, and joints that are broken below the threshold."""
 
 
 @pytest.fixture(scope="module")
@@ -93,55 +90,6 @@ def test_the_slider_moves_wall_cursor_and_ring_by_keys(opened):
     assert "1 slipped, 1 opened" in by_id(opened, "shown-A").text
 
 
-@of("one")
-def test_what_is_reported_is_what_the_history_holds(opened, reports):
-    from damage.history.reader import read_history
-
-    history = read_history(reports["one"].parent / "study" / "runs" / "one.h5")
-    by_id(opened, "to-end").click()
-    last = history.index().iloc[-1]
-    content = by_id(opened, "shown-A").text
-    assert f"DI {last['DI']:.3f} (drift {last['DI_drift']:.3f}, open {last['DI_open']:.3f}" in content
-    by_id(opened, "to-max").click()
-    assert f"DI {history.index()['DI'].max():.3f}" in by_id(opened, "shown-A").text
-
-
-@of("two")
-def test_play_moves_all_walls_to_the_end_and_stops(opened):
-    by_id(opened, "time-slider").send_keys(Keys.HOME)
-    before = [paths(opened, letter) for letter in "AB"]
-    play = by_id(opened, "play")
-    play.send_keys(Keys.SPACE)
-    opened.set_script_timeout(30)
-    opened.execute_async_script("const done = arguments[0], look = () => (window.report.playing ? setTimeout("
-                                "look, 50) : done()); look()")
-    assert by_id(opened, "time-shown").text == "0.200 s"
-    assert play.get_attribute("aria-pressed") == "false" and "Play" in play.text
-    assert all(old != paths(opened, letter) for old, letter in zip(before, "AB"))
-
-
-@of("one")
-def test_displacements_are_magnified(opened):
-    by_id(opened, "to-end").click()
-    before = paths(opened)
-    magnify = by_id(opened, "magnify")
-    magnify.send_keys(Keys.HOME)
-    assert by_id(opened, "magnify-shown").text == "× 0"
-    at_rest = paths(opened)
-    assert at_rest != before
-    corner = re.match(r"M([-\d.]+),([-\d.]+)L([-\d.]+),([-\d.]+)", at_rest[0])
-    assert corner[2] == corner[4]  # level
-
-
-@of("one")
-def test_every_control_is_reached_by_the_tab_key(opened):
-    reached = set()
-    for _ in range(25):
-        opened.switch_to.active_element.send_keys(Keys.TAB)
-        reached.add(opened.switch_to.active_element.get_attribute("id"))
-    assert {"play", "time-slider", "to-max", "to-end", "speed", "magnify"} <= reached
-
-
 @of("study")
 def test_the_table_of_points_sorts(opened):
     def column(number):
@@ -156,92 +104,3 @@ def test_the_table_of_points_sorts(opened):
         assert heads[number - 1].get_attribute("aria-sort") == order
         assert column(number) == sorted(column(number), reverse=not rising)
     assert column(number)[0] > column(number)[-1]
-
-
-@of("one")
-def test_a_dark_screen_has_light_words_on_dark_and_paper_has_not(opened):
-    def lightness(kind="screen"):
-        opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-            "media": kind, "features": [{"name": "prefers-color-scheme", "value": "dark"}]})
-        words = opened.execute_script("const style = getComputedStyle(document.body);"
-                                      "return [style.color, style.backgroundColor]")
-        return [sum(map(int, re.findall(r"\d+", one)[:3])) / 3 for one in words]
-
-    try:
-        ink, paper = lightness()
-        assert ink > 200 and paper < 50
-        assert "invert" in opened.execute_script("return getComputedStyle(document.querySelector('.plot')).filter")
-        ink, paper = lightness("print")
-        assert ink < 50 and paper > 200
-        assert opened.execute_script("return getComputedStyle(document.querySelector('.plot')).filter") == "none"
-    finally:
-        opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
-
-
-@of("one", "two")
-def test_drawings_have_the_width_of_the_printed_page_from_any_screen(opened):
-    def widths(of="querySelector('svg.main-svg')."):
-        return opened.execute_script("return Array.from(document.querySelectorAll('.plot'), (plot) => "
-                                     f"plot.{of}clientWidth)")
-
-    size = opened.get_window_size()
-    opened.set_window_size(700, 900)
-    try:
-        opened.execute_script("dispatchEvent(new Event('beforeprint'))")
-        page_px = 695 / 0.62  # A4 less margins, at 96 px an inch and the zoom of drawings on paper
-        assert widths()[-1] == pytest.approx(page_px, abs=1)
-        single = len(widths()) == 4
-        assert widths()[0] == pytest.approx((0.6 if single else 0.5) * (page_px - 16 / 0.62), abs=1)
-        opened.execute_script("dispatchEvent(new Event('afterprint'))")
-        assert widths() == widths(of="")  # those of their places
-    finally:
-        opened.set_window_size(size["width"], size["height"])
-
-
-@pytest.mark.parametrize("width_px", [390, 1300])
-def test_cursors_are_where_the_axes_have_the_time(driver, reports, width_px):
-    """Beside legends, which take of a plot what their font and the screen make them."""
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
-        "width": width_px, "height": 900, "deviceScaleFactor": 1, "mobile": False})
-    try:
-        open_report(driver, reports["one"])
-        found = driver.execute_script(
-            "window.report.goTo(0.15); return ['over-time', 'energy-A'].map((id) => { const div = "
-            "document.getElementById(id), {xaxis} = div._fullLayout, {times, at} = window.report; return "
-            "[div.querySelector('.cursor').offsetLeft, xaxis._offset + xaxis.l2p(times[at])]; })")
-    finally:
-        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    for cursor_px, time_px in found:
-        assert cursor_px == pytest.approx(time_px, abs=1.5)
-
-
-@of("two")
-def test_the_walls_of_two_runs_are_level(opened):
-    """However long the words above one of them are."""
-    opened.execute_script("document.querySelector('#run-A .key small').textContent = 'many words '.repeat(20)")
-    tops = opened.execute_script("return Array.from(document.querySelectorAll('.wall .plot')).map("
-                                 "(one) => one.getBoundingClientRect().top)")
-    assert len(tops) == 2 and tops[0] == pytest.approx(tops[1], abs=0.5)
-
-
-@of("two")
-def test_on_paper_opened_slipped_and_both_differ_without_colour(opened, tmp_path):
-    by_id(opened, "to-end").click()
-
-    def cracks():
-        found = opened.execute_script(
-            "return Array.from(document.querySelectorAll('#wall-B .scatterlayer path.js-line')).map((line) => "
-            "[getComputedStyle(line).stroke, getComputedStyle(line).strokeDasharray, line.getAttribute('d').length > 5]"
-            ")")
-        return sorted((colour, dash) for colour, dash, drawn in found if drawn and colour not in UNCRACKED)
-
-    on_screen = cracks()
-    assert len({colour for colour, _ in on_screen}) == 3
-    opened.execute_script("dispatchEvent(new Event('beforeprint'))")
-    black = "rgb(0, 0, 0)"
-    assert cracks() == [(black, "2px, 2px"), (black, "6px, 2px"), (black, "none")]
-    assert opened.execute_script("return document.querySelectorAll('#wall-B .points path').length") == 0
-    opened.execute_script("dispatchEvent(new Event('afterprint'))")
-    assert cracks() == on_screen
-    print_pdf(opened, tmp_path / "paper.pdf")
-    assert (tmp_path / "paper.pdf").read_bytes().startswith(b"%PDF")

@@ -11,14 +11,13 @@ from scipy import stats
 
 import damage
 from damage.batch import folder as batch_folder
-from damage.draw.exposure import contributions_picture, life_picture
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS
-from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window
+from damage.exposure.lives import Choices, Draws, events_of, read_address
 from damage.exposure.models.bommer_2022 import Model
-from damage.life.comparison import by_own_curve, choices, largest_alone, readings
+from damage.life.comparison import largest_alone
 from damage.life.estimate import paired, probability, strata
 from damage.life.results import (
     Lives,
@@ -30,7 +29,6 @@ from damage.life.results import (
     write_study,
 )
 from damage.measure.cycles import shocks_table
-from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence
 from damage.reference.session import run_references
 from damage.rounded import to_bits
@@ -38,8 +36,7 @@ from damage.run.banner import event_lines
 from damage.run.options import parse_run, words_of
 from damage.studies.definition import load_study
 from damage.studies.records import NAME, read_records
-from paper import lives_walls
-from paper.accumulation import READINGS, after, final_psi
+from paper.accumulation import after
 
 WALL = "Wall('narrow', 0.9, 1.5)"
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
@@ -69,19 +66,6 @@ class TestDraws:
         assert low[low["pgv_mm_s"] >= 3.0].reset_index(drop=True).equals(high)
         assert len(high) < len(low)
 
-    def test_the_largest_event_is_always_part(self, exposure):
-        every, alone = draws(exposure, above_mm_s=1.0).life(2), draws(exposure, largest_alone=True).life(2)
-        assert alone.equals(draws(exposure, above_mm_s=500.0).life(2)) and len(alone) == 1
-        assert alone["pgv_mm_s"][0] == every["pgv_mm_s"].max() == draws(exposure).largest([2])[0]
-
-    def test_lives_of_one_number_have_equal_terms_at_every_address(self):
-        """The ratio of drawn to median PGV does not depend on the place."""
-        ratios = []
-        for place in ((53.36786, 6.71359), (53.3325, 6.7475)):
-            exposure = Exposure(places.at(*place), read_catalogue().between(2012, 2014), Model())
-            ratios.append(draws(exposure).pgv(5)[0] / exposure.median_mm_s)
-        assert ratios[0] == pytest.approx(ratios[1], rel=2.0**-25)  # of two roundings
-
     def test_records_obey_the_rule_and_have_the_drawn_pgv(self, exposure):
         table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
         lives = pd.concat([draws(exposure, above_mm_s=1.0, within_km=4.0).life(number) for number in range(1, 31)])
@@ -90,35 +74,6 @@ class TestDraws:
         assert np.abs(lives["scale"]).between(0.1, 10).all()
         assert np.abs(lives["scale"]).to_numpy() * of["pgv_mm_s"].to_numpy() == pytest.approx(lives["pgv_mm_s"])
         assert list(lives["start_s"]) == list(of["start_s"]) and lives["record"].nunique() == 10
-
-    def test_the_largest_of_all_directions_is_that_of_both_components(self, exposure):
-        largest = Exposure(exposure.place, exposure.catalogue, Model("MAX"))
-        table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
-        life = draws(largest).life(1)
-        assert np.abs(life["scale"]).to_numpy() * table.loc[life["record"], "pgv_rotd100_mm_s"].to_numpy() == \
-            pytest.approx(life["pgv_mm_s"])
-        assert (table["pgv_rotd100_mm_s"] > table["pgv_mm_s"] * (1 - 1e-3)).all()
-
-    def test_scaling_to_the_spectral_acceleration(self, exposure):
-        """Every record reaches Sa(0.2 s) = PGV times the geometric mean of Sa / PGV of the records."""
-        table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
-        ratio = stats.gmean(table["sa_0.2_s_g"] / table["pgv_mm_s"])
-        life = draws(exposure, scale_to="sa").life(1)
-        reached = np.abs(life["scale"]).to_numpy() * table.loc[life["record"], "sa_0.2_s_g"].to_numpy()
-        assert reached == pytest.approx(ratio * life["pgv_mm_s"])
-
-    def test_strong_windows_leave_out_no_more_than_their_shares(self):
-        for name in ("BGAR_HGE", "G130_HG1"):
-            record = read_record(shipped_records()[name])
-            row = pd.read_csv(COMPONENTS, comment="#").set_index("record").loc[name]
-            start, end = strong_window(name, row.start_s, row.end_s, (0.05, 0.1))
-            energy, time = record.acceleration_m_s2**2, record.time_s
-            whole = energy[(time >= row.start_s) & (time <= row.end_s)].sum()
-            assert energy[(time >= row.start_s) & (time < start)].sum() <= 0.05 * whole
-            assert energy[(time > end) & (time <= row.end_s)].sum() <= 0.1 * whole
-            # a tenth of a second less on either side would leave out more
-            assert energy[(time >= row.start_s) & (time < start + 0.1)].sum() >= 0.05 * whole
-            assert energy[(time > end - 0.1) & (time <= row.end_s)].sum() >= 0.1 * whole
 
     def test_pgv_follows_the_model(self, exposure):
         """ln PGV of one event over 400 lives: mean and deviation within four standard errors, shape by Kolmogorov."""
@@ -142,22 +97,6 @@ class TestDraws:
         assert [one.hex() for one in life["scale"]] == scales
         assert [*life["start_s"], *life["end_s"]] == pytest.approx([18.7, 18.7, 20.7, 20.9, 20.9, 23.8])
         assert (ground.profile, ground.distortion.hex()) == ("sagging", "0x1.789b3f8000000p-12")
-
-    @pytest.mark.parametrize("pgv, record", [(4.0, "half"), (4.0 * (1 - 1e-12), "half"), (4.1, "half"), (3.9, "twice")])
-    def test_factors_of_one_size_are_a_tie_whatever_their_last_bits(self, exposure, pgv, record):
-        """Records of 2 and 8 mm/s need factors of 2 and 1/2 for 4 mm/s: the first of both is taken."""
-        lives = draws(exposure)
-        lives.__dict__["components"] = lives.components.head(2).assign(record=["half", "twice"], pgv_mm_s=[8.0, 2.0])
-        assert lives._table([(0, pgv, 1.0, None)])["record"].tolist() == [record]
-
-    def test_a_distortion_stays_within_its_bounds(self, exposure):
-        """Rounding to 26 bits would leave them."""
-        for bound in (0.02, 1e-7):
-            lives = draws(exposure, settle=("tilt",), distortion=(bound, bound))
-            assert lives.settlement(1).distortion == bound
-
-    def test_no_suitable_record(self, exposure):
-        assert "no suitable record" in one_line_error(draws(exposure, above_mm_s=1.0, within_km=0.5).life, 1)
 
     def test_events_are_those_of_the_sequence_file(self, exposure, tmp_path):
         life = draws(exposure, above_mm_s=3.0).life(1)
@@ -207,18 +146,6 @@ class TestAddress:
         for words in (["--event", "2006-08-08"], ["--address", str(path)],
                       ["--address", str(path), "--event", "2006-08-08", "--scale", "2"]):
             refused_with("--event", parse_run, words, "", "reference")
-
-    def test_options_that_do_not_go_with_a_life(self, tmp_path):
-        where = ["--address", str(written(tmp_path / "a.toml", ADDRESS))]
-        for words, message in ((where, "expected both"), (["--life", "1"], "expected both"),
-                               ([*where, "--life", "1", "--sequence", "1,1"], "--life and --sequence"),
-                               ([*where, "--life", "0"], "--life")):
-            assert message in one_line_error(parse_run, words, "test", "reference")
-
-    def test_strengths_are_drawn_by_the_life_s_number(self, tmp_path):
-        words = ["--address", str(written(tmp_path / "a.toml", ADDRESS)), "--life", "7"]
-        assert parse_run([*words, "--strength-cov", "0.3"], "t", "reference").model.strength_seed == 7
-        assert parse_run(words, "t", "reference").life["number"] == 7
 
 
 @pytest.fixture(scope="module")
@@ -331,22 +258,8 @@ class TestStudy:
                 "life", "symmetric", "--at", "53.36786", "6.71359", "--out", tmp_path / "out")
         assert list((tmp_path / "out").iterdir()) == []
 
-    def test_a_bad_address_is_one_line(self, error_of, tmp_path):
-        assert "from the nearest epicentre" in error_of("life", "symmetric", "--at", "52.09", "5.12", "--out", tmp_path)
-        where = ["--at", "53.36786", "6.71359", "--out", str(tmp_path)]
-        for words, message in ((["--within", "0.5"], "no suitable record"), (["--from", "1980"], "the first event"),
-                               (["--strong", "0.6", "0"], "strong"), (["--scale-to", "pga"], "scale_to")):
-            assert message in error_of("life", "symmetric", *where, *words)
-        assert list(tmp_path.iterdir()) == []
-
 
 class TestEstimate:
-    def test_one_stratum_is_the_share(self):
-        found = probability([True, False, False, True], [1, 2, 3, 4.0], [1.0, 2, 3, 4])
-        assert found.p == 0.5 and found.lives == 4
-        # p' = (2 + 1/2) / 5 = 1/2: variance 4/3 * 1/4 / 4
-        assert found.error == pytest.approx(np.sqrt(1 / 12))
-        assert found.lives_for(1.959964 * np.sqrt(1 / 12) / 2) == 16
 
     def test_strata_count_by_their_probability(self):
         """Two strata of 1/2; 5 lives in the lower one, none damaged, 15 in the upper one, 9 damaged: 0.5 * 0.6."""
@@ -438,87 +351,9 @@ class TestResults:
         assert "1.00 of the final Psi" in said  # of lives 1 and 4, the fallen one not counted
         assert "p_largest beside p, 4 equal lives: P(Psi >= 1) at rest +0.000" in said
 
-    def test_other_choices_beside_the_same_lives(self, lives):
-        """Life 1 ends with 0.9 instead of 1.2: P(Psi >= 1) is less by one of four, Psi by 0.3 in one of four."""
-        table = lives.table.copy()
-        table.loc[1, "psi"] = 0.9
-        said = describe([lives, Lives("p_other", lives.draws, table)])
-        assert "P(Psi >= 1) at rest -0.250" in said
-        assert "Psi at rest differs by 0.075 in the mean, 0.300 at most" in said
-
-    def test_choices_are_laid_beside_the_point_that_they_change(self, lives):
-        """p_settled_largest changes p_settled, not p, which rests on ground that did not settle."""
-        parts = [replace(lives, point=name) for name in ("p", "p_settled", "p_settled_largest")]
-        assert [(row["point"], row["other"]) for row in choices(parts)] == [
-            ("p", "p_settled"), ("p_settled", "p_settled_largest")]
-
-    def test_a_wall_s_own_curve_read_twice(self, lives):
-        """Single events of 10 to 40 mm/s, visible from 20 on but for one each way; two events of the median PGV: 1/2 by
-        the largest, 3/4 if each draws anew."""
-        largest = np.array([10.0, 15.0, 19.0, 21.0, 19.0, 21.0, 30.0, 40.0])
-        found = by_own_curve(largest, [0, 0, 1, 0, 0, 1, 1, 1], np.full((3, 2), 1.0))
-        assert 18 < found["median_mm_s"] < 23 and found["p_by_each_event"] < 1e-6
-        found = by_own_curve(largest, [0, 0, 1, 0, 0, 1, 1, 1], np.full((3, 2), found["median_mm_s"]))
-        assert (found["p_by_largest"], found["p_by_each_event"]) == pytest.approx((0.5, 0.75))
-        for hits, why in ((np.zeros(8), "no run exceeds it"), ((0, 0, 0, 1, 0, 1, 1, 1), "no dispersion"),
-                          ((0, 0, 0, 0, 1, 1, 0, 0), "no rising curve fits")):
-            found = by_own_curve(largest, hits, np.ones((3, 2)))
-            assert why in found["undetermined"] and np.isnan([found["median_mm_s"], found["p_by_largest"]]).all()
-        alone = Lives("p_largest", replace(lives.draws, choices=replace(lives.draws.choices, largest_alone=True)),
-                      lives.table.drop(index=0))
-        rows = readings([lives, alone])
-        assert [(row["psi"], row["outcome"]) for row in rows] == [
-            (1.0, "at rest"), (2.0, "at rest"), (1.0, "at any moment"), (2.0, "at any moment")]
-        assert rows[0]["p"] == rows[0]["p_largest"] == 0.5 and readings([lives]) == []
-        assert [row["other"] for row in choices([lives, alone])] == ["p_largest"]
-
-    def test_pictures(self, lives):
-        yearly = over_time(lives)
-        psi, probability, final = life_picture(lives.table, yearly, lives.last, "four lives").axes
-        assert len(psi.get_lines()) == 4 + 2 and len(final.get_lines()) == 2
-        assert any(list(line.get_ydata()) == list(yearly["p_psi_1"]) for line in probability.get_lines())
-        (ax,) = contributions_picture(contributions(lives), "events").axes
-        assert len(ax.patches) == 3
-
 
 class TestReadings:
     def test_one_event_by_hand(self):
         """At PGV = exp(3.370) a wall has reached 1.0 with 50 %: shares 0.4 and 0.6; no table from Psi = 2 on."""
         pgv = np.full(3, np.exp(3.370))
         assert list(after(np.array([0.0, 0.0, 2.0]), pgv, np.array([0.4, 0.6, 0.0]))) == [1.0, 0.5, 2.0]
-
-    def test_a_wall_that_was_damaged_before(self):
-        """From Psi = 0.5 half of the walls reach 1 at exp(3.002) mm/s; the largest alone starts from 0.5, too."""
-        class Alike:
-            def pgv(self, number):
-                return np.array([np.exp(3.002), 0.01]), None
-
-        found = final_psi(Alike(), range(4000), before=0.5)
-        assert all(found[name].min() == 0.5 for name in READINGS)
-        assert [np.mean(found[name] >= 1) for name in READINGS] == pytest.approx([0.5] * 3, abs=4 * 0.5 / 4000**0.5)
-        assert "Psi before the first event 0.7: expected one of 0.0, 0.5" in one_line_error(
-            final_psi, Alike(), range(4), before=0.7)
-
-    def test_a_row_of_the_table_of_walls(self):
-        """The largest event alone leaves fewer by 0.05 at Garsthuizen; at Loppersum it has not been computed."""
-        names = [f"p_{name}_1{end}" for name in ("psi", "max_psi") for end in ("", "_low", "_high")]
-        points = [f"w_{address}_settled" for address in lives_walls.ADDRESSES]
-        final = pd.DataFrame([[0.9, 0.4, 0.3, 0.5, 0.996, 0.9, 1.0]] * 3, points, ["median_psi", *names])
-        choices = pd.DataFrame([[-0.05, -0.1, 0.004]], pd.MultiIndex.from_tuples([(points[0], f"{points[0]}_largest")]),
-                               [f"change_p_psi_1{end}" for end in ("", "_low", "_high")])
-        assert list(lives_walls.row("w", "_settled", final, {points[0]: 0.72}, choices)) == [
-            "0.72", "0.90", *["40 (30 to 50)"] * 3, "+5 (0 to +10)", "", *["100 (90 to 100)"] * 2]
-
-    def test_figures_of_three_addresses(self):
-        """P(Psi >= 1), P(Psi >= 2) of 2 000 draws as found before this software was written, within four standard
-        errors of both; that they differ by a factor of nine is what makes the question."""
-        expected = {(53.36786, 6.71359): ((0.83, 0.27), (0.53, 0.17), (0.44, 0.03)),
-                    (53.3325, 6.7475): ((0.78, 0.29), (0.45, 0.15), (0.33, 0.02)),
-                    (53.33, 6.918): ((0.005, 0.0), (0.0, 0.0), (0.0, 0.0))}
-        for place, figures in expected.items():
-            whole = Draws(Exposure(places.at(*place), read_catalogue(), Model()))
-            found = final_psi(whole, range(1, 301))
-            for name, levels in zip(READINGS, figures):
-                for level, p in zip((1.0, 2.0), levels):
-                    error = np.sqrt(max(p * (1 - p), 0.01) * (1 / 300 + 1 / 2000))
-                    assert abs(np.mean(found[name] >= level) - p) < 4 * error + 0.005, (place, name, level)

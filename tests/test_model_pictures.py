@@ -10,13 +10,10 @@ from PIL import Image, ImageSequence
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
-from damage.draw import animation
 from damage.draw.animation import choose_snapshots, write_film
-from damage.draw.compare import JOINTS, compare_picture, joint_agreement, run_labels
+from damage.draw.compare import JOINTS, compare_picture, joint_agreement
 from damage.draw.preview import modes_picture
 from damage.law.modes import natural_modes
-from damage.wall.layout import lay_out
-from damage.wall.parameters import Opening, Wall
 
 
 def test_agreement_of_joints(tmp_path):
@@ -32,28 +29,6 @@ def test_agreement_of_joints(tmp_path):
     assert set(agreement) == set(JOINTS)
     figure = compare_picture(first, second)
     assert len(figure.axes) == 2
-
-
-def test_elastic_joints_are_drawn_as_such(tmp_path):
-    layout = lay_out(Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses"))
-    first, second = (make_history(tmp_path / f"{name}.h5", layout) for name in "ab")
-    figure = compare_picture(first, second)
-    drawn, = (lines for lines in figure.axes[1].collections if lines.get_label() == "elastic")
-    n = int(first.joints["elastic"].sum())
-    assert len(drawn.get_segments()) == n > 0 and drawn.get_linestyle()[0][1] is not None  # dashed
-    texts = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert f"elastic, cannot fail: {n} points" in texts
-    assert f"intact in both: {layout.n_joints - n} points" in texts
-
-
-def test_two_runs_never_carry_one_label(tmp_path):
-    (tmp_path / "other").mkdir()
-    a, b, namesake = (make_history(tmp_path / name) for name in ("a.h5", "b.h5", "other/a.h5"))
-    assert run_labels(a, b) == ["first: reference, a", "second: reference, b"]
-    long, short = ("".join(label.split()) for label in run_labels(a, namesake))  # without the lines' ends
-    assert (long, short) == (f"first:reference,{tmp_path.name}/a", "second:reference,other/a")
-    legend, = compare_picture(a, b).legends
-    assert [text.get_text() for text in legend.get_texts()][:2] == run_labels(a, b)
 
 
 def test_every_mode_is_drawn_with_its_period():
@@ -104,12 +79,6 @@ def test_a_gif_has_a_frame_a_snapshot_and_the_wall_moves_in_it(moved, tmp_path):
     assert changed[1] > 5 * max(changed[0], changed[3])  # else only the clock
 
 
-def test_a_factor_is_common_to_all_frames(moved):
-    shown = animation._common_magnification(moved, np.arange(N_SNAPSHOTS))
-    assert shown == animation._common_magnification(moved, np.array([4])) > 1
-    assert animation._common_magnification(moved, np.array([0, 1])) == 1.0  # nothing moves
-
-
 def test_a_window_and_the_maximum_choose_the_frames(moved):
     assert list(choose_snapshots(moved)) == [0, 1, 2, 3, 4]
     assert list(choose_snapshots(moved, (0.04, 0.16))) == [1, 2, 3]
@@ -124,10 +93,3 @@ def test_an_mp4_has_a_frame_a_snapshot(moved, tmp_path):
     asked = "stream=nb_read_frames,codec_name"
     done = run_command("ffprobe", "-v", "error", "-count_frames", "-show_entries", asked, "-of", "csv=p=0", path)
     assert done.stdout.strip().split(",") == ["h264", str(N_SNAPSHOTS)], done.stderr
-
-
-def test_what_cannot_be_made_is_said(moved, tmp_path, monkeypatch):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert "expected ffmpeg on PATH" in one_line_error(write_film, moved, tmp_path / "film.mp4")
-    assert "ends in .gif or .mp4" in one_line_error(write_film, moved, tmp_path / "film.avi")
-    assert not list(tmp_path.iterdir())

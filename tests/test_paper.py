@@ -5,17 +5,15 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, written
 
 from damage.index import COMPONENTS
-from damage.measure.damage_index import CRITERIA
 from damage.studies.tables import points_of
 from paper import report
 from paper.__main__ import main
 from paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
 from paper.evidence import MODELS
 from paper.readings import conclusions, judge_readings, table
-from paper.report import BEGIN, END, STATEMENTS, merged, source_in_words
+from paper.report import BEGIN, END, STATEMENTS
 from paper.verdict import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
 from scripts.documents import judge_tables
 from scripts.keep_tables import keep
@@ -138,18 +136,6 @@ class TestReadings:
         assert row.endswith("| s | das | ? | das |")
         assert "0.3 MPa in the piers: gains nothing; loses nothing." in conclusions(judge_readings(tmp_path))
 
-    def test_the_command_prints_conclusions_and_table(self, papers_world, tmp_path, capsys):
-        (tmp_path / "tables").mkdir()
-        papers_world.to_csv(tmp_path / "tables" / "summary.csv", index=False)
-        assert main(["readings", str(tmp_path)]) == 0
-        printed = capsys.readouterr().out
-        assert "Most claims" in printed and "| by default |" in printed
-
-    def test_results_without_a_reading_are_refused(self, papers_world, tmp_path, error_of):
-        (tmp_path / "tables").mkdir()
-        papers_world.assign(solver="yade").to_csv(tmp_path / "tables" / "summary.csv", index=False)
-        assert "run_all.sh readings" in error_of("readings", tmp_path, of=main)
-
 
 def test_every_claim_has_its_judge_and_every_statement_its_claims():
     assert [claim.id for claim in CLAIMS] == list(dict.fromkeys(claim.id for claim in CLAIMS))
@@ -259,12 +245,6 @@ def test_cycles_contradict(papers_world, judged, claim, run, values):
     assert usual(judged(papers_world, {**CYCLES, run: values}, alone=claim), claim) == DIFFERS
 
 
-def test_records_are_measured_themselves(papers_world, judged):
-    findings = judged(papers_world)
-    assert findings["P13a", "elastic", "displacement"].value.startswith("0.111 g")
-    assert "synthetic" in findings["P13b", "elastic", "displacement"].value
-
-
 def test_a_claim_whose_runs_are_missing_cannot_be_judged(papers_world, judged):
     """Only one motion that tries nothing hard is left."""
     left = papers_world[where(papers_world, period=1.0, amplitude=0.01)]
@@ -286,15 +266,6 @@ def test_a_wall_that_fell_differs(papers_world, judged):
     findings = judged(papers_world, alone="P4")
     assert usual(findings, "P4") == DIFFERS
     assert findings["P4", "elastic", "displacement"].value == "fell at 0.23 s (0.33 s, 0.025 g)"
-
-
-def test_the_median_of_perturbed_runs_counts(papers_world, judged):
-    mask = where(papers_world, period=0.33, amplitude=0.025)
-    members = pd.concat([papers_world, *(papers_world[mask].assign(run=f"member-{k}", max_DI=di)
-                                         for k, di in enumerate((0.019, 0.5)))])
-    finding = judged(members, alone="P4")["P4", "elastic", "displacement"]
-    assert finding.verdict == HOLDS
-    assert finding.value == "0.020 (0.019 to 0.500)"
 
 
 def test_runs_of_another_model_are_left_out(papers_world, judged):
@@ -327,35 +298,6 @@ def test_the_model_of_the_papers_text_has_columns_of_its_own(papers_world, judge
     assert heads[2:] == [f"reference solver, {model}, elastic lintel" for model in (ends, deformable)]
 
 
-def test_the_longest_rest_counts(papers_world, judged):
-    mask = where(papers_world, period=1.0, amplitude=0.1)
-    short = papers_world[mask].assign(run="short", rest_s=1.0, residual_DI=0.5)
-    papers_world["rest_s"] = 2.0
-    assert usual(judged(pd.concat([papers_world, short])), "P9f") == HOLDS
-
-
-def test_slip_criteria_and_lintels_are_judged_apart(papers_world, judged):
-    papers_world.loc[where(papers_world, period=0.33, amplitude=0.025), "max_shear_limit_DI"] = 0.03
-    findings = judged(papers_world)
-    assert findings["P4", "elastic", "displacement"].verdict == HOLDS
-    assert findings["P4", "elastic", "shear-limit"].verdict == DIFFERS
-    assert findings["P4", "none", "displacement"].verdict == UNJUDGED
-    [*lines] = merged([findings["P4", lintel, slip] for lintel in ("elastic", "none") for slip in CRITERIA])
-    assert [line[1] for line in lines] == ["elastic lintel, slip by displacement and slip accumulated",
-                                           "elastic lintel, slip by shear limit", "no lintel"]
-
-
-def test_offsets_and_what_accumulated_are_judged_side_by_side(papers_world, judged, tmp_path, output_of):
-    both = papers_world.assign(slip="displacement", **{
-        f"{kind}_accumulated_{name}": papers_world[f"{kind}_{name}"]
-        for kind in ("max", "residual") for name in COMPONENTS})
-    both.loc[where(both, period=0.33, amplitude=0.025), "max_accumulated_DI"] = 0.03
-    findings = judged(both)
-    assert [findings["P4", "elastic", slip].verdict for slip in CRITERIA] == [HOLDS, DIFFERS, HOLDS]
-    printed = output_of("verdict", tmp_path, of=main)
-    assert "offsets" not in printed and "by any of these" in printed
-
-
 def test_a_statement_sums_up_its_claims(papers_world, judged):
     papers_world.loc[where(papers_world, wall="asymmetric"), "eigen_period_s"] = 0.175
     findings = judged(papers_world)
@@ -384,38 +326,3 @@ def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, output
     assert [one["statement"] for one in verdict["statements"]] == list(STATEMENTS)
     assert len(verdict["claims"]) == len(CLAIMS)
     assert readme.read_text() == renewed
-
-
-def test_no_table_is_bad_input(tmp_path, error_of):
-    assert "no tables/summary.csv" in error_of("verdict", tmp_path, of=main)
-
-
-@pytest.mark.parametrize(("text", "complaint"), [
-    ("", "cannot be read"), ("a,b\n1,2\n", "no column run"),
-    ("run,wall,solver,status,motion\nx,symmetric,yade,failed,harmonic\n", "no complete run")])
-def test_odd_tables_are_bad_input(tmp_path, error_of, text, complaint):
-    (tmp_path / "tables").mkdir()
-    (tmp_path / "tables" / "summary.csv").write_text(text)
-    assert complaint in error_of("verdict", tmp_path, of=main)
-
-
-def test_a_table_without_later_measures_is_judged_as_far_as_it_goes(papers_world, judged):
-    table = papers_world.drop(columns=["damping_energy_j", "energy_error_fraction", "last_cycle_s", "shocks"])
-    findings = judged(table, {})
-    assert usual(findings, "P4") == HOLDS
-    assert {usual(findings, claim) for claim in ("P5", "P12a", "P16")} == {UNJUDGED}
-
-
-def test_a_readme_without_markers_is_left_alone(papers_world, judged, tmp_path, capsys):
-    judged(papers_world)
-    readme = written(tmp_path / "README.md", "mine")
-    assert main(["verdict", str(tmp_path), "--readme", str(readme)]) == 2
-    assert readme.read_text() == "mine" and "lacks the line" in capsys.readouterr().err
-
-
-def test_the_readme_has_a_row_a_model():
-    _, begin, rest = (REPOSITORY / "README.md").read_text().partition(BEGIN)
-    block, end, _ = rest.partition(END)
-    assert begin and end
-    rows = [line.split(" | ")[0].removeprefix("| ") for line in block.strip().splitlines()[2:]]
-    assert rows == [f"{source_in_words('reference', model)}, elastic lintel" for model in MODELS]

@@ -6,7 +6,7 @@ import sys
 import h5py
 import numpy as np
 import pytest
-from conftest import one_line_error, run_command, wall_file
+from conftest import run_command, wall_file
 from environments import environment, run_in
 from numpy.testing import assert_allclose, assert_array_equal
 from small_history import make_history, small_layout
@@ -85,21 +85,8 @@ class TestVtkhdf:
                                    cells.displacement(cells.snapshot_of[step]))
             assert_array_equal(root["FieldData/DI"], history.index().DI)
 
-    def test_bodies_are_those_of_the_nearest_snapshot(self, history):
-        taken = WallCells(history).numbers.snapshot_time_s
-        assert list(taken[[0, 4, 6, 10, 16, 20]]) == [0.0, 0.0, 0.1, 0.1, 0.2, 0.2]
-
-
-def test_a_history_without_samples_is_refused(tmp_path):
-    empty = make_history(tmp_path / "empty.h5", stages=(), snapshots={}, status="unfinished")
-    assert "holds no sample yet" in one_line_error(write_vtkhdf, empty, tmp_path / "out")
-
-
-def test_the_command_asks_for_a_format(error_of, history):
-    assert "expected --vtkhdf FILE.vtkhdf of a history" in error_of("export", history.path)
-
-
 # --- VTK's own readers ------------------------------------------------------------------------------
+
 
 @pytest.fixture(scope="module")
 def vtk_python():

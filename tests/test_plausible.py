@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, one_line_error, wall_file, written
 
-import damage
 from damage.__main__ import main
-from damage.fields import markdown
 from damage.motion.formats import shipped_record_path
-from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.run.options import parse_run
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
@@ -19,7 +16,6 @@ from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plausible import (
     PER_LENGTH,
     RANGES,
-    check_plausible,
     implausible,
     implausible_places,
 )
@@ -69,33 +65,11 @@ def test_every_number_of_a_wall_but_places_has_a_range():
 
 
 @pytest.mark.parametrize("name, value, meant", [
-    ("Joint.tensile_strength", 0.1, "0.1 MPa is 0.1e6 Pa"), ("Joint.cohesion", 150.0, "150 kPa is 150e3 Pa"),
-    ("Joint.normal_stiffness", 82.0, "82 N/mm3 is 82e9 Pa/m"), ("Joint.shear_stiffness", 4e5, "400000 MPa/m is"),
-    ("Joint.mode_i_fracture_energy", 0.012, "0.012 N/mm is 0.012e3 J/m2"),
-    ("Wall.precompression", 0.3, "0.3 MPa is 0.3e6 Pa"), ("Brick.young_modulus", 5.2, "5.2 GPa is 5.2e9 Pa"),
-    ("Brick.density", 1.9, "1.9 t/m3 is 1.9e3 kg/m3"), ("Brick.density", 18.6, "18.6 kN/m3 is 1896 kg/m3"),
-    ("Brick.length", 21.0, "21 cm is 21e-2 m"), ("Wall.length", 600.0, "600 mm is 600e-3 m, 600 cm is 600e-2 m")])
+    ("Joint.cohesion", 150.0, "150 kPa is 150e3 Pa"), ("Joint.mode_i_fracture_energy", 0.012, "0.012 N/mm is 0.012e3"),
+    ("Brick.density", 18.6, "18.6 kN/m3 is 1896 kg/m3"), ("Floor.mass", 0.9, "0.9 t is 0.9e3 kg"),
+    ("Wall.length", 600.0, "600 mm is 600e-3 m, 600 cm is 600e-2 m")])
 def test_the_unit_that_was_meant_is_named(name, value, meant):
-    (message,) = implausible(with_value(name, value))
-    assert meant in message
-
-
-def test_a_fault_is_reported_in_one_line_of_all_fields_and_once():
-    said = one_line_error(check_plausible, IN_MPA)
-    assert "tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa" in said
-    assert "cohesion = 0.15 Pa" in said and "--accept-implausible" in said
-    assert damage.check_plausible is check_plausible
-    two = replace(WALL, openings=(Opening(0.3, 0.02, 0.5), Opening(1.0, 0.5, 0.5), Opening(1.7, 0.02, 0.5)))
-    assert len(implausible(two)) == 1
-
-
-@pytest.mark.parametrize(("mass", "right", "fits"), [
-    (12.0, None, False), (0.3, 0.2, False), (60.0, 2.0, True), (30.0, 0.5, True), (3e5, 2.0, False)])
-def test_a_floor_is_as_heavy_as_its_length_allows(mass, right, fits):
-    """12 t and 0.3 t, as if in kg; a purlin of 30 kg is none of them."""
-    said = implausible(replace(WALL, floors=(Floor(1.0, mass, right=right),)))
-    assert any(PER_LENGTH in line for line in said) != fits
-    assert fits or mass > 1e3 or f"{mass / (right or 2.0):g} t/m is" in said[-1]
+    assert meant in implausible(with_value(name, value))[0]
 
 
 HOLED = Wall("holed", 4.0, 3.0, (Opening(1.0, 1.2, 1.2, 0.9),), precompression=0.0)
@@ -132,39 +106,21 @@ def test_walls_that_ship_are_plausible(path):
     assert implausible(load_wall(path)) == []
 
 
-def test_dry_joints_without_precompression_are_plausible():
-    dry = Joint(tensile_strength=0.0, cohesion=0.0, friction_angle=0.0)
-    assert implausible(Wall("dry", 2.0, 1.0, precompression=0.0, joint=dry)) == []
-
-
 def settings(*words):
     return parse_run([str(word) for word in words], "test", "reference")
 
 
-def test_a_run_refuses_a_wall_and_a_motion_unless_they_are_accepted():
-    assert "0.1 MPa is" in one_line_error(settings().check_plausible, IN_MPA)
-    assert "PGA of the base motion = 49 g" in one_line_error(settings("--harmonic", 0.2, 49).check_plausible, WALL)
-    shaken = ("--harmonic", 0.2, 1, "--sequence", "0.1,-6")
-    assert "PGA of the base motion = 6" in one_line_error(settings(*shaken).check_plausible, WALL)
-    settings("--record", "BGAR_HGE", "--scale", 40).check_plausible(WALL)  # 4.4 g
-    settings("--harmonic", 0.2, 49, "--accept-implausible").check_plausible(IN_MPA)
-
-
 @pytest.mark.parametrize("words, says", [
     (("--harmonic", 0.2, 5), "--harmonic AMPLITUDE_G = 5 g, expected 0.0001 to 2 g: 5 % is 5e-2 g, 5 m/s2 is 0.5097 g"),
-    (("--harmonic", 0.2, 0), "--harmonic AMPLITUDE_G = 0 g, expected"),
-    (("--harmonic", 0.2, 0.05, "--sequence", "100,60"), "AMPLITUDE_G = 5 g"),
     (("--harmonic", 200, 0.05), "--harmonic PERIOD_S = 200 s, expected 0.01 to 10 s: 200 ms is 200e-3 s"),
-    (("--record", "BGAR_HGE", "--scale", 0), "--scale = 0, expected 0.01 to 100."),
     (("--record", "BGAR_HGE", "--scale", -0.001), "--scale = -0.001, expected 0.01 to 100."),
-    (("--record", "BGAR_HGE", "--sequence", "150,1"), "--sequence = 150, expected 0.01 to 100, or 0: 150 % is 150e-2"),
     (("--record", "BGAR_HGE", "--sequence", "0,0"), "BGAR_HGE_x1: the base stands still"),
-    (("--cyclic", "0.1,25"), "--pushover, --cyclic = 25 %, expected 0.0001 to 20 %")])
-def test_a_motion_or_push_beyond_the_ranges_is_refused_unless_it_is_accepted(words, says):
-    """`--harmonic 0.2 5` and `--scale 0` ran without a word."""
+    (("--cyclic", "0.1,25"), "--pushover, --cyclic = 25 %, expected 0.0001 to 20 %"),
+    (("--harmonic", 0.2, 1, "--sequence", "0.1,-6"), "peak of 6 g, expected up to 5 g")])
+def test_a_motion_beyond_the_ranges_is_refused_unless_it_is_accepted(words, says):
     said = one_line_error(settings(*words).check_plausible, WALL)
     assert says in said and "--accept-implausible" in said
-    settings(*words, "--accept-implausible").check_plausible(WALL)
+    settings(*words, "--accept-implausible").check_plausible(IN_MPA)
 
 
 def test_usual_motions_and_a_pause_are_plausible():
@@ -189,8 +145,3 @@ def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
     assert "cm/s2 (gal) where m/s2 is expected" in capsys.readouterr().err
     assert main(["record", "BGAR_HGE", "--scale", "250"]) == 0
     assert "warning: --scale = 250, expected 0.01 to 100: 250 % is 250e-2\n" in capsys.readouterr().err
-
-
-def test_the_document_has_the_ranges():
-    text = (REPOSITORY / "docs/reference/ranges.md").read_text()
-    assert markdown("field", RANGES) in text and markdown("option", MOTION_RANGES) in text

@@ -105,32 +105,6 @@ def test_a_client_on_its_way_is_refused(monkeypatch):
             assert is_closed(ours)
 
 
-@pytest.mark.parametrize("kind", [socketserver.TCPServer, socketserver.ThreadingTCPServer])
-def test_a_thread_that_does_not_end_is_left(monkeypatch, kind):
-    """Its handler works on and reads nothing: in the server's only thread, or in one of its own."""
-    monkeypatch.setattr(servers, "PATIENCE_S", 0.05)
-    busy, over, n_files = threading.Event(), threading.Event(), n_open_files()
-
-    class Busy(socketserver.BaseRequestHandler):
-        def handle(self):
-            busy.set()
-            over.wait(2 * AT_MOST_S)
-
-    with kind(("127.0.0.1", 0), Busy) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        with connect(server) as client:
-            assert busy.wait(AT_MOST_S)
-            closed, = close_in_a_thread()
-            assert closed >= 1  # servers of the tests before may not have been collected yet
-            over.set()
-            assert is_closed(client)
-    assert n_open_files() < n_files + 5  # a thread may just close its own; a copy of every file would be ten more
-
-
-def n_open_files():
-    return len(os.listdir("/proc/self/fd"))
-
-
 FAKE_YADE = '''#!{python}
 import argparse, importlib, sys
 print(sys.argv[3:], file=sys.stderr)
@@ -172,25 +146,6 @@ def test_the_launcher_prevents_the_servers(system, tmp_path):
     assert system(tmp_path / "yade", "w.py").stdout.startswith("listening")  # by the plain command
     done = system(COMMAND[0], "-L", "json", "w.py", "--out", "a b.h5")
     assert done.stdout == "None False ['without_servers', 'json'] ['w.py', '--out', 'a b.h5'] typed\n", done.stderr
-
-
-def test_the_launcher_finds_yade_behind_itself_and_its_copies(system, tmp_path):
-    """A link to it stands on PATH before YADE's command, the repository does, and another clone of it."""
-    links, clone = tmp_path / "links", tmp_path / "clone"
-    links.mkdir()
-    (links / "yade").symlink_to(COMMAND[0])
-    shutil.copytree(REPOSITORY / "yade_scripts" / "start", clone / "yade_scripts" / "start")
-    shutil.copy2(COMMAND[0], clone / "yade")
-    for first in ([links, clone, REPOSITORY], [clone, links]):
-        done = system(first[0] / "yade", "w.py", before=first)
-        assert done.stdout == "None False ['without_servers'] ['w.py'] typed\n", done.stderr
-
-
-def test_the_launcher_refuses_a_wall_that_is_not_there(system):
-    """YADE prints a traceback, waits for commands and ends with status 0."""
-    done = system(COMMAND[0], "walls/symetric.py", "--harmonic", "0.2", "0.05")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "error: no file walls/symetric.py: expected a wall, like walls/symmetric.py; correct it\n"
 
 
 @pytest.mark.parametrize(("words", "passed"), [

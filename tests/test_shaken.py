@@ -40,12 +40,6 @@ def test_each_run_has_its_spectral_displacement(folder):
                 run.sd_T1, rel=5e-3)
 
 
-def test_a_motion_of_no_record_has_the_peak_and_the_spectrum_that_are_asked_for():
-    record = shaken_wall.synthetic(0.12, 0.42, 5)
-    assert np.abs(record.acceleration_m_s2).max() / 9.81 == pytest.approx(0.12)
-    assert shaken_wall.displacement_mm(record) == pytest.approx(0.42, rel=5e-3)
-
-
 def test_the_joints_are_as_stiff_as_the_measured_period_asks_for():
     wall = shaken_wall.fitted(Case())
     layout = lay_out(wall, ModelOptions(contacts="gauss", cells=8))
@@ -65,25 +59,10 @@ def test_peaks_residuals_and_periods_are_those_of_each_event():
     assert_allclose(table["period_after_s"], 0.1, rtol=1e-4)
 
 
-def test_a_wall_that_fell_exceeds_every_peak():
-    rows = [{"case": "a", "seed": seed, "run": run, "peak_mm_2060": 1.0 * seed * run, "residual_mm_2060": 0.1,
-             "period_after_s": 0.1 * seed, "collapsed": seed == 3 and run == 2} for seed in (1, 2, 3) for run in (1, 2)]
-    found = shaken_wall.quantiles(pd.DataFrame(rows))
-    assert list(found["peak_mm_50"]) == [2, 4] and found["peak_mm_95"][2] == np.inf
-    assert list(found["period_s_50"]) == [shaken_wall.PERIOD_S, 0.2]
-
-
 def test_the_kept_share_is_that_of_housner_for_his_peaks():
     """Peaks at which each impact leaves half of the energy."""
     energy = 0.75 * 0.5 ** np.arange(5)
     assert impacts.kept_share(0.2 * (1 - np.sqrt(1 - energy)), 0.2) == pytest.approx(0.5)
-
-
-def test_a_block_on_two_corners_keeps_more_than_housner_and_not_all():
-    layout = impacts.block(3, 4e9, "corners", 2)
-    angle = math.atan(1 / 3)
-    kept = impacts.kept_share(impacts.rotations_at_peaks(layout, 0.5 * angle, 3), angle)
-    assert (1 - 1.5 * math.sin(angle)**2)**2 < kept < 0.98
 
 
 def test_the_prediction_is_the_one_that_was_committed():

@@ -5,7 +5,6 @@
 
 import json
 import os
-import re
 import sys
 import threading
 import time
@@ -70,16 +69,6 @@ def requested(driver):
     return {one["params"]["request"]["url"] for one in messages if one["method"] == "Network.requestWillBeSent"}
 
 
-def test_the_browser_reports_what_it_is_asked_to(driver, site, tmp_path):
-    """So that an empty log means that there was nothing to report."""
-    bad = tmp_path / "bad.html"
-    bad.write_text('<link rel="stylesheet" href="nowhere.css"><script type="module" src="nowhere.js"></script>')
-    driver.get_log("browser")
-    driver.get(bad.as_uri())
-    assert len(driver.get_log("browser")) >= 2
-    requested(driver)
-
-
 def test_every_page_opens_without_an_error_or_a_warning(driver, site, address):
     faults, names = {}, pages(site)
     assert len(names) > 40
@@ -115,21 +104,6 @@ def test_the_search_shows_the_text_around_the_word(driver, address, word, page):
     assert driver.get_log("browser") == []
 
 
-@pytest.mark.parametrize("word", ["settlement", "record", "cracks", "study"])
-def test_guides_are_found_before_the_reference_of_modules(address, driver, word):
-    driver.get(f"{address}/search.html?q={word}")
-    until, parts = time.monotonic() + SEARCH_S, []
-    while time.monotonic() < until and not (parts and "api" in parts[-1]):
-        time.sleep(0.2)
-        parts = driver.execute_script("return Array.from(document.querySelectorAll('#search-results li > a'), "
-                                      "(link) => link.getAttribute('href').replace('api/commands', 'commands'))")
-    places = {part: [place for place, link in enumerate(parts) if link.startswith(f"{part}/")]
-              for part in ("guides", "api")}
-    others = [place for place in range(len(parts)) if place not in places["guides"] + places["api"]]
-    assert places["guides"] and places["api"], parts
-    assert max(places["guides"]) < min([*others, *places["api"]]) and max(others, default=-1) < min(places["api"])
-
-
 def test_a_narrow_screen_scrolls_up_and_down_only(narrow, site):
     """Tables that are wider scroll in a box of their own."""
     wide, cut = {}, {}
@@ -147,23 +121,3 @@ def test_a_narrow_screen_scrolls_up_and_down_only(narrow, site):
         if hidden:
             cut[name] = hidden
     assert (wide, cut) == ({}, {})
-
-
-def test_a_dark_screen_has_light_words_on_dark(driver, site):
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
-        {"name": "prefers-color-scheme", "value": "dark"}]})
-    try:
-        driver.get((site / "guides" / "gallery.html").as_uri())
-        colours = driver.execute_script("return ['color', 'backgroundColor'].flatMap((name) => [document.body, "
-                                        "document.querySelector('pre')].map((one) => getComputedStyle(one)[name]))")
-    finally:
-        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
-    *ink, page, box = (sum(map(int, re.findall(r"\d+", one)[:3])) / 3 for one in colours)
-    assert min(ink) > 180 and max(page, box) < 60
-
-
-def test_the_options_of_commands_are_there(driver, site):
-    driver.get((site / "api" / "commands.html").as_uri())
-    options = driver.execute_script("return Array.from(document.querySelectorAll('#command-reference dt'), "
-                                    "(term) => [term.textContent, term.nextElementSibling.textContent.trim()])")
-    assert dict(options)["--pushover DRIFT_PCT"] == "push the top to this drift"

@@ -1,12 +1,10 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
-import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,18 +25,14 @@ from conftest import (
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from damage.__main__ import main
 from damage.measure.tables import (
     describe_table,
-    events_table,
-    index_table,
     joints_table,
     summary_row,
     summary_table,
 )
 from damage.run.options import words_of
-from damage.studies.definition import StudyRun, load_study, option_table, run_name
-from damage.studies.inputs import as_json, differences, inputs_of
+from damage.studies.definition import load_study, option_table, run_name
 from damage.studies.records import NAME
 
 HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
@@ -51,14 +45,6 @@ def write_study(folder, text, name="study.toml"):
 
 
 class TestLoading:
-    def test_quick_is_a_sine_and_the_measured_record_on_the_symmetric_wall(self):
-        study = load_study(REPOSITORY / "studies" / "quick.toml")
-        sine, record = study.runs
-        assert study.name == "quick"
-        assert {sine.wall, record.wall} == {"walls/symmetric.py"}
-        assert dict(sine.options) == {"harmonic": (0.2, 0.05), "rest": 1}
-        assert dict(record.options) == {"record": "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv",
-                                        "window": (18.7, 22.1), "rest": 0.5}
 
     @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
     def test_shipped_studies_are_named_like_their_files(self, path):
@@ -66,27 +52,11 @@ class TestLoading:
         assert study.name == path.stem and study.title
         assert all(not Path(run.wall).is_absolute() for run in study.runs)
 
-    def test_ids_are_unique_and_fit_for_file_names(self):
-        runs = load_study(REPOSITORY / "studies" / "quick.toml").runs
-        assert [run.id for run in runs] == [
-            "symmetric_harmonic-0.2-0.05_rest-1_yade",
-            "symmetric_record-BGAR_HGE_acc_m_s2_window-18.7-22.1_rest-0.5_yade"]
-
-    def test_an_own_id_is_kept(self, tmp_path):
-        path = write_study(tmp_path, f'name = "s"\n[[runs]]\nid = "a"\n{WALL}{HARMONIC}')
-        assert load_study(path).runs[0].id == "a_yade"
-
     def test_a_table_and_a_list_of_words_mean_the_same(self):
         table = {"harmonic": [0.2, 0.05], "cycles": 2, "lintel": "none", "free-vibration": False}
         words = ["--harmonic", 0.2, "0.05", "--cycles=2", "--lintel", "none"]
         assert words_of(option_table(table)) == words_of(option_table(words))
         assert option_table(["--free-vibration"]) == {"free-vibration": True}
-
-    def test_files_beside_the_study_come_before_the_repositorys(self, tmp_path):
-        (tmp_path / "walls").mkdir()
-        shutil.copy(REPOSITORY / "walls" / "solid.py", tmp_path / "walls" / "symmetric.py")
-        path = write_study(tmp_path, f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}')
-        assert load_study(path).runs[0].wall == str(tmp_path / "walls" / "symmetric.py")
 
     def test_long_names_are_cut_and_stay_different(self):
         drifts = [k / 1000 for k in range(1, 60)]
@@ -95,9 +65,7 @@ class TestLoading:
 
     @pytest.mark.parametrize(("text", "message"), [
         ("", "name = None"),
-        ('name = "a/b"', "since it names a folder"),
         ('name = "s"', "no runs"),
-        ('name = "s"\nruns = 3', "no list of tables"),
         ('name = "s', "is no TOML"),
         ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs, "
          "states, title"),
@@ -109,87 +77,12 @@ class TestLoading:
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ scale = 2 }}', "--scale belongs to --record"),
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonic = [0.2] }}', "expected 2 arguments"),
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonics = [0.2, 1] }}', "no option harmonics: expected one of"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = {{ rest = [[1]] }}', "rest holds [1]"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = "--rest 1"', "expected a table or a list of words"),
         (f'name = "s"\n[[runs]]\n{WALL}options = {{ out = "a.h5" }}', "--out is set by the batch"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = ["--help"]', "--help is set by the batch"),
         (f'name = "s"\n[[runs]]\nid = "a b"\n{WALL}{HARMONIC}', "run 1: run id 'a b_yade'"),
         (f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}', "runs 1 and 2 are both"),
     ], ids=str)
     def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, message):
         assert message in refused_with("", load_study, write_study(tmp_path, text))
-
-    def test_a_missing_study_is_refused(self, tmp_path):
-        refused_with("No such file", load_study, tmp_path / "no.toml")
-
-    def test_runs_are_checked_where_they_are_made(self):
-        refused_with("names files", StudyRun, point="../x", wall="w.py", options=())
-
-
-class TestInputs:
-    """What a note says of a point, and when it no longer holds."""
-
-    WALL = ("import sys; sys.path.insert(0, {folder!r})  # {comment}\nfrom {module} import HEIGHT\nfrom damage import "
-            "Wall\n\n\ndef wall():\n    return Wall('w', 0.45, HEIGHT)\n")
-
-    @pytest.fixture
-    def inputs(self, tmp_path, monkeypatch):
-        """The inputs now of the only run of a study, whose wall file imports a module; solver: of the run."""
-        module = f"height_{tmp_path.name}".replace("-", "_")
-        monkeypatch.setattr(sys, "path", list(sys.path))
-        monkeypatch.setattr(sys, "dont_write_bytecode", True)
-
-        def now(height=0.6, comment="", acceleration=1, options="", solver="yade"):
-            monkeypatch.delitem(sys.modules, module, raising=False)
-            (tmp_path / f"{module}.py").write_text(f"HEIGHT = {height}\n")
-            (tmp_path / "w.py").write_text(self.WALL.format(folder=str(tmp_path), module=module, comment=comment))
-            (tmp_path / "r.csv").write_text(f"time_s,acc_m_s2\n0,0\n0.01,{acceleration}\n0.02,0\n")
-            text = f'name = "s"\n[[runs]]\nid = "a"\nwall = "w.py"\noptions = {{ record = "r.csv"{options} }}\n'
-            run = load_study(write_study(tmp_path, text), solver).runs[0]
-            return inputs_of(run, REPOSITORY)
-        return now
-
-    @pytest.mark.parametrize("solver", ["yade", "reference"])
-    @pytest.mark.parametrize(("change", "message"), [
-        ({"comment": "words"}, None),
-        ({"options": ", scale = 1.0, rest = 2"}, None),  # the defaults
-        ({"height": 0.525}, "wall.height 0.6 -> 0.525"),
-        ({"acceleration": 2}, "settings.loading.record.sha256"),
-        ({"options": ", rest = 1"}, "settings.rest_s 2.0 -> 1.0"),
-        ({"options": ', lintel = "none"'}, "settings.model.lintel elastic -> none"),
-    ], ids=str)
-    def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, message):
-        note = as_json(inputs(solver=solver))
-        json.dumps(note, allow_nan=False)  # raises where other software cannot read it
-        found = differences(note, inputs(solver=solver, **change))
-        assert found == [] if message is None else len(found) == 1 and found[0].startswith(message), found
-
-    def test_another_default_is_another_input_and_a_new_field_at_its_default_none(self, inputs):
-        now = inputs()
-        note = as_json(now)
-        note["settings"]["rest_s"] = 1.5  # what was the default then
-        assert differences(note, now) == ["settings.rest_s 1.5 -> 2.0"]
-        note = as_json(now)
-        del note["settings"]["model"]["fibres"], note["wall"]["brick"]["cohesion"], note["wall"]["brick"]["density"]
-        assert differences(note, now) == []
-        softer = replace(now, wall=replace(now.wall, brick=replace(now.wall.brick, density=1800.0)))
-        assert differences(note, softer) == ["wall.brick.density 1800.0, which was not there"]
-
-    def test_what_is_no_input_any_more_does_not_count(self, inputs):
-        """Notes had it once; a run that is equal otherwise is not made again."""
-        now = inputs()
-        note = as_json(now)
-        note["settings"] |= {"checkpoint_s": None, "resumed": None}
-        assert differences(note, now) == []
-        note["settings"]["unheard_of"] = 1
-        assert differences(note, now) == ["settings.unheard_of of a later version"]
-
-    def test_a_station_file_is_an_input(self, inputs):
-        now = inputs()
-        note = as_json(now)
-        loading = replace(now.settings.loading, record=replace(now.settings.loading.record, beside_sha256=("b" * 64,)))
-        other = replace(now, settings=replace(now.settings, loading=loading))
-        assert differences(note, other) == ['settings.loading.record.beside_sha256 [] -> ["bbbbbbbbbb...']
 
 
 class TestTables:
@@ -223,27 +116,6 @@ class TestTables:
         assert_allclose(table["max_abs_slip_m"][5], 3e-4, **single)
         assert_allclose(table.loc[2, ["final_opening_m", "max_opening_m"]].astype(float), 2e-4, **single)
         assert table["broken"].sum() == 2
-
-    def test_the_index_shows_both_criteria_of_slip(self, history):
-        table = index_table(history)
-        assert_allclose(table["DI_slip"], history.index()["DI_slip"])
-        assert_allclose(table["shear_limit_DI"], history.index(slip="shear-limit")["DI"])
-        assert list(table["stage"].unique()) == ["motion", "rest", "settling"]
-
-    def test_events_name_the_place_of_their_joint(self, still_history):
-        event = pd.DataFrame({"kind": ["shear"], "joint": [3], "time_s": [0.1]})
-        table = events_table(replace(still_history, events=event))
-        assert_allclose(table.loc[0, "joint_x_m"], still_history.joints.loc[3, "x_m"])
-        assert list(table.columns[:3]) == ["time_s", "joint", "kind"]
-
-    def test_files_read_back(self, history, tmp_path):
-        assert main(["tables", "run", str(history.path), "--out", str(tmp_path / "t" / "one")]) == 0
-        assert main(["tables", "summary", str(history.path), "--out", str(tmp_path / "t" / "summary.csv")]) == 0
-        assert sorted(path.name for path in (tmp_path / "t").iterdir()) == [
-            "one_cycles.csv", "one_events.csv", "one_index.csv", "one_info.json", "one_joints.csv",
-            "one_static_stage.csv", "summary.csv"]
-        index = pd.read_csv(tmp_path / "t" / "one_index.csv")
-        assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
 
 
 FAKE_YADE = '''
@@ -342,10 +214,6 @@ class TestBatch:
         assert {path.suffix for path in pictures} == {".png", ".pdf"}
         assert sorted(path.name for path in batches.folder.iterdir()) == [
             "bin", "calls", "out of {it}", "small.py", "study.toml", "yade.py"]
-        again, calls = batches.run(study)
-        assert (again.returncode, calls) == (0, []), again.stderr
-        assert "a_yade" in again.stdout
-
         untouched = (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns
         done, calls = batches.run(batches.study("all", a=1, b=1.7))
         assert (done.returncode, calls) == (0, ["1.7"]), done.stderr

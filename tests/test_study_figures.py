@@ -1,6 +1,5 @@
 """Figures of studies: what is drawn is what the tables hold, and what cannot be drawn is said."""
 
-import re
 import shutil
 from dataclasses import replace
 
@@ -8,30 +7,22 @@ import numpy as np
 import pandas as pd
 import pytest
 import small_history
-from conftest import REPOSITORY, refused_with
+from conftest import REPOSITORY
 from matplotlib.colors import to_rgba
 from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 from small_history import make_history
 
-from damage.commands.table import COMMANDS as of_package
-from damage.draw.panels import grid, letter
 from damage.draw.style import BLACK, BLUE, VERMILLION
-from damage.draw.words import record_label
-from damage.files import shipped_files
 from damage.measure.tables import index_table, write_table
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import figures as study_figures
-from paper.__main__ import COMMANDS as of_paper
-from paper.__main__ import PROGRAMS, main
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
-from paper.marks import NOTHING, describe_members, in_order, record_markers, scale_note
-from paper.results import Missing, load_results, variants
-from paper.study_figures import choices, sequences
+from paper.results import load_results, variants
 
 AMPLITUDES_G = (0.025, 0.05, 0.1)
 SCALES = (0.5, 1.0, 1.5, 2.0)
@@ -160,21 +151,6 @@ class TestAgainstAmplitude:
             single = harmonic.yade.loc[harmonic.yade["motion_period_s"] == 0.33, column]
             assert_allclose(hollow(ax, colour), single)
 
-    def test_next_to_nothing_does_not_look_like_much(self, results, harmonic):
-        points = harmonic.reference.assign(**{name + end: 1e-6 for name in MEASURES for end in ("", "_min", "_max")})
-        figure = against_amplitude(results, type(harmonic)("small", {}, points, points.iloc[:0]))
-        assert panel(figure, "maximum, 0.2").get_ylim()[1] >= NOTHING
-
-    def test_the_legend_tells_the_solvers_apart(self, results, harmonic):
-        said = text(against_amplitude(results, harmonic))
-        assert "reference: median, range of 5 runs" in said and "YADE: single runs" in said
-        assert "collapsed" not in said
-
-    def test_points_whose_number_of_runs_differs(self, harmonic):
-        points = harmonic.reference.copy()
-        points.loc[points.index[0], "members"] = 1
-        assert describe_members(points) == "median, range of up to 5 runs"
-
     @pytest.mark.parametrize("column", [{"collapsed_at_s": 1.0}, {"collapsed": 1}])
     def test_a_collapse_is_crossed_out(self, results, harmonic, column):
         points = harmonic.reference.assign(**column)
@@ -206,17 +182,6 @@ class TestOverTime:
         assert np.ptp(red.get_xdata()) == pytest.approx(0.06, abs=0.0101)  # whole samples of 10 ms inside it
         assert "T = 0.06 s" in text(figure)
 
-    def test_a_collapse_and_no_cycle(self, tmp_path):
-        write_study(tmp_path / "harmonic", harmonic_rows()[:2])
-        for path in (tmp_path / "harmonic" / "runs").iterdir():
-            make_history(path, stages=("motion",) * 8, drift=1e-3 * np.arange(8), collapsed_at_s=0.07, overwrite=True)
-        results = load_results(tmp_path)
-        variant, = variants(results.points)
-        figure = drifts(results, variant)
-        assert figure.axes[0].get_xlim()[1] == pytest.approx(0.07)
-        assert "collapse" in text(figure).splitlines() and "last full cycle" not in text(figure).splitlines()
-        assert "no run" in text(evolution(results, variant))
-
 
 class TestRecords:
     def test_spectra_are_those_of_the_windowed_record_times_the_scale(self, results, ida):
@@ -228,30 +193,6 @@ class TestRecords:
         assert_allclose(figure.axes[2].lines[0].get_ydata(), motion.acceleration_m_s2 / GRAVITY)
         assert "Zeerijp, BGAR east, PGA 0.111 g" in text(figure)
 
-    def test_another_file_of_the_same_name_is_not_taken(self, results, ida, tmp_path, monkeypatch):
-        other = tmp_path / "huizinge" / "MID1_N_synthetic_acc_m_s2.csv"
-        other.parent.mkdir()
-        other.write_text("0.0,1.0\n0.1,1.0\n")
-        monkeypatch.setattr("paper.ida_figures.shipped_record_path", lambda: other)
-        with pytest.raises(Missing, match="MID1_N_synthetic_acc_m_s2.csv"):
-            records(results, ida.points)
-
-    def test_synthetic_stands_in_every_figure(self, results, ida):
-        for figure in (records(results, ida.points), residual_against_pga(ida), against_drift(ida)):
-            assert text(figure).count("synthetic") >= 2  # in the title and where the record is named
-
-    @pytest.mark.parametrize("name, label", [
-        ("BGAR_HGE", "Zeerijp, BGAR east"), ("MID1_N_synthetic", "Huizinge, MID1 north, synthetic"),
-        ("huizinge_20120816_MID1_N", "Huizinge, MID1 north"), ("NL.BWSE..HGN", "Zeerijp, BWSE north"),
-        ("RSN175", "RSN175"), ("other_synthetic", "other_synthetic")])
-    def test_labels(self, name, label):
-        assert record_label(name) == label
-
-    def test_records_in_the_papers_order_with_its_markers(self):
-        assert in_order(["other", "BLOP_HGE", "BGAR_HGE", "MID1_N"]) == ["MID1_N", "BGAR_HGE", "BLOP_HGE", "other"]
-        assert list(record_markers(["MID1_N_synthetic", "BGAR_HGE"]).values()) == ["+", "x"]
-        assert len(set(record_markers(["MID1_N", "BGAR_HGE", "A", "B", "C"]).values())) == 5
-
 
 class TestIda:
     def test_residuals_against_pga(self, ida):
@@ -261,11 +202,6 @@ class TestIda:
         assert_allclose(x, rows["pga_g"], atol=0.01 * 0.2)
         assert_allclose(median, rows["residual_DI_slip"])
         assert_allclose(high, rows["residual_DI_slip_max"])
-
-    def test_the_axis_holds_the_strongest_record(self, ida):
-        further = ida.reference.assign(pga_g=ida.reference["pga_g"] * (1 + (ida.reference["record"] == "BGAR_HGE")))
-        ax = panel(residual_against_pga(type(ida)(ida.wall, {}, further, ida.yade)), "BGAR")
-        assert ax.get_xlim()[0] == 0 and ax.get_xlim()[1] > further["pga_g"].max()
 
     def test_the_trend_line_is_the_parabola_of_all_records(self, ida):
         ax = panel(against_drift(ida), "maximum")
@@ -282,31 +218,8 @@ class TestIda:
         assert free(trend.get_xdata()).min() < 0 <= trend.get_ydata().min()
         assert "trend held at 0 or above" in ax.get_title(loc="left")
 
-    def test_walls_that_fell_are_crossed_out_and_do_not_bend_the_trend(self, ida):
-        rows = ida.reference.assign(collapsed=0)
-        rows.iloc[-1, rows.columns.get_indexer(["collapsed", "max_DI"])] = 5, 0.001
-        figure = against_drift(type(ida)("small", {}, rows, ida.yade.iloc[:0]))
-        ax = panel(figure, "maximum")
-        trend, = (line for line in ax.lines if to_rgba(line.get_color()) == to_rgba(BLUE))
-        assert_allclose(trend.get_ydata(), parabola(trend.get_xdata()))
-        crossed, = (line for line in ax.lines if line.get_marker() == "x" and line.get_color() == VERMILLION
-                    and len(line.get_xdata()))
-        assert_allclose(crossed.get_ydata(), [0.001])
-        assert "a run collapsed" in text(figure)
-
-    def test_too_few_points_get_no_trend(self, ida):
-        few = type(ida)("small", {}, ida.reference.iloc[:3], ida.yade.iloc[:0])
-        ax = panel(against_drift(few), "maximum")
-        assert "R²" not in ax.get_title(loc="left")
-        assert "polynomial" not in text(ax.figure)
-
 
 class TestParabola:
-    def test_one_that_stays_above_zero_is_the_free_fit(self):
-        x = np.linspace(1, 3, 9)
-        trend, held = nonnegative_parabola(x, parabola(x))
-        assert not held
-        assert_allclose(trend(x), parabola(x), rtol=1e-12)
 
     @pytest.mark.parametrize("y", [np.clip(np.linspace(-1, 1, 12), 0, None), np.linspace(-1, 1, 12)**4,
                                    np.linspace(1, -1, 12) ** 3 * 1e-3, [1, 0.2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3]])
@@ -325,35 +238,6 @@ class TestParabola:
         assert cost == pytest.approx(best.fun, rel=1e-4)
 
 
-class TestPanels:
-    def test_no_letter_stands_twice_in_a_figure(self, drawn):
-        for name, figure in drawn.items():
-            letters = [ax.get_title(loc="left").split()[0] for ax in figure.axes if ax.get_title(loc="left")]
-            assert len(set(letters)) == len(letters) and all(re.fullmatch(r"\([a-z]+\)", one) for one in letters), name
-
-    def test_letters_go_on_after_z(self):
-        _, axes = grid(1, 2, 1.0)
-        letter(axes[0, 0], 25)
-        letter(axes[0, 1], 26, "next")
-        assert [ax.get_title(loc="left") for ax in axes[0]] == ["(z)", "(aa) next"]
-
-    def test_scales_apart_are_reported_and_hidden_panels_do_not_count(self):
-        _, axes = grid(1, 3, 1.0)
-        for ax, top in zip(axes[0], (0.01, 0.5, 1e-9)):
-            ax.set_ylim(0, top)
-        axes[0, 2].set_axis_off()
-        assert "the widest spans 50 times the narrowest" in scale_note(axes)
-        axes[0, 0].set_ylim(0, 0.4)
-        assert scale_note(axes) == "" == scale_note(axes, "x")
-
-    def test_figures_of_unlike_scales_say_so(self, results, harmonic):
-        points = harmonic.reference
-        rows = points.assign(max_DI=points["max_DI"] * np.where(points["motion_period_s"] == 0.2, 100, 1))
-        rows = rows.assign(max_DI_min=rows["max_DI"], max_DI_max=rows["max_DI"])
-        variant = type(harmonic)("small", {}, rows, harmonic.yade)
-        assert "scales of their own" in text(against_amplitude(results, variant))
-
-
 class TestResults:
     def test_yade_goes_with_the_reference_points_modelled_alike(self, tmp_path):
         rows = harmonic_rows() + [row | {"point": row["point"] + "n"} for row in harmonic_rows(lintel="none")[:2]]
@@ -362,12 +246,6 @@ class TestResults:
         assert [(variant.differs, len(variant.reference), len(variant.yade)) for variant in found] == [
             ({}, 6, 6), ({"lintel": "none"}, 1, 1)]
         assert found[1].file_part == "small_lintel-none" and found[1].title == "small wall, lintel none"
-
-    def test_a_study_of_the_name_comes_before_others(self, tmp_path, results):
-        points = results.points.assign(folder=results.points["point"].map(
-            lambda name: tmp_path / ("harmonic_yade" if name == "h0.2-0.1" else "sensitivity")))
-        found = type(results)(points, results.runs).of_studies(("harmonic",), points["motion_period_s"].notna())
-        assert set(found["point"]) == {"h0.2-0.1"}
 
     def test_what_a_solver_did_for_two_studies_counts_once(self, tmp_path, results):
         points = results.points[results.points["motion_period_s"].notna()]
@@ -378,59 +256,6 @@ class TestResults:
         assert len(found) == len(points) and not found.duplicated(["point", "solver"]).any()
         assert sorted(folder.name for folder in found["folder"]) == ["crosscheck"] + ["harmonic"] * (len(points) - 1)
 
-    def test_members_and_first_history(self, results, harmonic):
-        point = harmonic.reference.iloc[0]
-        assert results.members(point) == [f"h0.2-0.025_{member}_reference" for member in range(5)]
-        assert results.history(point).path.stem == "h0.2-0.025_0_reference"
-        assert len(results.histories(point)) == 1  # of five; the others' files are not there
-
-    def test_the_index_comes_from_the_history_where_its_table_is_missing(self, tmp_path):
-        write_study(tmp_path / "harmonic", harmonic_rows()[:1])
-        results = load_results(tmp_path)
-        point = results.points.iloc[0]
-        table = results.index(point)
-        (tmp_path / "harmonic" / "tables" / "h0.2-0.025_0_reference_index.csv").unlink()
-        assert_allclose(results.index(point)["DI"], table["DI"], rtol=1e-8)
-        (tmp_path / "harmonic" / "runs" / "h0.2-0.025_0_reference.h5").unlink()
-        with pytest.raises(Missing, match="no history h0.2-0.025_0_reference.h5"):
-            results.index(point)
-
-    def test_tables_of_something_else_are_refused(self, tmp_path):
-        refused_with("expected a folder with the results of studies", load_results, tmp_path)
-        (tmp_path / "tables").mkdir()
-        (tmp_path / "tables" / "points.csv").write_text("point,solver\na,yade\n")
-        refused_with("no column wall", load_results, tmp_path)
-        (tmp_path / "tables" / "points.csv").write_text("")
-        refused_with("cannot be read as a table", load_results, tmp_path)
-
-
-class TestChoices:
-    def test_medians_ranges_and_falls_stand_beside_the_default(self):
-        rows = [point_row("d", "reference", 1.0, motion_period_s=0.2, amplitude_g=0.1, cycles=3, top="piers"),
-                point_row("five", "reference", 2.0, motion_period_s=0.2, amplitude_g=0.1, cycles=5, top="piers"),
-                point_row("beam", "reference", 3.0, motion_period_s=0.2, amplitude_g=0.1, cycles=3, top="beam"),
-                point_row("alone", "reference", 3.0, motion_period_s=1.0, amplitude_g=0.1, cycles=2, top="piers")]
-        points = pd.DataFrame(rows).assign(beta_s=0.0, collapsed=[0, 0, 2, 0])
-        ax, *others = choices(points).axes
-        assert [label.get_text() for label in ax.get_yticklabels()] == ["default", "5 cycles", "top mass: beam"]
-        drawn, _, (ranges,) = ax.containers[0]
-        assert_allclose(drawn.get_xdata(), points["max_DI"][:2])
-        assert_allclose([segment[:, 0] for segment in ranges.get_segments()],
-                        points[["max_DI_min", "max_DI_max"]][:2])
-        crossed, = (line for line in ax.lines if line.get_marker() == "x")
-        assert_allclose(crossed.get_ydata(), [2])
-        figure = ax.figure
-        figure.draw_without_rendering()
-        (x, _), = crossed.get_transform().transform(crossed.get_xydata())
-        edge = ax.transData.transform([[at, 0] for at in (*points["max_shear_limit_DI"][:2], 0.0)])[:, 0]
-        assert np.all(x > edge)  # beyond all that stand, and far from an index of zero
-        assert "fell: beyond the scale of the index" in text(figure)
-        assert not any(other.has_data() for other in others)  # one second has no default to be compared with
-
-    def test_without_a_default_there_is_no_figure(self):
-        with pytest.raises(Missing, match="default point"):
-            choices(pd.DataFrame([point_row("p", "reference", 1.0, motion_period_s=1.0, amplitude_g=0.1, cycles=2)]))
-
 
 def stars(figure):
     """{start of the panel's title: (x, y)} of the values of the paper's text."""
@@ -440,10 +265,6 @@ def stars(figure):
 
 class TestPaper:
     """What the paper's text prints stands beside our values, of the wall and the records that it is about."""
-
-    def test_of_the_symmetric_wall_alone(self, results, harmonic, ida):
-        assert stars(against_amplitude(results, harmonic)) == {}
-        assert stars(residual_against_pga(ida)) == {} and "paper" not in text(drifts(results, harmonic))
 
     def test_index_cycle_residual_and_record(self, results, harmonic, ida):
         harmonic, ida = (replace(one, wall="symmetric") for one in (harmonic, ida))
@@ -474,11 +295,6 @@ class TestKeptTables:
         kept = results.points[(results.points["record"] == "BGAR_HGE") & (results.points["solver"] == "reference")]
         assert_allclose(y, kept["residual_DI"])
 
-    def test_sequences_need_histories(self, results):
-        with pytest.raises(Missing, match="no history of point p"):
-            sequences(type(results)(results.points, results.runs.iloc[:0]), pd.DataFrame([
-                point_row("p", "reference", 1.0, folder=results.points["folder"].iloc[0], shocks=3)]))
-
     def test_the_tables_that_ship_draw_figures_8_11_and_12(self):
         results = load_results(REPOSITORY / "docs" / "tables")
         names = [name for name, _ in study_figures._figures(results)]
@@ -490,28 +306,7 @@ class TestKeptTables:
         assert len(variant.reference) == 16 and len(variant.yade) and stars(figure) == {"(a)": (0.16, 0.11)}
 
 
-def test_the_table_of_figures_names_commands_and_studies_that_are_there():
-    page = (REPOSITORY / "docs" / "paper" / "figures.md").read_text(encoding="utf-8")
-    commands = [words.split() for words in re.findall(r"`(python3 [^`]+|\./run_all\.sh [^`]+)`", page)]
-    assert {words[1] for words in commands if words[0] == "./run_all.sh"} - {"STUDY"} <= shipped_files(
-        "studies", ".toml").keys()
-    for words in (words[1:] for words in commands if words[0] == "python3"):
-        if words[0] == "-m":
-            assert words[2] in {"damage": of_package, "paper": {*of_paper, *PROGRAMS}}[words[1]]
-        else:
-            assert (REPOSITORY / words[0]).is_file()
-    assert sum(line.startswith("| ") for line in page.splitlines()) == 16  # the table's rows, with its head
-
-
 class TestCommand:
-    def test_figures_are_written_and_those_that_cannot_be_are_named(self, folder, tmp_path, output_of, monkeypatch):
-        kept = ("fig06", "fig10", "fig11_residual_small_shear-limit")
-        every = study_figures._figures
-        monkeypatch.setattr(study_figures, "_figures", lambda results: (
-            pair for pair in every(results) if pair[0].startswith(kept)))
-        out = output_of("figures", folder / "harmonic", "--out", tmp_path / "out", of=main)
-        assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig06_motions.pdf", "fig06_motions.png"]
-        assert "not made: fig10_records: no point has a record" in out
 
     def test_every_figure_of_the_results_can_be_drawn(self, drawn):
         assert list(drawn) == [
@@ -529,9 +324,3 @@ class TestCommand:
         assert "is failed" in made["point h0.2-0.1"]
         x, *_ = medians(panel(made["fig08_amplitude_small"][0], "maximum, 0.2"), BLACK)
         assert_allclose(x, AMPLITUDES_G[:2], atol=0.001)
-
-    def test_no_figure_at_all_is_an_error(self, tmp_path, capsys):
-        write_study(tmp_path / "pushed", [point_row("p", "reference", 1.0)])
-        assert main(["figures", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
-        assert "allows no figure" in capsys.readouterr().err
-        assert main(["figures", str(tmp_path / "out"), "--out", str(tmp_path / "out")]) == 2

@@ -13,7 +13,7 @@ from small_history import make_history, small_layout
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.measure.crack_file import read_cracks, write_cracks
-from damage.measure.crack_paths import crack_paths, lines_of
+from damage.measure.crack_paths import crack_paths
 from damage.measure.survey import beside, distance, read_survey, visible
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall
@@ -68,13 +68,6 @@ def test_a_line_along_joints_stays_on_them_with_noise_of_drawing():
     assert tables[0]["length_m"].sum() == pytest.approx(np.abs(np.diff(corners, axis=0)).sum())
 
 
-def test_a_closed_line_is_followed_all_around():
-    corners = np.array([[0.45, 0.3], [0.9, 0.3], [0.9, 0.6], [0.45, 0.6], [0.45, 0.3]])
-    paths = crack_paths(np.stack([corners[:-1], corners[1:]], axis=1), LAYOUT)
-    x, z = (getattr(LAYOUT.contacts, name)[paths.table["joint"]] for name in "xz")
-    assert paths.share == 1.0 and x.min() < 0.5 and x.max() > 0.85 and z.min() == 0.3 and z.max() == 0.6
-
-
 def test_a_line_across_a_window_has_no_joints_beside_it():
     """From pier to pier through the window: its part over the opening is on no joint."""
     paths = crack_paths([np.array([[0.3, 0.72], [1.9, 0.78]])], WINDOW)
@@ -88,14 +81,9 @@ def test_a_survey_beside_the_wall_is_refused(tmp_path):
         survey(tmp_path, *line(1.8, 0.4, 3.4, 0.4))
 
 
-def test_lines_go_on_where_the_stretch_before_ends():
-    ends = np.array([[[0, 0], [1, 0]], [[1, 0], [1, 1]], [[2, 0], [3, 0]]], float)
-    assert [len(one) for one in lines_of(ends)] == [3, 2] and lines_of(ends[:0]) == []
-
-
 def test_a_line_of_many_points_takes_little_memory():
     """A zigzag of hundreds of lines through the wall, and a line of two kilometres, mostly beside it."""
-    x = np.linspace(0, 2.2, 150)
+    x = np.linspace(0, 2.2, 80)
     zigzag = np.column_stack([x, 0.75 + 0.3 * (-1.0) ** np.arange(len(x))])
     far = np.array([[-900, 0.4], [1000, 1.2]])
     tracemalloc.start()
@@ -139,11 +127,6 @@ def test_new_columns_are_read_and_written_back(tmp_path):
     assert again.pattern.offset.tolist() == [0.0]
 
 
-def test_a_survey_without_a_crack(tmp_path):
-    found = survey(tmp_path, *AREAS)
-    assert (found.share_on_joints, found.count, found.psi) == (1.0, 0, 0.0) and not found.opening_m.any()
-
-
 @pytest.mark.parametrize("text", [
     "crack;point;x_m;z_m;width_mm;;\nA;1;0;0,15;0,4;;\nA;2;0,45;0,15;;;\n",
     'crack,point,x_m,z_m,width_mm\nA,1,0,"0,15","0,4"\nA,2,"0,45","0,15",\n',
@@ -169,37 +152,19 @@ def test_what_may_be_two_numbers_is_refused(tmp_path, text, said):
 
 BAD = {
     "one-corner": (AREAS[:1], "line 2: mode = 'none': expected two rows an area"),
-    "no-height": ((AREAS[0], "area,2,2.25,0.9,,none,,,"), "line 3: an area without a crack that has no width"),
     "two-limits": ((*line(0, 0.15, 0.45, 0.15, limit=0.1), *line(0, 0.3, 0.45, 0.3, limit=0.2, crack="B")),
                    "line 4: detection_limit_mm = 0.2, but 0.1 in line 2"),
     "offset-word": (line(0, 0.15, 0.45, 0.15, offset="maybe"), "line 2: offset = 'maybe': expected one of yes, no"),
-    "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"),
-                           "line 2: offset = no with mode = shear"),
-    "no-limit": (line(0, 0.15, 0.45, 0.15, limit=0), "line 2: detection_limit_mm = 0: expected 1e-09 to 100"),
     "limit-above": (line(0, 0.15, 0.45, 0.15, 0.4, limit=5), "detection_limit_mm = 5, but the widest crack has 0.4 mm"),
-    "metres-wide": (line(0, 0.15, 0.45, 0.15, 9999), "a crack of 9999 mm; expected widths of up to 1000 mm"),
     "there-twice": ((*line(0, 0.15, 0.45, 0.15), *line(0.45, 0.15, 0, 0.15, crack="B")),
                     r"the part of crack B from \(0.45, 0.15\) to \(0, 0.15\) m is there twice"),
     "crack-in-area": ((*line(0, 0.975, 0.45, 0.975), *AREAS), "0.45 m of cracks lie in areas of mode none"),
-    "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm = -1: expected 0 to 100"),
 }
 
 
 @pytest.mark.parametrize("rows, said", BAD.values(), ids=BAD)
 def test_bad_surveys_are_one_line(tmp_path, rows, said):
     refused_with(said, survey, tmp_path, *rows)
-
-
-@pytest.mark.parametrize("rows, said", [
-    (line(0, 0.15, 0.45, 0.15, 0.0004, limit=""), "the widest crack = 0.0004 mm, expected 0.01 to 200 mm"),
-    (line(0, 0.15, 0.45, 0.15, 300), "the widest crack = 300 mm, expected 0.01 to 200 mm"),
-    ((*line(0, 0.15, 0.45, 0.15), *line(0, 0.3, 0.45, 0.3, 0.05, crack="B")),
-     "cracks of 0.05 mm, but a detection limit of 0.1 mm"),
-    (line(0, 0.15, 0.45, 0.15, error=50), "widths have an error of 50 mm, as much as the widest crack")])
-def test_what_is_doubtful_of_a_survey_is_in_its_notes(tmp_path, rows, said):
-    assert any(note.startswith(said) for note in survey(tmp_path, *rows).notes)
-    plain = survey(tmp_path, *line(0, 0.15, 0.45, 0.15), *line(0, 0.825, 0.45, 0.825, crack="B"), *AREAS)
-    assert [note for note in plain.notes if "looked at" not in note and "width alone" not in note] == []
 
 
 # --- beside a simulated pattern ------------------------------------------------------------------------

@@ -5,19 +5,17 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, run_command, written
+from conftest import REPOSITORY, run_command
 from numpy.testing import assert_allclose
 
 from damage.files import DATA
-from damage.motion.formats import QUIET_S, read_record, shipped_record_path, shipped_records, write_csv
-from damage.motion.intensity import pga_g, pgv_cm_s, response_spectrum, summary
-from damage.motion.record import Record, band_passed, scaled, windowed
+from damage.motion.formats import read_record, shipped_record_path, shipped_records, write_csv
+from damage.motion.intensity import pga_g, response_spectrum, summary
+from damage.motion.record import band_passed, scaled, windowed
 from damage.units import GRAVITY
-from scripts import synthetic
-from scripts.synthetic import HUIZINGE, SEED, Target, synthetic_record
+from scripts.synthetic import HUIZINGE, SEED
 
 SCRIPT = REPOSITORY / "scripts" / "make_records.py"
-STATIONS = ("BGAR", "BWSE", "BZN1", "BLOP")
 
 
 @pytest.fixture(scope="module")
@@ -31,26 +29,12 @@ def make(what, folder):
 
 
 class TestShippedFile:
-    def test_its_name_and_its_first_line_say_synthetic(self, record):
-        assert "synthetic" in record.name
-        assert "SYNTHETIC" in shipped_record_path(record.name).read_text().splitlines()[0]
 
     def test_peaks_and_spectrum_are_the_published_ones(self, record):
         measures = summary(record)
         assert_allclose(measures["pga_g"] * GRAVITY, HUIZINGE.pga_m_s2, rtol=0.03)
         assert_allclose(measures["pgv_cm_s"], 100 * HUIZINGE.pgv_m_s, rtol=0.10)
         assert_allclose(response_spectrum(record, HUIZINGE.periods_s), HUIZINGE.sa_g, rtol=0.05)
-
-    def test_the_spectrum_has_no_hole_or_peak_between_the_published_periods(self, record):
-        periods_s = np.geomspace(0.06, 1.0, 60)
-        line = np.exp(np.interp(np.log(periods_s), np.log(HUIZINGE.periods_s), np.log(HUIZINGE.sa_g)))
-        assert_allclose(response_spectrum(record, periods_s), line, rtol=0.25)
-
-    def test_it_is_short_and_starts_quietly(self, record):
-        measures = summary(record)
-        assert 0.2 < measures["d5_75_s"] < 0.45
-        assert record.duration_s == pytest.approx(6.0) and record.time_step_s == 0.005
-        assert not windowed(record, 0.0, 0.9).acceleration_m_s2.any()
 
     def test_velocity_and_displacement_end_at_zero(self, record):
         """Exact but for the file's seven digits: at most 5e-8 m/s2 a sample, for 6 s."""
@@ -61,19 +45,7 @@ class TestShippedFile:
         assert np.abs(displacement).max() < 5e-3  # no drift on the way: PGV for the 0.3 s of the strong part, halved
 
 
-def test_another_target_is_met_and_the_seed_alone_decides(monkeypatch):
-    """In a few iterations, which two periods and one arrival need."""
-    monkeypatch.setattr(synthetic, "ITERATIONS", 15)
-    target = Target("t_synthetic", "made up", (0.1, 0.3), (0.3, 0.1), 1.0, 0.05, (1.0,))
-    first, again, other = (synthetic_record(target, seed).acceleration_m_s2 for seed in (1, 1, 2))
-    assert np.array_equal(first, again)
-    assert np.abs(first - other).max() > 0.1
-    found = Record("found", 0.005, first)
-    assert_allclose(response_spectrum(found, target.periods_s), target.sa_g, rtol=0.02)
-    assert_allclose(pgv_cm_s(found), 5.0, rtol=0.02)
-
-
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_script_makes_the_shipped_motion_again(record, tmp_path):
     """Within 0.1 % of PGA: linear algebra rounds differently on another machine; wavelets that are off by 1e-11 of
     themselves change the motion by less than the file's seven digits."""
@@ -95,30 +67,6 @@ class TestZeerijp:
         folder = tmp_path_factory.mktemp("zeerijp")
         assert len(make("zeerijp", folder)) == 33  # components of 16 stations, and their table
         return folder
-
-    @pytest.mark.parametrize("station", STATIONS)
-    def test_components_are_whole_and_their_first_seconds_average_to_zero(self, station):
-        for component in ("HGE", "HGN"):
-            found = read_record(shipped_record_path(f"{station}_{component}"))
-            assert found.time_step_s == 0.005 and found.duration_s > 45 and found.start_utc.startswith("2018-01-08T14")
-            quiet = found.acceleration_m_s2[: round(QUIET_S / found.time_step_s)]
-            assert abs(quiet.mean()) < 1e-9
-
-    # station and component, window, PGA [g], PGV [cm/s], Arias [m/s], D5-75 [s], Sa(0.2 s) [g]: the README's table
-    @pytest.mark.parametrize("name, window_s, pga, pgv, arias, d5_75, sa", [
-        ("BWSE_HGN", (19.5, 27.5), 0.0645, 1.70, 0.0046, 0.62, 0.090),
-        ("BZN1_HGE", (17.0, 25.0), 0.0557, 1.80, 0.0035, 0.17, 0.109),
-        ("BLOP_HGE", (16.5, 24.5), 0.0481, 1.64, 0.0030, 0.62, 0.074)])
-    def test_measures_and_windows_of_the_readme(self, name, window_s, pga, pgv, arias, d5_75, sa):
-        whole = read_record(shipped_record_path(name))
-        found = summary(band_passed(whole, 0.1, 40.0))
-        assert pga_g(whole) == pytest.approx(pga, abs=5e-5) and found["pgv_cm_s"] == pytest.approx(pgv, abs=5e-3)
-        assert found["arias_m_s"] == pytest.approx(arias, abs=5e-5)
-        assert found["d5_75_s"] == pytest.approx(d5_75, abs=5e-3)
-        assert response_spectrum(whole, [0.2])[0] == pytest.approx(sa, abs=5e-4)
-        cut, periods_s = windowed(whole, *window_s), np.geomspace(0.05, 1, 20)
-        assert np.abs(cut.acceleration_m_s2).max() == np.abs(whole.acceleration_m_s2).max()
-        assert_allclose(response_spectrum(cut, periods_s), response_spectrum(whole, periods_s), rtol=0.02)
 
     def test_rows_of_the_study_follow_the_rule_for_scaling(self, tmp_path):
         (path,) = make("stations", tmp_path)
@@ -155,8 +103,3 @@ def test_a_record_written_is_read_back(tmp_path):
     assert (back.name, back.time_step_s, back.start_utc) == (whole.name, whole.time_step_s, whole.start_utc)
     assert_allclose(back.acceleration_m_s2, whole.acceleration_m_s2, rtol=5e-7)
     assert [found.name for found in tmp_path.iterdir()] == [path.name]
-
-
-def test_bad_calls_are_said_in_one_line(tmp_path):
-    done = run_command(sys.executable, SCRIPT, "synthetic", "--out", written(tmp_path / "file", "") / "below")
-    assert done.returncode == 2 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
