@@ -360,7 +360,7 @@ def let_go(n, tables, model, p, gone):
     for w in range(lanes(n)):
         one = wall_of(n, w)
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
-            before, motion = load(one, tables.energy, 0, FRICTION), moved(one, tables, p)[1]
+            before, motion = load(one, tables.energy, 0, FRICTION), of_wall(moved(n, tables, p)[1], w)
             for i in range(interface.start, interface.stop):
                 at_point = motion_at(one, tables.bodies, model.strain, interface, i, motion)
                 contacts.let_go(one, tables, i, at_point)
