@@ -11,7 +11,7 @@ import damage
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.laboratory.register import Surveyed
-from damage.measure.crack_file import Surveyed, read_cracks
+from damage.measure.crack_file import read_cracks
 from damage.measure.summary import summarise
 from damage.run.before import without_bond
 from damage.run.options import parse_run

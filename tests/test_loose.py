@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from conftest import total_energy
-from damage.mechanics.loose import INSIDE, SEARCHES
 from scipy.integrate import quad
 
 from damage.mechanics.collisions import (

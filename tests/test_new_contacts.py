@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import test_ends
 from conftest import run_here, total_energy, wall_file
-from damage.mechanics.loose import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from numpy.testing import assert_allclose
 from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, ended, run_to_the_end, shove
 from test_widths import ACTIONS, act, make
@@ -19,7 +18,7 @@ from damage.law.modes import natural_modes
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.measure.warnings import warnings_of
 from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
-from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, HAS_FAILED, INPUT, ROTATION, X, Z
+from damage.mechanics.tables import FRICTION, HAS_FAILED, INPUT, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
 from damage.run.settings import RESTS_BELOW_M_S
 from damage.run.watch import fastest_fallen

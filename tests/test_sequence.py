@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import contents, one_line_error, refused_with, written
-from damage.run.opening import sequence_lines
 from numpy.testing import assert_allclose, assert_array_equal
 
 import damage
