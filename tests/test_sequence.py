@@ -16,6 +16,7 @@ from damage.measure.tables import summary_row, write_run_tables
 from damage.motion.sequence import read_sequence
 from damage.reference.session import run_reference
 from damage.rounded import ACCELERATION
+from damage.run.banner import sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.report import describe_events
 from damage.run.schedule import base_acceleration, stages
