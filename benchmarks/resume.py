@@ -21,8 +21,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.kills import tables
-from damage.batch.outdated import Results
-from damage.studies.definition import load_study
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.outdated import Results
 
 
 def main():

@@ -27,9 +27,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from damage.applications.studies.records import record_of
 from damage.history.in_memory import HistoryInMemory
 from damage.reference.session import run_references
-from damage.studies.records import record_of
 
 SOFTENING, BRITTLE = "walls/variants/symmetric_softening.py", "walls/symmetric.py"
 DRAWN = {"rest": 0.1, "strength-cov": 0.3}

@@ -14,8 +14,8 @@ MODEL = ["*", "law", "mechanics", "motion", "run", "wall", "measure/energy.py"]
 """Folders of this package, and one module that ends runs, whose code decides the values of a run in any solver; "*":
 the modules beside this one.  Applications add what decides the runs that they make possible, as the motions that they
 draw."""
-MEASURES = "*", "history", "measure", "motion/intensity.py", "wall/geometry.py"
-"""The same of what makes the numbers of tables, and patterns at rest, out of a history."""
+MEASURES = ["*", "history", "measure", "motion/intensity.py", "wall/geometry.py"]
+"""The same of what makes the numbers of tables out of a history."""
 _WITHOUT_EFFECT = "__main__.py", "version.py"  # of the modules beside this one
 _SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"

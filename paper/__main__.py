@@ -50,7 +50,7 @@ def _run(arguments):
 def _studies(words):
     """Run every study that ships, with options of `python3 -m damage study`, then figures and verdict; returns the
     worst exit status."""
-    from damage.batch.command import RESULTS, parse, run_study
+    from damage.applications.studies.command import RESULTS, parse, run_study
 
     asked, status = parse(["all", *words]), run_study(["all", *words])
     if asked.dry_run or status in (EXIT_INPUT, EXIT_INTERRUPTED):

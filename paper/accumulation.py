@@ -16,8 +16,8 @@ from itertools import product
 import numpy as np
 from scipy.stats import norm
 
+from damage.applications.groningen.exposure.lives import read_address
 from damage.errors import InputError
-from damage.exposure.lives import read_address
 from paper.bench import REPOSITORY, arguments, option, print_row, print_table
 
 ADDRESSES = "garsthuizen", "loppersum", "delfzijl"
@@ -48,7 +48,7 @@ def main():
 def final_psi(draws, numbers, seed=0, before=0.0):
     """{reading: final Psi (n,)} of lives by their numbers.
 
-    draws: a damage.exposure.lives.Draws; seed: of the readings; before: Psi before the first event, of PUBLISHED.
+    draws: a damage.applications.groningen.exposure.lives.Draws; seed: of the readings; before: Psi before the first event, of PUBLISHED.
     Raises InputError where nothing is published for it.
     """
     if before not in PUBLISHED:

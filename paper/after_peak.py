@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from damage import Joint, Wall, brick_of_masonry
-from damage.laboratory.pushed import FIGURES, SPECIMENS, read_test
+from damage.applications.cracks.pushed import FIGURES, SPECIMENS, read_test
 from damage.law.modes import natural_modes
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED

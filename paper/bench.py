@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from damage.applications.cracks.pushed import TESTS
 from damage.files import write_text
 from damage.history.reader import read_history
-from damage.laboratory.pushed import TESTS
 from damage.reference.session import BACKEND, run_references
 from damage.run.session import run_session
 from damage.wall.file import load_wall, wall_path

@@ -22,17 +22,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from damage.claim.answer import BUT_FOR, LEAST_DRAWS, PRIORS
-from damage.claim.likeness import STATES, kernel, pairwise, strange_share
-from damage.claim.make import layout_of
-from damage.claim.numbers import Likeness, answers, claimed
-from damage.claim.twins import NAME, read_twins
+from damage.applications.cracks.crack_file import pattern_of
+from damage.applications.cracks.survey import Seen, distances, seen_of, survey_of, surveyed
+from damage.applications.groningen.claim.answer import BUT_FOR, LEAST_DRAWS, PRIORS
+from damage.applications.groningen.claim.likeness import STATES, kernel, pairwise, strange_share
+from damage.applications.groningen.claim.make import layout_of
+from damage.applications.groningen.claim.numbers import Likeness, answers, claimed
+from damage.applications.groningen.claim.twins import NAME, read_twins
+from damage.applications.studies.definition import load_study
 from damage.errors import InputError
 from damage.index import THRESHOLD
-from damage.measure.crack_file import pattern_of
 from damage.measure.cracks import close_pairs, crack_numbers, crack_table, cracked
-from damage.measure.survey import Seen, distances, seen_of, survey_of, surveyed
-from damage.studies.definition import load_study
 from damage.units import MILLIMETRE
 from paper.bench import arguments, option, print_row, print_table
 

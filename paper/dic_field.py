@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from damage.applications.cracks.crack_mapping import describe_level, map_cracks
+from damage.applications.cracks.dic import Field, measure, patterns_of_fields, turned
 from damage.history.reader import read_history
 from damage.index import THRESHOLD
-from damage.laboratory.dic import Field, measure, patterns_of_fields, turned
-from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.cracks import cracks_at, psi
 from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out

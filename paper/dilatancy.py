@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damage.laboratory.pushed import SPECIMENS
+from damage.applications.cracks.pushed import SPECIMENS
 from damage.mechanics.tables import Z
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out

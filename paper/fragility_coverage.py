@@ -11,7 +11,7 @@ import sys
 import numpy as np
 from scipy.special import ndtr
 
-from damage.studies.new_record import new_record
+from damage.applications.studies.new_record import new_record
 from paper.bench import arguments, option, print_row, print_table
 
 RECORDS, FACTORS, TAUS = (3, 5, 10, 20), (1.2, 1.7), (0.05, 0.1, 0.3)

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from damage.laboratory.pushed import SPECIMENS, read_test
+from damage.applications.cracks.pushed import SPECIMENS, read_test
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise

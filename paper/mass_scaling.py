@@ -21,6 +21,7 @@ import pandas as pd
 from scipy.stats import binomtest, ks_2samp
 
 import damage
+from damage.applications.studies.fragility import solve
 from damage.history.in_memory import HistoryInMemory
 from damage.law.modes import natural_modes
 from damage.measure.tables import summary_row
@@ -32,7 +33,6 @@ from damage.run import scheme, watch
 from damage.run.options import parse_run
 from damage.run.schedule import SOFTENING_STEP_FACTOR, STEP_FACTOR
 from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, SETTLE_S
-from damage.studies.fragility import solve
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out

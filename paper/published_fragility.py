@@ -15,12 +15,12 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
+from damage.applications.studies.fragility import curve, exceeding, fragility, load_runs
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, SKY, VERMILLION, save_figures, styled
 from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.motion.formats import read_record
 from damage.motion.intensity import response_spectrum
-from damage.studies.fragility import curve, exceeding, fragility, load_runs
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from paper.bench import REPOSITORY, arguments, option, print_row, print_table

@@ -14,9 +14,9 @@ import pandas as pd
 from scipy.optimize import minimize
 from scipy.special import log_ndtr
 
+from damage.applications.studies.fragility import load_runs
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.intensity import response_spectrum
-from damage.studies.fragility import load_runs
 from paper.bench import arguments, option, show
 
 OUTCOMES = {"maximum DI > 0.05": lambda runs: runs["max_DI"] > 0.05,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.laboratory.pushed import SPECIMENS, read_test
+from damage.applications.cracks.pushed import SPECIMENS, read_test
 from damage.measure.pushed import mode_shares
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall

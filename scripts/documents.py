@@ -17,6 +17,7 @@ import pandas as pd
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from damage.applications.studies.definition import load_study
 from damage.errors import InputError
 from damage.fields import markdown as ranges_table
 from damage.files import write_text
@@ -25,7 +26,6 @@ from damage.measure import evidence
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, read_table
 from damage.measure.summary import MEASURES
 from damage.motion.plausible import RANGES as MOTION_RANGES
-from damage.studies.definition import load_study
 from damage.wall.plausible import RANGES as WALL_RANGES
 from paper import report
 from paper.verdict import judge

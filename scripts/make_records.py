@@ -22,9 +22,9 @@ sys.path.insert(0, str(REPOSITORY))
 import pandas as pd
 from synthetic import HUIZINGE, SEED, synthetic_record
 
+from damage.applications.groningen.exposure.ground_motion import ZEERIJP
+from damage.applications.groningen.exposure.places import to_rd
 from damage.errors import InputError
-from damage.exposure.ground_motion import ZEERIJP
-from damage.exposure.places import to_rd
 from damage.files import write_text
 from damage.motion.formats import read_record, write_csv
 from damage.motion.intensity import pga_g, pgv_rotd100_m_s, response_spectrum, summary

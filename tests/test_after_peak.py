@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
 
-from damage.laboratory.pushed import SPECIMENS
+from damage.applications.cracks.pushed import SPECIMENS
 from damage.measure.pushed import draws_needed
 from damage.units import GRAVITY
 from damage.wall.kinds import HEAD

@@ -20,9 +20,9 @@ pytest.importorskip("flask", reason="Flask is not installed: python3-flask")
 from PIL import Image
 
 from damage.__main__ import main
-from damage.app.desk import Desk, words
-from damage.app.photo import MARGIN_M, cleaned, homography, rectified
-from damage.app.server import HEADER, PAGE, make_app, serve
+from damage.applications.groningen.app.desk import Desk, words
+from damage.applications.groningen.app.photo import MARGIN_M, cleaned, homography, rectified
+from damage.applications.groningen.app.server import HEADER, PAGE, make_app, serve
 
 PORT, TOKEN, ROOT = 8765, "a token of the test", "/room"
 FRONT = """name = "house"
@@ -275,7 +275,7 @@ def test_what_is_refused_leaves_what_was_accepted(client, tmp_path):
 @pytest.mark.parametrize("name", ["claim/patterns", "claim/tables/a.csv", "claim.log"])
 def test_runs_do_not_start_where_a_link_leads_out_of_the_folder(client, tmp_path, monkeypatch, name):
     """In a folder that was sent."""
-    monkeypatch.setattr("damage.app.desk.subprocess.Popen", None)
+    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", None)
     ready_to_start(client)
     link = tmp_path / "out" / name
     link.parent.mkdir(parents=True, exist_ok=True)
@@ -307,7 +307,7 @@ class Ended:
 def test_the_sheet_of_other_inputs_is_not_offered(client, tmp_path, monkeypatch):
     """Another front or survey, a run that is refused, that fails or that is stopped: the former one has another name;
     what is sent once more changes nothing."""
-    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     ready_to_start(client)
     (folder := tmp_path / "out/claim").mkdir()
 
@@ -330,7 +330,7 @@ def test_the_sheet_of_other_inputs_is_not_offered(client, tmp_path, monkeypatch)
 
 
 def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypatch):
-    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     monkeypatch.setattr(Ended, "status", None)
     ready_to_start(client)
     done(client, "start", **START)
@@ -346,7 +346,7 @@ def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypat
     ({"survey": drawn(CRACK, CRACK)}, "the survey that is drawn was changed since it was sent"),
     ({"survey": []}, "expected cracks, areas"), ({"levels": "x_m,height_m\n"}, "the table of levels was changed")])
 def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, change, said):
-    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     ready_to_start(client)
     levels = "x_m,height_m\n0,0.5\n1.1,0.498\n"
     done(client, "levels", text=levels)
@@ -358,7 +358,7 @@ def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, 
 
 def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
     """Whole numbers, areas whose corners were given the other way round."""
-    monkeypatch.setattr("damage.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     done(client, "front", text=FRONT)
     other = {"points": [[0.5, 0.1], [0.8, 0.3]], "offset": "yes"}
     done(client, "survey", **drawn(CRACK | {"width_mm": 5}, CRACK | other) | {
@@ -417,7 +417,7 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
     desk = Desk(tmp_path / "out")
     desk.front(FRONT)
     desk.survey([CRACK], [], 0.1, 0.05)
-    program = ("import sys, threading, time; from damage.app.desk import Desk; desk = Desk(sys.argv[1]); "
+    program = ("import sys, threading, time; from damage.applications.groningen.app.desk import Desk; desk = Desk(sys.argv[1]); "
                "one = threading.Thread(target=desk.start, args=(53.36786, 6.71359, None, None, 200, 'en')); "
                "one.start(); one.join(); time.sleep(1); print(desk.job.pid, desk.running, flush=True); time.sleep(600)")
     with subprocess.Popen([sys.executable, "-c", program, str(desk.out)], stdout=subprocess.PIPE, text=True,

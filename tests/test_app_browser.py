@@ -17,8 +17,8 @@ from selenium.webdriver.support.wait import WebDriverWait
 from test_app import FRONT, exif_photo
 
 from benchmarks.report_in_browser import screenshot
-from damage.app.desk import words
-from damage.app.server import make_app
+from damage.applications.groningen.app.desk import words
+from damage.applications.groningen.app.server import make_app
 
 pytestmark = IN_BROWSER
 TOKEN, ROOT = "a token of the test", "/room"

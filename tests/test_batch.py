@@ -29,15 +29,15 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from benchmarks.resume import kill_tree
-from damage.batch import command, folder, worker
-from damage.batch.outdated import Results
-from damage.batch.pool import Pool
-from damage.batch.tasks import CHANGED, Task
+from damage.applications.studies import command, folder, worker
+from damage.applications.studies.definition import StudyRun
+from damage.applications.studies.inputs import as_json, inputs_of
+from damage.applications.studies.outdated import Results
+from damage.applications.studies.pool import Pool
+from damage.applications.studies.records import NAME, read_records
+from damage.applications.studies.tasks import CHANGED, Task
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.studies.definition import StudyRun
-from damage.studies.inputs import as_json, inputs_of
-from damage.studies.records import NAME, read_records
 
 POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
           'members = 3\nvary = { g = [%s], rest = [0.5] }\n')
@@ -226,8 +226,8 @@ class TestPool:
     def pool(self, tmp_path, monkeypatch):
         def make(work, jobs=2):
             (tmp_path / "logs").mkdir(exist_ok=True)
-            monkeypatch.setattr("damage.batch.pool.load_compiled", lambda *_: None)
-            monkeypatch.setattr("damage.batch.tasks.company_of", lambda point: point.options)
+            monkeypatch.setattr("damage.applications.studies.pool.load_compiled", lambda *_: None)
+            monkeypatch.setattr("damage.applications.studies.tasks.company_of", lambda point: point.options)
             lines = []
             return Pool(jobs, work, -1, tmp_path, lines.append), lines
         return make

@@ -8,10 +8,10 @@ from conftest import refused_with, written
 from numpy.testing import assert_array_equal
 
 import damage
+from damage.applications.cracks.crack_file import read_cracks
+from damage.applications.cracks.options import Surveyed
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.laboratory.register import Surveyed
-from damage.measure.crack_file import read_cracks
 from damage.measure.summary import summarise
 from damage.run.before import without_bond
 from damage.run.options import parse_run

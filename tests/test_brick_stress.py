@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 from small_history import make_history
 
+from damage.applications.studies.records import record_of
 from damage.law.modes import natural_modes
 from damage.measure.brick_stress import bricks_table, principal_stresses, stress_measures, warn_of_splitting
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
-from damage.studies.records import record_of
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out

@@ -15,9 +15,10 @@ from conftest import REPOSITORY, one_line_error, wall_file, written
 
 import damage
 from damage.__main__ import main
-from damage.batch import folder
-from damage.claim import make
-from damage.claim.answer import (
+from damage.applications.cracks.kept import SETTLED, patterns_of, read_patterns
+from damage.applications.cracks.survey import distance, distances, read_survey, seen_of, surveyed
+from damage.applications.groningen.claim import make
+from damage.applications.groningen.claim.answer import (
     BUT_FOR,
     effective,
     reasons,
@@ -28,21 +29,20 @@ from damage.claim.answer import (
     wilson,
     worlds_of,
 )
-from damage.claim.likeness import FARTHEST, KERNEL, kernel
-from damage.claim.make import describe, layout_of
-from damage.claim.sheet import sheet
-from damage.claim.twins import BOTH, SHAKEN, STATES, Twins, read_twins, write_twins
-from damage.exposure.lives import read_address
-from damage.html.words import LANGUAGES, all_words, number
+from damage.applications.groningen.claim.likeness import FARTHEST, KERNEL, kernel
+from damage.applications.groningen.claim.make import describe, layout_of
+from damage.applications.groningen.claim.sheet import sheet
+from damage.applications.groningen.claim.twins import BOTH, SHAKEN, STATES, Twins, read_twins, write_twins
+from damage.applications.groningen.exposure.lives import read_address
+from damage.applications.report.words import LANGUAGES, all_words, number
+from damage.applications.studies import folder
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.records import line_of, point_line, read_records
 from damage.measure.evidence import QUANTITIES
-from damage.measure.kept import SETTLED, patterns_of, read_patterns
-from damage.measure.survey import distance, distances, read_survey, seen_of, surveyed
 from damage.motion.settlement import PROFILES
 from damage.provenance import commit, measures_digest
 from damage.run.options import parse_run
 from damage.run.scheme import schemes
-from damage.studies.definition import load_study
-from damage.studies.records import line_of, point_line, read_records
 from damage.wall.file import load_wall
 
 CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"

@@ -5,12 +5,12 @@ import pandas as pd
 import pytest
 from conftest import one_line_error
 
+from damage.applications.studies.fragility import LEVELS, load_runs
+from damage.applications.studies.tables import points_of
 from damage.history.schema import OPTIONAL, TABLES, Column, each, measure
 from damage.measure import columns
 from damage.measure.summary import MEASURES
 from damage.measure.tables import summary_row
-from damage.studies.fragility import LEVELS, load_runs
-from damage.studies.tables import points_of
 
 SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **MEASURES}
 

@@ -11,8 +11,8 @@ import pytest
 from conftest import REPOSITORY
 from test_paper import CYCLES, harmonic_row, world_of_the_paper
 
-from damage.studies.definition import load_study
-from damage.studies.grid import read_rows
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.grid import read_rows
 from paper import combinations
 from paper.__main__ import main
 from paper.combinations import (

@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 from pytest import approx
 from small_history import make_history
 
+from damage.applications.cracks.patterns import compare_patterns, cracked, fractions_skill_score, places_of
 from damage.measure.compare import cohens_kappa, compare, compare_drift, describe
-from damage.measure.patterns import compare_patterns, cracked, fractions_skill_score, places_of
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
 

@@ -9,14 +9,14 @@ import pytest
 from conftest import REPOSITORY, refused_with, wall_file, written
 from small_history import make_history, small_layout
 
-from damage.index import combine
-from damage.measure.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
-from damage.measure.crack_mapping import (
+from damage.applications.cracks.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
+from damage.applications.cracks.crack_mapping import (
     describe_level,
     largest_index,
     least_index,
     map_cracks,
 )
+from damage.index import combine
 from damage.measure.cracks import cracks_at, psi
 from damage.wall.kinds import CUT, HEAD
 from damage.wall.layout import lay_out

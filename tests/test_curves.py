@@ -11,9 +11,17 @@ from numpy.testing import assert_allclose
 from scipy.stats import lognorm
 from test_fragility import walls
 
-from damage.export.curves import NAMESPACE, coefficients, left_out, limit_state, write_arrays, write_curves, write_nrml
+from damage.applications.report.curves import (
+    NAMESPACE,
+    coefficients,
+    left_out,
+    limit_state,
+    write_arrays,
+    write_curves,
+    write_nrml,
+)
+from damage.applications.studies.fragility import Fragility, fit_all
 from damage.measure.tables import write_table
-from damage.studies.fragility import Fragility, fit_all
 
 OPENQUAKE = "openquake.engine==3.26.2"
 OPENQUAKE_NEEDS = ("numpy", "scipy", "pandas", "h5py", "toml", "decorator", "shapely", "psutil", "numba", "h3",

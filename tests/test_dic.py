@@ -7,7 +7,9 @@ import pytest
 from conftest import refused_with, run_here, wall_file, written
 
 from damage.__main__ import main
-from damage.laboratory.dic import (
+from damage.applications.cracks.crack_file import read_cracks
+from damage.applications.cracks.crack_mapping import describe_level, map_cracks
+from damage.applications.cracks.dic import (
     Field,
     field_warnings,
     measure,
@@ -19,8 +21,6 @@ from damage.laboratory.dic import (
     stuck_points,
     turned,
 )
-from damage.measure.crack_file import read_cracks
-from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.cracks import cracks_at
 from damage.wall.file import load_wall
 from damage.wall.kinds import HEAD

@@ -10,14 +10,14 @@ from conftest import REPOSITORY
 from small_history import make_history
 from test_fragility import walls
 
+from damage.applications.report.curves import coefficients
+from damage.applications.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table
+from damage.applications.studies.states import INTENSITIES
+from damage.applications.studies.tables import points_of, write_hdf5
 from damage.commands.table import all_tables
-from damage.export.curves import coefficients
 from damage.history.schema import OPTIONAL
 from damage.measure.dictionary import TABLES, dictionary_table, write_dictionary
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
-from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table
-from damage.studies.states import INTENSITIES
-from damage.studies.tables import points_of, write_hdf5
 
 
 @pytest.fixture(scope="module")

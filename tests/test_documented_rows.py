@@ -4,10 +4,10 @@ import pandas as pd
 import pytest
 from conftest import REPOSITORY
 
+from damage.applications.studies.definition import load_study
 from damage.history.reader import read_history
 from damage.measure.tables import summary_row
 from damage.reference.session import run_references
-from damage.studies.definition import load_study
 
 SINE, STRONG = "symmetric_harmonic-0.2-0.025", "_window-0.8-2.5_rest-0.1_strength-cov-0.3"
 ROWS = {

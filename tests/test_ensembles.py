@@ -8,9 +8,9 @@ import pytest
 from conftest import REPOSITORY, one_line_error, refused_with, written
 from numpy.testing import assert_allclose
 
-from damage.studies.definition import StudyRun, load_study
-from damage.studies.grid import expand
-from damage.studies.tables import points_of
+from damage.applications.studies.definition import StudyRun, load_study
+from damage.applications.studies.grid import expand
+from damage.applications.studies.tables import points_of
 
 SINE = 'options = { harmonic = [0.2, 0.05] }\n'
 WALL = 'wall = "walls/symmetric.py"\n'

@@ -9,8 +9,8 @@ import pytest
 from conftest import run_here, wall_file
 
 import damage
+from damage.applications.report.report import page
 from damage.history.info import info
-from damage.html.report import page
 from damage.measure.evidence import describe, evidence_for, outside
 from damage.measure.tables import summary_row
 
@@ -80,7 +80,7 @@ def test_limits_are_inside_and_what_does_not_apply_is_neither():
 
 def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypatch, output_of):
     for name in ("run_part.still", "run_part.preview", "report.plotly_code"):  # they take most of a page's time
-        monkeypatch.setattr(f"damage.html.{name}", lambda *_: "plotly.js (basic - minified) v0")
+        monkeypatch.setattr(f"damage.applications.report.{name}", lambda *_: "plotly.js (basic - minified) v0")
     high = "Wall('high', 0.45, 0.9, precompression=0.0, joint=Joint(friction_angle=0.687))"
     wall = wall_file(tmp_path / "w.py", high)
     out = tmp_path / "a.h5"

@@ -12,13 +12,13 @@ from conftest import one_line_error, written
 from scipy import stats
 
 from damage.__main__ import main
+from damage.applications.groningen.exposure import places
+from damage.applications.groningen.exposure.catalogue import read_catalogue
+from damage.applications.groningen.exposure.exposure import COLUMNS, Exposure
+from damage.applications.groningen.exposure.ground_motion import COMPONENTS, ZEERIJP, model_named
+from damage.applications.groningen.exposure.models.bommer_2022 import Model
 from damage.csv_table import from_words
 from damage.draws import Draws
-from damage.exposure import places
-from damage.exposure.catalogue import read_catalogue
-from damage.exposure.exposure import COLUMNS, Exposure
-from damage.exposure.ground_motion import COMPONENTS, ZEERIJP, model_named
-from damage.exposure.models.bommer_2022 import Model
 
 getcontext().prec = 30
 GARSTHUIZEN, LOPPERSUM, DELFZIJL = (53.36786, 6.71359), (53.3325, 6.7475), (53.3300, 6.9180)

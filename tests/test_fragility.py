@@ -11,9 +11,8 @@ from scipy.special import ndtr
 from scipy.stats import binom
 from scipy.stats import t as student
 
-from damage.measure.tables import write_table
-from damage.studies.after_damage import load_shocks
-from damage.studies.fragility import (
+from damage.applications.studies.after_damage import load_shocks
+from damage.applications.studies.fragility import (
     curve,
     efficiency_table,
     fragility,
@@ -21,14 +20,15 @@ from damage.studies.fragility import (
     load_runs,
     solve,
 )
-from damage.studies.left_out import leave_one_out, scores
-from damage.studies.new_record import new_record
-from damage.studies.states import (
+from damage.applications.studies.left_out import leave_one_out, scores
+from damage.applications.studies.new_record import new_record
+from damage.applications.studies.states import (
     LEVELS,
     State,
     check_states,
     parse_state,
 )
+from damage.measure.tables import write_table
 
 MEDIAN_G, DISPERSION = 0.2, 0.4
 INTENSITIES_G = np.arange(1, 9) / 20

@@ -13,22 +13,22 @@ import pytest
 from conftest import one_line_error, refused_with
 from small_history import make_history, small_layout
 
+from damage.applications.studies.tables import points_of
 from damage.draw.run import ENERGIES
 from damage.history.moments import joint_states
 from damage.measure.columns import read_table
 from damage.measure.energy import energy_groups
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row, write_table
-from damage.studies.tables import points_of
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
 from paper.evidence import Point, load_runs
 
 pytest.importorskip("jinja2")
 
-from damage.html.plain import plain
-from damage.html.report import Words, page, plotly_code, write_report
-from damage.html.run_part import MOST_INSTANTS, preview, still
+from damage.applications.report.plain import plain
+from damage.applications.report.report import Words, page, plotly_code, write_report
+from damage.applications.report.run_part import MOST_INSTANTS, preview, still
 
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
 RAMP = np.linspace(0, 1, 21)
@@ -92,9 +92,9 @@ def damaged(path, **options):
 def _quick():
     """Pictures and the library are in the pages of few tests: they take most of a page's time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("damage.html.run_part.still", lambda history: "")
-        patch.setattr("damage.html.run_part.preview", lambda history: "")
-        patch.setattr("damage.html.report.plotly_code", lambda: "plotly.js (basic - minified) v0")
+        patch.setattr("damage.applications.report.run_part.still", lambda history: "")
+        patch.setattr("damage.applications.report.run_part.preview", lambda history: "")
+        patch.setattr("damage.applications.report.report.plotly_code", lambda: "plotly.js (basic - minified) v0")
         yield
 
 
@@ -204,9 +204,9 @@ class TestNothingElse:
         assert "default-src 'none'" in policy and "connect-src" not in policy  # the browser holds the library to it
 
     def test_it_stays_small_though_every_joint_is_always_broken(self, tmp_path, monkeypatch):
-        monkeypatch.setattr("damage.html.report.plotly_code", plotly_code)
-        monkeypatch.setattr("damage.html.run_part.still", still)
-        monkeypatch.setattr("damage.html.run_part.preview", preview)
+        monkeypatch.setattr("damage.applications.report.report.plotly_code", plotly_code)
+        monkeypatch.setattr("damage.applications.report.run_part.still", still)
+        monkeypatch.setattr("damage.applications.report.run_part.preview", preview)
         layout = lay_out(Wall("large", 4.05, 2.7))
         n_times, random = MOST_INSTANTS + 1, np.random.default_rng(1)
         opening = random.uniform(0, 2e-3, (n_times, layout.n_joints))

@@ -10,7 +10,7 @@ import pytest
 from conftest import IN_BROWSER
 from test_html import damaged, make_study
 
-from damage.html.report import write_report
+from damage.applications.report.report import write_report
 
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 from selenium.webdriver.common.keys import Keys

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
 from damage import Joint, brick_of_masonry
-from damage.laboratory.pushed import SPECIMENS, draws_report, figures, pushed_report, read_test
+from damage.applications.cracks.pushed import SPECIMENS, draws_report, figures, pushed_report, read_test
 from damage.measure.pushed import (
     backbone,
     bilinear,

@@ -9,6 +9,7 @@ import pytest
 from conftest import run_command
 from small_history import make_history
 
+from damage.applications.studies.records import record_of
 from damage.history import in_memory
 from damage.history.contacts import Contacts
 from damage.history.in_memory import HistoryInMemory, HistoryKept
@@ -17,7 +18,6 @@ from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.index import damage_index
 from damage.measure.tables import joints_table
-from damage.studies.records import record_of
 
 CRACKED = {  # several chunks of samples, with contact points active in one alone; minus zero is a number of its own
     "stages": ("motion",) * 200 + ("rest",) * 60 + ("settling",) * 20,

@@ -10,16 +10,15 @@ from conftest import BATCH, BATCH_ENVIRONMENT, contents, one_line_error, refused
 from scipy import stats
 
 import damage
-from damage.batch import folder as batch_folder
-from damage.exposure import places
-from damage.exposure.catalogue import read_catalogue
-from damage.exposure.exposure import Exposure
-from damage.exposure.ground_motion import COMPONENTS
-from damage.exposure.lives import Choices, Draws, events_of, read_address
-from damage.exposure.models.bommer_2022 import Model
-from damage.life.comparison import largest_alone
-from damage.life.estimate import paired, probability, strata
-from damage.life.results import (
+from damage.applications.groningen.exposure import places
+from damage.applications.groningen.exposure.catalogue import read_catalogue
+from damage.applications.groningen.exposure.exposure import Exposure
+from damage.applications.groningen.exposure.ground_motion import COMPONENTS
+from damage.applications.groningen.exposure.lives import Choices, Draws, events_of, read_address
+from damage.applications.groningen.exposure.models.bommer_2022 import Model
+from damage.applications.groningen.life.comparison import largest_alone
+from damage.applications.groningen.life.estimate import paired, probability, strata
+from damage.applications.groningen.life.results import (
     Lives,
     contributions,
     describe,
@@ -28,14 +27,15 @@ from damage.life.results import (
     over_time,
     write_study,
 )
+from damage.applications.studies import folder as batch_folder
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.records import NAME, read_records
 from damage.measure.cycles import shocks_table
 from damage.motion.sequence import read_sequence
 from damage.reference.session import run_references
 from damage.rounded import to_bits
 from damage.run.banner import event_lines
 from damage.run.options import parse_run, words_of
-from damage.studies.definition import load_study
-from damage.studies.records import NAME, read_records
 from paper.accumulation import after
 
 WALL = "Wall('narrow', 0.9, 1.5)"
@@ -294,7 +294,7 @@ class TestResults:
     @pytest.fixture(autouse=True)
     def few(self, monkeypatch):
         for module in ("results", "comparison"):
-            monkeypatch.setattr(f"damage.life.{module}.POPULATION", 50)
+            monkeypatch.setattr(f"damage.applications.groningen.life.{module}.POPULATION", 50)
 
     @pytest.fixture
     def lives(self, exposure):

@@ -11,9 +11,9 @@ import pytest
 from conftest import TINY, contents, run_here, wall_file
 from small_history import make_history
 
-from damage.batch import members
+from damage.applications.report.run_part import run_part
+from damage.applications.studies import members
 from damage.history.reader import read_history
-from damage.html.run_part import run_part
 from damage.measure.summary import summarise
 from damage.measure.tables import SHOWN, member_row, members_of, members_path, spread, summary_row, write_table
 from damage.reference import session

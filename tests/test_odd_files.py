@@ -9,16 +9,17 @@ import pytest
 from conftest import REPOSITORY, one_line_error, run_command, written
 from small_history import small_layout
 
+from damage.applications.cracks import crack_mapping
+from damage.applications.cracks.crack_file import read_cracks
+from damage.applications.cracks.dic import read_field
+from damage.applications.studies import definition
+from damage.applications.studies.definition import load_study
 from damage.csv_table import CsvTable
 from damage.files import LONGEST_LINE
-from damage.laboratory.dic import read_field
-from damage.measure import columns, crack_mapping
-from damage.measure.crack_file import read_cracks
+from damage.measure import columns
 from damage.motion import columns as record_columns
 from damage.motion import formats
 from damage.motion.formats import read_record, shipped_record_path, without_entities
-from damage.studies import definition
-from damage.studies.definition import load_study
 
 HUGE = 10**12  # bytes of a file that has none: a hole
 

@@ -1,5 +1,5 @@
 """What is there of a study and is not of today: other inputs, another model, other measures, changed records, and the
-folders of earlier versions.  One rule finds all of it (`damage.batch.outdated`)."""
+folders of earlier versions.  One rule finds all of it (`damage.applications.studies.outdated`)."""
 
 import json
 import os
@@ -10,18 +10,18 @@ import pytest
 from conftest import BATCH, REPOSITORY, refused_with, run_command, written
 from small_history import make_history
 
-from damage.batch.outdated import CODE, Results
-from damage.batch.tasks import Task
-from damage.batch.worker import changes
-from damage.exposure import lives
+from damage.applications.groningen import options
+from damage.applications.groningen.exposure import lives
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.inputs import as_json, inputs_of
+from damage.applications.studies.outdated import CODE, Results
+from damage.applications.studies.records import NAME, line_of, read_records, record_of
+from damage.applications.studies.tables import summary_of
+from damage.applications.studies.tasks import Task
+from damage.applications.studies.worker import changes
 from damage.history.head import read_head
-from damage.life import register
 from damage.motion.formats import shipped_records
 from damage.provenance import measures_digest, model_digest
-from damage.studies.definition import load_study
-from damage.studies.inputs import as_json, inputs_of
-from damage.studies.records import NAME, line_of, read_records, record_of
-from damage.studies.tables import summary_of
 
 WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('w', 0.9, 0.45)\n"
 RECORD = "# start 2018-01-08T14:00:52Z\ntime_s,acc_m_s2\n" + "".join(f"{k / 100:.2f},{k % 3}\n" for k in range(50))
@@ -157,7 +157,7 @@ class TestInputs:
         first = set(draws.life(1)["record"])
         other = next(name for name in draws.components["record"] if name not in first)
         other_file = written(tmp_path / shipped_records()[other].name, f"{shipped_records()[other].read_text()}\n")
-        for module in (lives, register):
+        for module in (lives, options):
             monkeypatch.setattr(module, "shipped_records", lambda: shipped_records() | {other: other_file})
         (words,) = there.judge().changed.values()
         assert [word.partition(" ")[0] for word in words] == ["drawn_from"]

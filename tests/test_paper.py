@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from damage.applications.studies.tables import points_of
 from damage.index import COMPONENTS
-from damage.studies.tables import points_of
 from paper import report
 from paper.__main__ import main
 from paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from small_history import make_history, small_layout
 from test_yade_run import PIER
 
-from damage.export.vtkhdf import HEXAHEDRON, LINE, WallCells, write_vtkhdf
+from damage.applications.report.vtkhdf import HEXAHEDRON, LINE, WallCells, write_vtkhdf
 from damage.history.moments import STATES
 from damage.history.reader import read_history
 from yade_scripts import COMMAND

@@ -4,10 +4,10 @@ import pytest
 from conftest import REPOSITORY, run_command, wall_file, written
 from small_history import make_history
 
-from damage.batch.outdated import Results
-from damage.batch.plan import print_plan
-from damage.studies.definition import load_study
-from damage.studies.records import NAME, line_of, record_of
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.outdated import Results
+from damage.applications.studies.plan import print_plan
+from damage.applications.studies.records import NAME, line_of, record_of
 
 STUDY = '''
 name = "s"

@@ -14,8 +14,8 @@ from numpy.testing import assert_allclose
 from test_reference import settle
 
 import damage
+from damage.applications.report.opensees import write_opensees
 from damage.errors import RunWarning
-from damage.export.opensees import write_opensees
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
 from damage.law.modes import natural_modes, static_displacement
 from damage.reference.solver import ReferenceSolver

@@ -25,6 +25,8 @@ from conftest import (
 from numpy.testing import assert_allclose
 from small_history import make_history
 
+from damage.applications.studies.definition import load_study, option_table, run_name
+from damage.applications.studies.records import NAME
 from damage.measure.tables import (
     describe_table,
     joints_table,
@@ -32,8 +34,6 @@ from damage.measure.tables import (
     summary_table,
 )
 from damage.run.options import words_of
-from damage.studies.definition import load_study, option_table, run_name
-from damage.studies.records import NAME
 
 HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))

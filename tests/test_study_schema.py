@@ -6,8 +6,8 @@ import tomllib
 import pytest
 from conftest import REPOSITORY, refused_with, written
 
-from damage.studies.definition import load_study
-from damage.studies.schema import study_schema
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.schema import study_schema
 
 jsonschema = pytest.importorskip("jsonschema")
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))

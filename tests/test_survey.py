@@ -11,10 +11,10 @@ from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
+from damage.applications.cracks.crack_file import read_cracks, write_cracks
+from damage.applications.cracks.crack_paths import crack_paths
+from damage.applications.cracks.survey import beside, distance, read_survey, visible
 from damage.errors import InputError
-from damage.measure.crack_file import read_cracks, write_cracks
-from damage.measure.crack_paths import crack_paths
-from damage.measure.survey import beside, distance, read_survey, visible
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall
 

@@ -11,6 +11,8 @@ from conftest import REPOSITORY, one_line_error, refused_with, wall_file
 from numpy.testing import assert_allclose
 
 from damage.__main__ import main
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.inputs import as_json, differences
 from damage.motion.formats import read_record
 from damage.motion.intensity import pga_g, pgv_cm_s
 from damage.motion.loading import Recorded, loading_from_dict
@@ -18,8 +20,6 @@ from damage.motion.plausible import faint_warnings, implausible_velocity
 from damage.motion.sequence import read_sequence
 from damage.run.banner import record_lines
 from damage.run.options import parse_run
-from damage.studies.definition import load_study
-from damage.studies.inputs import as_json, differences
 from damage.units import GRAVITY
 from damage.wall.parameters import Wall
 

@@ -54,7 +54,7 @@ wall = "tiny.py"
 options = { harmonic = [0.1, 0.4], cycles = 2, rest = 0 }
 members = 2
 '''
-WITH_LEAST = ("import sys; from damage.__main__ import main; from damage.batch import folder\n"
+WITH_LEAST = ("import sys; from damage.__main__ import main; from damage.applications.studies import folder\n"
               "folder.LEAST_FREE = 100_000\nsys.exit(main(['study', *sys.argv[1:]]))")
 """A batch that goes on where a real one would end: another program may fill a disk between two looks."""
 

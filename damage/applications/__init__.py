@@ -5,9 +5,10 @@
 
 from importlib import import_module
 
-MODULES = ("damage.laboratory.register", "damage.life.register", "damage.batch.register", "damage.laboratory.commands",
-           "damage.studies.commands", "damage.html.commands", "damage.exposure.commands")
-"""Of cracks, studies, report, groningen."""
+APPLICATIONS = {
+    "cracks": ("options", "commands"), "studies": ("options", "commands"), "report": ("commands",),
+    "groningen": ("options", "commands")}
+"""{folder: its modules that register something}; one may import those before it."""
 GROUPS = {
     "first steps": ("demo", "new-wall", "check-bits", "help"),
     "a wall": ("materials", "draw", "modes", "wall-schema"),
@@ -18,5 +19,6 @@ GROUPS = {
     "lives at an address": ("life", "lives", "claim", "app")}
 """Title -> commands, in the order in which help lists them; all others follow."""
 
-for _name in MODULES:
-    import_module(_name)
+for _application, _modules in APPLICATIONS.items():
+    for _module in _modules:
+        import_module(f"damage.applications.{_application}.{_module}")

@@ -1,7 +1,7 @@
 """Columns of summary.csv and points.csv that say which run it was: name, unit and meaning; reading such tables.
 
 They are tables of `docs/reference/measures.md`, as `damage.measure.summary.MEASURES`.  `damage.measure.tables` computes
-their values, and `damage.studies.tables` the medians and ranges of a point.
+their values, and `damage.applications.studies.tables` the medians and ranges of a point.
 """
 
 import math

@@ -1,0 +1,227 @@
+"""The page's server: Flask, on the loopback interface alone.
+
+A request is answered only with the host name of the loopback interface in its Host (other sites that point their name
+here are refused), with an Origin of this page or none, and with the token that the program printed: in the address at
+the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides.  The browser
+is given a file that leads to this address, as everybody can read its command line.  All addresses lie below a random
+one, the cookie's path: browsers send cookies to every port of a machine.  The page asks for nothing of another machine;
+its Content-Security-Policy forbids it.
+"""
+
+import json
+import os
+import secrets
+import socket
+import threading
+import webbrowser
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+
+from damage.applications.groningen.app.desk import SHOWN, Desk, words
+from damage.applications.groningen.app.photo import MOST_BYTES
+from damage.applications.report.words import LANGUAGES
+from damage.errors import InputError, RunError, one_line
+from damage.files import json_text
+
+PAGE = Path(__file__).parent / "page"
+ASSETS = {"icon.svg": "image/svg+xml", "app.js": "text/javascript; charset=utf-8", "app.css": "text/css; charset=utf-8"}
+HEADERS = {"Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+           "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+           "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
+           "Cross-Origin-Resource-Policy": "same-origin"}
+SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+"""Of the sheet, which has its style and pictures in itself; it can be printed."""
+MOST_JSON = 2_000_000
+"""Bytes of what the page sends but for a photograph."""
+COOKIE, HEADER = "damage_app", "X-Damage-Token"
+WITHOUT_PORT = 80
+"""The port that browsers leave out of Host and Origin."""
+DOOR = '<!DOCTYPE html><meta charset="utf-8"><title>damage</title><meta http-equiv="refresh" content="0; url={0}">'
+"""Of a file that leads to the page."""
+PASSING = '<!DOCTYPE html><title>damage</title><link rel="icon" href="assets/icon.svg">'
+"""Of the first answer, which leads on from an address that has the token."""
+
+
+def make_app(out, port, token, root):
+    """The Flask application for a claim in the folder `out`, reached at a port; token: what a request has to know;
+    root: what all its addresses begin with, such as "/a3Bd"."""
+    from flask import Flask
+
+    app = Flask("damage.applications.groningen.app", static_folder=None, template_folder=str(PAGE))
+    app.desk = Desk(out)
+    hosts = {f"{name}{end}" for name in ("127.0.0.1", "localhost")
+             for end in (f":{port}", *([""] if port == WITHOUT_PORT else []))}
+    _guard(app, hosts, token, f"{root}/")
+    _pages(app, token, root)
+    _calls(app, root)
+    return app
+
+
+def _guard(app, hosts, token, page):
+    """Refuse strangers before anything else, and say in every answer what the page may do."""
+    from flask import abort, request
+
+    def known(given):
+        return given is not None and secrets.compare_digest(given.encode(), token.encode())
+
+    @app.before_request
+    def check():
+        origin = request.headers.get("Origin")
+        here = origin is None or origin in {f"http://{host}" for host in hosts}
+        elsewhere = request.headers.get("Sec-Fetch-Site") in ("cross-site", "same-site")
+        first = request.path == page and request.method == "GET" and known(request.args.get("token"))
+        if request.headers.get("Host") not in hosts or not here or (elsewhere and not first):  # first: from a file
+            abort(403)
+        if not first and not known(request.cookies.get(COOKIE)):
+            abort(403)
+        if request.method != "GET" and not (origin and known(request.headers.get(HEADER))):
+            abort(403)
+        if request.method != "GET" and (request.content_length is None or request.content_length > MOST_BYTES):
+            abort(413)
+
+    @app.after_request
+    def label(response):
+        for name, value in HEADERS.items():
+            response.headers.setdefault(name, value)
+        return response
+
+
+def _pages(app, token, root):
+    """The page, its program and style, and the files of the claim that it may show."""
+    from flask import abort, make_response, render_template, request
+
+    @app.get(f"{root}/")
+    def page():
+        language = request.args.get("language", LANGUAGES[0])
+        language = language if language in LANGUAGES else LANGUAGES[0]
+        if "token" in request.args:  # out of the address, where others could read it
+            # A redirection would still count as from the file, and the cookie would not be sent.
+            response = make_response(PASSING, {"Refresh": f"0; url={root}/?language={language}"})
+            response.set_cookie(COOKIE, token, path=f"{root}/", httponly=True, samesite="Strict")
+            return response
+        texts = {key: text[language] for key, text in words().items()}
+        return render_template("app.html", language=language, token=token, words=texts, languages=LANGUAGES)
+
+    @app.get(f"{root}/assets/<name>")
+    def asset(name):
+        if name not in ASSETS:
+            abort(404)
+        return make_response((PAGE / name).read_bytes(), {"Content-Type": ASSETS[name]})
+
+    @app.get(f"{root}/files/<path:name>")
+    def file(name):
+        if name not in SHOWN or not (path := app.desk.path(name)).is_file():
+            abort(404)
+        more = {"Content-Security-Policy": SHEET_POLICY} if name.endswith(".html") else {}
+        return make_response(path.read_bytes(), {"Content-Type": SHOWN[name], **more})
+
+
+def _calls(app, root):
+    """What the page asks for: POST /api/NAME with a JSON object of the arguments of a method of Desk."""
+    from flask import Response, abort, request
+
+    methods = {"address": ("latitude", "longitude"), "front": ("text",), "straighten": ("pixels", "places"),
+               "survey": ("cracks", "areas", "limit_mm", "error_mm"), "levels": ("text",),
+               "start": ("latitude", "longitude", "settle", "distortion", "draws", "language"), "stop": ()}
+    optional = {"start": ("shown",)}
+    lock = threading.Lock()
+
+    def answer(work):
+        try:
+            with lock:
+                return Response(json_text(work()), content_type="application/json")
+        except (InputError, RunError, OSError) as error:
+            return Response(json_text({"error": str(error)}), content_type="application/json")  # no fault of the page
+
+    @app.get(f"{root}/api/<name>")
+    def look(name):
+        if name not in ("state", "progress"):
+            abort(404)
+        return answer(getattr(app.desk, name))
+
+    @app.post(f"{root}/api/photograph")
+    def photograph():
+        return answer(lambda: app.desk.photograph(request.get_data()))
+
+    @app.post(f"{root}/api/<name>")
+    def call(name):
+        if name not in methods:
+            abort(404)
+        given = _object(request)
+        if not set(methods[name]) <= set(given) <= {*methods[name], *optional.get(name, ())}:
+            abort(_bad_request(f"{name} with {', '.join(given) or 'nothing'}: expected "
+                               f"{', '.join(methods[name]) or 'nothing'}; correct it"))
+        return answer(lambda: getattr(app.desk, name)(**given))
+
+
+def _object(request):
+    """The JSON object that a request has; anything else ends it."""
+    from flask import abort
+
+    if not request.is_json:
+        abort(415)
+    if request.content_length > MOST_JSON:
+        abort(413)
+    try:
+        given = json.loads(request.get_data().decode())
+        json.dumps(given, ensure_ascii=False).encode()  # half a surrogate is no text
+    except (ValueError, RecursionError) as error:
+        why = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        abort(_bad_request(f"the request is no JSON in UTF-8 ({why}); expected an object; correct it"))
+    return given if isinstance(given, dict) else abort(_bad_request(
+        "the request is JSON but no object; expected an object of the call's arguments; correct it"))
+
+
+def _bad_request(text):
+    """The response to a request that the page does not make, with one line that says why."""
+    from flask import Response
+
+    return Response(json_text({"error": one_line(text)}), 400, content_type="application/json")
+
+
+def serve(out, port=0, opened=True):
+    """Serve the page of a claim in the folder `out` until it is interrupted; port 0: a free one; opened: in the
+    browser."""
+    try:
+        from werkzeug.serving import WSGIRequestHandler, make_server
+    except ImportError as error:
+        raise InputError("the page needs Flask; install Debian's package python3-flask, or pip install "
+                         "'masonry-damage[app]'") from error
+
+    class Quiet(WSGIRequestHandler):
+        def log_request(self, *_):  # the address of the first one has the token
+            pass
+
+    token, root = secrets.token_urlsafe(32), f"/{secrets.token_hex(8)}"
+    _check_port(port)
+    server = make_server("127.0.0.1", port, None, threaded=True, request_handler=Quiet)
+    server.app = app = make_app(out, server.server_port, token, root)
+    address = f"http://127.0.0.1:{server.server_port}{root}/?token={token}"
+    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it",
+          flush=True)
+    try:
+        with _door(address, app.desk.out) if opened else nullcontext():
+            server.serve_forever()
+    finally:
+        server.server_close()
+        app.desk.stop()
+
+
+def _check_port(port):
+    """Raise InputError where the system gives no such port."""
+    try:
+        socket.create_server(("127.0.0.1", port)).close()
+    except OSError as error:
+        raise InputError(f"--port {port}: {os.strerror(error.errno)}; expected a port that nothing else has and that "
+                         "this user may take (below 1024 often root alone); choose another, or leave it out") from error
+
+
+@contextmanager
+def _door(address, folder):
+    """Open an address in the browser by a file that only this user can read; it is there as long as this lasts."""
+    with NamedTemporaryFile("w", dir=folder, prefix="open-", suffix=".html", encoding="utf-8") as file:
+        file.write(DOOR.format(address))
+        file.flush()
+        webbrowser.open(Path(file.name).as_uri())
+        yield

@@ -1,0 +1,214 @@
+"""The folder of a study: where it is, who works in it, how these end, its logs, and the room on its disk."""
+
+import errno
+import fcntl
+import os
+import re
+import shutil
+import signal
+import sys
+import time
+from contextlib import contextmanager
+from ctypes import CDLL
+from pathlib import Path
+
+from damage.errors import InputError
+from damage.files import plain_file, shipped, whole_or_nothing
+from damage.start import EXIT_INTERRUPTED
+
+ROOT = shipped("studies").parent
+"""Where the paths of studies that ship start: the repository, or damage/share of an installed package."""
+RESULTS = ROOT / "results" if (ROOT / "run_all.sh").is_file() else Path.cwd() / "results"
+"""Where studies go unless --out says it: into the repository; of an installed package, below the working folder."""
+KEPT = "study.toml"
+"""Copy of the study's file in its folder."""
+LOCK_PATIENCE_S = 10.0
+"""How long to wait for a folder that a killed batch's last processes may still hold [s]."""
+LEAST_FREE = 20_000_000
+"""Room for a study to start and continue [bytes]: tens of runs write less between two looks, and tables need some."""
+NO_ROOM = errno.ENOSPC, errno.EDQUOT
+POLITE_ENDS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+"""Signals at which a study ends what runs and keeps what is done."""
+_PR_SET_PDEATHSIG = 1
+_LIBC = CDLL(None)
+_ALREADY = "another batch is at work in {}; wait for its end, or choose another --out"
+
+
+def claim(folder, study, shared=False, lock=None):
+    """Lock the folder of a study, which keeps a copy of its file; arguments, result and errors as of `locked`.
+
+    lock: that its caller holds already, None for a new one.
+    """
+    lock = locked(folder, study.name, shared) if lock is None else os.dup(lock)
+    try:
+        with whole_or_nothing(folder / KEPT) as unfinished:
+            shutil.copyfile(study.path, unfinished)
+        for name in ("logs", "runs", "tables"):
+            (folder / name).mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+    return lock
+
+
+def locked(folder, name, shared=False):
+    """Make the folder of the study of a name and lock it; returns the lock, a descriptor.
+
+    shared: with others that share it, as slices of the study do.  The lock is the system's: it ends with the processes
+    that hold it, so that none is ever stale.  Raises InputError where another study or batch has the folder, or where
+    it cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if is_short(folder):
+            raise InputError(f"{shortage(folder)}, or choose another --out")
+        lock = _open_lock(folder)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise InputError(f"cannot write to {folder}: it, or a folder above it, is no folder; expected one; choose "
+                         "another --out") from error
+    except OSError as error:
+        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+    try:
+        lock_as(lock, folder, shared)
+        owner = _name_in(folder / KEPT)
+        if owner not in (None, name):
+            raise InputError(f"{folder} holds the study {owner!r}, not {name!r}; choose another --out")
+    except BaseException:
+        os.close(lock)
+        raise
+    return lock
+
+
+@contextmanager
+def held(folder, name):
+    """As `locked` while this lasts, for more than one command of a study."""
+    lock = locked(folder, name)
+    try:
+        yield lock
+    finally:
+        os.close(lock)
+
+
+def _open_lock(folder):
+    """A descriptor to be locked: of the folder itself, since a file in it can be deleted while others hold it; of a
+    file where folders cannot be locked, as on NFS."""
+    lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(lock, fcntl.LOCK_UN)
+    except BlockingIOError:
+        pass
+    except OSError:
+        os.close(lock)
+        return plain_file(folder / ".lock", os.O_RDWR | os.O_CREAT)
+    return lock
+
+
+def lock_as(lock, folder, shared=False):
+    """Make the lock of a folder shared, or this batch's own.  Raises InputError where another batch has it."""
+    until = time.monotonic() + LOCK_PATIENCE_S
+    while True:
+        try:
+            return fcntl.flock(lock, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > until:
+                raise InputError(_ALREADY.format(folder)) from None
+            time.sleep(0.2)
+
+
+def open_records(path):
+    """The file of records, opened to be added to and locked; a line that a kill tore is ended.  Raises InputError where
+    another batch has it."""
+    file = open(path, "a", encoding="utf-8", opener=plain_file)  # noqa: SIM115, open as long as the batch lives
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        file.close()
+        raise InputError(_ALREADY.format(path.parent)) from None
+    with open(path, "rb") as written:
+        if path.stat().st_size and written.seek(-1, os.SEEK_END) and written.read() != b"\n":
+            file.write("\n")
+    return file
+
+
+def _name_in(path):
+    """The name in a study file that a batch kept, None where there is none."""
+    found = re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text("utf-8", "replace"), re.MULTILINE) \
+        if path.is_file() else None
+    return found and found[1]
+
+
+def open_log(path, mode="wb"):
+    """A log for a process and for what it starts.  Raises InputError where it cannot be made."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return open(path, mode, buffering=0, opener=plain_file)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}; expected a folder that can be written to, make "
+                         "room or choose another --out") from error
+
+
+def python_path():
+    """PYTHONPATH for what a batch starts, in any folder: this package, then what the user had, as obspy's folder."""
+    package = str(Path(__file__).resolve().parents[3])
+    given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    return os.pathsep.join(dict.fromkeys([package, *(os.path.abspath(folder) for folder in given if folder)]))
+
+
+def environment(folder=None):
+    """Environment of what a batch starts: this one's, with `python_path`, and without modules of the working folder,
+    which `python -m` would import before others: a folder that was sent may hold a numpy.py.  What matplotlib and
+    YADE's IPython keep goes into the study's folder, if given."""
+    places = {"XDG_CACHE_HOME": "cache", "MPLCONFIGDIR": "matplotlib", "IPYTHONDIR": "ipython"} if folder else {}
+    return {**os.environ, "PYTHONPATH": python_path(), "PYTHONSAFEPATH": "1", "PYTHONUNBUFFERED": "1",
+            **{name: str(folder / ".cache" / place) for name, place in places.items()}}
+
+
+def end_with_parent(parent, signal_number=signal.SIGKILL):
+    """Have this process sent a signal when the thread that started it dies, however that happens (Linux only); end it
+    where its parent, by its number, is dead already."""
+    if sys.platform == "linux":
+        _LIBC.prctl(_PR_SET_PDEATHSIG, int(signal_number), 0, 0, 0)
+    if os.getppid() != parent:
+        os._exit(EXIT_INTERRUPTED)
+
+
+@contextmanager
+def handled(handler):
+    """While this lasts an interrupt, a polite kill and a terminal that closes call a handler of signals."""
+    names = [name for name in POLITE_ENDS if signal.getsignal(name) != signal.SIG_IGN]  # as nohup leaves SIGHUP
+    before = {name: signal.signal(name, handler) for name in names}
+    try:
+        yield
+    finally:
+        for name, one in before.items():
+            signal.signal(name, one)
+
+
+def is_short(folder):
+    """Whether a study cannot start or continue in this folder."""
+    return shutil.disk_usage(folder).free < LEAST_FREE
+
+
+def shortage(folder):
+    """Free and needed disk space of a study, in words."""
+    free = shutil.disk_usage(folder).free
+    found = f"has {free / 1e6:.2g} MB free:" if free < LEAST_FREE else "had no room left while it ran,"
+    return f"{folder} {found} expected {LEAST_FREE / 1e6:g} MB or more; make room"
+
+
+def forecast(left, histories, folder, keep="all"):
+    """A warning where the runs that are left will not fit if they are as large as those that are there, else None.
+
+    left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count, though one may do.
+    histories: {name: path} of those that are there; keep: other than "all" where the history of the first alone stays.
+    """
+    count = sum(run.most_members if keep == "all" else 1 for run in left)
+    if not histories or not count:
+        return None
+    mean = sum(path.stat().st_size for path in histories.values()) / len(histories)
+    free = shutil.disk_usage(folder).free
+    if count * mean + LEAST_FREE <= free:
+        return None
+    return (f"up to {count} runs are left, about {count * mean / 1e6:.2g} MB if they are as large as the "
+            f"{len(histories)} there; {folder} has {free / 1e6:.2g} MB free and keeps {LEAST_FREE / 1e6:g}: make room "
+            "meanwhile")

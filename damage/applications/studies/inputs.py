@@ -1,0 +1,110 @@
+"""Inputs of the runs of a point: the wall as built, every option as parsed, every file that was read.
+
+A study keeps them with its records (`damage.applications.studies.records`) and compares them before it continues.  The wall file
+counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
+values that a run gets, defaults included.  A history that runs continue counts by its content, lives by all
+that they are drawn from.
+
+A run is made only where its inputs, once it has read them, are still those that its study began with
+(`damage.applications.studies.worker`): files may change meanwhile.
+"""
+
+import hashlib
+import json
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+
+from damage.checks import check_file
+from damage.motion.record import Record
+from damage.run.options import SOURCES
+from damage.run.settings import RunSettings
+from damage.wall.file import load_wall
+from damage.wall.parameters import Wall
+
+NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "console", "command", "checkpoint_s",
+                          "resumed"},
+            Record: {"acceleration_m_s2", "time_step_s", "start_utc", "source", "unit"}}
+"""Fields that decide no value, or that follow from the files whose checksums stand beside them."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The wall as built, and the settings of a point's first run; the others differ from it by their number alone.
+
+    continued: SHA-256 of the history that the runs continue; drawn_from: of what their lives are drawn from; or None.
+    """
+
+    wall: Wall
+    settings: RunSettings
+    continued: str | None = None
+    drawn_from: str | None = None
+
+
+def inputs_of(run, root, wall=None):
+    """The Inputs of a StudyRun; root: the repository; wall: as one of its runs has read it.  Raises InputError where
+    wall, options or a file are bad."""
+    settings = run.settings(root)
+    continued = settings.continued and hashlib.sha256(
+        check_file(settings.continued, "the history of the run that is continued (.h5)").read_bytes()).hexdigest()
+    return Inputs(wall or load_wall(root / run.wall), settings, continued, _drawn_from(run, root))
+
+
+def _drawn_from(run, root):
+    """Digest of what the motions of an ensemble of lives are drawn from; None of other runs."""
+    if run.varied != "life":
+        return None
+    options = run.options_of(1, root)
+    return next(source.digest(options) for source in SOURCES if source.digest)
+
+
+def as_json(inputs):
+    """Inputs as JSON has them: tables, lists, numbers and words."""
+    return json.loads(json.dumps(_plain(inputs), default=float))
+
+
+def differences(note, inputs):
+    """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty where they agree.
+
+    note: of `as_json`.  A field that the note lacks came with a later version and agrees at its default; one that
+    is no input any more does not count.
+    """
+    return list(_differing(note, inputs, ""))
+
+
+def _fields(record):
+    """The fields of a record that are inputs."""
+    return [one for one in fields(record) if one.name not in NO_INPUT.get(type(record), ())]
+
+
+def _plain(value):
+    """A value as JSON has it: a record is a table with its kind."""
+    if is_dataclass(value):
+        return {"kind": type(value).__name__} | {one.name: _plain(getattr(value, one.name)) for one in _fields(value)}
+    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
+
+
+def _differing(then, now, name):
+    if is_dataclass(now) and isinstance(then, dict) and then.get("kind") == type(now).__name__:
+        for one in _fields(now):
+            value, place = getattr(now, one.name), f"{name}.{one.name}".lstrip(".")
+            if one.name in then:
+                yield from _differing(then[one.name], value, place)
+            elif value != _default(one):
+                yield f"{place} {_word(value)}, which was not there"
+        for other in sorted(then.keys() - {"kind", *(one.name for one in fields(now))}):
+            yield f"{name}.{other} of a later version".lstrip(".")
+    elif isinstance(now, (list, tuple)) and isinstance(then, list) and len(then) == len(now):
+        for number, pair in enumerate(zip(then, now)):
+            yield from _differing(*pair, f"{name}[{number}]")
+    elif then != _plain(now):
+        yield f"{name} {_word(then)} -> {_word(_plain(now))}"
+
+
+def _default(one):
+    """The default of a field; MISSING, which equals no value, where it has none."""
+    return one.default_factory() if one.default_factory is not MISSING else one.default
+
+
+def _word(value):
+    """A value in a message, a checksum or a table cut short."""
+    word = value if isinstance(value, str) else json.dumps(_plain(value), default=float)
+    return word if len(word) <= 40 else f"{word[:12]}..."

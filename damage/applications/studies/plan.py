@@ -1,0 +1,49 @@
+"""Dry run of a study: runs that are there and runs to make; nothing is written in the study's folder."""
+
+from damage.applications.studies.outdated import Results
+
+
+def print_plan(study, folder, remake=False):
+    """Print the runs of a Study: what its folder has of each, and how many there are to make.
+
+    Parameters
+    ----------
+    study : Study
+    folder : Path
+        Where its runs are kept; it need not exist.
+    remake : bool
+        Whether runs that another version made are made again.
+    """
+    there = _there(study, folder, remake)
+    left = [run for run in study.runs if not there[run]]
+    fewest = sum(run.members for run in left)
+    most = sum(run.most_members for run in left)
+    print(f"study {study.name}{': ' if study.title else ''}{study.title}")
+    for run in study.runs:
+        print(f"  {run.id:60s}  {_state(run, there[run])}")
+    print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; "
+          f"runs to make: {'up to ' if most != fewest else ''}{most}, into {folder}", flush=True)
+
+
+def _there(study, folder, remake):
+    """{StudyRun: names of its runs that a batch would keep, empty where it is not done}."""
+    results = Results(folder)
+    if not results.records.runs and not results.histories:
+        return {run: [] for run in study.runs}
+    verdict = results.judge(study.runs)
+    lost = {*verdict.models, *verdict.measures} if remake else set()
+    there = {}
+    for run in study.runs:
+        names = results.names_of(run)
+        there[run] = [] if run in verdict.changed or lost.intersection(names) else names
+    return there
+
+
+def _state(run, names):
+    """What is there of a run or an ensemble, or how many runs it takes, in words."""
+    if names:
+        return f"there, {len(names)} runs" if run.is_ensemble else "there"
+    if run.most_members == 1:
+        return "to make"
+    most = f" to {run.most_members}" if run.most_members != run.members else ""
+    return f"{run.members}{most} runs to make"

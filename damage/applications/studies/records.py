@@ -1,0 +1,156 @@
+"""Records of a study: the one table of what is known of its runs, DIR/records.jsonl.
+
+A line of a run is written as soon as the run has ended: {"run": its name, "inputs": key of what it was made from,
+"intact": whether no joint broke or reached its limit, "row": that of the summary, with the digests of the model and of
+the measures, "cycles" and "shocks": the rows of these tables, "patterns": SHA-256 of its patterns at rest, where these
+are kept, "sha256": a checksum of all this}.  A line of a point is
+{"point": its name with the solver, "inputs": key, "of": its inputs (`damage.applications.studies.inputs.as_json`), "sha256"}.  The
+last good line counts.  A line that a kill tore is none, and neither is one that was changed since.
+
+A slice of a study writes records-K-of-N.jsonl beside it.
+"""
+
+import hashlib
+import json
+import math
+import re
+from dataclasses import dataclass, field
+
+from damage.errors import InputError
+from damage.measure.columns import bounds_of
+from damage.measure.cycles import cycles_table, shocks_table
+from damage.measure.tables import summary_row
+from damage.provenance import measures_digest
+
+TABLES = {"cycles": cycles_table, "shocks": shocks_table}
+"""Those that every run has its rows in."""
+NAME = "records.jsonl"
+SUM = "sha256"
+_NAMED = re.compile(r'"(?:run|point)": "([^"]+)"')
+
+
+@dataclass
+class Records:
+    """What the records of a folder say.
+
+    runs: {name: record}; inputs: {key: inputs as JSON}; points: {StudyRun.id: key}, which holds for histories without a
+    record; faults: one line for each record that was changed; orderly: whether NAME is the only source, with a good
+    line for each run.
+    """
+
+    runs: dict = field(default_factory=dict)
+    inputs: dict = field(default_factory=dict)
+    points: dict = field(default_factory=dict)
+    faults: list = field(default_factory=list)
+    orderly: bool = True
+
+    def names_of(self, run, histories=frozenset()):
+        """Names of the runs of a StudyRun in their order, empty where it is not done; histories: names of those that
+        are whole, which count without a record, too."""
+        if not run.is_ensemble:
+            return [run.id] if run.id in self.runs or run.id in histories else []
+        count = run.runs_needed(self.of_point(run))
+        names = [run.name(number) for number in range(1, count + 1)]
+        return names if all(name in self.runs for name in names) else []
+
+    def of_point(self, run):
+        """{number from 1: record} of the runs of a StudyRun."""
+        names = {number: run.name(number) for number in range(1, run.most_members + 1)}
+        return {number: self.runs[name] for number, name in names.items() if name in self.runs}
+
+    def text(self):
+        """The content of NAME that holds all of this."""
+        others = {record.get("inputs") for record in self.runs.values()} & self.inputs.keys() - {*self.points.values()}
+        lines = [point_line(point, key, self.inputs[key]) for point, key in self.points.items()]
+        lines += [point_line("", key, self.inputs[key]) for key in sorted(others)]
+        return "".join([*lines, *map(line_of, self.runs.values())])
+
+
+def record_of(history, name, point):
+    """The record of a run from its History, without the key of its inputs; point: that of the study.  Raises InputError
+    where a number is none that a run can have."""
+    sequence = history.series["shock"].iloc[-1] > 1 or "life" in history.parameters
+    record = {"run": name, "intact": history.is_intact,
+              "row": summary_row(history, run=name, point=point),
+              **{table: make(history).to_dict("records") if sequence or table != "shocks" else []
+                 for table, make in TABLES.items()}}
+    if (wrong := _wrong_number(record)) is not None:
+        raise InputError(f"its {wrong}")
+    return record
+
+
+def line_of(content):
+    """A record as a line, its checksum included."""
+    return json.dumps(content | {SUM: key_of(content)}) + "\n"
+
+
+def point_line(point, key, inputs):
+    """The line of a point (StudyRun.id, "" of none)."""
+    return line_of({"point": point, "inputs": key, "of": inputs})
+
+
+def key_of(content):
+    """The key of inputs as JSON, and the checksum of a record: sixteen hexadecimal digits of the SHA-256."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def read_records(folder):
+    """The Records of a study's folder."""
+    found, sources = Records(), sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns)
+    for path in sources:
+        _read_file(path, found)
+    found.orderly &= not found.faults and [path.name for path in sources] in ([], [NAME])
+    return found
+
+
+def _read_file(path, found):
+    """Add what a file of records says."""
+    *lines, torn = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    found.orderly &= not torn
+    for number, line in enumerate([*lines, torn], start=1):
+        if not line.rstrip().endswith("}"):  # empty, or torn
+            continue
+        try:
+            record = _believed(line)
+        except ValueError as error:
+            name = _NAMED.search(line)
+            found.faults.append(f"{path} line {number}: the record of {name[1] if name else 'a run'} was changed since "
+                                f"it was written ({error}): it counts as not made")
+            continue
+        if "run" in record:
+            found.runs[record["run"]] = {"inputs": None} | record
+        else:
+            found.inputs[record["inputs"]] = record["of"]
+            found.points |= {record["point"]: record["inputs"]} if record["point"] else {}
+
+
+def point_of(name):
+    """The StudyRun.id that a run belongs to, by its name."""
+    return re.sub(r"_s\d+$", "", name)
+
+
+def is_of_today(row):
+    """Whether index and measures of a summary's row are defined as by this version."""
+    return row.get("measures_digest") == measures_digest()
+
+
+def _believed(line):
+    """The record of a line without its checksum; ValueError, which says what is wrong, where it was changed."""
+    try:
+        record = json.loads(line)
+    except ValueError:
+        raise ValueError("it is no JSON") from None
+    if not isinstance(record, dict) or record.pop(SUM, None) != key_of(record):
+        raise ValueError("its checksum is wrong")
+    return record
+
+
+def _wrong_number(record):
+    """What number of a record no run can have, in words; None where there is none.  NaN is an empty cell."""
+    for row in (record["row"], *(row for table in TABLES for row in record[table])):
+        for name, value in row.items():
+            least, most = bounds_of(name)
+            if isinstance(value, float | int) and not math.isnan(value) and not (
+                    math.isfinite(value) and least <= value <= most):
+                return f"{name} = {value:g}: expected a number from {least:g} to {most:g}"
+    return None

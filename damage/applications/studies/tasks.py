@@ -1,0 +1,111 @@
+"""What a study has to do: a task for each run, and for the pictures of the first run of each point."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from damage.applications.cracks import kept
+from damage.applications.studies.definition import StudyRun
+from damage.applications.studies.folder import ROOT
+
+RUN, PICTURES = "run", "pictures"
+CHANGED = -1
+"""In place of an exit status: the run was not made, as its inputs changed since the study began."""
+KEEP = "all", "summary", "patterns"
+"""What stays of runs: all histories; those of each point's first run; these, and of each run its patterns at rest."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """The run with this number of a point, or its pictures; kept: whether its history stays; patterns: whether those
+    at rest do (`damage.applications.cracks.kept`); alone: whether its process does nothing else meanwhile.
+
+    Paths: history: where it is in the end; part: where it grows, as a file with the name of a history is a whole one;
+    pattern: of its patterns at rest; pictures: their folder; log: what a process that does this prints.
+    """
+
+    folder: Path
+    point: StudyRun
+    number: int
+    kept: bool
+    patterns: bool = False
+    kind: str = RUN
+    alone: bool = False
+
+    @property
+    def name(self):
+        return self.point.name(self.number)
+
+    @property
+    def history(self):
+        return self.folder / "runs" / f"{self.name}.h5"
+
+    @property
+    def part(self):
+        return self.folder / "runs" / f"{self.name}.part.h5"
+
+    @property
+    def pattern(self):
+        return self.folder / kept.FOLDER / f"{self.name}{kept.ENDING}"
+
+    @property
+    def pictures(self):
+        return self.folder / "pictures" / self.name
+
+    @property
+    def log(self):
+        ending = "_pictures" if self.kind == PICTURES else ""
+        return self.folder / "logs" / ("reference.log" if self.steps else f"{self.name}{ending}.log")
+
+    @property
+    def steps(self):
+        """Whether it is a run of the reference solver, up to eight of which share a process."""
+        return self.kind == RUN and self.point.solver == "reference"
+
+    @property
+    def company(self):
+        """Properties that runs share which step together from beginning to end."""
+        return company_of(self.point)
+
+
+@cache
+def company_of(point):
+    """As Task.company, of all runs of a point."""
+    if point.solver != "reference":
+        return None
+    settings = point.settings(ROOT)
+    return (point.wall, replace(settings.model, strength_seed=0), settings.time_step_s, settings.alpha_1_s,
+            settings.beta_s)
+
+
+class Point:
+    """A point on its way: records, {number: record} of its runs that are done, and which tasks were handed out."""
+
+    def __init__(self, run, results, keep, pictures):
+        """results: `damage.applications.studies.outdated.Results` of the folder; keep: one of KEEP; pictures: of the first run."""
+        self.run, self._folder, self._keep, self._pictures = run, results.folder, keep, pictures
+        self._asked = set()
+        self.records = {number: record for number, record in results.records.of_point(run).items()
+                        if results.is_whole(self._task(number))}
+
+    def _task(self, number):
+        return Task(self._folder, self.run, number, self._keep == "all" or number == 1, self._keep == "patterns")
+
+    @property
+    def done(self):
+        """Whether all of its runs are done."""
+        return all(number in self.records for number in range(1, self.run.runs_needed(self.records) + 1))
+
+    def next_tasks(self):
+        """The tasks that the results so far ask for and that were not handed out yet."""
+        numbers = set(range(1, self.run.runs_needed(self.records) + 1)) - self.records.keys() - self._asked
+        self._asked |= numbers
+        return [self._task(number) for number in sorted(numbers)]
+
+    def next_pictures(self):
+        """The task of its pictures, in a list, where the first run is done and they are not there; once."""
+        task = replace(self._task(1), kind=PICTURES)
+        if not self._pictures or 1 not in self.records or PICTURES in self._asked or task.pictures.is_dir():
+            return []
+        self._asked.add(PICTURES)
+        return [task]

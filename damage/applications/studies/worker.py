@@ -1,0 +1,251 @@
+"""A process of a study: up to eight runs of the reference solver that step together, or one run in YADE, or pictures.
+
+It takes tasks from a connection and sends what becomes of them: (task, exit status, record or None), (task, CHANGED,
+how its inputs changed, words), or a line for the person at the terminal, (None, line, None).
+"""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from functools import partial
+from types import MappingProxyType
+
+from damage.applications.cracks.kept import patterns_of, write_patterns
+from damage.applications.studies.folder import POLITE_ENDS, ROOT, end_with_parent, environment, open_log
+from damage.applications.studies.inputs import differences, inputs_of
+from damage.applications.studies.records import record_of
+from damage.applications.studies.tasks import CHANGED, PICTURES
+from damage.errors import InputError, some_of
+from damage.files import YADE
+from damage.history.in_memory import HistoryInMemory, HistoryKept
+from damage.history.reader import read_history
+from damage.measure.tables import write_run_tables
+from damage.memory import return_freed
+from damage.reference.session import run_references
+from damage.reference.settled import SettledWalls
+from damage.run.options import words_of
+from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+
+PATIENCE_S = 60.0
+"""How long an interrupted solver may take to close its history before it is killed [s]."""
+_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.session.Progress
+
+
+def work(connection, parent, lock, inputs=MappingProxyType({})):
+    """Do tasks until None comes.  Runs end politely at SIGTERM; when the parent has died the system kills this process,
+    whose runs nobody would record, and its solver.  lock: descriptor that a solver holds as long as it runs; inputs:
+    {StudyRun.id: its inputs when the study began (`damage.applications.studies.inputs.as_json`)}."""
+    # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended leave their records.
+    signal.signal(signal.SIGTERM, lambda *_: None)
+    for name in (signal.SIGINT, signal.SIGHUP):  # of a terminal: the parent's to answer
+        signal.signal(name, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, POLITE_ENDS)
+    end_with_parent(parent)
+    os.chdir(ROOT)
+    waiting, settled = deque(), SettledWalls()
+    while True:
+        try:
+            task = waiting.popleft() if waiting else connection.recv()
+        except EOFError:
+            return
+        if task is None:
+            return
+        if task.steps:
+            status = _do_runs(task, connection, waiting, settled, inputs)
+        else:
+            task.log.unlink(missing_ok=True)
+            print_into(task.log)
+            status, record = _draw(task) if task.kind == PICTURES else _run_yade(task, connection, lock, inputs)
+            connection.send((task, status, record))
+        if status == EXIT_INTERRUPTED:  # nothing more begins
+            return
+
+
+def print_into(path):
+    """Let all that this process prints go to the end of a log, line by line."""
+    with open_log(path, "ab") as log:
+        for stream in (1, 2):
+            os.dup2(log.fileno(), stream)
+    sys.stdout, sys.stderr = (open(stream, "w", buffering=1, errors="replace", closefd=False)  # noqa: SIM115
+                              for stream in (1, 2))
+
+
+def _do_runs(first, connection, waiting, settled, inputs):
+    """Simulate runs that are not there, the first one and those that come meanwhile; sends each as it ends.  Returns
+    EXIT_INTERRUPTED where they were interrupted."""
+    print_into(first.log)
+    waiting.appendleft(first)
+    tasks, histories, interrupted = {}, {}, EXIT_OK
+
+    def lines():
+        """(name, run) of the next runs, as `run_references` takes them; (None, None) where there is none now."""
+        while True:
+            while connection.poll():
+                waiting.append(connection.recv())
+            if not waiting or not waiting[0] or not waiting[0].steps:
+                yield None, None
+                continue
+            task = waiting.popleft()
+            if task.history.is_file():
+                connection.send((task, *conclude(task)))
+                continue
+            tasks[task.name] = task
+            histories[task.name] = Begun(task, inputs, HistoryKept if task.kept else HistoryInMemory)
+            print("---", task.name, flush=True)
+            yield task.name, (task.point.wall, partial(_settings, task))
+
+    for name, status in run_references(lines(), histories, settled):
+        interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
+        task, history = tasks.pop(name), histories.pop(name)
+        if isinstance(history, Begun):  # of a run that never had one
+            connection.send((task, CHANGED, history.changes) if history.changes else (task, status, None))
+        else:
+            connection.send((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
+        del history
+        return_freed()
+    return interrupted
+
+
+class Begun:
+    """Makes the history of a run, of a kind, which has read all of its inputs by then, and refuses it where these are
+    others than the study began with; changes: how they differ, words; None before, and empty of a run that is repeated.
+    """
+
+    def __init__(self, task, inputs, kind):
+        self._task, self._inputs, self._kind, self.changes = task, inputs, kind, None
+
+    def __call__(self, path, layout, **more):
+        if self.changes is None:
+            self.changes = changes(self._task, self._inputs, layout.wall)
+        if self.changes:
+            raise InputError(f"not made, as its inputs changed since the study began: {some_of(self.changes)}")
+        return self._kind(path, layout, **more)
+
+
+def changes(task, inputs, wall=None):
+    """How the inputs of a task differ from those in `inputs` (as of `work`), a list of words; wall: as its run has it,
+    which may have imported modules that this process has of before."""
+    note = inputs.get(task.point.id)
+    return differences(note, inputs_of(task.point, ROOT, wall)) if note else []
+
+
+def _settings(task, prog):
+    """RunSettings of a task, whose paths start from the working folder."""
+    return task.point.settings(None, task.number, prog, _where(task))
+
+
+def _where(task):
+    """The options of a task beside those of its point."""
+    return {"out": str(task.part), "overwrite": True, "pictures": False}
+
+
+def conclude(task, kept=None):
+    """Give a history its name where it stays, and make of it what it leaves; returns (exit status, record or None).
+
+    kept: the HistoryInMemory, or HistoryKept, of a run that was done just now, else None.
+    """
+    try:
+        path = task.history if task.history.is_file() else task.part
+        history = read_history(path) if kept is None else kept.history(path)
+        if history.status != "complete":
+            raise InputError(f"the history is marked {history.status}; expected complete; run the study again")
+        if task.kept and path == task.part:
+            os.replace(path, task.history)
+        seals = {"patterns": write_patterns(patterns_of(history), task.pattern)} if task.patterns else {}
+        if task.number == 1:
+            write_run_tables(history, task.folder / "tables" / task.name)
+        return EXIT_OK, record_of(history, task.name, task.point.point) | seals
+    except (InputError, OSError) as error:
+        remedy = f"; delete {task.history}" if task.history.is_file() else ""
+        print(f"error: {task.name}: {error}{remedy}", file=sys.stderr, flush=True)
+        return EXIT_FAILED, None
+
+
+def _run_yade(task, connection, lock, inputs):
+    """Run YADE into the part of a history; returns (exit status, record or None), or as of CHANGED."""
+    if task.history.is_file():
+        return conclude(task)
+    try:
+        return _run_yade_on(task, connection, lock, inputs)
+    except InputError as error:
+        print(f"error: {task.name}: {error}")
+        return EXIT_FAILED, None
+
+
+def _run_yade_on(task, connection, lock, inputs):
+    """As `_run_yade`: the inputs are compared before and after, as YADE reads them by itself."""
+    if found := changes(task, inputs):
+        return CHANGED, found
+    connection.send((None, f"{task.name}: started", None))
+    status = _run_solver([*YADE, task.point.wall, *words_of(
+        task.point.options_of(task.number) | _where(task))], task.folder, lock,
+                         lambda text: connection.send((None, f"{task.name}: {text}", None)))
+    if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
+        task.part.unlink()
+        return CHANGED, found
+    return conclude(task) if status == EXIT_OK else (status, None)
+
+
+def _run_solver(command, folder, lock, announce):
+    """Run a command with its output into this process's; returns its exit status.  SIGTERM ends it politely, an alarm
+    kills it if it lingers."""
+    came = []
+    try:
+        solver = subprocess.Popen(
+            command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            errors="replace", env=environment(folder), pass_fds=(lock,), process_group=0,
+            preexec_fn=partial(end_with_parent, os.getpid()))
+    except OSError as error:
+        print(f"error: {command[0]} does not start: {error.strerror}")
+        return EXIT_FAILED
+
+    def end(*_):
+        came.append(True)
+        solver.terminate()
+        signal.alarm(int(PATIENCE_S))
+
+    before = signal.signal(signal.SIGTERM, end)
+    signal.signal(signal.SIGALRM, lambda *_: solver.kill())
+    try:
+        _follow(solver.stdout, announce)
+        status = solver.wait()
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGTERM, before)
+    if came and status != 0:
+        return EXIT_INTERRUPTED
+    if status < 0:
+        print(f"error: {command[0]} was ended by signal {-status} ({signal.Signals(-status).name})")
+    return status if status >= 0 else 128 - status
+
+
+def _follow(lines, announce):
+    """Print a solver's lines; announce its progress at every tenth, or once a minute."""
+    shown_share, shown_at = 0, time.monotonic()
+    for line in lines:
+        print(line, end="")
+        if (progress := _PROGRESS.search(line)) is not None:
+            share = round(100 * float(progress[1]) / max(float(progress[2]), 1e-9))
+            if share >= shown_share + 10 or time.monotonic() > shown_at + 60:
+                shown_share, shown_at = share, time.monotonic()
+                announce(f"{share} %, {progress[3]} left")
+
+
+def _draw(task):
+    """Draw the pictures of a run, in a folder that gets its name when all are there; returns (exit status, None)."""
+    from damage.draw.run import save_all
+
+    unfinished = task.pictures.with_name(f".{task.name}.part")
+    try:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        save_all(read_history(task.history), unfinished)
+        os.replace(unfinished, task.pictures)
+    except (InputError, OSError) as error:
+        print(f"error: {task.name}: {error}", file=sys.stderr)
+        return EXIT_FAILED, None
+    return EXIT_OK, None

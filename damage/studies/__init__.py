@@ -1,1 +1,0 @@
-"""Studies: definition, tables and figures of their results, fragility."""
