@@ -202,8 +202,8 @@ def _check_header(where, names, known, required):
         optional = [name for name in known if name not in required]
         wrong = (f"no column {', '.join(missing)}" if missing else
                  f"unknown column {', '.join(unknown)}" if unknown else "a column twice")
-        raise InputError(f"{where}: {wrong}; expected {', '.join(required)}"
-                         + (f" and any of {', '.join(optional)}" if optional else ""))
+        expected = [", ".join(required), "any of " + ", ".join(optional)]
+        raise InputError(f"{where}: {wrong}; expected {' and '.join(expected[not required:1 + bool(optional)])}")
 
 
 def _filled(cells, least):

@@ -175,7 +175,7 @@ RUN = {
     "--strength-cov ?": "0 1e-300 0.5", "--strength-seed ?": "0 1000000000", "--beta ?": "0 1e-300",
     "--rayleigh ? 5 20": "0 1e-300 0.5", "--rayleigh 0.02 ? 20": "0.5", "--scatter ?": "0 1e-300", "--fibres ?": "0",
     "--soil ?": "1000000000", "--soil 1e8 --soil-velocity ?": "0", "--soil 1e8 --soil-shear ?": "0.5",
-    "--soil 1e8 --footing ?": "0.5", "--perturb ?": "0 1e-300",
+    "--soil 1e8 --footing ?": "0.5",
     "--pushover 0.1 --top-rotation ?": "0 1e-300 1000000000 0.5", "--settle hogging --distortion ?": "",
     "--checkpoint ?": "0.5", "--point ? 0.3": "0 -1 1e-300 0.5", "--address A --life ?": "1000000000",
     "--bricks deformable --brick-mass ?": "", "--bricks deformable --brick-damping ?": "0 1e-300 0.5",

@@ -92,8 +92,8 @@ def test_the_digest_of_the_model_is_of_its_folders_and_those_of_applications(sol
     own = SOLVERS[solver].relative_to(REPOSITORY)
     found = modules_that_change(monkeypatch, tmp_path, lambda: model_digest.__wrapped__(tmp_path / own))
     assert {f"damage/{name}.py" for name in (
-        "rounded", "run/watch", "run/before", "measure/crack_paths", "exposure/models/bommer_2022",
-        "law/joint_law")} | {f"{own.as_posix()}/solver.py"} <= found
+        "rounded", "run/watch", "run/before", "applications/cracks/crack_paths", "law/joint_law",
+        "applications/groningen/exposure/models/bommer_2022")} | {f"{own.as_posix()}/solver.py"} <= found
     folders = {path.rpartition("/")[0] for path in found}
     other = next(str(path.relative_to(REPOSITORY)) for path in SOLVERS.values() if path != SOLVERS[solver])
     assert not folders & {"damage/draw", "damage/history", "damage/commands", "damage/applications/groningen/claim", other}
@@ -103,9 +103,11 @@ def test_the_digest_of_the_model_is_of_its_folders_and_those_of_applications(sol
 def test_the_digest_of_measures_is_of_their_folders(tmp_path, monkeypatch):
     found = modules_that_change(monkeypatch, tmp_path, measures_digest.__wrapped__)
     assert {f"damage/{name}.py" for name in (
-        "index", "measure/summary", "measure/kept", "history/reader", "motion/intensity", "wall/geometry")} <= found
+        "index", "measure/summary", "applications/cracks/kept", "history/reader", "motion/intensity",
+        "wall/geometry")} <= found
     folders = {path.rpartition("/")[0] for path in found}
-    assert folders == {"damage", "damage/history", "damage/measure", "damage/motion", "damage/wall"}
+    assert folders == {"damage", "damage/history", "damage/measure", "damage/motion", "damage/wall",
+                       "damage/applications/cracks"}
     assert not found & {"damage/motion/record.py", "damage/wall/layout.py"}
 
 

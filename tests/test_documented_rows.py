@@ -8,6 +8,7 @@ from damage.applications.studies.definition import load_study
 from damage.history.reader import read_history
 from damage.measure.tables import summary_row
 from damage.reference.session import run_references
+from damage.run.options import words_of
 
 SINE, STRONG = "symmetric_harmonic-0.2-0.025", "_window-0.8-2.5_rest-0.1_strength-cov-0.3"
 ROWS = {
@@ -46,7 +47,7 @@ def test_the_first_member_lies_in_the_range_that_its_row_gives_of_all(study, tmp
     row = table[(table["point"] == point) & (table["solver"] == "reference")].squeeze()
     runs = load_study(REPOSITORY / f"studies/{study}.toml", "reference").runs
     run = next(one for one in runs if one.point == point)
-    command = [*run.command(1), "--no-pictures", "--out", str(out)]
+    command = [run.wall, *words_of(run.options_of(1)), "--no-pictures", "--out", str(out)]
     assert [status for _, status in run_references(iter([(point, command)]))] == [0]
     found = summary_row(read_history(out))
     for name in MEASURES:

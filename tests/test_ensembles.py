@@ -41,13 +41,13 @@ class TestGrid:
 
     @pytest.mark.parametrize(("table", "vary", "message"), [
         (None, "", "no file list.csv"),
-        ("a\n", "", "has no rows"),
+        ("a\n", "", "has a header and no row"),
         ("a,b\n1,2\n", "", "'b', which nothing uses"),
-        ("a\n1\n2,3\n", "", "row 2 of"),
-        ("a,a\n1,2\n", "", "a column 'a'"),
-        ("a,b\n1,\n", "", "or an empty one"),
+        ("a\n1\n2,3\n", "", "line 3: 2 cells; expected 1"),
+        ("a,a\n1,2\n", "", "a column twice"),
+        ("a,b\n1,\n", "", "no b; expected it in every row"),
         ("a\n1\n", "vary = { a = [1] }\n", "both name 'a'"),
-        (b"a\n\xff\n", "", "no table of text"),
+        (b"a\n\xff\n", "", "cannot be read as text"),
     ], ids=str)
     def test_bad_rows_are_refused_in_one_line(self, tmp_path, table, vary, message):
         if table is not None:

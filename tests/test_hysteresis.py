@@ -11,6 +11,7 @@ from small_history import CYCLIC, make_history, small_layout
 
 from damage import Joint, brick_of_masonry
 from damage.applications.cracks.pushed import SPECIMENS, draws_report, figures, pushed_report, read_test
+from damage.history.contacts import Contacts
 from damage.measure.pushed import (
     backbone,
     bilinear,
@@ -167,7 +168,10 @@ class TestFigures:
         history = pushed_over(tmp_path / "pushed.h5", force, self.DRIFT, slip={7: 2e-4})
         opening = history.opening_m.copy()
         opening[1500:, 0] = 5e-3
-        history = replace(history, opening_m=opening)
+        state = np.zeros(opening.shape, int)
+        state[:, history.contacts.joints] = history.contacts.state
+        every = Contacts(np.arange(opening.shape[1]), opening, history.slip_m, history.offset_m, state)
+        history = replace(history, contacts=every)
         found = capacity(history)
         assert_allclose(found["peak_force_n"], 21e3, rtol=0.01)  # ten samples a window, and a few of eleven
         assert_allclose(found["ultimate_drift"], 1e-3, rtol=0.02)

@@ -14,9 +14,9 @@ from damage.applications.cracks.crack_file import read_cracks
 from damage.applications.cracks.dic import read_field
 from damage.applications.studies import definition
 from damage.applications.studies.definition import load_study
-from damage.csv_table import CsvTable
+from damage.csv_table import read_csv
+from damage.fields import Column
 from damage.files import LONGEST_LINE
-from damage.measure import columns
 from damage.motion import columns as record_columns
 from damage.motion import formats
 from damage.motion.formats import read_record, shipped_record_path, without_entities
@@ -197,12 +197,11 @@ def test_a_record_of_too_many_lines_is_refused_before_they_are_parsed(text, tmp_
     # Refused by its count, before the words are met.
     (read_record, "a.at2", "PEER\na\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1000001, DT= .005 SEC\n.1 words\n",
      "1000001 samples; expected up to"),
-    # The first columns were taken for an index; what follows names mixed types is warned of no more.
-    (columns.read_table, "t.csv", "point,wall\na,b,c\n", "more cells than the header"),
     # A cell over two lines does not shift the line that is reported.
-    (read_field, "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n', "line 5: uz_m = 'up'"),
-    (partial(CsvTable, required=["record"]), "e.csv", "record;scale\nBGAR_HGE;1,5\n", "unknown column 'scale'"),
-    (partial(CsvTable, required=("a", "b")), "t.csv", 'a,b\n"0\n",1\n1,2,3\n', "line 4: 3 cells, the header has 2"),
+    (read_field, "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,.1,.1\n1,1,.1,up\n', "line 5: uz_m = 'up'"),
+    (partial(read_csv, columns={"record": Column("", "")}), "e.csv", "record;scale\nBGAR_HGE;1,5\n",
+     "unknown column 'scale'; expected any of record"),
+    (read_csv, "t.csv", 'a,b\n"0\n",1\n1,2,3\n', "line 4: 3 cells; expected 2"),
     # pandas takes such a cell for a number, Python does not.
     (read_field, "f.csv", "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n", "holds a zero byte")])
 def test_what_was_misread_or_reported_wrongly_is_refused(read_it, name, text, said, tmp_path):
@@ -210,20 +209,12 @@ def test_what_was_misread_or_reported_wrongly_is_refused(read_it, name, text, sa
 
 
 @pytest.mark.parametrize(("name", "read_it"), [
-    ("a.csv", read_record), ("a.at2", read_record), ("f.csv", read_field), ("t.csv", columns.read_table)])
+    ("a.csv", read_record), ("a.at2", read_record), ("f.csv", read_field)])
 def test_a_line_of_millions_of_cells_is_refused(name, read_it, tmp_path):
     """A table whose row had 20 MB took a minute and 3.5 GB, a header of 20 MB no end."""
     for before in ("", "time_s,acc_m_s2\n"):
         path = written(tmp_path / name, before + "1," * LONGEST_LINE)
         assert "100000" in one_line_error(read_it, path)
-
-
-def test_a_table_of_short_rows_that_would_fill_up_to_too_many_cells_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(columns, "MOST_CELLS", 1000)
-    path = written(tmp_path / "t.csv", ",".join(f"c{k}" for k in range(100)) + "\n" + "1\n" * 8)
-    assert columns.read_table(path).shape == (8, 100)
-    written(path, path.read_text() + "1\n" * 2)
-    assert "over 1000 cells" in one_line_error(columns.read_table, path)
 
 
 def test_paths_in_a_study_longer_than_any_file_has(tmp_path):

@@ -116,7 +116,7 @@ def settings(*words):
     (("--record", "BGAR_HGE", "--scale", -0.001), "--scale = -0.001, expected 0.01 to 100."),
     (("--record", "BGAR_HGE", "--sequence", "0,0"), "BGAR_HGE_x1: the base stands still"),
     (("--cyclic", "0.1,25"), "--pushover, --cyclic = 25 %, expected 0.0001 to 20 %"),
-    (("--harmonic", 0.2, 1, "--sequence", "0.1,-6"), "peak of 6 g, expected up to 5 g")])
+    (("--harmonic", 0.2, 1, "--sequence", "0.1,-6"), "PGA of the base motion = 6 g")])
 def test_a_motion_beyond_the_ranges_is_refused_unless_it_is_accepted(words, says):
     said = one_line_error(settings(*words).check_plausible, WALL)
     assert says in said and "--accept-implausible" in said

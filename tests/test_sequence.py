@@ -82,7 +82,7 @@ class TestReading:
         assert message in one_line_error(settings, file_of(tmp_path, DIFFERENT), *words)
 
     @pytest.mark.parametrize("words, message", [
-        (["--sequence", "1,x"], "factors with commas"), (["--sequence", "1,nan"], "factor of --sequence = nan"),
+        (["--sequence", "1,x"], "numbers with commas"), (["--sequence", "1,nan"], "factor of --sequence = nan"),
         (["--free-vibration", "--sequence", "1,1"], "belongs to")])
     def test_bad_factors_are_refused(self, words, message):
         refused_with(message, parse_run, words, "test", "reference")
