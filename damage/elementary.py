@@ -3,7 +3,7 @@
 They consist of sums, products, quotients and square roots, which IEEE 754 rounds in one way.  Those of libraries differ
 in their last bits between processors and versions, and a brittle wall amplifies the last bit.
 
-Errors (tests/test_elementary.py): `exp`, `log`, `sin`, `cos` and `atan` below one unit in the last place, `tan` and
+Errors (tests/core/test_elementary.py): `exp`, `log`, `sin`, `cos` and `atan` below one unit in the last place, `tan` and
 `sin_of_turns` below three; sines up to a million radians, exponentials of normal size.  `exp`, `sin` and `cos` are also
 compiled into the time step.
 

@@ -64,7 +64,7 @@ def of_history(history):
 
 
 def spandrel():
-    """Layout of three dry courses over an opening without a lintel, as in tests/yade_checks/fallen_wall.py."""
+    """Layout of three dry courses over an opening without a lintel, as in tests/yade/checks/fallen_wall.py."""
     joint = Joint(tensile_strength=0.0, cohesion=0.0)
     return lay_out(Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=joint),
                    ModelOptions(lintel="none"))
@@ -73,7 +73,7 @@ def spandrel():
 def in_yade():
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "fall.npz"
-        check = REPOSITORY / "tests/yade_checks/fallen_wall.py"
+        check = REPOSITORY / "tests/yade/checks/fallen_wall.py"
         subprocess.run([*COMMAND, check, "interior", str(SECONDS), out], check=True, stdout=subprocess.DEVNULL)
         with np.load(out) as found:
             return fall_of("yade", spandrel(), found["time_s"], found["place"], found["energy_j"])

@@ -19,4 +19,4 @@ if [ $# -gt 0 ]; then
     exec "$PYTHON" "$root/benchmarks/report_in_browser.py" "$@"
 fi
 cd "$root"
-exec "$PYTHON" -m pytest -q -m long tests/test_html_browser.py tests/test_site_browser.py tests/test_app_browser.py
+exec "$PYTHON" -m pytest -q -m long tests/applications/report/test_html_browser.py tests/documents/test_site_browser.py tests/applications/groningen/test_app_browser.py

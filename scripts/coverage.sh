@@ -2,10 +2,10 @@
 # Counts the branches of damage/ and yade_scripts/ that the tests leave uncovered.
 #
 #     bash scripts/coverage.sh                       # by all tests; a third longer than the tests alone
-#     bash scripts/coverage.sh tests/test_measures.py   # or by what pytest's arguments choose
+#     bash scripts/coverage.sh tests/core/test_measures.py   # or by what pytest's arguments choose
 #
 # Every Python process of the tests is measured, those in YADE too (scripts/coverage_start); a line in .venv reaches
-# those that set PYTHONPATH themselves, as batches do.  Compiled functions count by tests/test_widths.py, which
+# those that set PYTHONPATH themselves, as batches do.  Compiled functions count by tests/core/test_widths.py, which
 # runs them as plain Python.  .coverage/data.json has the lines.
 set -euo pipefail
 

@@ -27,7 +27,7 @@ shell() {
 
 quiet_pytest() { "$PYTHON" -m pytest -qq --no-header --tb=short -p no:cacheprovider "$@"; }
 
-imports() { quiet_pytest "${@:-tests/test_architecture.py}"; }
+imports() { quiet_pytest "${@:-tests/core/test_architecture.py}"; }
 
 doctests() { quiet_pytest --doctest-modules "${@:-damage}"; }
 

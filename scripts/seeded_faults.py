@@ -170,7 +170,7 @@ def attack(faults, folder):
 
 def first_failure(folder, tests, stop=True):
     """The first test that fails, as FILE::NAME, "" where all pass."""
-    files = [f"tests/{test}.py" for test in tests]
+    files = [str(next(Path(folder, "tests").rglob(f"{test}.py"))) for test in tests]
     done = subprocess.run([sys.executable, "-m", "pytest", "-q", *["-x"] * stop, "-p", "no:cacheprovider", *files],
                           cwd=folder, capture_output=True, text=True)
     failed = re.search(r"^(?:FAILED|ERROR) tests/(\S+)", done.stdout, re.MULTILINE)

@@ -31,7 +31,7 @@ from damage.wall.file import load_wall
 from yade_scripts import COMMAND
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-BRIEFLY = REPOSITORY / "tests/yade_checks/briefly.py"  # runs a wall in YADE with shorter stages
+BRIEFLY = REPOSITORY / "tests/yade/checks/briefly.py"  # runs a wall in YADE with shorter stages
 BATCH = (sys.executable, "-m", "damage", "study")
 """What run_all.sh starts once it has looked for all that it needs, which takes two seconds: `test_environment.py`."""
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}

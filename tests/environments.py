@@ -31,7 +31,7 @@ def _do_or_skip(*words):
 
 def run_in(python, script, *words):
     """What a script of these tests prints in another interpreter, without this repository on its path."""
-    done = subprocess.run([python, "-I", Path(__file__).with_name("other_tools") / script, *words],
+    done = subprocess.run([python, "-I", Path(__file__).parent / "applications/report/other_tools" / script, *words],
                           capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stderr
     return done.stdout

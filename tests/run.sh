@@ -4,8 +4,8 @@
 #     bash tests/run.sh
 #     bash tests/run.sh -m "not slow and not long"
 #     bash tests/run.sh -m long                       # the longer checks that CONTRIBUTING.md lists
-#     bash tests/run.sh tests/test_study.py -k quick
-#     bash tests/run.sh -p tests.processor_time       # also prints processor time by test, file and subject
+#     bash tests/run.sh tests/applications/studies/test_study.py -k quick
+#     bash tests/run.sh -p tests.processor_time       # also prints processor time by test, file and folder
 #
 # Files run side by side, at most four, one more than there are cores as some wait; the longest first.  -n 0 runs them
 # one after the other.

@@ -2,7 +2,7 @@
 polynomials, band-pass.
 
 They consist of sums, products, quotients and `damage.elementary`; those of scipy.signal, np.interp and np.polynomial
-differ in their last bits between machines (tests/test_records.py compares both).
+differ in their last bits between machines (tests/core/test_records.py compares both).
 """
 
 import math

@@ -1,6 +1,6 @@
 """A wall in YADE as its file runs it, with shorter stages: for what is decided outside of them.
 
-    yade tests/yade_checks/briefly.py SETTLE_S=0.02 WALL [OPTIONS]
+    yade tests/yade/checks/briefly.py SETTLE_S=0.02 WALL [OPTIONS]
 
 The first words set constants of damage.run.settings [s].  KILLED_AT=0.05 or INTERRUPTED_AT=0.05 ends the run after a
 checkpoint of this time of the run or later [s]; one is written at every look.
@@ -11,7 +11,7 @@ import signal
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))  # YADE does not look here by itself
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))  # YADE does not look here by itself
 
 from damage.memory import YADE
 from damage.start import begin

@@ -15,7 +15,7 @@ from damage.wall.model_options import ModelOptions
 from paper import impacts, shaken_wall
 from paper.shaken_wall import Case
 
-TABLES = Path(__file__).resolve().parents[1] / "docs" / "tables"
+TABLES = Path(__file__).resolve().parents[2] / "docs" / "tables"
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
 from yade import O, Vector3
 

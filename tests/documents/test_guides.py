@@ -5,18 +5,17 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import script_file, typed
+from conftest import REPOSITORY, script_file, typed
 from numpy.testing import assert_allclose
 
 import damage
 from paper import after_peak
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = REPOSITORY
 GUIDES = ROOT / "docs" / "guides"
 SHORTER = (("--rest 1 ", "--rest 0.1 "), ("--members 8", "--members 2"), ("--scale 3 --rest 0.2", "--rest 0"),
            ("[18.2, 20.2]", "[18.7, 18.9]"), ("options.rest = 0.2", "options.rest = 0"),

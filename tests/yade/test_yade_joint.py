@@ -54,7 +54,7 @@ def driven(yade_command, tmp_path_factory):
     folder = tmp_path_factory.mktemp("two_bricks")
     paths = make_paths()
     np.savez(folder / "paths.npz", **paths)
-    yade_command(REPOSITORY / "tests/yade_checks/two_bricks.py", folder / "paths.npz", folder / "stresses.npz",
+    yade_command(REPOSITORY / "tests/yade/checks/two_bricks.py", folder / "paths.npz", folder / "stresses.npz",
                  status=0)
     with np.load(folder / "stresses.npz") as stresses:
         return {name: (path, stresses[name], by_law(path)) for name, path in paths.items()}
@@ -91,9 +91,9 @@ def test_cyclic_shear_encloses_the_rectangle_of_friction(driven):
 
 @pytest.fixture(scope="module")
 def far(yade_command, tmp_path_factory):
-    """Results of tests/yade_checks/slide_and_tilt.py."""
+    """Results of tests/yade/checks/slide_and_tilt.py."""
     out = tmp_path_factory.mktemp("far") / "results.npz"
-    yade_command(REPOSITORY / "tests/yade_checks/slide_and_tilt.py", out, status=0)
+    yade_command(REPOSITORY / "tests/yade/checks/slide_and_tilt.py", out, status=0)
     with np.load(out) as results:
         return dict(results)
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from checks.settling_support import pier, settle
 from conftest import REPOSITORY, refused_with, written
 from numpy.testing import assert_allclose
 from short_runs import SMALL
-from yade_checks.settling_support import pier, settle
 
 import damage
 from damage.draw.compare import joint_agreement
@@ -323,7 +323,7 @@ def test_work_of_the_settlement_is_stored_or_lost_to_damping(settling):
 
 @pytest.mark.yade
 def test_yade_moves_a_support_as_the_reference_solver_does(settling, yade_command, tmp_path):
-    yade_command(REPOSITORY / "tests/yade_checks/settling_support.py", tmp_path / "results.npz", status=0)
+    yade_command(REPOSITORY / "tests/yade/checks/settling_support.py", tmp_path / "results.npz", status=0)
     found, (_, expected) = np.load(tmp_path / "results.npz"), settling
     assert_allclose(found["supports"], expected["supports"], rtol=1e-9, atol=1e-15)
     assert_allclose(found["moved"], expected["moved"], atol=0.01 * np.abs(expected["moved"]).max())

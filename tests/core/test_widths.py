@@ -322,8 +322,8 @@ def test_arithmetic_is_that_of_each_number():
 
 def in_python(code, **environment):
     """Run code beside the tests, in a Python of its own."""
-    path = os.pathsep.join([str(REPOSITORY), os.environ.get("PYTHONPATH", "")])
-    run_command(sys.executable, "-c", code, cwd=REPOSITORY / "tests",
+    path = os.pathsep.join([str(REPOSITORY), str(REPOSITORY / "tests"), os.environ.get("PYTHONPATH", "")])
+    run_command(sys.executable, "-c", code, cwd=REPOSITORY / "tests/core",
                 env={**os.environ, **environment, "PYTHONPATH": path}, status=0)
 
 

@@ -122,7 +122,7 @@ def test_every_dataset_names_its_unit(tmp_path):
 def test_what_was_flushed_is_whole_after_sigkill(tmp_path):
     script = textwrap.dedent("""
         import sys
-        sys.path[:0] = ["tests", "."]
+        sys.path[:0] = ["tests/core", "tests", "."]
         from test_history import open_writer, write_samples
         writer = open_writer(sys.argv[1])
         for round_ in range(10**6):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 if __name__ == "__main__":  # in YADE, which does not look here by itself
-    sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))
+    sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
 from damage.law.modes import natural_modes
 from damage.run.schedule import sample_steps

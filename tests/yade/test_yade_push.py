@@ -109,7 +109,7 @@ def test_a_cycle_dissipates_alike(tmp_path, in_both):
 
 @pytest.mark.long
 def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command):
-    """A block on soil: springs of sway and rocking, the top's, and the weight's moment (tests/test_soil.py)."""
+    """A block on soil: springs of sway and rocking, the top's, and the weight's moment (tests/core/test_soil.py)."""
     path = wall_file(tmp_path / "block.py", "Wall('block', 0.6, 1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2))")
     spring = 2e6
     yade_command(*SHORT, path, "--pushover", 0.005, "--speed", 1e-4, "--top-rotation", spring, "--contacts", "gauss",

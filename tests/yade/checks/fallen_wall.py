@@ -2,7 +2,7 @@
 
     yade -n fallen_wall.py CONTACTS SECONDS RESULTS.npz
 
-The wall is `spandrel` of tests/test_new_contacts.py, here under its weight from the first step.  RESULTS holds every
+The wall is `spandrel` of tests/core/test_new_contacts.py, here under its weight from the first step.  RESULTS holds every
 0.01 s: time_s (n,); place (n, n_bodies, 3) [m, m, rad]; energy_j (n,), elastic, kinetic and of gravity.  Impacts are
 damped once a brick has fallen by half its height, as in a run.
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
 from damage.law.modes import natural_modes
 from damage.run.solver import NO_MOTION
