@@ -1,11 +1,11 @@
-"""Processes of a small study killed by SIGKILL at random times, each kill followed by the same command: the proof that
-it always completes, with the tables of a study that was left alone.
+"""Processes of a small study killed by SIGKILL at random times, each kill followed by the same
+command: the proof that it always completes, with the tables of a study that was left alone.
 
     python3 benchmarks/kills.py --out DIR [--kills 20] [--who worker|any] [--seed N] [-j 2]
 
-A worker is a process in which runs of the reference solver step, which begin again; any: also the batch itself.
-Studies keep all histories and only those of a summary in turns.  DIR must be new.  Exit status: 0 all completed with
-equal tables, 1 not.
+A worker is a process in which runs of the reference solver step, which begin again; any: also the
+batch itself. Studies keep all histories and only those of a summary in turns.  DIR must be new.
+Exit status: 0 all completed with equal tables, 1 not.
 """
 
 import argparse
@@ -18,8 +18,11 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
-STUDY = '''name = "kills"
+WALL = (
+    "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45,"
+    " height=0.6)\n"
+)
+STUDY = """name = "kills"
 pictures = "none"
 [[grid]]
 wall = "tiny.py"
@@ -35,7 +38,7 @@ vary = { g = [0.45, 0.01] }
 id = "alone"
 wall = "tiny.py"
 options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
-'''
+"""
 MOST_CALLS = 3
 """Of the same command after a kill, the last of which must complete."""
 
@@ -66,12 +69,17 @@ def main():
             longest_s *= 0.7
             continue
         kills += 1
-        calls = next((n for n in range(1, MOST_CALLS + 1) if proof.run_to_end(name, keep) == 0), None)
+        calls = next(
+            (n for n in range(1, MOST_CALLS + 1) if proof.run_to_end(name, keep) == 0), None
+        )
         equal = tables(out / name) == whole
         good += equal and calls is not None
-        print(f"{kills}: {killed}, --keep {keep}; "
-              f"{f'completed by call {calls}' if calls else f'NOT complete after {MOST_CALLS} calls'}, "
-              f"{len(whole)} tables {'equal' if equal else 'DIFFER'}", flush=True)
+        print(
+            f"{kills}: {killed}, --keep {keep};"
+            f" {f'completed by call {calls}' if calls else f'NOT complete by call {MOST_CALLS}'},"
+            f" {len(whole)} tables {'equal' if equal else 'DIFFER'}",
+            flush=True,
+        )
     print(f"{good} of {kills} kills ended complete with equal tables")
     return 0 if good == kills else 1
 
@@ -85,10 +93,24 @@ class Proof:
     def start(self, name, keep="all"):
         """Start the batch in a folder of this name."""
         return subprocess.Popen(
-            [sys.executable, "-m", "damage", "study", self.out / "study.toml", "-j", self.jobs, "--out",
-             self.out / name, "--keep", keep], cwd=ROOT,
+            [
+                sys.executable,
+                "-m",
+                "damage",
+                "study",
+                self.out / "study.toml",
+                "-j",
+                self.jobs,
+                "--out",
+                self.out / name,
+                "--keep",
+                keep,
+            ],
+            cwd=ROOT,
             env=os.environ | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
-            stdout=subprocess.DEVNULL, stderr=(self.out / f"{name}.log").open("a"))
+            stdout=subprocess.DEVNULL,
+            stderr=(self.out / f"{name}.log").open("a"),
+        )
 
     def run_alone(self, name):
         """Leave the batch alone; returns how long there was something to kill [s]."""
@@ -105,8 +127,8 @@ class Proof:
         return self.start(name, keep).wait()
 
     def kill(self, name, keep, draw, longest_s):
-        """Start a batch and kill one of its processes; returns what was killed, None where nothing was left to kill or
-        the batch completed nevertheless."""
+        """Start a batch and kill one of its processes; returns what was killed, None where nothing
+        was left to kill or the batch completed nevertheless."""
         batch = self.start(name, keep)
         while not victims(batch.pid, self.who) and batch.poll() is None:
             time.sleep(0.01)
@@ -129,8 +151,10 @@ class Proof:
 
 
 def victims(pid, who):
-    """[(pid, program)] of the processes of a batch that are to be killed, while it has any at work."""
-    workers = [(one, "worker") for one in children(pid) if words(one) == words(pid)]  # not what it starts, as git
+    """[(pid, program)] of the processes of a batch that are to be killed, while it has any at
+    work."""
+    # not what it starts, as git
+    workers = [(one, "worker") for one in children(pid) if words(one) == words(pid)]
     return workers + [(pid, "batch")] * (who == "any" and bool(workers))
 
 
@@ -148,7 +172,9 @@ def children(pid):
 def words(pid):
     """The command line of a process, empty of one that has ended."""
     try:
-        return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+        return (
+            Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+        )
     except OSError:
         return ""
 

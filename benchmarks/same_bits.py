@@ -1,21 +1,27 @@
-"""Did a change leave every value of the histories as it was?  A fixed set of runs, compared bit for bit.
+"""Did a change leave every value of the histories as it was?  A fixed set of runs, compared bit for
+bit.
 
-    python3 benchmarks/same_bits.py run OLD             # in the old tree; --yade for those in YADE (hours: 0.1)
-    python3 benchmarks/same_bits.py run NEW             # in the new tree, on the same machine
+    python3 benchmarks/same_bits.py run OLD             # in the old tree; --yade for those in YADE
+    (hours: 0.1) python3 benchmarks/same_bits.py run NEW             # in the new tree, on the same
+    machine
     python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where any value differs
-    python3 benchmarks/same_bits.py compare OLD NEW --old-tree TREE     # whose files this tree does not read
+    python3 benchmarks/same_bits.py compare OLD NEW --old-tree TREE     # whose files this tree does
+    not read
     python3 benchmarks/same_bits.py compare A.h5 B.h5 --tolerance 1e-12
     python3 benchmarks/same_bits.py digests FOLDER      # of its histories, of YADE's, too
-    python3 benchmarks/same_bits.py renew               # the published digests; prints the runs that moved
-    python3 benchmarks/same_bits.py settings            # are they the same as other processors and libraries compute?
+    python3 benchmarks/same_bits.py renew               # the published digests; prints the runs
+    that moved
+    python3 benchmarks/same_bits.py settings            # are they the same as other processors and
+    libraries compute?
 
-What `read_history` returns is compared, however the files hold it.  What the second lacks is a difference; what it has
-more is listed and is none (the schema only adds).  Tables of members: but for columns of origin.
-`renew` writes `damage/data/bits/bits.csv` anew (`damage.reference.bits`): a commit that moves values names the runs in
-CHANGELOG.md.
-`settings` runs `check-bits --long` as if this processor had less, each with machine code of its own, minutes each.
---tolerance: share of an array's largest value up to which floating-point values may differ; events still have to
-come in the same order.
+What `read_history` returns is compared, however the files hold it.  What the second lacks is a
+difference; what it has more is listed and is none (the schema only adds).  Tables of members: but
+for columns of origin.
+`renew` writes `damage/data/bits/bits.csv` anew (`damage.reference.bits`): a commit that moves
+values names the runs in CHANGELOG.md.
+`settings` runs `check-bits --long` as if this processor had less, each with machine code of its
+own, minutes each. --tolerance: share of an array's largest value up to which floating-point values
+may differ; events still have to come in the same order.
 """
 
 import argparse
@@ -42,45 +48,92 @@ SETTINGS = {
     "numba for any x86-64": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
     "numpy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": NUMPY},
     "numpy without FMA": {"NPY_DISABLE_CPU_FEATURES": f"{NUMPY} AVX2 FMA3"},
-    "C library without FMA": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA"},
+    "C library without FMA": {
+        "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA"
+    },
     "OpenBLAS for Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
     "OpenBLAS for Nehalem": {"OPENBLAS_CORETYPE": "Nehalem"},
 }
-"""{name: environment} by which a program computes as other processors do; numpy says which features it knows."""
+"""{name: environment} by which a program computes as other processors do; numpy says which features
+it knows."""
 TABLES = "joints", "bodies", "supports", "series", "events", "static_stage"
-ARRAYS = ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "crushed", "ended", "snapshot_time_s",
-          "displacement", "support_displacement", "support_force", "stress_pa", "joint_stress_pa", "point_displacement")
+ARRAYS = (
+    "opening_m",
+    "slip_m",
+    "offset_m",
+    "broken",
+    "at_limit",
+    "crushed",
+    "ended",
+    "snapshot_time_s",
+    "displacement",
+    "support_displacement",
+    "support_force",
+    "stress_pa",
+    "joint_stress_pa",
+    "point_displacement",
+)
 """Fields of a History."""
 ORIGIN = "commit", "model_digest", "measures_digest"
 IN_YADE = ("harmonic", "pushover", "sequence")
 
 
 def run(folder, yade):
-    """Simulate the published cases into `folder`: by the reference solver, or IN_YADE by YADE on a thread."""
+    """Simulate the published cases into `folder`: by the reference solver, or IN_YADE by YADE on a
+    thread."""
     solver = [ROOT / "yade", "-n", "-j1"] if yade else [sys.executable, "-m", "damage", "reference"]
     for name in IN_YADE if yade else bits.CASES:
-        case, out = bits.CASES[name], folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5"
+        case, out = (
+            bits.CASES[name],
+            folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5",
+        )
         members = ["--members", str(bits.MEMBERS)] if case.members else []
-        subprocess.run([*solver, case.wall, *case.words.split(), *members, "--out", out, "--no-pictures",
-                        "--overwrite"], cwd=ROOT, check=True)
+        subprocess.run(
+            [
+                *solver,
+                case.wall,
+                *case.words.split(),
+                *members,
+                "--out",
+                out,
+                "--no-pictures",
+                "--overwrite",
+            ],
+            cwd=ROOT,
+            check=True,
+        )
 
 
 def values(path):
-    """{name: array} of what `read_history` returns: columns of tables, samples of all joints, the index."""
+    """{name: array} of what `read_history` returns: columns of tables, samples of all joints, the
+    index."""
     history = read_history(path)
     tables = {name: getattr(history, name) for name in TABLES} | {"index": history.index()}
-    columns = {f"{name}/{column}": table[column] for name, table in tables.items() for column in table}
-    found = {name: np.array(column.astype(str) if column.dtype == "category" else column)
-             for name, column in columns.items()}
-    found |= {name: np.array(rows) for name in ARRAYS if (rows := getattr(history, name)) is not None}
+    columns = {
+        f"{name}/{column}": table[column] for name, table in tables.items() for column in table
+    }
+    found = {
+        name: np.array(column.astype(str) if column.dtype == "category" else column)
+        for name, column in columns.items()
+    }
+    found |= {
+        name: np.array(rows) for name in ARRAYS if (rows := getattr(history, name)) is not None
+    }
     found |= {f"static/{name}": np.array(value) for name, value in history.static.items()}
-    return found | {"status": np.array(history.status), "collapsed_at_s": np.array(history.collapsed_at_s, float)}
+    return found | {
+        "status": np.array(history.status),
+        "collapsed_at_s": np.array(history.collapsed_at_s, float),
+    }
 
 
 def values_by(tree, path):
     """The same, read by the software in another tree."""
-    done = subprocess.run([sys.executable, __file__, "values", path], env=os.environ | {TREE: str(tree)}, check=True,
-                          stdout=subprocess.PIPE)
+    done = subprocess.run(
+        [sys.executable, __file__, "values", path],
+        env=os.environ | {TREE: str(tree)},
+        check=True,
+        stdout=subprocess.PIPE,
+    )
     return pickle.loads(done.stdout)
 
 
@@ -108,8 +161,13 @@ def differences(old, new, tolerance=0.0):
 
 
 def compare(old, new, tolerance, old_tree):
-    """Compare two histories or two folders of them; the exit status.  old_tree: that reads the old ones, None: this."""
-    pairs = [(old, new)] if old.is_file() else [(path, new / path.name) for path in sorted(old.glob("*.h5"))]
+    """Compare two histories or two folders of them; the exit status.  old_tree: that reads the old
+    ones, None: this."""
+    pairs = (
+        [(old, new)]
+        if old.is_file()
+        else [(path, new / path.name) for path in sorted(old.glob("*.h5"))]
+    )
     if not pairs:
         sys.exit(f"error: {old} holds no history (.h5); expected a folder that `run` filled")
     different = False
@@ -122,8 +180,13 @@ def compare(old, new, tolerance, old_tree):
         now = values(second)
         found = differences(before, now, tolerance)
         more = sorted(now.keys() - before.keys())
-        print(f"{second.name}: " + (f"equal in {len(before)} arrays" if not found else f"{len(found)} arrays differ")
-              + (f"; new: {', '.join(more)}" if more else ""), *found, sep="\n  ")
+        print(
+            f"{second.name}: "
+            + (f"equal in {len(before)} arrays" if not found else f"{len(found)} arrays differ")
+            + (f"; new: {', '.join(more)}" if more else ""),
+            *found,
+            sep="\n  ",
+        )
         different |= bool(found)
     for table in [] if old.is_file() else sorted(old.glob("*.csv")):  # of members
         first, second = members(table), members(new / table.name)
@@ -147,15 +210,25 @@ def settings(python):
     worst = 0
     for name, environment in SETTINGS.items():
         with TemporaryDirectory() as cache:
-            done = subprocess.run([python, "-W", "ignore", "-m", "damage", "check-bits", "--long"], cwd=ROOT, text=True,
-                                  capture_output=True, env=os.environ | environment | {"NUMBA_CACHE_DIR": cache})
-        print(f"{name}: {(done.stdout.splitlines() or done.stderr.splitlines() or ['nothing'])[-1]}", flush=True)
+            done = subprocess.run(
+                [python, "-W", "ignore", "-m", "damage", "check-bits", "--long"],
+                cwd=ROOT,
+                text=True,
+                capture_output=True,
+                env=os.environ | environment | {"NUMBA_CACHE_DIR": cache},
+            )
+        print(
+            f"{name}: {(done.stdout.splitlines() or done.stderr.splitlines() or ['nothing'])[-1]}",
+            flush=True,
+        )
         worst = max(worst, done.returncode)
     return worst
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     commands = parser.add_subparsers(dest="command", required=True)
     running = commands.add_parser("run")
     running.add_argument("folder", type=Path)
@@ -165,11 +238,15 @@ def main():
     comparing.add_argument("new", type=Path)
     comparing.add_argument("--tolerance", type=float, default=0.0)
     comparing.add_argument("--old-tree", type=Path)
-    commands.add_parser("values").add_argument("path", type=Path, help="written to standard output, pickled")
+    commands.add_parser("values").add_argument(
+        "path", type=Path, help="written to standard output, pickled"
+    )
     digesting = commands.add_parser("digests")
     digesting.add_argument("folder", type=Path)
     commands.add_parser("renew")
-    commands.add_parser("settings").add_argument("--python", default=sys.executable, help="with other libraries")
+    commands.add_parser("settings").add_argument(
+        "--python", default=sys.executable, help="with other libraries"
+    )
     parsed = parser.parse_args()
     if parsed.command == "run":
         parsed.folder.mkdir(parents=True, exist_ok=True)
@@ -185,8 +262,11 @@ def main():
         return 0
     if parsed.command == "settings":
         return settings(parsed.python)
-    return renew() if parsed.command == "renew" else compare(
-        parsed.old, parsed.new, parsed.tolerance, parsed.old_tree)
+    return (
+        renew()
+        if parsed.command == "renew"
+        else compare(parsed.old, parsed.new, parsed.tolerance, parsed.old_tree)
+    )
 
 
 if __name__ == "__main__":

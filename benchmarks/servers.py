@@ -1,16 +1,19 @@
-"""Can a run in YADE be reached over the network while it starts?  Ten quiet starts beside ten under attack.
+"""Can a run in YADE be reached over the network while it starts?  Ten quiet starts beside ten under
+attack.
 
     python3 benchmarks/servers.py                 # by the launcher ./yade
     python3 benchmarks/servers.py --plain         # by YADE's own command
-    sudo unshare --net sh -c 'ip link set lo up; exec python3 benchmarks/servers.py'    # where other YADEs run, too
+    sudo unshare --net sh -c 'ip link set lo up; exec python3 benchmarks/servers.py'    # where
+    other YADEs run, too
 
-Every 20 ms /proc shows on which addresses the process listens.  The attack, through 127.0.0.1 alone, lasts as long as
-the run: it connects to YADE's first ports again and again and stays idle on most connections; on one it gives the
-cookie that it reads in what YADE prints, and then sends code.  A port on which another program listens is left alone.
-Exit status 1 where a run listened beyond loopback, executed code, did not end well, or was delayed by more than 2 s:
-the least and the median of what the main thread slept in the attacked runs over those in the quiet ones.  The time that
-it ran or waited for a processor does not count: it is longer where other programs use the machine, as the attack does.
-"""
+Every 20 ms /proc shows on which addresses the process listens.  The attack, through 127.0.0.1
+alone, lasts as long as the run: it connects to YADE's first ports again and again and stays idle on
+most connections; on one it gives the cookie that it reads in what YADE prints, and then sends code.
+A port on which another program listens is left alone. Exit status 1 where a run listened beyond
+loopback, executed code, did not end well, or was delayed by more than 2 s: the least and the median
+of what the main thread slept in the attacked runs over those in the quiet ones.  The time that it
+ran or waited for a processor does not count: it is longer where other programs use the machine, as
+the attack does."""
 
 import argparse
 import os
@@ -32,7 +35,18 @@ from damage import Wall
 from yade_scripts.run import main
 main(lambda: Wall("pair", length=0.225, height=0.15, precompression=0.0))
 """
-MOTION = ("--harmonic", "0.05", "0.01", "--cycles", "2", "--rest", "0", "--no-pictures", "--overwrite", "--out")
+MOTION = (
+    "--harmonic",
+    "0.05",
+    "0.01",
+    "--cycles",
+    "2",
+    "--rest",
+    "0",
+    "--no-pictures",
+    "--overwrite",
+    "--out",
+)
 PROMPTS, INFORMERS = range(9000, 9003), range(21000, 21003)
 LOOPBACK = {"0100007F", "00000000000000000000000001000000"}  # as /proc/net has 127.0.0.1 and ::1
 LOOK_S, KNOCK_S, DELAY_S, LONGEST_S = 0.02, 0.01, 2.0, 90.0
@@ -61,7 +75,8 @@ def _is_taken(port):
 
 
 class Attack(threading.Thread):
-    """Connects to YADE's ports until it is stopped; `log()` returns what YADE has printed so far."""
+    """Connects to YADE's ports until it is stopped; `log()` returns what YADE has printed so
+    far."""
 
     def __init__(self, log, marker):
         super().__init__(daemon=True)
@@ -74,7 +89,9 @@ class Attack(threading.Thread):
         while not self.stopped.wait(KNOCK_S):
             for port in self.ports if len(self.connections) < MOST_IDLE else ():
                 with suppress(OSError):
-                    self.connections.append(socket.create_connection(("127.0.0.1", port), timeout=1))
+                    self.connections.append(
+                        socket.create_connection(("127.0.0.1", port), timeout=1)
+                    )
             self._speak()
         for connection in self.connections:
             connection.close()
@@ -103,8 +120,15 @@ def start(program, folder, attacked):
     if attacked:
         attack.start()
     seen, last, slept_s, began = set(), None, 0.0, time.time()
-    with log.open("w") as file, subprocess.Popen([program, "-n", "-j1", wall, *MOTION, folder / "run.h5"],
-                                                 cwd=ROOT, stdout=file, stderr=subprocess.STDOUT) as run:
+    with (
+        log.open("w") as file,
+        subprocess.Popen(
+            [program, "-n", "-j1", wall, *MOTION, folder / "run.h5"],
+            cwd=ROOT,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+        ) as run,
+    ):
         while run.poll() is None:
             if time.time() > began + LONGEST_S:
                 run.kill()
@@ -112,7 +136,9 @@ def start(program, folder, attacked):
                 now = listening(run.pid)
                 seen |= now
                 last = time.time() if now else last
-                ran, waited, _ = map(int, Path(f"/proc/{run.pid}/task/{run.pid}/schedstat").read_text().split())
+                ran, waited, _ = map(
+                    int, Path(f"/proc/{run.pid}/task/{run.pid}/schedstat").read_text().split()
+                )
                 slept_s = time.time() - began - (ran + waited) / 1e9
             time.sleep(LOOK_S)
     ended = time.time()
@@ -120,16 +146,23 @@ def start(program, folder, attacked):
     if attacked:
         attack.join()
     executed = [float(line) for line in marker.read_text().split()] if marker.exists() else []
-    return {"status": run.returncode, "seconds": ended - began, "slept_s": slept_s,
-            "connections": len(attack.connections),
-            "abroad": {f"{address}:{port}" for address, port in seen if address not in LOOPBACK},
-            "listened": 0.0 if last is None else last - began, "executed": len(executed),
-            "later": sum(when > (last or began) + 2 * LOOK_S for when in executed),
-            "log": log.read_text()}
+    return {
+        "status": run.returncode,
+        "seconds": ended - began,
+        "slept_s": slept_s,
+        "connections": len(attack.connections),
+        "abroad": {f"{address}:{port}" for address, port in seen if address not in LOOPBACK},
+        "listened": 0.0 if last is None else last - began,
+        "executed": len(executed),
+        "later": sum(when > (last or began) + 2 * LOOK_S for when in executed),
+        "log": log.read_text(),
+    }
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--starts", type=int, default=10, help="of each kind (default 10)")
     parser.add_argument("--plain", action="store_true", help="by YADE's own command")
     asked = parser.parse_args()
@@ -141,17 +174,27 @@ def main():
                 run = start(program, Path(folder), attacked)
                 runs[attacked].append(run)
                 until = f" until {run['listened']:.2f} s" if run["listened"] else ""
-                print(f"{number + 1} {'attacked' if attacked else 'quiet   '}  status {run['status']}  "
-                      f"{run['seconds']:5.1f} s, asleep {run['slept_s']:4.1f} s  listened beyond "
-                      f"loopback: {', '.join(sorted(run['abroad'])) or '-'}{until}  connections "
-                      f"{run['connections']}  executed {run['executed']}, {run['later']} of it after the ports were "
-                      f"closed", flush=True)
-    delays = [how(run["slept_s"] for run in runs[True]) - how(run["slept_s"] for run in runs[False])
-              for how in (min, statistics.median)]
+                print(
+                    f"{number + 1} {'attacked' if attacked else 'quiet   '}  status {run['status']}"
+                    f"  {run['seconds']:5.1f} s, asleep {run['slept_s']:4.1f} s  listened beyond"
+                    f" loopback: {', '.join(sorted(run['abroad'])) or '-'}{until}  connections"
+                    f" {run['connections']}  executed {run['executed']}, {run['later']} of it after"
+                    " the ports were closed",
+                    flush=True,
+                )
+    delays = [
+        how(run["slept_s"] for run in runs[True]) - how(run["slept_s"] for run in runs[False])
+        for how in (min, statistics.median)
+    ]
     both = runs[False] + runs[True]
-    print(f"delay by the attack: least {delays[0]:.1f} s, median {delays[1]:.1f} s; cookie printed in "
-          f"{sum('cookie' in run['log'] for run in both)} of {len(both)} logs")
-    return int(max(delays) > DELAY_S or any(run["abroad"] or run["executed"] or run["status"] for run in both))
+    print(
+        f"delay by the attack: least {delays[0]:.1f} s, median {delays[1]:.1f} s; cookie printed in"
+        f" {sum('cookie' in run['log'] for run in both)} of {len(both)} logs"
+    )
+    return int(
+        max(delays) > DELAY_S
+        or any(run["abroad"] or run["executed"] or run["status"] for run in both)
+    )
 
 
 if __name__ == "__main__":

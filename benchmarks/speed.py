@@ -49,8 +49,13 @@ def _least(wall):
 
 def yade_seconds():
     """Seconds a step of the intact wall in YADE on one core, and its time step [s]."""
-    done = subprocess.run([*COMMAND, str(ROOT / "benchmarks/yade_speed.py")], capture_output=True,
-                          text=True, cwd=ROOT, check=True)
+    done = subprocess.run(
+        [*COMMAND, str(ROOT / "benchmarks/yade_speed.py")],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        check=True,
+    )
     words = next(line for line in done.stdout.splitlines() if line.startswith("speed")).split()
     return float(words[1]), float(words[2])
 
@@ -60,16 +65,22 @@ def main():
     print(f"reference, {contacts} contacts, step {step:.3g} s")
     for state, value in seconds.items():
         note = f", {broken} broken" if state == "shaken" else ""
-        print(f"  {state}{note}: {value / contacts * 1e9:.1f} ns a contact and step, "
-              f"{value / step:.2f} s of one core for 1 s of motion")
+        print(
+            f"  {state}{note}: {value / contacts * 1e9:.1f} ns a contact and step, "
+            f"{value / step:.2f} s of one core for 1 s of motion"
+        )
     if shutil.which("yade") is None:
         print("YADE is not installed: no ratio")
         return
     yade, yade_step = yade_seconds()
-    print(f"YADE, the same contacts, step {yade_step:.3g} s\n  intact: {yade / contacts * 1e9:.0f} ns a contact "
-          f"and step, {yade / yade_step:.1f} s of one core for 1 s of motion")
-    print(f"ratio for 1 s of motion: {(yade / yade_step) / (seconds['intact'] / step):.1f}; "
-          f"a step: {yade / seconds['intact']:.1f}")
+    print(
+        f"YADE, the same contacts, step {yade_step:.3g} s\n  intact: {yade / contacts * 1e9:.0f} ns"
+        f" a contact and step, {yade / yade_step:.1f} s of one core for 1 s of motion"
+    )
+    print(
+        f"ratio for 1 s of motion: {(yade / yade_step) / (seconds['intact'] / step):.1f}; "
+        f"a step: {yade / seconds['intact']:.1f}"
+    )
 
 
 if __name__ == "__main__":

@@ -2,8 +2,9 @@
 
     ./yade -n -j1 benchmarks/yade_fibres.py [--rounds 6]
 
-Intact, and with 30 % of the joints broken, or by fibres, half broken: each of these is a bond and a dry contact.
-Processor time, joints followed as in a run; the three take turns, the least of all rounds counts.
+Intact, and with 30 % of the joints broken, or by fibres, half broken: each of these is a bond and a
+dry contact. Processor time, joints followed as in a run; the three take turns, the least of all
+rounds counts.
 """
 
 import argparse
@@ -32,7 +33,10 @@ NUMBERS = (0, 8, 16)
 def wall_of(fibres):
     wall = load_wall("walls/symmetric.py")
     if fibres:
-        wall = replace(wall, joint=replace(wall.joint, mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))
+        wall = replace(
+            wall,
+            joint=replace(wall.joint, mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0),
+        )
     return lay_out(wall, ModelOptions(fibres=fibres))
 
 
@@ -47,7 +51,9 @@ def break_some(solver):
             tracker.breaks(joint, "tension", 0.0, 0.0)
             continue
         strengths = layout.fibres.tensile_strength[layout.fibres.contact == joint]
-        for share, kind, last in scene.give_way(joint, strengths[len(strengths) // 2 - 1] * (1 + 1e-9), 0.0):
+        for share, kind, last in scene.give_way(
+            joint, strengths[len(strengths) // 2 - 1] * (1 + 1e-9), 0.0
+        ):
             tracker.fibre_breaks(joint, kind, 0.0, 0.0, share, last)
     O.forces.reset()  # what held them open
 
@@ -55,7 +61,9 @@ def break_some(solver):
 def measure(fibres, broken):
     """Milliseconds a step."""
     layout = wall_of(fibres)
-    solver = YadeSolver(layout, SOFTENING_STEP_FACTOR * natural_modes(layout, 1).critical_time_step_s)
+    solver = YadeSolver(
+        layout, SOFTENING_STEP_FACTOR * natural_modes(layout, 1).critical_time_step_s
+    )
     solver.start(np.zeros((0, 2)), np.zeros(1))
     if broken:
         break_some(solver)
@@ -70,10 +78,18 @@ def main():
     parser.add_argument("--rounds", type=int, default=6)
     rounds = parser.parse_args(sys.argv[1:]).rounds
     for broken in (False, True):
-        best = np.min([[measure(fibres, broken) for fibres in NUMBERS] for _ in range(rounds)], axis=0)
-        softening = ", ".join(f"{fibres} fibres {value:.2f} ms ({value / best[0]:.2f})"
-                         for fibres, value in zip(NUMBERS[1:], best[1:]))
-        print(f"{f'{SHARE:.0%} broken' if broken else 'intact':12s} brittle {best[0]:.2f} ms, {softening}", flush=True)
+        best = np.min(
+            [[measure(fibres, broken) for fibres in NUMBERS] for _ in range(rounds)], axis=0
+        )
+        softening = ", ".join(
+            f"{fibres} fibres {value:.2f} ms ({value / best[0]:.2f})"
+            for fibres, value in zip(NUMBERS[1:], best[1:])
+        )
+        print(
+            f"{f'{SHARE:.0%} broken' if broken else 'intact':12s} brittle {best[0]:.2f} ms,"
+            f" {softening}",
+            flush=True,
+        )
 
 
 run_and_leave(main)

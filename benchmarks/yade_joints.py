@@ -1,4 +1,5 @@
-"""Inside YADE: microseconds a step of the intact symmetric wall, by engine and in all; the least of all parts counts.
+"""Inside YADE: microseconds a step of the intact symmetric wall, by engine and in all; the least of
+all parts counts.
 
     ./yade -n -j1 benchmarks/yade_joints.py [--parts 24]
 """

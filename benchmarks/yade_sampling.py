@@ -1,9 +1,10 @@
-"""Inside YADE: what the samples of a run cost, as a share of its steps' time: the symmetric wall under 0.2 s, 0.05 g.
+"""Inside YADE: what the samples of a run cost, as a share of its steps' time: the symmetric wall
+under 0.2 s, 0.05 g.
 
     ./yade -n -j1 benchmarks/yade_sampling.py [--rounds 4]
 
-Intact, at its beginning, and cracked: once as a run goes, which follows joints and energies and writes samples, and
-once by steps alone, in turns.  Processor time; the least of all rounds counts.
+Intact, at its beginning, and cracked: once as a run goes, which follows joints and energies and
+writes samples, and once by steps alone, in turns.  Processor time; the least of all rounds counts.
 """
 
 import argparse
@@ -30,7 +31,9 @@ STEPS, CRACKED_S = 500, 0.4
 
 def prepare(folder):
     """A Run at time zero, whose wall carries its weight after a short static stage."""
-    settings = parse_run(["--harmonic", "0.2", "0.05", "--rest", "1"], prog="samples", solver="yade")
+    settings = parse_run(
+        ["--harmonic", "0.2", "0.05", "--rest", "1"], prog="samples", solver="yade"
+    )
     layout = lay_out(load_wall("walls/symmetric.py"), settings.model)
     modes = natural_modes(layout, 1)
     solver = YadeSolver(layout, STEP_FACTOR * modes.critical_time_step_s)
@@ -58,11 +61,17 @@ def main():
         for name, until_s in (("intact", 0.0), ("cracked", CRACKED_S)):
             while run.time < until_s:
                 run.solver.advance(STEPS, run.sample_steps, run.take_samples)
-            times = [[microseconds(run, sampled) for sampled in (True, False)] for _ in range(rounds)]
+            times = [
+                [microseconds(run, sampled) for sampled in (True, False)] for _ in range(rounds)
+            ]
             with_samples, alone = map(min, zip(*times))
             broken = int((run.solver.instants().contacts["state"] > 0).sum())
-            print(f"{name}, {broken} broken: {with_samples:.0f} us a step as a run goes, {alone:.0f} by steps alone: "
-                  f"{100 * (with_samples / alone - 1):.0f} % more; a sample every {run.sample_steps} steps", flush=True)
+            print(
+                f"{name}, {broken} broken: {with_samples:.0f} us a step as a run goes, {alone:.0f}"
+                f" by steps alone: {100 * (with_samples / alone - 1):.0f} % more; a sample every"
+                f" {run.sample_steps} steps",
+                flush=True,
+            )
         run.writer.finish("interrupted")
     return 0
 

@@ -1,5 +1,6 @@
 # PYTHON_ARGCOMPLETE_OK
-"""`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
+"""`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records,
+studies, without YADE."""
 
 import os
 import sys
@@ -7,7 +8,8 @@ import sys
 from damage.start import begin, is_of_output, leave, missing_library
 
 if __name__ == "__main__":
-    if sys.argv[1:2] in (["study"], ["life"], ["claim"]):  # runs side by side use the processors, not linear algebra
+    # runs side by side use the processors, not linear algebra
+    if sys.argv[1:2] in (["study"], ["life"], ["claim"]):
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     begin()  # before what takes its time to import
 
@@ -24,27 +26,30 @@ from damage.provenance import commit
 from damage.run.options import OneLineParser, make_parser
 from damage.version import VERSION
 
-logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where no folder takes its cache it warns at length
+# where no folder takes its cache it warns at length
+logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 HELP = "the options of a command, with examples: help index"
 
 
 def main(arguments=None):
-    """Run one command; returns the exit status: 0 done, 1 out of memory, or `check` found a file without an end, 2 bad
-    input, 3 a library is missing."""
+    """Run one command; returns the exit status: 0 done, 1 out of memory, or `check` found a file
+    without an end, 2 bad input, 3 a library is missing."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     quiet = "--quiet" in arguments and not {"-h", "--help", "help"} & set(arguments)
     arguments = [word for word in arguments if word != "--quiet"]
     if "_ARGCOMPLETE" in os.environ:
         import argcomplete
 
-        argcomplete.autocomplete(command_parser(whole=True))  # completes the line for a shell, then exits
+        # completes the line for a shell, then exits
+        argcomplete.autocomplete(command_parser(whole=True))
     with redirect_stdout(Silence()) if quiet else nullcontext():
         return guarded(lambda: _run(arguments, quiet))
 
 
 def guarded(run):
-    """The exit status of a command; an interrupt, and an error that is no fault of this software, are one line."""
+    """The exit status of a command; an interrupt, and an error that is no fault of this software,
+    are one line."""
     try:
         return run()
     except KeyboardInterrupt:
@@ -64,8 +69,10 @@ def _run(arguments, quiet):
     hold_buffers()
     if arguments and not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
         known = sorted({*COMMANDS, *PROGRAMS, "help"})
-        raise InputError(f"no command {arguments[0]!r}: expected one of {', '.join(known)}"
-                         f"{did_you_mean(arguments[0], known)}")
+        raise InputError(
+            f"no command {arguments[0]!r}: expected one of {', '.join(known)}"
+            f"{did_you_mean(arguments[0], known)}"
+        )
     asked = command_parser().parse_args(arguments)
     return asked.command(asked) or 0
 
@@ -79,10 +86,18 @@ def _failed(error):
     elif isinstance(error, OSError) and is_of_output(error):
         return 1
     elif isinstance(error, OSError):
-        status, message = 2, f"error: {one_line(error)}: expected what this user may read and write; correct that"
+        status, message = (
+            2,
+            f"error: {one_line(error)}: expected what this user may read and write; correct that",
+        )
     elif isinstance(error, MemoryError):
-        status, message = 1, (f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room for it; "
-                           "give it more, as by ulimit -v, or a smaller file")
+        status, message = (
+            1,
+            (
+                f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room"
+                " for it; give it more, as by ulimit -v, or a smaller file"
+            ),
+        )
     else:
         raise error
     print(message, file=sys.stderr)
@@ -110,17 +125,31 @@ class _Parser(OneLineParser):
 
 
 def command_parser(whole=False):
-    """The parser of all commands; whole: with the options of `reference`, which has a parser of its own."""
-    parser = _Parser(prog="python3 -m damage", allow_abbrev=False, examples=[
-        "python3 -m damage demo", "python3 -m damage help reference"], description=(
-        f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed by pip, it is "
-        "also the command damage, or masonry-damage."))
-    parser.add_argument("--version", action="store_true", help="print the version and the commit, and end")
-    parser.add_argument("--quiet", action="store_true", help="anywhere: print warnings and errors only")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
+    """The parser of all commands; whole: with the options of `reference`, which has a parser of its
+    own."""
+    parser = _Parser(
+        prog="python3 -m damage",
+        allow_abbrev=False,
+        examples=["python3 -m damage demo", "python3 -m damage help reference"],
+        description=(
+            f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed"
+            " by pip, it is also the command damage, or masonry-damage."
+        ),
+    )
+    parser.add_argument(
+        "--version", action="store_true", help="print the version and the commit, and end"
+    )
+    parser.add_argument(
+        "--quiet", action="store_true", help="anywhere: print warnings and errors only"
+    )
+    commands = parser.add_subparsers(
+        title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser
+    )
     run = {"reference": [make_parser("reference", "reference")]} if whole else {}
     for name, found in PROGRAMS.items():
-        commands.add_parser(name, help=found.purpose, parents=run.get(name, []), conflict_handler="resolve")
+        commands.add_parser(
+            name, help=found.purpose, parents=run.get(name, []), conflict_handler="resolve"
+        )
     commands.add_parser("help", help=HELP)
     add_commands(commands, COMMANDS)
     return parser
@@ -129,8 +158,13 @@ def command_parser(whole=False):
 def add_commands(commands, table):
     """Add a parser for each command of a table to the subparsers of a program."""
     for name, found in table.items():
-        command = commands.add_parser(name, help=found.purpose, description=found.purpose, allow_abbrev=False,
-                                      examples=examples_of(name, table))
+        command = commands.add_parser(
+            name,
+            help=found.purpose,
+            description=found.purpose,
+            allow_abbrev=False,
+            examples=examples_of(name, table),
+        )
         command.set_defaults(command=found.function)
         for add in found.arguments:
             add(command)

@@ -1,4 +1,5 @@
-"""Checks of input: messages name what was given, what was expected and how to correct it; records from tables."""
+"""Checks of input: messages name what was given, what was expected and how to correct it; records
+from tables."""
 
 import math
 import os
@@ -12,8 +13,14 @@ from damage.errors import InputError
 
 
 def check_number(what, value, wanted="a finite number", fits=lambda value: True):
-    """Raise InputError unless `value` is a finite number that `fits`; what: its name; wanted: what fits, in words."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not is_finite(value) or not fits(value):
+    """Raise InputError unless `value` is a finite number that `fits`; what: its name; wanted: what
+    fits, in words."""
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, Real)
+        or not is_finite(value)
+        or not fits(value)
+    ):
         raise InputError(f"{what} = {value!r}: expected {wanted}; correct it")
 
 
@@ -37,20 +44,26 @@ def check_not_negative(what, value):
 
 def check_range(what, value, least, most):
     """Raise InputError unless `value` is a number from `least` to `most`."""
-    check_number(what, value, f"a number from {least:g} to {most:g}", lambda value: least <= value <= most)
+    check_number(
+        what, value, f"a number from {least:g} to {most:g}", lambda value: least <= value <= most
+    )
 
 
 def check_whole(what, value, least=0, most=math.inf):
     """Raise InputError unless `value` is a whole number within bounds."""
     if not isinstance(value, Integral) or isinstance(value, bool) or not least <= value <= most:
         upper = "or more" if most == math.inf else f"to {most}"
-        raise InputError(f"{what} = {value!r}: expected a whole number, {least} {upper}; correct it")
+        raise InputError(
+            f"{what} = {value!r}: expected a whole number, {least} {upper}; correct it"
+        )
 
 
 def check_choice(what, value, choices):
     """Raise InputError unless `value` is one of `choices`."""
     if value not in choices:
-        raise InputError(f"{what} = {value!r}: expected one of {', '.join(choices)}; choose one of them")
+        raise InputError(
+            f"{what} = {value!r}: expected one of {', '.join(choices)}; choose one of them"
+        )
 
 
 LONGEST_NAME = 255
@@ -58,7 +71,8 @@ LONGEST_NAME = 255
 
 
 def is_plain_name(word):
-    """Whether a name may be part of a file's name, of XML and of a line: no slash, no control or unassigned character.
+    """Whether a name may be part of a file's name, of XML and of a line: no slash, no control or
+    unassigned character.
 
     >>> [is_plain_name(word) for word in ("solid", "a <b> & c", "../solid", "a" + chr(10))]
     [True, True, False, False]
@@ -67,19 +81,26 @@ def is_plain_name(word):
 
 
 def check_path(path):
-    """The Path of a word; InputError where no file can be called so, or its name would garble what is printed."""
+    """The Path of a word; InputError where no file can be called so, or its name would garble what
+    is printed."""
     path = Path(path)
     if any(unicodedata.category(c) in ("Cc", "Cs") for c in str(path)):
-        raise InputError(f"path {str(path)!r}: expected a name without control characters and in UTF-8; rename it")
+        raise InputError(
+            f"path {str(path)!r}: expected a name without control characters and in UTF-8;"
+            " rename it"
+        )
     longest = max(path.parts, key=lambda part: len(os.fsencode(part)), default="")
     if len(os.fsencode(longest)) > LONGEST_NAME:
-        raise InputError(f"path {str(path)!r}: a name of {len(os.fsencode(longest))} bytes, expected up to "
-                         f"{LONGEST_NAME}; give a shorter one")
+        raise InputError(
+            f"path {str(path)!r}: a name of {len(os.fsencode(longest))} bytes, expected up to "
+            f"{LONGEST_NAME}; give a shorter one"
+        )
     return path
 
 
 def check_file(path, wanted, most_mb=math.inf):
-    """The Path of a file that can be read; InputError where it is missing, no regular file, or larger than that.
+    """The Path of a file that can be read; InputError where it is missing, no regular file, or
+    larger than that.
 
     wanted: what is expected of it, in words.
     """
@@ -92,25 +113,36 @@ def check_file(path, wanted, most_mb=math.inf):
         kind = "a directory" if stat.S_ISDIR(status.st_mode) else "no regular file"
         raise InputError(f"{path}: {kind}; expected {wanted}")
     if status.st_size > most_mb * 1e6:
-        raise InputError(f"{path}: {status.st_size / 1e6:.6g} MB; expected {wanted} of up to {most_mb} MB, make it "
-                         "smaller")
+        raise InputError(
+            f"{path}: {status.st_size / 1e6:.6g} MB; expected {wanted} of up to {most_mb} MB, make"
+            " it smaller"
+        )
     return path
 
 
 def record_from(kind, table, derived=()):
-    """The frozen record `kind` of a table {field: value} from a file; fields that an older file lacks take defaults.
+    """The frozen record `kind` of a table {field: value} from a file; fields that an older file
+    lacks take defaults.
 
-    derived: keys that follow from the others and are no fields.  Raises InputError for any other that is
+    derived: keys that follow from the others and are no fields.  Raises InputError for any other
+    that is
     no field: a choice of a later version, unknown to this one.
     """
     names = [field.name for field in fields(kind)]
     unknown = sorted(set(table) - {*names, *derived})
     if unknown:
-        raise InputError(f"{kind.__name__} with {unknown[0]} = {table[unknown[0]]!r}: expected no other than "
-                         f"{', '.join(names)}; a later version wrote it, update the software")
-    values = {name: tuple(table[name]) if isinstance(table[name], list) else table[name]
-              for name in names if name in table}
+        raise InputError(
+            f"{kind.__name__} with {unknown[0]} = {table[unknown[0]]!r}: expected no other than "
+            f"{', '.join(names)}; a later version wrote it, update the software"
+        )
+    values = {
+        name: tuple(table[name]) if isinstance(table[name], list) else table[name]
+        for name in names
+        if name in table
+    }
     try:
         return kind(**values)
     except TypeError as error:
-        raise InputError(f"{kind.__name__} of {table!r}: {error}; expected a table that a run wrote") from error
+        raise InputError(
+            f"{kind.__name__} of {table!r}: {error}; expected a table that a run wrote"
+        ) from error

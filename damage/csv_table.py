@@ -1,11 +1,12 @@
 """Tables in CSV with comment lines (`#`), a header and one row a line; complaints name the line.
 
-A spreadsheet takes a cell that begins with = + - @ or a tab for a formula and may execute it, whoever wrote it: a place
-of somebody's catalogue, the name of a record.  Tables are written with an apostrophe before such words (`as_words`), as
-OWASP advises on CSV injection, and read without it (`from_words`).
+A spreadsheet takes a cell that begins with = + - @ or a tab for a formula and may execute it,
+whoever wrote it: a place of somebody's catalogue, the name of a record.  Tables are written with an
+apostrophe before such words (`as_words`), as OWASP advises on CSV injection, and read without it
+(`from_words`).
 
-Spreadsheets of many countries write semicolons or tabulators between cells and commas in numbers, and empty columns at
-the end: these are read.  A number that may be one of two is refused.
+Spreadsheets of many countries write semicolons or tabulators between cells and commas in numbers,
+and empty columns at the end: these are read.  A number that may be one of two is refused.
 """
 
 import csv
@@ -21,31 +22,42 @@ from damage.errors import InputError
 from damage.files import text_lines
 
 MOST_MB, MOST_ROWS, MOST_LEVELS = 50, 500_000, 1000
-"""Size of a file, its rows, its load levels: what is read in seconds and in less than a gigabyte."""
+"""Size of a file, its rows, its load levels: what is read in seconds and in less than a
+gigabyte."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
 _COMMA, _POINT = (re.compile(rf"[-+]?\d*{mark}\d+(?:[eEdD][-+]?\d+)?") for mark in (",", r"\."))
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _NO_NUMBER = re.compile(r"[<>~\u2264\u2265\u2248]|[\d.,]+ *[-\u2013\u2026] *\d")
 """How a cell begins that is a bound or a range."""
-_ONE_NUMBER = ("; of a bound or a range give one number, the best estimate (how far widths of a survey may be off is "
-               "width_error_mm)")
+_ONE_NUMBER = (
+    "; of a bound or a range give one number, the best estimate (how far widths of a survey may be"
+    " off is width_error_mm)"
+)
 
 
 def as_words(table):
     """A DataFrame whose words no spreadsheet takes for a formula; numbers stay, as text, too."""
-    return _in_words(table, lambda word: f"'{word}" if _FORMULA.match(word) and not is_number(word) else word)
+    return _in_words(
+        table, lambda word: f"'{word}" if _FORMULA.match(word) and not is_number(word) else word
+    )
 
 
 def from_words(table):
     """The DataFrame that `as_words` was given."""
-    return _in_words(table, lambda word: word[1:] if word[:1] == "'" and _FORMULA.match(word[1:]) else word)
+    return _in_words(
+        table, lambda word: word[1:] if word[:1] == "'" and _FORMULA.match(word[1:]) else word
+    )
 
 
 def _in_words(table, change):
     words = [name for name in table if not pd.api.types.is_numeric_dtype(table[name])]
-    return table.assign(**{name: table[name].map(lambda cell: change(cell) if isinstance(cell, str) else cell)
-                           for name in words})
+    return table.assign(
+        **{
+            name: table[name].map(lambda cell: change(cell) if isinstance(cell, str) else cell)
+            for name in words
+        }
+    )
 
 
 def as_float(cell):
@@ -73,8 +85,11 @@ def is_number(cell):
 
 def uncommented(lines):
     """The lines of a text that are neither empty nor comments: a list of (number, line)."""
-    return [(number, line) for number, line in enumerate(lines, 1)
-            if line.strip() and not line.lstrip().startswith("#")]
+    return [
+        (number, line)
+        for number, line in enumerate(lines, 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
 
 
 class CsvTable:
@@ -93,8 +108,11 @@ class CsvTable:
         self.path, self.names, self.line = path, names, []
         text = pd.DataFrame(self._cells(lines, separator), columns=names, dtype=object)
         self._take_decimal_commas(text, separator)
-        self.rows = text if columns is None else pd.DataFrame(
-            {name: self._column(name, of, text) for name, of in columns.items()})
+        self.rows = (
+            text
+            if columns is None
+            else pd.DataFrame({name: self._column(name, of, text) for name, of in columns.items()})
+        )
 
     def _cells(self, lines, separator):
         """The cells of each row, as many as there are names."""
@@ -107,12 +125,15 @@ class CsvTable:
                 rows.append(_filled([cell.strip() for cell in row], width))
                 self.line.append(numbers[reader.line_num - 1])  # quotes may reach over several
         except csv.Error as error:
-            raise InputError(f"{self.path} cannot be read as CSV ({error}); expected commas between short cells"
-                             ) from error
+            raise InputError(
+                f"{self.path} cannot be read as CSV ({error}); expected commas between short cells"
+            ) from error
         for row, cells in enumerate(rows):
             if len(cells) != width:
                 more = "; decimal commas need semicolons between cells" * (len(cells) > width)
-                raise self.error(row, f"{len(cells)} cells; expected {width}, {', '.join(self.names)}{more}")
+                raise self.error(
+                    row, f"{len(cells)} cells; expected {width}, {', '.join(self.names)}{more}"
+                )
         return rows
 
     def _take_decimal_commas(self, text, separator):
@@ -121,16 +142,24 @@ class CsvTable:
         if not with_commas:
             return
         points = [[bool(_POINT.fullmatch(cell)) for cell in text[name]] for name in text]
-        self.refuse(np.any(points, axis=0), "a number with a decimal point in a file with decimal commas; expected one "
-                                            "of them, and nothing between thousands")
+        self.refuse(
+            np.any(points, axis=0),
+            "a number with a decimal point in a file with decimal commas; expected one "
+            "of them, and nothing between thousands",
+        )
         for name in with_commas:
             is_comma = [bool(_COMMA.fullmatch(cell)) for cell in text[name]]
             thousands = [bool(_THOUSANDS.fullmatch(cell)) for cell in text[name]]
             if separator == "," and thousands == is_comma:
-                self.refuse(thousands, f"{name} has a number in quotes whose comma may be of decimals or of thousands; "
-                            "expected a decimal point")
-            text[name] = [cell.replace(",", ".") if comma else cell
-                          for cell, comma in zip(text[name], is_comma)]
+                self.refuse(
+                    thousands,
+                    f"{name} has a number in quotes whose comma may be of decimals or of thousands;"
+                    " expected a decimal point",
+                )
+            text[name] = [
+                cell.replace(",", ".") if comma else cell
+                for cell, comma in zip(text[name], is_comma)
+            ]
 
     def _column(self, name, of, text):
         """A column as its Column says."""
@@ -140,11 +169,16 @@ class CsvTable:
         values = np.array([as_float(word) if is_number(word) else math.nan for word in words])
         for row in np.flatnonzero((words != "") & ~np.isfinite(values))[:1]:
             one = _ONE_NUMBER if _NO_NUMBER.match(words[row]) else ""
-            raise self.error(row, f"{name} = {words[row]!r}: expected a finite number, or nothing where it is unknown"
-                                  f"{one}")
+            raise self.error(
+                row,
+                f"{name} = {words[row]!r}: expected a finite number, or nothing where it is unknown"
+                f"{one}",
+            )
         for row in np.flatnonzero((values < of.least) | (values > of.most))[:1]:
-            raise self.error(row, f"{name} = {words[row]}: expected {of.least:g} to {of.most:g}; "
-                             "look at the unit")
+            raise self.error(
+                row,
+                f"{name} = {words[row]}: expected {of.least:g} to {of.most:g}; look at the unit",
+            )
         return values
 
     def levels(self):
@@ -154,7 +188,9 @@ class CsvTable:
         self.refuse_empty("load_level")
         level = self.rows["load_level"].to_numpy()
         if (found := len(set(level))) > MOST_LEVELS:
-            raise InputError(f"{self.path} has {found} load levels: expected up to {MOST_LEVELS}; take some out")
+            raise InputError(
+                f"{self.path} has {found} load levels: expected up to {MOST_LEVELS}; take some out"
+            )
         return level
 
     def error(self, row, problem):
@@ -170,7 +206,9 @@ class CsvTable:
         """Raise `error` of the first row that lacks a number or a word of these columns."""
         for name in names:
             column = self.rows[name]
-            self.refuse(column.isna() | (column == ""), f"no {name}; expected it in every row, give it")
+            self.refuse(
+                column.isna() | (column == ""), f"no {name}; expected it in every row, give it"
+            )
 
 
 def read_csv(path, columns=None, required=(), most_rows=MOST_ROWS):
@@ -183,10 +221,14 @@ def read_csv(path, columns=None, required=(), most_rows=MOST_ROWS):
     path = Path(path)
     lines = uncommented(_lines(path))
     if not lines:
-        raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
+        raise InputError(
+            f"{path} is empty: expected a header with the columns {', '.join(required)}"
+        )
     (number, header), *lines = lines
     if len(lines) > most_rows:
-        raise InputError(f"{path} has {len(lines)} rows: expected up to {most_rows}; take fewer points")
+        raise InputError(
+            f"{path} has {len(lines)} rows: expected up to {most_rows}; take fewer points"
+        )
     if not lines:
         raise InputError(f"{path} has a header and no row: expected at least one; add some")
     separator = max(",;\t", key=header.count)
@@ -200,10 +242,16 @@ def _check_header(where, names, known, required):
     unknown = [repr(name) for name in names if name not in known]
     if missing or unknown or len(set(names)) < len(names):
         optional = [name for name in known if name not in required]
-        wrong = (f"no column {', '.join(missing)}" if missing else
-                 f"unknown column {', '.join(unknown)}" if unknown else "a column twice")
-        expected = [", ".join(required), "any of " + ", ".join(optional)]
-        raise InputError(f"{where}: {wrong}; expected {' and '.join(expected[not required:1 + bool(optional)])}")
+        wrong = (
+            f"no column {', '.join(missing)}"
+            if missing
+            else f"unknown column {', '.join(unknown)}"
+            if unknown
+            else "a column twice"
+        )
+        names = [", ".join(required)] * bool(required)
+        names += ["any of " + ", ".join(optional)] * bool(optional)
+        raise InputError(f"{where}: {wrong}; expected {' and '.join(names)}")
 
 
 def _filled(cells, least):
@@ -219,7 +267,11 @@ def _lines(path):
         data = path.read_bytes()
         lines = text_lines(path, data, 2 * MOST_ROWS)
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read as text ({error}); expected CSV in UTF-8") from error
+        raise InputError(
+            f"{path} cannot be read as text ({error}); expected CSV in UTF-8"
+        ) from error
     if any("\0" in line for line in lines):
-        raise InputError(f"{path} holds a zero byte; expected text, CSV in UTF-8; write the file again")
+        raise InputError(
+            f"{path} holds a zero byte; expected text, CSV in UTF-8; write the file again"
+        )
     return lines

@@ -1,8 +1,9 @@
 """Random numbers with the same bits on every machine and under every version of numpy.
 
-numpy guarantees the bits of a seeded PCG64 (NEP 19), not what its Generator makes of them.  The transforms here are
-those of numpy 1.17 to 2.4, so that seeds keep their draws: uniform numbers of 53 bits, whole numbers by the method of
-D. Lemire (2019), ACM Trans. Model. Comput. Simul. 29(1), 3, normal numbers by the ziggurat of G. Marsaglia and
+numpy guarantees the bits of a seeded PCG64 (NEP 19), not what its Generator makes of them.  The
+transforms here are those of numpy 1.17 to 2.4, so that seeds keep their draws: uniform numbers of
+53 bits, whole numbers by the method of D. Lemire (2019), ACM Trans. Model. Comput. Simul. 29(1), 3,
+normal numbers by the ziggurat of G. Marsaglia and
 W. W. Tsang (2000), J. Stat. Softw. 5(8).
 """
 
@@ -20,7 +21,8 @@ _BLOCK = 4096  # words at a time
 
 
 class Draws:
-    """A stream of random numbers by a seed, an integer or a sequence of integers as of numpy.random.SeedSequence."""
+    """A stream of random numbers by a seed, an integer or a sequence of integers as of
+    numpy.random.SeedSequence."""
 
     def __init__(self, seed):
         self._bits, self._half = np.random.PCG64(seed), np.zeros(0, np.uint64)
@@ -34,7 +36,9 @@ class Draws:
         found = np.zeros(n if number == 1 else 0, np.uint64)
         while len(found) < n:
             product = self._of_32_bits(n - len(found)) * np.uint64(number)
-            found = np.append(found, product[product & _LOW >= np.uint64((2**32 - number) % number)] >> _HALF)
+            found = np.append(
+                found, product[product & _LOW >= np.uint64((2**32 - number) % number)] >> _HALF
+            )
         return found.astype(np.int64)
 
     def normal(self, n):
@@ -46,7 +50,8 @@ class Draws:
         return np.concatenate(parts)
 
     def _normal(self, n):
-        """Normal numbers, n or fewer: all that n words give, or those before a tail and one of the tail."""
+        """Normal numbers, n or fewer: all that n words give, or those before a tail and one of the
+        tail."""
         words = self._bits.random_raw(n + 1).astype(np.int64)
         layer, size, sign = words & 0xFF, words >> 9 & 0xFFFFFFFFFFFFF, 1 - 2 * (words >> 8 & 1)
         x, kept = size * _WIDTHS[layer], size < _WHOLE[layer]
@@ -62,16 +67,20 @@ class Draws:
                 break
             kept[k], kept[k + 1], begin = under, False, k + 2
         found = (sign * x)[:end][kept[:end]]
-        self._bits.advance((int(max(begin, end)) - len(words)) % 2**128)  # back to the first that is not used
+        # back to the first that is not used
+        self._bits.advance((int(max(begin, end)) - len(words)) % 2**128)
         if end == n:
             return found
         self._bits.random_raw()
         return np.append(found, self._tail(size[end] >> 8 & 1))
 
     def _of_32_bits(self, n):
-        """Numbers (n,) of the lower, then the upper halves of words; what is left of the last is the next one's."""
+        """Numbers (n,) of the lower, then the upper halves of words; what is left of the last is
+        the next one's."""
         words = self._bits.random_raw((n - len(self._half) + 1) // 2)
-        halves = np.concatenate([self._half, np.column_stack([words & _LOW, words >> _HALF]).ravel()])
+        halves = np.concatenate(
+            [self._half, np.column_stack([words & _LOW, words >> _HALF]).ravel()]
+        )
         self._half = halves[n:]
         return halves[:n]
 
@@ -84,8 +93,9 @@ class Draws:
 
 
 def _ziggurat():
-    """Of every layer, arrays: its width over 2**52, the size below which a point is inside the next layer, too, and
-    the density exp(-x^2 / 2) at its width.  Layer 0 is the base with the tail, the others grow from the top down."""
+    """Of every layer, arrays: its width over 2**52, the size below which a point is inside the next
+    layer, too, and the density exp(-x^2 / 2) at its width.  Layer 0 is the base with the tail, the
+    others grow from the top down."""
     width, density = [_EDGE], [float(exp(-0.5 * _EDGE * _EDGE))]
     while len(width) < _LAYERS - 1:
         density.append(density[-1] + _AREA / width[-1])

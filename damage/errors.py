@@ -4,16 +4,22 @@ import sys
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 
-_LONGEST = 1200, 300  # characters that are shown of a message's beginning and, where it is longer, of its end
+# characters that are shown of a message's beginning and, where it is longer, of its end
+_LONGEST = 1200, 300
 
 
 def one_line(text):
-    r"""A text on one line: what would move or colour a terminal is escaped, what is long is cut in the middle.
+    r"""A text on one line: what would move or colour a terminal is escaped, what is long is cut in
+    the middle.
 
     >>> one_line("a name with a \x1b[31m and a line\nfeed")
     'a name with a \\x1b[31m and a line\\nfeed'
     """
-    return _cut("".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in _cut(str(text))))
+    return _cut(
+        "".join(
+            c if c.isprintable() else c.encode("unicode_escape").decode() for c in _cut(str(text))
+        )
+    )
 
 
 def _cut(text):
@@ -22,7 +28,8 @@ def _cut(text):
 
 
 def did_you_mean(word, known):
-    """The end of a message about a word that is not among the known ones: the nearest of these, or nothing.
+    """The end of a message about a word that is not among the known ones: the nearest of these, or
+    nothing.
 
     >>> did_you_mean("symetric", ["solid", "symmetric"]), did_you_mean("x", ["solid"])
     ('; did you mean symmetric?', '')
@@ -73,12 +80,15 @@ def heard():
 
 
 def warn(*texts, code="run"):
-    """Print warnings, a line each; where standard error takes nothing, as on a full disk, nothing ends for it.
+    """Print warnings, a line each; where standard error takes nothing, as on a full disk, nothing
+    ends for it.
 
     code: of those that are not Warned.
     """
     if _HEARD.get() is not None:
-        _HEARD.get().extend(text if isinstance(text, Warned) else Warned(code, text) for text in texts)
+        _HEARD.get().extend(
+            text if isinstance(text, Warned) else Warned(code, text) for text in texts
+        )
         return
     with suppress(OSError):
         for text in texts:
@@ -86,7 +96,8 @@ def warn(*texts, code="run"):
 
 
 class InputError(ValueError):
-    """Bad input: its one-line message says what was given, what was expected and how to correct it."""
+    """Bad input: its one-line message says what was given, what was expected and how to correct
+    it."""
 
     def __init__(self, message=""):
         super().__init__(one_line(message))

@@ -1,7 +1,9 @@
-"""Fields of records, each with all that is said of it: unit, limits, plausible values, choices, words of an option.
+"""Fields of records, each with all that is said of it: unit, limits, plausible values, choices,
+words of an option.
 
-From them follow the check of a record (`check_fields`), what of it is implausible (`implausible_fields`), the JSON
-Schema of walls, the options of the command line with their help, and the page of ranges.
+From them follow the check of a record (`check_fields`), what of it is implausible
+(`implausible_fields`), the JSON Schema of walls, the options of the command line with their help,
+and the page of ranges.
 """
 
 import math
@@ -15,9 +17,16 @@ MOST_BRICKS = 20_000
 """Of a wall."""
 MOST_SEED = 2**32 - 1
 MODULI = {"GPa": 1e9, "MPa": 1e6}
-_OTHERS = {"m": {"mm": 1e-3, "cm": 1e-2}, "Pa": {"MPa": 1e6, "kPa": 1e3}, "Pa/m": {"N/mm3": 1e9, "MPa/m": 1e6},
-           "J/m2": {"N/mm": 1e3}, "kg/m3": {"t/m3": 1e3, "kN/m3": 1e3 / 9.81, "N/m3": 1 / 9.81}, "kg": {"t": 1e3},
-           "kg/m": {"t/m": 1e3}, "kg/m2": {"kN/m2": 1e3 / 9.81, "t/m2": 1e3}}
+_OTHERS = {
+    "m": {"mm": 1e-3, "cm": 1e-2},
+    "Pa": {"MPa": 1e6, "kPa": 1e3},
+    "Pa/m": {"N/mm3": 1e9, "MPa/m": 1e6},
+    "J/m2": {"N/mm": 1e3},
+    "kg/m3": {"t/m3": 1e3, "kN/m3": 1e3 / 9.81, "N/m3": 1 / 9.81},
+    "kg": {"t": 1e3},
+    "kg/m": {"t/m": 1e3},
+    "kg/m2": {"kN/m2": 1e3 / 9.81, "t/m2": 1e3},
+}
 """{unit: {unit that may have been meant: its size}}."""
 
 
@@ -36,8 +45,9 @@ class Column(NamedTuple):
 
 
 class Range(NamedTuple):
-    """Plausible values of a field in its SI unit; others: {unit that may have been meant: its size in the SI unit};
-    why: what has values near the limits, with the source where there is one; zero: whether that is plausible, too."""
+    """Plausible values of a field in its SI unit; others: {unit that may have been meant: its size
+    in the SI unit}; why: what has values near the limits, with the source where there is one; zero:
+    whether that is plausible, too."""
 
     least: float
     most: float
@@ -52,15 +62,37 @@ def plausible(least, most, unit, why, zero=False, others=None):
     return Range(least, most, unit, _OTHERS.get(unit, {}) if others is None else others, why, zero)
 
 
-def quantity(unit, least, most, usual=None, why="", *, zero=False, others=None, whole=False, words=(), default=MISSING,
-             **more):
-    """A field of a number in this unit from `least` to `most`; None is none, where it is the default.
+def quantity(
+    unit,
+    least,
+    most,
+    usual=None,
+    why="",
+    *,
+    zero=False,
+    others=None,
+    whole=False,
+    words=(),
+    default=MISSING,
+    **more,
+):
+    """A field of a number in this unit from `least` to `most`; None is none, where it is the
+    default.
 
-    usual, why, zero, others: plausible values (least, most) and the rest of their Range; whole: without a fraction;
-    words: what may stand in place of a number; more: of an option, as of `text`.
+    usual, why, zero, others: plausible values (least, most) and the rest of their Range; whole:
+    without a fraction; words: what may stand in place of a number; more: of an option, as of
+    `text`.
     """
-    return text(default=default, unit=unit, least=least, most=most, whole=whole, words=words,
-                usual=usual and plausible(*usual, unit, why, zero, others), **more)
+    return text(
+        default=default,
+        unit=unit,
+        least=least,
+        most=most,
+        whole=whole,
+        words=words,
+        usual=usual and plausible(*usual, unit, why, zero, others),
+        **more,
+    )
 
 
 def choice(choices, *, default=MISSING, **more):
@@ -71,26 +103,49 @@ def choice(choices, *, default=MISSING, **more):
 def text(*, default=MISSING, **more):
     """A field of a word that its record checks.
 
-    more: called: its name in messages, where that is not RECORD.FIELD; of an option its help, for people; metavar;
-    option: its name, where that is not the field's; tag: what a history's file is called where the option is not the
-    default, a template of the options; seed: it only draws one of many alike.
+    more: called: its name in messages, where that is not RECORD.FIELD; of an option its help, for
+    people; metavar; option: its name, where that is not the field's; tag: what a history's file is
+    called where the option is not the default, a template of the options; seed: it only draws one
+    of many alike.
     """
-    return field(default=default, metadata={
-        "help": "", "metavar": None, "choices": None, "tag": None, "seed": False, "unit": None, "words": (),
-        "usual": None, "called": None, "option": None, **more})
+    return field(
+        default=default,
+        metadata={
+            "help": "",
+            "metavar": None,
+            "choices": None,
+            "tag": None,
+            "seed": False,
+            "unit": None,
+            "words": (),
+            "usual": None,
+            "called": None,
+            "option": None,
+            **more,
+        },
+    )
 
 
 def option_of(one, unit=False):
     """The option of a field, without its unit or with it where it has one."""
     name = one.metadata["option"] or one.name.replace("_", "-")
-    return f"--{name}" + f" [{one.metadata['unit']}]" * bool(unit and one.metadata["unit"] not in (None, "1"))
+    return f"--{name}" + f" [{one.metadata['unit']}]" * bool(
+        unit and one.metadata["unit"] not in (None, "1")
+    )
 
 
-def check_fields(record, name=lambda record, one: one.metadata["called"] or f"{type(record).__name__}.{one.name}"):
-    """Raise InputError where a field of a record is not what it says; name: of a field in the message."""
+def check_fields(
+    record, name=lambda record, one: one.metadata["called"] or f"{type(record).__name__}.{one.name}"
+):
+    """Raise InputError where a field of a record is not what it says; name: of a field in the
+    message."""
     for one in fields(record):
         value = getattr(record, one.name)
-        if one.metadata and not (value is None and one.default is None) and value not in one.metadata["words"]:
+        if (
+            one.metadata
+            and not (value is None and one.default is None)
+            and value not in one.metadata["words"]
+        ):
             try:
                 _check(name(record, one), value, one.metadata)
             except InputError as error:
@@ -110,20 +165,28 @@ def _check(what, value, of):
 
 def ranges_of(kind):
     """{record and field: Range} of a kind of record."""
-    return {f"{kind.__name__}.{one.name}": one.metadata["usual"] for one in fields(kind) if one.metadata.get("usual")}
+    return {
+        f"{kind.__name__}.{one.name}": one.metadata["usual"]
+        for one in fields(kind)
+        if one.metadata.get("usual")
+    }
 
 
 def implausible_fields(*records, unit=None):
-    """Messages about the implausible values of records, of one unit where it is given; each once: several openings may
-    have one fault."""
-    given = ((name, vars(record)[name.partition(".")[2]], of) for record in records
-             for name, of in ranges_of(type(record)).items() if unit in (None, of.unit))
+    """Messages about the implausible values of records, of one unit where it is given; each once:
+    several openings may have one fault."""
+    given = (
+        (name, vars(record)[name.partition(".")[2]], of)
+        for record in records
+        for name, of in ranges_of(type(record)).items()
+        if unit in (None, of.unit)
+    )
     return list(dict.fromkeys(filter(None, (message_of(*one) for one in given if one[1]))))
 
 
 def message_of(name, value, of):
-    """Of an implausible value what was expected by a Range, and in which units it would be plausible; None of a
-    plausible one.  The sign does not count.
+    """Of an implausible value what was expected by a Range, and in which units it would be
+    plausible; None of a plausible one.  The sign does not count.
 
     >>> message_of("--scale", -250.0, Range(0.01, 100, "", {"%": 0.01}, ""))
     '--scale = -250, expected 0.01 to 100: -250 % is -250e-2'
@@ -132,16 +195,27 @@ def message_of(name, value, of):
     if least <= abs(value) <= most or (zero and value == 0):
         return None
     space = " " * bool(unit)
-    return (f"{name} = {short(value)}{space}{unit}, expected {short(least)} to {short(most)}{space}{unit}"
-            f"{', or 0' * zero}{_meant(value, of)}")
+    return (
+        f"{name} = {short(value)}{space}{unit}, expected {short(least)} to"
+        f" {short(most)}{space}{unit}{', or 0' * zero}{_meant(value, of)}"
+    )
 
 
 def _meant(value, of):
-    """The end of a message about a value: in which units it would be plausible by a Range, or nothing."""
-    if of is None or isinstance(value, bool) or not isinstance(value, int | float) or not is_finite(value):
+    """The end of a message about a value: in which units it would be plausible by a Range, or
+    nothing."""
+    if (
+        of is None
+        or isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not is_finite(value)
+    ):
         return ""
-    meant = [f"{short(value)} {other} is {_in_si(value, size)}{' ' * bool(of.unit)}{of.unit}"
-             for other, size in of.others.items() if of.least <= abs(value) * size <= of.most]
+    meant = [
+        f"{short(value)} {other} is {_in_si(value, size)}{' ' * bool(of.unit)}{of.unit}"
+        for other, size in of.others.items()
+        if of.least <= abs(value) * size <= of.most
+    ]
     return f": {', '.join(meant)}" if meant else ""
 
 
@@ -155,7 +229,8 @@ def short(number):
 
 
 def _in_si(value, size):
-    """A value in a unit of that size, as it is typed: with an exponent where the size is a power of ten."""
+    """A value in a unit of that size, as it is typed: with an exponent where the size is a power of
+    ten."""
     exponent = round(math.log10(size))
     if math.isclose(size, 10.0**exponent) and "e" not in short(value):
         return f"{short(value)}e{exponent}"
@@ -164,7 +239,15 @@ def _in_si(value, size):
 
 def markdown(what, ranges):
     """{name: Range} as a table of the documents; what: the heading of the names."""
-    lines = (f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} | {one.why} |"
-             for name, one in ranges.items())
-    return "\n".join([f"| {what} | from | to | unit | or 0 | near the limits |",
-                      "| --- | --- | --- | --- | --- | --- |", *lines])
+    lines = (
+        f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} |"
+        f" {one.why} |"
+        for name, one in ranges.items()
+    )
+    return "\n".join(
+        [
+            f"| {what} | from | to | unit | or 0 | near the limits |",
+            "| --- | --- | --- | --- | --- | --- |",
+            *lines,
+        ]
+    )

@@ -15,26 +15,28 @@ from damage.errors import InputError
 
 _PACKAGE = Path(__file__).parent
 YADE = str(_PACKAGE.parent / "yade"), "-n", "-j1"
-"""Command that runs a script in YADE without a screen, on one core, and without YADE's network servers; of a clone."""
+"""Command that runs a script in YADE without a screen, on one core, and without YADE's network
+servers; of a clone."""
 DATA = _PACKAGE / "data"
 """Records and tests that ship with the package; each folder's README says what they are."""
 
 
 def shipped(folder):
-    """Path of `walls` or `studies`: in the installed package below `share`, in a clone beside the package
-    (pyproject.toml maps one to the other)."""
+    """Path of `walls` or `studies`: in the installed package below `share`, in a clone beside the
+    package (pyproject.toml maps one to the other)."""
     inside = _PACKAGE / "share" / folder
     return inside if inside.is_dir() else _PACKAGE.parent / folder
 
 
 def shipped_files(folder, ending):
-    """{name: path} of the files in a folder of `shipped`, by their names without the ending, like ".py"."""
+    """{name: path} of the files in a folder of `shipped`, by their names without the ending, like
+    ".py"."""
     return {path.stem: path for path in sorted(shipped(folder).glob(f"*{ending}"))}
 
 
 def shipped_path(path):
-    """The shipped file of a path like walls/symmetric.py or damage/data/..., as it is in a clone; None where there is
-    none."""
+    """The shipped file of a path like walls/symmetric.py or damage/data/..., as it is in a clone;
+    None where there is none."""
     path = Path(path)
     if path.is_absolute() or ".." in path.parts or not path.parts:
         return None
@@ -56,11 +58,11 @@ LONGEST_LINE = 100_000
 
 
 def text_lines(path, data, most, errors="strict"):
-    """Lines of a text file's bytes in UTF-8 or UTF-16, without their ends; errors: what to do with other bytes, as of
-    `open`.
+    """Lines of a text file's bytes in UTF-8 or UTF-16, without their ends; errors: what to do with
+    other bytes, as of `open`.
 
-    Raises InputError for more than `most` lines, or one over LONGEST_LINE: either would take far more memory, once it
-    is cut in parts, than the file has bytes.
+    Raises InputError for more than `most` lines, or one over LONGEST_LINE: either would take far
+    more memory, once it is cut in parts, than the file has bytes.
     """
     text = io.TextIOWrapper(io.BytesIO(data), _encoding(data), errors)
     lines = [line.rstrip("\n") for line in itertools.islice(text, most + 1)]
@@ -68,15 +70,17 @@ def text_lines(path, data, most, errors="strict"):
         raise InputError(f"{path}: more than {most} lines; expected fewer, take some out")
     longest = max(range(len(lines)), key=lambda k: len(lines[k]), default=None)
     if lines and len(lines[longest]) > LONGEST_LINE:
-        raise InputError(f"{path} line {longest + 1}: {len(lines[longest])} characters; expected up to {LONGEST_LINE}, "
-                         "break it into rows")
+        raise InputError(
+            f"{path} line {longest + 1}: {len(lines[longest])} characters; expected up to"
+            f" {LONGEST_LINE}, break it into rows"
+        )
     return lines
 
 
 def _encoding(data):
     """UTF-16 where a byte order mark says so, or zeros between the first letters; UTF-8 otherwise.
 
-    >>> [_encoding(text.encode(name)) for text, name in (("time", "utf-16"), ("time", "utf-16-be"), ("time", "utf-8"))]
+    >>> [_encoding("time".encode(name)) for name in ("utf-16", "utf-16-be", "utf-8")]
     ['utf-16', 'utf-16-be', 'utf-8-sig']
     """
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -89,8 +93,8 @@ def _encoding(data):
 def plain_file(path, flags):
     """An `opener` for `open`: the descriptor of a regular file at a name that others can guess.
 
-    Raises InputError where a symbolic link, a pipe or a device has that name: a folder that was sent may hold one, and
-    what is written would go elsewhere.
+    Raises InputError where a symbolic link, a pipe or a device has that name: a folder that was
+    sent may hold one, and what is written would go elsewhere.
     """
     try:
         descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
@@ -100,12 +104,15 @@ def plain_file(path, flags):
     except OSError as error:
         if error.errno not in (errno.ELOOP, errno.ENXIO):  # ENXIO: a pipe that nobody reads
             raise
-    raise InputError(f"{path} is a symbolic link, a pipe or a device: expected a regular file; delete it")
+    raise InputError(
+        f"{path} is a symbolic link, a pipe or a device: expected a regular file; delete it"
+    )
 
 
 @contextmanager
 def whole_or_nothing(path):
-    """A temporary name beside `path`, renamed to it at the end or removed after an error; its folder is made.
+    """A temporary name beside `path`, renamed to it at the end or removed after an error; its
+    folder is made.
 
     Raises InputError where it cannot be written.
     """
@@ -117,11 +124,15 @@ def whole_or_nothing(path):
         yield unfinished
         os.replace(unfinished, path)
     except (FileExistsError, NotADirectoryError) as error:
-        raise InputError(f"cannot write {path}: {path.parent}, or a folder above it, is no folder; expected one; "
-                         "choose another place") from error
+        raise InputError(
+            f"cannot write {path}: {path.parent}, or a folder above it, is no folder; expected one;"
+            " choose another place"
+        ) from error
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}; expected a disk with room "
-                         "and a folder that can be written to; make room, or choose another place") from error
+        raise InputError(
+            f"cannot write {path}: {error.strerror or error}; expected a disk with room "
+            "and a folder that can be written to; make room, or choose another place"
+        ) from error
     finally:
         with suppress(OSError):
             unfinished.unlink()
@@ -135,7 +146,8 @@ def write_text(path, text):
 
 
 def json_text(content, **more):
-    """Tables, lists, numbers and words as JSON, which knows no number that is not finite: null stands there.
+    """Tables, lists, numbers and words as JSON, which knows no number that is not finite: null
+    stands there.
 
     >>> json_text({"period_s": [0.2, float("nan")]})
     '{"period_s": [0.2, null]}'

@@ -16,8 +16,9 @@ THRESHOLD = 0.1 * MILLIMETRE
 DRIFT_LIMIT = 0.02
 """Near-collapse drift ratio [-] (Eurocode 8, NTC 2008, as the paper cites)."""
 SLIP_CRITERIA = ("displacement", "accumulated", "shear-limit")
-"""When a contact point counts as slipped: its two faces are offset by more than the threshold now; what it slid while
-it was closed adds up to more than that now; it has failed in shear or slid, ever."""
+"""When a contact point counts as slipped: its two faces are offset by more than the threshold now;
+what it slid while it was closed adds up to more than that now; it has failed in shear or slid,
+ever."""
 COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
 
 
@@ -42,21 +43,38 @@ def drift_component(drift_ratio, drift_limit=DRIFT_LIMIT):
 def length_fraction(selected, length, total_length=None):
     """Length of the selected joints over the length of all, equations (3) and (4).
 
-    selected: bool (..., n_joints); length: (n_joints,) [m]; total_length: of all joints [m], where these are not all.
-    Returns (...,).
+    selected: bool (..., n_joints); length: (n_joints,) [m]; total_length: of all joints [m], where
+    these are not all. Returns (...,).
     """
-    return np.asarray(selected, float) @ length / (np.sum(length) if total_length is None else total_length)
+    return (
+        np.asarray(selected, float)
+        @ length
+        / (np.sum(length) if total_length is None else total_length)
+    )
 
 
-def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
-                 threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip_criterion="displacement", total_length=None):
+def damage_index(
+    time_s,
+    drift_ratio,
+    opening,
+    slip,
+    at_limit,
+    length,
+    *,
+    threshold=THRESHOLD,
+    drift_limit=DRIFT_LIMIT,
+    slip_criterion="displacement",
+    total_length=None,
+):
     """The index over time.
 
     time_s, drift_ratio: (n_times,); opening, slip [m] and at_limit (bool): (n_times, n_joints);
     length: (n_joints,) [m]; threshold [m]; drift_limit [-].
-    slip_criterion: "displacement" or "accumulated", |slip| over the threshold now, where slip is what the criterion
-    counts (`damage.history.reader.History.slip_by`); or "shear-limit", ever at it.
-    total_length: of all joints [m], given where inactive contact points are left out of the other arrays.
+    slip_criterion: "displacement" or "accumulated", |slip| over the threshold now, where slip is
+    what the criterion counts (`damage.history.reader.History.slip_by`); or "shear-limit", ever at
+    it.
+    total_length: of all joints [m], given where inactive contact points are left out of the other
+    arrays.
     Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit, which is
     DI_drift before it was clipped to [0, 1].
     """
@@ -68,5 +86,13 @@ def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
     drift = np.clip(over_limit, 0, 1)
     opened = np.clip(length_fraction(np.asarray(opening) > threshold, length, total_length), 0, 1)
     slipped = np.clip(length_fraction(slipped, length, total_length), 0, 1)
-    return pd.DataFrame({"time_s": time_s, "DI_drift": drift, "DI_open": opened, "DI_slip": slipped,
-                         "DI": combine(drift, opened, slipped), "drift_over_limit": over_limit})
+    return pd.DataFrame(
+        {
+            "time_s": time_s,
+            "DI_drift": drift,
+            "DI_open": opened,
+            "DI_slip": slipped,
+            "DI": combine(drift, opened, slipped),
+            "drift_over_limit": over_limit,
+        }
+    )

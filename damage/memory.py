@@ -1,21 +1,24 @@
-"""The least memory that a command begins with, and memory that is returned.  Nothing is imported here that takes time.
+"""The least memory that a command begins with, and memory that is returned.  Nothing is imported
+here that takes time.
 
-With less, libraries cannot be loaded, and OpenBLAS, whose every thread asks for 128 MiB as soon as it starts, asks
-again for ever instead of giving up: neither could be detected from within.
+With less, libraries cannot be loaded, and OpenBLAS, whose every thread asks for 128 MiB as soon as
+it starts, asks again for ever instead of giving up: neither could be detected from within.
 """
 
 import os
 from contextlib import suppress
 
 LEAST, A_THREAD = 600_000_000, 150_000_000
-"""Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each more."""
+"""Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each
+more."""
 YADE = 650_000_000
-"""What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it continues, but very slowly."""
+"""What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it continues, but
+very slowly."""
 
 
 def hold_buffers():
-    """Have the OpenBLAS of numpy and scipy take their buffers now where memory is limited: once it is used up, they
-    would ask for them for ever."""
+    """Have the OpenBLAS of numpy and scipy take their buffers now where memory is limited: once it
+    is used up, they would ask for them for ever."""
     if _limit() is not None:
         import numpy as np
         from scipy.linalg.blas import dgemm
@@ -31,24 +34,35 @@ def return_freed():
     """
     import ctypes
 
-    with suppress(AttributeError, OSError, TypeError):  # TypeError: a system without a library of the process
+    # TypeError: a system without a library of the process
+    with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).malloc_trim(0)
 
 
 def least_bytes(beside=0):
-    """The least address space of this process on this machine [bytes]; beside: what the program around it takes."""
+    """The least address space of this process on this machine [bytes]; beside: what the program
+    around it takes."""
     asked = os.environ.get("OPENBLAS_NUM_THREADS") or os.environ.get("OMP_NUM_THREADS") or ""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return beside + LEAST + A_THREAD * (min(int(asked), cores) if asked.isdigit() and int(asked) else cores)
+    cores = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
+    return (
+        beside
+        + LEAST
+        + A_THREAD * (min(int(asked), cores) if asked.isdigit() and int(asked) else cores)
+    )
 
 
 def shortage(beside=0):
-    """Message where this process's memory limit is too low, None where it suffices; arguments as of `least_bytes`."""
+    """Message where this process's memory limit is too low, None where it suffices; arguments as of
+    `least_bytes`."""
     limit = _limit()
     if limit is None or limit >= least_bytes(beside):
         return None
-    return (f"out of memory: this process may have {limit / 1e6:.0f} MB (ulimit -v): expected "
-            f"{least_bytes(beside) / 1e6:.0f} MB or more; raise the limit")
+    return (
+        f"out of memory: this process may have {limit / 1e6:.0f} MB (ulimit -v): expected "
+        f"{least_bytes(beside) / 1e6:.0f} MB or more; raise the limit"
+    )
 
 
 def _limit():

@@ -1,4 +1,5 @@
-"""Provenance of a result: version and commit of this software, and digests of the code that decides its values."""
+"""Provenance of a result: version and commit of this software, and digests of the code that decides
+its values."""
 
 import ast
 import hashlib
@@ -11,9 +12,9 @@ from damage.version import VERSION
 
 HERE = Path(__file__).parent
 MODEL = ["*", "law", "mechanics", "motion", "run", "wall", "measure/energy.py"]
-"""Folders of this package, and one module that ends runs, whose code decides the values of a run in any solver; "*":
-the modules beside this one.  Applications add what decides the runs that they make possible, as the motions that they
-draw."""
+"""Folders of this package, and one module that ends runs, whose code decides the values of a run in
+any solver; "*": the modules beside this one.  Applications add what decides the runs that they make
+possible, as the motions that they draw."""
 MEASURES = ["*", "history", "measure", "motion/intensity.py", "wall/geometry.py"]
 """The same of what makes the numbers of tables out of a history."""
 _WITHOUT_EFFECT = "__main__.py", "version.py"  # of the modules beside this one
@@ -23,13 +24,22 @@ UNKNOWN = "unknown"
 
 @cache
 def commit():
-    """The commit that the package is in, "changed" behind it where tracked files differ; "unknown" outside git."""
+    """The commit that the package is in, "changed" behind it where tracked files differ; "unknown"
+    outside git."""
+
     def git(*words):
-        return subprocess.run(["git", "-C", HERE, *words], capture_output=True, text=True, timeout=10, check=True,
-                              env=os.environ | {"GIT_OPTIONAL_LOCKS": "0"}).stdout
+        return subprocess.run(
+            ["git", "-C", HERE, *words],
+            capture_output=True,
+            text=True,
+            timeout=10,
+            check=True,
+            env=os.environ | {"GIT_OPTIONAL_LOCKS": "0"},
+        ).stdout
 
     try:
-        git("ls-files", "--error-unmatch", "__init__.py")  # an installed copy may lie in another repository
+        # an installed copy may lie in another repository
+        git("ls-files", "--error-unmatch", "__init__.py")
         found = git("rev-parse", "HEAD").strip()
         # `describe --dirty` would write the index, and leave a lock where it may not.
         changed = git("status", "--porcelain", "--untracked-files=no", ":/")
@@ -44,7 +54,8 @@ def versions(solver_folder):
 
 
 def shown_path(path):
-    """A path as a file that may be sent keeps it: relative below the working folder, otherwise the name alone.
+    """A path as a file that may be sent keeps it: relative below the working folder, otherwise the
+    name alone.
 
     Where a home folder lies is nobody's business.
     """
@@ -57,24 +68,32 @@ def shown_path(path):
 def shown_command(words):
     """The words of a command line in one line, every path as `shown_path` has it.
 
-    >>> shown_command(["--record", "/elsewhere/a.csv", "--out=/elsewhere/b.h5", "--window", "1", "2"])
+    >>> words = ["--record", "/elsewhere/a.csv", "--out=/elsewhere/b.h5", "--window", "1", "2"]
+    >>> shown_command(words)
     '--record a.csv --out=b.h5 --window 1 2'
     """
     parts = [word.rpartition("=") if word.startswith("--") else ("", "", word) for word in words]
-    return " ".join(f"{option}{sign}{shown_path(word) if '/' in word else word}" for option, sign, word in parts)
+    return " ".join(
+        f"{option}{sign}{shown_path(word) if '/' in word else word}" for option, sign, word in parts
+    )
 
 
 def file_origin(path):
-    """{"file": name without its folder, which differs by machine, "sha256"} of a file that a run is made from."""
+    """{"file": name without its folder, which differs by machine, "sha256"} of a file that a run is
+    made from."""
     try:
-        return {"file": Path(path).name, "sha256": hashlib.sha256(Path(path).read_bytes()).hexdigest()}
+        return {
+            "file": Path(path).name,
+            "sha256": hashlib.sha256(Path(path).read_bytes()).hexdigest(),
+        }
     except OSError:  # a wall that no file made
         return {"file": Path(path).name, "sha256": UNKNOWN}
 
 
 @cache
 def model_digest(solver_folder):
-    """Twelve hexadecimal digits of the code of the model in one solver; comments and docstrings do not count.
+    """Twelve hexadecimal digits of the code of the model in one solver; comments and docstrings do
+    not count.
 
     solver_folder: path of the solver's package, whose modules all count, as do those of `MODEL`.
     """
@@ -83,8 +102,8 @@ def model_digest(solver_folder):
 
 @cache
 def measures_digest():
-    """Twelve hexadecimal digits of the code of index, measures and patterns at rest; comments, docstrings and the words
-    of columns do not count."""
+    """Twelve hexadecimal digits of the code of index, measures and patterns at rest; comments,
+    docstrings and the words of columns do not count."""
     return _digest_of(_modules(MEASURES))
 
 
@@ -126,15 +145,20 @@ def _tree_of(text):
 
 
 def _drop_docstrings(node):
-    """Take constants that stand alone out of a node of a syntax tree, and out of all that hold statements in it; of its
-    decorators and fields what they only say of a column or a field: unit, limits, words."""
+    """Take constants that stand alone out of a node of a syntax tree, and out of all that hold
+    statements in it; of its decorators and fields what they only say of a column or a field: unit,
+    limits, words."""
     said = getattr(node, "decorator_list", []) + [node] * isinstance(node, ast.AnnAssign)
     for call in (one for inside in said for one in ast.walk(inside)):
         if isinstance(call, ast.Call) and getattr(call.func, "id", None) in _SAYING:
             call.args, call.keywords = [], [one for one in call.keywords if one.arg == "default"]
     if hasattr(node, "body"):
-        node.body = [one for one in node.body
-                     if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
-    for field in ("body", "orelse", "finalbody", "handlers", "cases"):  # expressions hold no statements
+        node.body = [
+            one
+            for one in node.body
+            if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))
+        ]
+    # expressions hold no statements
+    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
         for inside in getattr(node, field, ()):
             _drop_docstrings(inside)

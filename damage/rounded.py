@@ -1,7 +1,8 @@
 """Rounding of what enters a time step, by which the last bits of libraries do not reach it.
 
-Inputs are made by sums, products and `damage.elementary` wherever that is possible, then rounded here, once each, to
-grids that are coarse beside the errors of libraries and fine beside what is known of walls and motions:
+Inputs are made by sums, products and `damage.elementary` wherever that is possible, then rounded
+here, once each, to grids that are coarse beside the errors of libraries and fine beside what is
+known of walls and motions:
 
     accelerations of the base [m/s2]           ACCELERATION = 2**-24 (6e-8 m/s2)
     displacements of the ground [m]            DISPLACEMENT = 2**-30 (1e-9 m)
@@ -9,8 +10,9 @@ grids that are coarse beside the errors of libraries and fine beside what is kno
     amplitudes of a pushed top                 BITS = 26 significant bits (1.5e-8 of the value)
     critical time step [s]                     down to three digits
 
-A value next to an edge between two grid points can still go either way: the chance in a run is the error over the grid
-times the number of values.  docs/model/model.md states it for each kind of input.
+A value next to an edge between two grid points can still go either way: the chance in a run is the
+error over the grid times the number of values.  docs/model/model.md states it for each kind of
+input.
 """
 
 from decimal import ROUND_FLOOR, Decimal

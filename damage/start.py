@@ -1,7 +1,7 @@
 # PYTHON_ARGCOMPLETE_OK
-"""How `python3 -m damage` begins and leaves: an interrupt at any time, a library that is missing, too little memory, or
-an output that takes nothing is one line at most.  Nothing is imported here that takes time: before `begin` an interrupt
-is Python's."""
+"""How `python3 -m damage` begins and leaves: an interrupt at any time, a library that is missing,
+too little memory, or an output that takes nothing is one line at most.  Nothing is imported here
+that takes time: before `begin` an interrupt is Python's."""
 
 import errno
 import os
@@ -25,22 +25,31 @@ def main():
 
 
 def begin(beside=0):
-    """Make interrupts quiet and a missing library one line, from now on; end where memory or an output is missing.
+    """Make interrupts quiet and a missing library one line, from now on; end where memory or an
+    output is missing.
 
     beside: address space that the program around this takes [bytes].
     """
     signal.signal(signal.SIGINT, _interrupted)
     sys.excepthook = _print_exception
-    for number in range(3):  # of a closed stream: the next file, as a history, would get it, and what is printed
+    # of a closed stream: the next file, as a history, would get it, and what is printed
+    for number in range(3):
         try:
             os.fstat(number)
         except OSError:
             os.dup2(os.open(os.devnull, os.O_RDWR), number)
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
-    if sys.stdout is not None and (sys.stdout.errors == "strict" or sys.stdout.encoding.lower() != "utf-8"):
-        sys.stdout.reconfigure(errors="replace")  # an old terminal lacks letters that names and help have
-    closed = "standard output is closed: expected a file, a pipe or a screen; open it" if sys.stdout is None else None
+    if sys.stdout is not None and (
+        sys.stdout.errors == "strict" or sys.stdout.encoding.lower() != "utf-8"
+    ):
+        # an old terminal lacks letters that names and help have
+        sys.stdout.reconfigure(errors="replace")
+    closed = (
+        "standard output is closed: expected a file, a pipe or a screen; open it"
+        if sys.stdout is None
+        else None
+    )
     missing = shortage(beside) or closed
     if missing:
         print(f"error: {missing}", file=sys.stderr, flush=True)
@@ -48,19 +57,24 @@ def begin(beside=0):
 
 
 def is_of_output(error):
-    """Whether an OSError is one of standard output and not of a file: it is reported, and no more is printed."""
+    """Whether an OSError is one of standard output and not of a file: it is reported, and no more
+    is printed."""
     if error.filename is not None or error.errno not in _OF_OUTPUT:
         return False
-    if error.errno != errno.EPIPE:  # where the reader of a pipe went away, as `| head` does, nobody asks
-        print(f"error: what this prints cannot be written ({error.strerror}): expected room for it; make room, or "
-              "print elsewhere", file=sys.stderr)
+    # where the reader of a pipe went away, as `| head` does, nobody asks
+    if error.errno != errno.EPIPE:
+        print(
+            f"error: what this prints cannot be written ({error.strerror}): expected room for it;"
+            " make room, or print elsewhere",
+            file=sys.stderr,
+        )
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return True
 
 
 def leave(status):
-    """End this process with a status, 1 instead of 0 where what was printed could not be written; an interrupt now
-    changes nothing any more."""
+    """End this process with a status, 1 instead of 0 where what was printed could not be written;
+    an interrupt now changes nothing any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         sys.stdout.flush()
@@ -75,15 +89,19 @@ def leave(status):
 
 
 def missing_library(error):
-    """Message for a missing library (ImportError), None where the error is a fault of this software."""
-    while isinstance(error.__context__, ImportError) and error.__context__.name:  # the one that others fell over
+    """Message for a missing library (ImportError), None where the error is a fault of this
+    software."""
+    # the one that others fell over
+    while isinstance(error.__context__, ImportError) and error.__context__.name:
         error = error.__context__
     library = (error.name or "").partition(".")[0]
     if library in ("", "damage"):
         return None
     debian, pip = NAMED_OTHERWISE.get(library, (f"python3-{library}", library))
-    return (f"{sys.executable} cannot import {library}: expected Debian's package {debian}, or pip "
-            f"install {pip}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does")
+    return (
+        f"{sys.executable} cannot import {library}: expected Debian's package {debian}, or pip "
+        f"install {pip}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does"
+    )
 
 
 def _interrupted(number, frame):

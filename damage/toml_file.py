@@ -9,16 +9,19 @@ from damage.errors import InputError
 DRAFT = "http://json-schema.org/draft-07/schema#"
 """The newest that Taplo, which editors use for TOML, knows."""
 DEEPEST = 20
-"""Tables and lists in each other, and parts of a dotted key, which makes as many tables; a study has five."""
-_WORDS = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*', re.DOTALL)
+"""Tables and lists in each other, and parts of a dotted key, which makes as many tables; a study
+has five."""
+_WORDS = re.compile(
+    r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*', re.DOTALL
+)
 _NO_SEPARATORS = re.compile(r"[^.,=\[\]{}\n]+")
 
 
 def read_toml(path, wanted, most_mb):
     """The table {key: value} of a TOML file in UTF-8, with or without a byte order mark.
 
-    wanted: what is expected, in words, like "a study file (.toml)"; most_mb: its size.  Raises InputError for a file
-    that cannot be read, is no TOML, or nests more deeply than DEEPEST.
+    wanted: what is expected, in words, like "a study file (.toml)"; most_mb: its size.  Raises
+    InputError for a file that cannot be read, is no TOML, or nests more deeply than DEEPEST.
     """
     return toml_table(path, toml_text(path, wanted, most_mb), wanted)
 
@@ -50,7 +53,8 @@ def _none(path, error, wanted):
 
 
 def _refuse_many_dots(text):
-    """Raise ValueError for a key of very many parts (a.a.a...): reading it takes time and memory by their square."""
+    """Raise ValueError for a key of very many parts (a.a.a...): reading it takes time and memory by
+    their square."""
     if "." * DEEPEST in _NO_SEPARATORS.sub("", _WORDS.sub("", text)):
         raise ValueError(f"a key of more than {DEEPEST} parts")
 
@@ -59,7 +63,11 @@ def _refuse_depth(table):
     """Raise ValueError for tables and lists nested more deeply than Python can follow."""
     parts = [table]
     for _ in range(DEEPEST):
-        parts = [part for one in parts for part in (one.values() if isinstance(one, dict) else one)
-                 if isinstance(part, (dict, list))]
+        parts = [
+            part
+            for one in parts
+            for part in (one.values() if isinstance(one, dict) else one)
+            if isinstance(part, (dict, list))
+        ]
     if parts:
         raise ValueError(f"tables or lists more than {DEEPEST} deep in each other")

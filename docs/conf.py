@@ -1,8 +1,9 @@
 """How Sphinx makes a site of these documents: `bash scripts/site.sh`.
 
-The documents are written to be read as they are, too: their links to files of the repository, which a site does not
-have, become the files' names; docstrings are plain text, and shown so.  The site also works when it is opened from a
-file: browsers refuse requests for other files there, so that no page makes one.
+The documents are written to be read as they are, too: their links to files of the repository, which
+a site does not have, become the files' names; docstrings are plain text, and shown so.  The site
+also works when it is opened from a file: browsers refuse requests for other files there, so that no
+page makes one.
 """
 
 import json
@@ -32,13 +33,15 @@ myst_enable_extensions = ["colon_fence"]
 html_theme = "furo"
 html_title = f"masonry-damage {VERSION}"
 html_copy_source = html_show_copyright = False
-html_show_search_summary = False  # Sphinx's own asks for each page; docs/_static/search_context.js does not
+# Sphinx's own asks for each page; docs/_static/search_context.js does not
+html_show_search_summary = False
 html_search_scorer = str(Path(__file__).with_name("search_scorer.js"))
 html_static_path = ["_static"]
 html_css_files = ["narrow.css"]
 html_favicon = "_static/brick.svg"
 autodoc_preserve_defaults = True
-autodoc_inherit_docstrings = False  # what is inherited is described once; of an array it would be numpy's own
+# what is inherited is described once; of an array it would be numpy's own
+autodoc_inherit_docstrings = False
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 add_module_names = False
 smartquotes = False  # they make a dash of two, as options have them
@@ -48,13 +51,17 @@ _BLOCK = re.compile(r"^```{(modules|menu)}(.*?)\n(.*?)```$", re.DOTALL | re.MULT
 
 
 def write_out(app, name, source):
-    """Replace two blocks of Markdown: `modules`, names of modules, by a section with the docstrings of each; `menu
-    README.md` by the toctrees of the pages that its table links, a part each, and the reference of all modules."""
+    """Replace two blocks of Markdown: `modules`, names of modules, by a section with the docstrings
+    of each; `menu README.md` by the toctrees of the pages that its table links, a part each, and
+    the reference of all modules."""
+
     def written(block):
         if block[1] == "menu":
             return _menu((Path(app.srcdir) / block[2].strip()).read_text(encoding="utf-8"))
-        return "\n\n".join(f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n```"
-                           for module in block[3].split())
+        return "\n\n".join(
+            f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n```"
+            for module in block[3].split()
+        )
 
     source[0] = _BLOCK.sub(written, source[0])
 
@@ -66,8 +73,13 @@ def _menu(text):
         part = cells[1].strip() or part  # an empty cell: as in the row before
         parts[part] = parts.get(part, []) + re.findall(r"\(([\w/-]+)\.md\)", cells[2])
     parts["reference"].append("api/index")
-    return "\n\n".join(f"```{{toctree}}\n:caption: {part.capitalize()}\n:maxdepth: 1\n\n" + "\n".join(pages) + "\n```"
-                       for part, pages in parts.items() if pages)
+    return "\n\n".join(
+        f"```{{toctree}}\n:caption: {part.capitalize()}\n:maxdepth: 1\n\n"
+        + "\n".join(pages)
+        + "\n```"
+        for part, pages in parts.items()
+        if pages
+    )
 
 
 _LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(([^)#\s:]+)(#[^)]*)?\)")
@@ -89,8 +101,8 @@ _ARGUMENTS = re.compile(r"([*\w]+(?:, [*\w]+)*)((?: \[[^\]]*\])?[:;,] )")
 
 
 def as_plain_text(app, what, name, obj, options, lines):
-    """Show a docstring as it is written: paragraphs and arguments as such, drawings, formulas and sessions as they
-    stand."""
+    """Show a docstring as it is written: paragraphs and arguments as such, drawings, formulas and
+    sessions as they stand."""
     shown = []
     for is_blank, some in groupby(lines, key=lambda line: not line.strip()):
         group = list(some)
@@ -99,8 +111,14 @@ def as_plain_text(app, what, name, obj, options, lines):
         elif group[0].startswith((" ", ">>>")):
             shown += ["::", "", *(f"    {line}" for line in group)]
         elif any(line.startswith(" ") for line in group) or all(map(_ARGUMENTS.match, group)):
-            shown += [f"  {_escaped(line.strip())}" if line.startswith(" ") else
-                      _ARGUMENTS.sub(r"- **\1**\2", _escaped(line), 1) for line in group]
+            shown += [
+                (
+                    f"  {_escaped(line.strip())}"
+                    if line.startswith(" ")
+                    else _ARGUMENTS.sub(r"- **\1**\2", _escaped(line), 1)
+                )
+                for line in group
+            ]
         else:
             shown += map(_escaped, group)
     lines[:] = [*shown, ""]
@@ -118,7 +136,9 @@ class Commands(Directive):
         parsers = {"reference": make_parser("reference", "reference")}
         parsers["reference"].description = PROGRAMS["reference"].purpose.partition(" (see")[0]
         for name in (name for names in GROUPS.values() for name in names if name in COMMANDS):
-            parsers[name] = OneLineParser(description=COMMANDS[name].purpose, examples=examples_of(name))
+            parsers[name] = OneLineParser(
+                description=COMMANDS[name].purpose, examples=examples_of(name)
+            )
             for add in COMMANDS[name].arguments:
                 add(parsers[name])
         return list(starmap(_command, parsers.items()))
@@ -132,15 +152,27 @@ def _command(name, parser):
     for action in parser._actions:
         if action.dest != "help":
             options += nodes.definition_list_item(
-                "", nodes.term("", "", nodes.literal("", words._format_action_invocation(action))),
-                nodes.definition("", nodes.paragraph("", words._expand_help(action) if action.help else "")))
+                "",
+                nodes.term("", "", nodes.literal("", words._format_action_invocation(action))),
+                nodes.definition(
+                    "", nodes.paragraph("", words._expand_help(action) if action.help else "")
+                ),
+            )
     examples = nodes.literal_block("", "\n".join(parser.examples), language="sh")
-    return nodes.section("", nodes.title("", name), nodes.paragraph("", purpose), options, examples,
-                         ids=[f"command-{name}"], names=[name])
+    return nodes.section(
+        "",
+        nodes.title("", name),
+        nodes.paragraph("", purpose),
+        options,
+        examples,
+        ids=[f"command-{name}"],
+        names=[name],
+    )
 
 
 def keep_texts(app, error):
-    """Write the text of every page for the search, which shows what is around the words that it found."""
+    """Write the text of every page for the search, which shows what is around the words that it
+    found."""
     if error:
         return
     texts = {}
@@ -154,9 +186,9 @@ def keep_texts(app, error):
 
 
 def make_whole(app, error):
-    """Make one file each of Debian's furo.js and furo.css and what they import: from a file no module loads, and the
-    stylesheet is sought in the root of a server.  Debian's has dark colours for the button alone, not for the screen's
-    own choice."""
+    """Make one file each of Debian's furo.js and furo.css and what they import: from a file no
+    module loads, and the stylesheet is sought in the root of a server.  Debian's has dark colours
+    for the button alone, not for the screen's own choice."""
     if error:
         return
     static = Path(app.outdir) / "_static"
@@ -164,15 +196,21 @@ def make_whole(app, error):
     text = script.read_text(encoding="utf-8")
     if imported := re.match(r'import \w+ from "\./([\w-]+\.js)";', text):
         library = script.with_name(imported[1]).read_text(encoding="utf-8")
-        # A page's element with the id "exports" is an object of that name, by which the library takes it for Node.
-        whole = f"((define, exports, global) => {{{library}\n{text[imported.end():]}}})();\n"
+        # A page's element with the id "exports" is an object of that name, by which the library
+        # takes it for Node.
+        whole = f"((define, exports, global) => {{{library}\n{text[imported.end() :]}}})();\n"
         script.write_text(whole, encoding="utf-8")
     text = style.read_text(encoding="utf-8")
     if imported := re.match(r"@import url\(/javascript/([^)]+)\);", text):
         library = Path("/usr/share/javascript", imported[1]).read_text(encoding="utf-8")
-        text = library + text[imported.end():]
-    if "prefers-color-scheme" not in text and (dark := re.search(r'body\[data-theme="dark"\] ({[^{}]*})', text)):
-        text += f'@media not print {{ @media (prefers-color-scheme: dark) {{ body[data-theme="auto"] {dark[1]} }} }}\n'
+        text = library + text[imported.end() :]
+    if "prefers-color-scheme" not in text and (
+        dark := re.search(r'body\[data-theme="dark"\] ({[^{}]*})', text)
+    ):
+        text += (
+            '@media not print { @media (prefers-color-scheme: dark) { body[data-theme="auto"]'
+            f" {dark[1]} }} }}\n"
+        )
     style.write_text(text, encoding="utf-8")
 
 

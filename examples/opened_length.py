@@ -1,4 +1,5 @@
-"""The length of joints that are open by more than 0.1 mm, over time: a history read with pandas, and plotted.
+"""The length of joints that are open by more than 0.1 mm, over time: a history read with pandas,
+and plotted.
 
     python3 -m examples.opened_length FILE.h5 PICTURE.png
 """
@@ -16,12 +17,17 @@ import damage
 
 
 def opened_length(history, threshold_m=1e-4):
-    """DataFrame over time [s]: opened length of bed and head joints [m]; a row of `joints` is a contact point."""
+    """DataFrame over time [s]: opened length of bed and head joints [m]; a row of `joints` is a
+    contact point."""
     is_open = (history.opening_m > threshold_m).astype(float)
     wide = pd.DataFrame(is_open, index=history.series["time_s"])  # a column a contact point
     joints = history.joints.query("kind != 'brick'")  # these lie within bricks and lintels
-    return pd.DataFrame({f"{kind}_m": wide.loc[:, members.index] @ members["length_m"]
-                         for kind, members in joints.groupby(joints["kind"].astype(str))})
+    return pd.DataFrame(
+        {
+            f"{kind}_m": wide.loc[:, members.index] @ members["length_m"]
+            for kind, members in joints.groupby(joints["kind"].astype(str))
+        }
+    )
 
 
 def main(path, picture):

@@ -1,4 +1,5 @@
-"""Commands about the source paper, from a clone: python3 -m paper COMMAND.  Figures, verdict, modelling choices;
+"""Commands about the source paper, from a clone: python3 -m paper COMMAND.  Figures, verdict,
+modelling choices;
 and the programs that make tables of documents, by the names of their modules."""
 
 from damage.start import begin, leave
@@ -19,12 +20,39 @@ from damage.run.options import OneLineParser, file_arg
 from damage.run.session import EXIT_INPUT, EXIT_INTERRUPTED
 
 PROGRAMS = (
-    "accumulation", "after_peak", "bouncing_caps", "claim_coverage", "cracks_before", "deformable",
-    "dic_field", "dilatancy", "document_figures", "falls", "fragility_coverage", "houses", "impacts", "laboratory",
-    "lives_walls", "mass_scaling", "other_starts", "published_fragility", "record_features", "repeated_loading",
-    "repetitions", "results_figures", "settled_walls", "shaken_wall", "softening", "split_and_crush", "stepped_cracks",
-    "two_solvers", "underdetermined", "unmet")
-"""Modules that make tables and figures of documents: python3 -m paper NAME, with their own arguments."""
+    "accumulation",
+    "after_peak",
+    "bouncing_caps",
+    "claim_coverage",
+    "cracks_before",
+    "deformable",
+    "dic_field",
+    "dilatancy",
+    "document_figures",
+    "falls",
+    "fragility_coverage",
+    "houses",
+    "impacts",
+    "laboratory",
+    "lives_walls",
+    "mass_scaling",
+    "other_starts",
+    "published_fragility",
+    "record_features",
+    "repeated_loading",
+    "repetitions",
+    "results_figures",
+    "settled_walls",
+    "shaken_wall",
+    "softening",
+    "split_and_crush",
+    "stepped_cracks",
+    "two_solvers",
+    "underdetermined",
+    "unmet",
+)
+"""Modules that make tables and figures of documents: python3 -m paper NAME, with their own
+arguments."""
 COMMANDS = {}
 command = partial(command, table=COMMANDS)
 
@@ -40,16 +68,23 @@ def _run(arguments):
     if arguments and arguments[0] in PROGRAMS:
         sys.argv = [f"python3 -m paper {arguments[0]}", *arguments[1:]]
         return import_module(f"paper.{arguments[0]}").main() or 0
-    parser = OneLineParser(prog="python3 -m paper", allow_abbrev=False, description=__doc__,
-                           epilog=f"Programs: {', '.join(PROGRAMS)}.")
-    add_commands(parser.add_subparsers(required=True, metavar="COMMAND", parser_class=OneLineParser), COMMANDS)
+    parser = OneLineParser(
+        prog="python3 -m paper",
+        allow_abbrev=False,
+        description=__doc__,
+        epilog=f"Programs: {', '.join(PROGRAMS)}.",
+    )
+    add_commands(
+        parser.add_subparsers(required=True, metavar="COMMAND", parser_class=OneLineParser),
+        COMMANDS,
+    )
     asked = parser.parse_args(arguments)
     return asked.command(asked) or 0
 
 
 def _studies(words):
-    """Run every study that ships, with options of `python3 -m damage study`, then figures and verdict; returns the
-    worst exit status."""
+    """Run every study that ships, with options of `python3 -m damage study`, then figures and
+    verdict; returns the worst exit status."""
     from damage.applications.studies.command import RESULTS, parse, run_study
 
     asked, status = parse(["all", *words]), run_study(["all", *words])
@@ -57,15 +92,37 @@ def _studies(words):
         return status
     out, records = asked.out or RESULTS, Path(__file__).parents[1] / "records"
     print("figures and verdict", flush=True)
-    return max(status, main(["figures", str(out), "--out", str(out / "figures"), "--records", str(records)]),
-               main(["verdict", str(out), "--markdown", str(out / "tables" / "verdict.md"),
-                     "--csv", str(out / "tables" / "verdict.csv")]))
+    return max(
+        status,
+        main(["figures", str(out), "--out", str(out / "figures"), "--records", str(records)]),
+        main(
+            [
+                "verdict",
+                str(out),
+                "--markdown",
+                str(out / "tables" / "verdict.md"),
+                "--csv",
+                str(out / "tables" / "verdict.csv"),
+            ]
+        ),
+    )
 
 
-@command("figures 6 to 12 of the source paper and crack maps from the results of studies",
-         file_arg("results", "RESULTS_DIR", "folder that holds the studies' folders, each with tables/points.csv"),
-         out("folder for the figures"),
-         file_arg("--records", "DIR", "folder of records that do not ship (default records)", default=Path("records")))
+@command(
+    "figures 6 to 12 of the source paper and crack maps from the results of studies",
+    file_arg(
+        "results",
+        "RESULTS_DIR",
+        "folder that holds the studies' folders, each with tables/points.csv",
+    ),
+    out("folder for the figures"),
+    file_arg(
+        "--records",
+        "DIR",
+        "folder of records that do not ship (default records)",
+        default=Path("records"),
+    ),
+)
 def _figures(asked):
     from paper.figures import make_figures
     from paper.results import load_results
@@ -78,14 +135,21 @@ def _figures(asked):
         made += 1
         print(*outcome, sep="\n", flush=True)
     if made == 0:
-        raise InputError(f"{asked.results} allows no figure; expected results of the studies harmonic or ida")
+        raise InputError(
+            f"{asked.results} allows no figure; expected results of the studies harmonic or ida"
+        )
 
 
-@command("judge the paper's statements by the tables of studies",
-         file_arg("results", "RESULTS_DIR", "folder with studies below it"), JSON,
-         output(file_arg("--markdown", "FILE", "write the document, too"),
-                file_arg("--csv", "FILE", "write the outcome of every claim, too"),
-                file_arg("--readme", "README.md", "renew the results between its markers, too")))
+@command(
+    "judge the paper's statements by the tables of studies",
+    file_arg("results", "RESULTS_DIR", "folder with studies below it"),
+    JSON,
+    output(
+        file_arg("--markdown", "FILE", "write the document, too"),
+        file_arg("--csv", "FILE", "write the outcome of every claim, too"),
+        file_arg("--readme", "README.md", "renew the results between its markers, too"),
+    ),
+)
 def _verdict(asked):
     from paper.report import as_json, as_markdown, claims_table, describe, update_readme
     from paper.verdict import judge
@@ -100,8 +164,10 @@ def _verdict(asked):
     print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
 
 
-@command("which modelling choices move the paper's claims, by the tables of the study readings",
-         file_arg("results", "RESULTS_DIR", "folder with the study below it"))
+@command(
+    "which modelling choices move the paper's claims, by the tables of the study readings",
+    file_arg("results", "RESULTS_DIR", "folder with the study below it"),
+)
 def _readings(asked):
     from paper.readings import conclusions, judge_readings, table
 
@@ -109,14 +175,26 @@ def _readings(asked):
     print("\n".join([*table(found), "", *conclusions(found)]))
 
 
-@command("combined modelling choices by the paper's claims that they meet, by the tables of the study combinations",
-         file_arg("results", "RESULTS", "folder with the study below it"))
+@command(
+    "combined modelling choices by the paper's claims that they meet, by the tables of the study"
+    " combinations",
+    file_arg("results", "RESULTS", "folder with the study below it"),
+)
 def _combinations(asked):
     from paper import combinations
 
     found = combinations.judge_combinations(asked.results)
-    print("\n".join([*combinations.conclusions(found), "", *combinations.table_of_best(found), "",
-                     *combinations.table_of_effects(found)]))
+    print(
+        "\n".join(
+            [
+                *combinations.conclusions(found),
+                "",
+                *combinations.table_of_best(found),
+                "",
+                *combinations.table_of_effects(found),
+            ]
+        )
+    )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-"""What the programs that make tables share: walls as files, runs that a folder keeps, arguments, tables in Markdown."""
+"""What the programs that make tables share: walls as files, runs that a folder keeps, arguments,
+tables in Markdown."""
 
 import argparse
 import contextlib
@@ -44,16 +45,27 @@ class Bench:
     def path(self, *label, ending=".h5"):
         """A file of the folder, called by these words."""
         name = "_".join(str(word).strip("-") for word in label)
-        return self.folder / f"{''.join(c if c.isalnum() or c in '._-' else '-' for c in name)}{ending}"
+        return (
+            self.folder
+            / f"{''.join(c if c.isalnum() or c in '._-' else '-' for c in name)}{ending}"
+        )
 
     def run(self, wall, words, *label):
-        """The History of a wall, a Wall or what `load_wall` takes, in the reference solver; words: of the command line;
-        label: by what its file is called beside them."""
-        out, source = self.path(*label, *words), __file__ if isinstance(wall, Wall) else wall_path(wall)
+        """The History of a wall, a Wall or what `load_wall` takes, in the reference solver; words:
+        of the command line; label: by what its file is called beside them."""
+        out, source = (
+            self.path(*label, *words),
+            (__file__ if isinstance(wall, Wall) else wall_path(wall)),
+        )
         if not is_complete(out):
             with silenced() as said:
-                status = run_session(BACKEND, source, lambda: wall if isinstance(wall, Wall) else load_wall(wall),
-                                     self._words([*EXPLICIT, *words], out), prog="paper")
+                status = run_session(
+                    BACKEND,
+                    source,
+                    lambda: wall if isinstance(wall, Wall) else load_wall(wall),
+                    self._words([*EXPLICIT, *words], out),
+                    prog="paper",
+                )
             self._check(status, out, said.getvalue())
         return read_history(out)
 
@@ -61,17 +73,29 @@ class Bench:
         """The same in YADE."""
         out = self.path("yade", *label, *words)
         if not is_complete(out):
-            file = wall_file(out.with_suffix(".toml"), wall) if isinstance(wall, Wall) else wall_path(wall)
-            done = subprocess.run([*COMMAND, file, *self._words(words, out)], capture_output=True, text=True,
-                                  cwd=REPOSITORY, env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
+            file = (
+                wall_file(out.with_suffix(".toml"), wall)
+                if isinstance(wall, Wall)
+                else wall_path(wall)
+            )
+            done = subprocess.run(
+                [*COMMAND, file, *self._words(words, out)],
+                capture_output=True,
+                text=True,
+                cwd=REPOSITORY,
+                env={**os.environ, "PYTHONPATH": str(REPOSITORY)},
+            )
             self._check(done.returncode, out, done.stderr)
         return read_history(out)
 
     def together(self, runs):
         """Histories of runs that advance eight at a time; runs: {name: [wall file, words, ...]}."""
         paths = {name: self.path(name) for name in runs}
-        lines = [(name, [str(words[0]), *self._words([*EXPLICIT, *words[1:], "--quiet"], paths[name])])
-                 for name, words in runs.items() if not is_complete(paths[name])]
+        lines = [
+            (name, [str(words[0]), *self._words([*EXPLICIT, *words[1:], "--quiet"], paths[name])])
+            for name, words in runs.items()
+            if not is_complete(paths[name])
+        ]
         with silenced() as said:
             failed = [name for name, status in run_references(iter(lines)) if status != 0]
         self._check(len(failed), ", ".join(failed), said.getvalue())
@@ -105,7 +129,8 @@ def silenced():
         yield said
 
 
-# --- the command line ---------------------------------------------------------------------------------
+# --- the command line -----------------------------------------------------------------------------
+
 
 def option(*names, **given):
     """An argument of `arguments`, as argparse takes it."""
@@ -121,22 +146,27 @@ def arguments(description, *options):
 
 
 def chosen(asked, known, what):
-    """What was asked for, all that is known where nothing was; ends the program where something is unknown."""
+    """What was asked for, all that is known where nothing was; ends the program where something is
+    unknown."""
     if unknown := [one for one in asked if one not in known]:
         sys.exit(f"error: no {what} {unknown[0]}; expected one of {', '.join(known)}")
     return asked or list(known)
 
 
 def print_tables(tables, usual, folder, description):
-    """Print the tables, {name: function of a Bench}, that a command line asks for; usual: those of one that asks for
-    none."""
-    parsed = arguments(description, option("tables", nargs="*", metavar="TABLE", help=", ".join(tables)),
-                       option("--out", type=Path, default=Path(folder)))
+    """Print the tables, {name: function of a Bench}, that a command line asks for; usual: those of
+    one that asks for none."""
+    parsed = arguments(
+        description,
+        option("tables", nargs="*", metavar="TABLE", help=", ".join(tables)),
+        option("--out", type=Path, default=Path(folder)),
+    )
     for name in chosen(parsed.tables, tables, "table") if parsed.tables else usual:
         tables[name](Bench(parsed.out))
 
 
-# --- tables in Markdown -------------------------------------------------------------------------------
+# --- tables in Markdown ---------------------------------------------------------------------------
+
 
 def print_table(*heads):
     print()

@@ -2,17 +2,19 @@
 
     python3 -m paper claim_coverage CLAIM... [--asked-of CLAIM] [--offsets] [--rows ROWS.csv]
 
-CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by both causes (B), by
-the earthquakes alone (E), and by the settlement alone (S), where the earthquakes of the address did not occur.  A
-surveyor sees cracks from 0.1 mm on, each width within 0.05 mm, half of it by rounding to 0.05 mm, and misses one, a
-narrow one rather; --offsets: notes whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no
-claim.  The sheet answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of another
-wall, whose joints the cracks are laid on.
+CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by
+both causes (B), by the earthquakes alone (E), and by the settlement alone (S), where the
+earthquakes of the address did not occur.  A surveyor sees cracks from 0.1 mm on, each width within
+0.05 mm, half of it by rounding to 0.05 mm, and misses one, a narrow one rather; --offsets: notes
+whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no claim.  The sheet
+answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of
+another wall, whose joints the cracks are laid on.
 
-Prints three tables.  Claims, why there is no answer, and answers that are wrong, also where only the number of draws
-forbids one.  For each prior of settlement the share of claims, weighted by that prior, whose true widths lie in the
-90 % intervals.  What the sheet states as "not without the earthquakes" beside what was so, by a prior of 0.5, and the
-share of draws that resemble a survey, from which follows how many are needed.
+Prints three tables.  Claims, why there is no answer, and answers that are wrong, also where only
+the number of draws forbids one.  For each prior of settlement the share of claims, weighted by that
+prior, whose true widths lie in the 90 % intervals.  What the sheet states as "not without the
+earthquakes" beside what was so, by a prior of 0.5, and the share of draws that resemble a survey,
+from which follows how many are needed.
 """
 
 import sys
@@ -43,7 +45,8 @@ CLAIMS = {"B": "both", "E": "earthquakes", "S": "settlement"}
 
 
 class Library:
-    """The draws of a claim's folder, seen as a surveyor sees them, and their distances from one another."""
+    """The draws of a claim's folder, seen as a surveyor sees them, and their distances from one
+    another."""
 
     def __init__(self, folder, offsets):
         study = load_study(Path(folder) / NAME, "reference")
@@ -51,15 +54,24 @@ class Library:
         self.twins = read_twins(folder, self.wall)
         ground = self.twins.settlement.drop_duplicates()
         self.name = Path(study.runs[0].wall).stem + (
-            f", {ground['profile'].iloc[0]} 1/{1 / ground['distortion'].iloc[0]:.0f}" if len(ground) == 1 else "")
-        undamaged = crack_table(self.twins.ends, self.twins.opening_m["none"][0], self.twins.offset_m["none"][0], LIMIT)
+            f", {ground['profile'].iloc[0]} 1/{1 / ground['distortion'].iloc[0]:.0f}"
+            if len(ground) == 1
+            else ""
+        )
+        undamaged = crack_table(
+            self.twins.ends, self.twins.opening_m["none"][0], self.twins.offset_m["none"][0], LIMIT
+        )
         blank = survey_of(pattern_of(undamaged, 1, 0.0), self.wall)
         self.blank = replace(blank, detection_limit_m=LIMIT, width_error_m=ERROR)
-        self.seen = [seen_of(self.blank, self.twins.opening_m[name], self.twins.offset_m[name], self.wall)
-                     for name in STATES]
+        self.seen = [
+            seen_of(self.blank, self.twins.opening_m[name], self.twins.offset_m[name], self.wall)
+            for name in STATES
+        ]
         self.shown = claimed(self.twins, self.seen)
         self.known = np.full(self.seen[0].area.shape[1], float(offsets))
-        self.pairs = pairwise(Seen(*map(np.concatenate, zip(*self.seen))).at(self.shown.ravel()), ERROR, self.known)
+        self.pairs = pairwise(
+            Seen(*map(np.concatenate, zip(*self.seen))).at(self.shown.ravel()), ERROR, self.known
+        )
 
     def answer(self, survey, left_out=None):
         """What all draws but one (index) say of a Survey on this wall."""
@@ -69,13 +81,19 @@ class Library:
         kept = (self.shown & others).ravel()[self.shown.ravel()]
         strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
         weight = kernel(away, self.shown)[:, others]
-        return answers(self.twins.at(others), Likeness(away[:, others], weight, strange), survey.as_dict())
+        return answers(
+            self.twins.at(others), Likeness(away[:, others], weight, strange), survey.as_dict()
+        )
 
 
 def surveyed_wall(library, state, k, rng, offsets):
-    """(Survey of a draw in a state as a surveyor draws it, its CrackPattern); None where nothing is seen."""
+    """(Survey of a draw in a state as a surveyor draws it, its CrackPattern); None where nothing is
+    seen."""
     twins = library.twins
-    opening, offset = twins.opening_m[state][k].astype(float), twins.offset_m[state][k].astype(float)
+    opening, offset = (
+        twins.opening_m[state][k].astype(float),
+        twins.offset_m[state][k].astype(float),
+    )
     width = np.hypot(opening, offset)
     crack = crack_numbers(cracked(width, LIMIT / 2), close_pairs(twins.ends))
     read = ERROR - STEP / 2  # the rest of the error is of rounding
@@ -90,25 +108,45 @@ def surveyed_wall(library, state, k, rng, offsets):
         return None
     pattern = pattern_of(crack_table(twins.ends, shown, 0 * shown, LIMIT), 1, 0.0)
     joint = np.flatnonzero(shown)
-    seen_offset = cracked(np.abs(offset[joint]), LIMIT).astype(float) if offsets else np.full(len(joint), np.nan)
-    table = pd.DataFrame({"joint": joint, "crack": crack[joint], "length_m": twins.length_m[joint],
-                          "opening_m": shown[joint], "slip_m": 0.0, "width_m": shown[joint], "offset": seen_offset})
+    seen_offset = (
+        cracked(np.abs(offset[joint]), LIMIT).astype(float)
+        if offsets
+        else np.full(len(joint), np.nan)
+    )
+    table = pd.DataFrame(
+        {
+            "joint": joint,
+            "crack": crack[joint],
+            "length_m": twins.length_m[joint],
+            "opening_m": shown[joint],
+            "slip_m": 0.0,
+            "width_m": shown[joint],
+            "offset": seen_offset,
+        }
+    )
     return replace(library.blank, pattern=pattern, table=table), pattern
 
 
 def truth(twins, kind, k):
-    """({of BUT_FOR: whether it is so}, {before, added, left: widest crack [mm]}) of a claim of a draw."""
+    """({of BUT_FOR: whether it is so}, {before, added, left: widest crack [mm]}) of a claim of a
+    draw."""
     width = {name: values[k] / MILLIMETRE for name, values in twins.width_m.items()}
     now = width[CLAIMS[kind]]
     without_e = {"B": width["settlement"], "E": width["none"], "S": width["settlement"]}[kind]
     without_s = {"B": width["earthquakes"], "E": width["earthquakes"], "S": width["none"]}[kind]
-    hidden_e, hidden_s = (not cracked(one * MILLIMETRE, THRESHOLD) for one in (without_e, without_s))
+    hidden_e, hidden_s = (
+        not cracked(one * MILLIMETRE, THRESHOLD) for one in (without_e, without_s)
+    )
     return dict(zip(BUT_FOR, (hidden_e, hidden_s, hidden_e and hidden_s))), {
-        "before": without_e, "added": now - without_e, "left": now}
+        "before": without_e,
+        "added": now - without_e,
+        "left": now,
+    }
 
 
 def rows_of(library, of, offsets, seed=1):
-    """A row a claim of the draws of one Library, answered from the draws of another, or from its own others."""
+    """A row a claim of the draws of one Library, answered from the draws of another, or from its
+    own others."""
     rows = []
     for k in range(len(library.twins)):
         for kind, state in CLAIMS.items():
@@ -118,10 +156,20 @@ def rows_of(library, of, offsets, seed=1):
             drawn = surveyed_wall(library, state, k, rng, offsets)
             if drawn is None:
                 continue
-            row = {"wall": library.name, "asked_of": of.name, "life": int(library.twins.numbers[k]), "kind": kind}
+            row = {
+                "wall": library.name,
+                "asked_of": of.name,
+                "life": int(library.twins.numbers[k]),
+                "kind": kind,
+            }
             try:
-                survey = drawn[0] if of is library else replace(
-                    survey_of(drawn[1], of.wall), detection_limit_m=LIMIT, width_error_m=ERROR)
+                survey = (
+                    drawn[0]
+                    if of is library
+                    else replace(
+                        survey_of(drawn[1], of.wall), detection_limit_m=LIMIT, width_error_m=ERROR
+                    )
+                )
             except InputError:
                 rows.append(row | {"reasons": "refused"})
                 continue
@@ -131,45 +179,70 @@ def rows_of(library, of, offsets, seed=1):
 
 
 def judged(found, but_for, width):
-    """A claim's row: reasons for no answer, verdicts and whether they are wrong, widths in their intervals."""
-    row = {"reasons": " ".join(one["why"] for one in found["no_answer"]), "strange": found["stranger_than"],
-           "draws": min(found["effective_draws"].values())}
+    """A claim's row: reasons for no answer, verdicts and whether they are wrong, widths in their
+    intervals."""
+    row = {
+        "reasons": " ".join(one["why"] for one in found["no_answer"]),
+        "strange": found["stranger_than"],
+        "draws": min(found["effective_draws"].values()),
+    }
     for name in BUT_FOR:
         said = found["verdict"][name]
-        row |= {name: but_for[name], f"said_{name}": said,
-                f"wrong_{name}": said != "open" and (said == "yes") != but_for[name]}
+        row |= {
+            name: but_for[name],
+            f"said_{name}": said,
+            f"wrong_{name}": said != "open" and (said == "yes") != but_for[name],
+        }
     for prior in map(str, PRIORS):
         row[f"p_{prior}"] = found["like_survey"][prior]["not_without_earthquakes"]["share"]
         for what, true in width.items():
             for table in ("like_survey", "all_draws"):
                 three = (found["crack_width_mm"][prior][table] or {}).get(what)
-                row[f"{table}_{what}_{prior}"] = three and three[0] - 1e-9 <= true <= three[2] + 1e-9
+                row[f"{table}_{what}_{prior}"] = (
+                    three and three[0] - 1e-9 <= true <= three[2] + 1e-9
+                )
     return row
 
 
 def coverage(rows, column):
-    """Shares of claims by prior, those of B with the prior's probability, E with the rest: words."""
+    """Shares of claims by prior, those of B with the prior's probability, E with the rest:
+    words."""
     shares = []
     for prior in PRIORS:
-        of = {kind: rows.loc[rows["kind"] == kind, f"{column}_{prior}"].dropna().astype(float) for kind in "BE"}
-        shares.append(f"{prior * of['B'].mean() + (1 - prior) * of['E'].mean():.2f}" if all(map(len, of.values()))
-                      else "-")
+        of = {
+            kind: rows.loc[rows["kind"] == kind, f"{column}_{prior}"].dropna().astype(float)
+            for kind in "BE"
+        }
+        shares.append(
+            f"{prior * of['B'].mean() + (1 - prior) * of['E'].mean():.2f}"
+            if all(map(len, of.values()))
+            else "-"
+        )
     return ", ".join(shares)
 
 
 def print_calibration(one, rows):
-    """Rows of what the sheet states beside what was so, of claims of B and E, and a row on the number of draws."""
+    """Rows of what the sheet states beside what was so, of claims of B and E, and a row on the
+    number of draws."""
     mine = rows[rows["kind"].isin(["B", "E"])]
     said, so = mine["p_0.5"].astype(float), mine["not_without_earthquakes"].astype(float)
     for low, high in zip(BINS, BINS[1:]):
         inside = (said > low - (low == 0)) & (said <= high)
         if inside.any():
-            print_row(one.name, f"{100 * low:g} to {100 * high:g}", int(inside.sum()), round(100 * said[inside].mean()),
-                      round(100 * so[inside].mean()))
+            print_row(
+                one.name,
+                f"{100 * low:g} to {100 * high:g}",
+                int(inside.sum()),
+                round(100 * said[inside].mean()),
+                round(100 * so[inside].mean()),
+            )
     resemble = (rows["draws"] / len(one.twins)).astype(float)
-    print(f"{one.name}: {100 * resemble.median():.0f} % of the draws resemble a survey (median; 5 % of claims: below "
-          f"{100 * resemble.quantile(0.05):.0f} %); of claims without {LEAST_DRAWS} of 400 draws "
-          f"{100 * (400 * resemble < LEAST_DRAWS).mean():.0f} %", file=sys.stderr)
+    print(
+        f"{one.name}: {100 * resemble.median():.0f} % of the draws resemble a survey (median; 5 %"
+        f" of claims: below {100 * resemble.quantile(0.05):.0f} %); of claims without {LEAST_DRAWS}"
+        f" of 400 draws {100 * (400 * resemble < LEAST_DRAWS).mean():.0f} %",
+        file=sys.stderr,
+    )
 
 
 def print_rows(rows, title):
@@ -178,37 +251,70 @@ def print_rows(rows, title):
         mine = rows[rows["kind"] == kind]
         if not len(mine):
             continue
-        counts = [int(mine["reasons"].str.contains(why).sum()) for why in ("refused", "draws", "strange", "small")]
+        counts = [
+            int(mine["reasons"].str.contains(why).sum())
+            for why in ("refused", "draws", "strange", "small")
+        ]
         for reasons in ([""], ["", "draws"]):
             these = mine[mine["reasons"].isin(reasons)]
             names = [name for name in BUT_FOR if f"said_{name}" in these]
-            counts += [sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
-                       sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names)]
+            counts += [
+                sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
+                sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names),
+            ]
         print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *counts)
 
 
 def main():
-    asked = arguments(__doc__, option("claims", nargs="+", type=Path), option("--asked-of", type=Path),
-                      option("--offsets", action="store_true"), option("--rows", type=Path))
+    asked = arguments(
+        __doc__,
+        option("claims", nargs="+", type=Path),
+        option("--asked-of", type=Path),
+        option("--offsets", action="store_true"),
+        option("--rows", type=Path),
+    )
     libraries = [Library(folder, asked.offsets) for folder in asked.claims]
     other = asked.asked_of and Library(asked.asked_of, asked.offsets)
     tables = [rows_of(one, other or one, asked.offsets) for one in libraries]
     if asked.rows:
         pd.concat(tables).to_csv(asked.rows, index=False)
     below = f"answers below {LEAST_DRAWS} draws, too"
-    print_table("wall", "claim", "claims", "no answer", "refused", f"below {LEAST_DRAWS} draws", "strange", "small",
-                "answers", "wrong", below, f"wrong ({below})")
+    print_table(
+        "wall",
+        "claim",
+        "claims",
+        "no answer",
+        "refused",
+        f"below {LEAST_DRAWS} draws",
+        "strange",
+        "small",
+        "answers",
+        "wrong",
+        below,
+        f"wrong ({below})",
+    )
     for one, rows in zip(libraries, tables):
         asked_of = f" asked of {other.name}" if other else ""
         print_rows(rows, f"{one.name}{asked_of} ({len((other or one).twins)} draws)")
     print()
-    print_table("wall", *(f"{what}: {table.replace('_', ' ')}" for what in ("before", "added", "left")
-                          for table in ("like_survey", "all_draws")))
+    print_table(
+        "wall",
+        *(
+            f"{what}: {table.replace('_', ' ')}"
+            for what in ("before", "added", "left")
+            for table in ("like_survey", "all_draws")
+        ),
+    )
     for one, rows in zip(libraries, tables):
         if "draws" in rows:
-            print_row(f"{one.name} ({len((other or one).twins)} draws)", *(
-                coverage(rows, f"{table}_{what}") for what in ("before", "added", "left")
-                for table in ("like_survey", "all_draws")))
+            print_row(
+                f"{one.name} ({len((other or one).twins)} draws)",
+                *(
+                    coverage(rows, f"{table}_{what}")
+                    for what in ("before", "added", "left")
+                    for table in ("like_survey", "all_draws")
+                ),
+            )
     print()
     print_table("wall", "stated of 100", "claims", "mean stated", "true of 100")
     for one, rows in zip(libraries, tables):

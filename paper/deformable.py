@@ -1,10 +1,13 @@
-"""Deformable bricks beside rigid ones: first periods with a triangle mesh as an independent check, and what they cost.
+"""Deformable bricks beside rigid ones: first periods with a triangle mesh as an independent check,
+and what they cost.
 
     python3 -m paper deformable periods [WALL ...]     # of the shipped walls, by default
     python3 -m paper deformable cost [WALL]            # time per step and per run, processor time
-    python3 -m paper deformable runs DIR               # the symmetric wall shaken, five members a row, as a table
+    python3 -m paper deformable runs DIR               # the symmetric wall shaken, five members a
+    row, as a table
 
-`runs` keeps its histories in DIR and makes only those that are missing; the table has the rows that are there.
+`runs` keeps its histories in DIR and makes only those that are missing; the table has the rows that
+are there.
 """
 
 import json
@@ -35,13 +38,17 @@ from paper.softening import softened
 from verification.triangles import Mesh
 
 WALLS = ("solid", "symmetric", "asymmetric")
-MODELS = {"rigid bricks": {}, "order 2": {"bricks": "deformable"},
-          "order 3": {"bricks": "deformable", "brick_order": 3}}
+MODELS = {
+    "rigid bricks": {},
+    "order 2": {"bricks": "deformable"},
+    "order 3": {"bricks": "deformable", "brick_order": 3},
+}
 CELLS = (2, 4, 8)
 STEPS = 1000
 
 DEFORM, WEAKER, STRONGER = ["--bricks", "deformable"], ["0.2", "0.05"], ["0.33", "0.1"]
-RUNS = {  # name: (words, joints, harmonic motion, options), rigid ones first: times are compared with theirs
+# name: (words, joints, harmonic motion, options), rigid ones first: times are compared with theirs
+RUNS = {
     "rigid": ("rigid", "brittle", WEAKER, []),
     "deformable": ("deformable (default: mass x 9, damped)", "brittle", WEAKER, DEFORM),
     "soft_rigid": ("rigid", "softening", WEAKER, []),
@@ -50,11 +57,30 @@ RUNS = {  # name: (words, joints, harmonic motion, options), rigid ones first: t
     "strong_deformable": ("deformable", "brittle", STRONGER, DEFORM),
     "soft_deformable": ("deformable", "softening", WEAKER, DEFORM),
     "strong_soft_deformable": ("deformable", "softening", STRONGER, DEFORM),
-    "undamped": ("deformable, modes undamped, mass x 9", "brittle", WEAKER, [*DEFORM, "--brick-damping", "0"]),
-    "true_mass": ("deformable, damped, true mass", "brittle", WEAKER, [*DEFORM, "--brick-mass", "1"]),
-    "undamped_true_mass": ("deformable, undamped, true mass", "brittle", WEAKER,
-                           [*DEFORM, "--brick-damping", "0", "--brick-mass", "1"]),
-    "points": ("deformable, twice the contact points", "brittle", WEAKER, [*DEFORM, "--cells", "4"]),
+    "undamped": (
+        "deformable, modes undamped, mass x 9",
+        "brittle",
+        WEAKER,
+        [*DEFORM, "--brick-damping", "0"],
+    ),
+    "true_mass": (
+        "deformable, damped, true mass",
+        "brittle",
+        WEAKER,
+        [*DEFORM, "--brick-mass", "1"],
+    ),
+    "undamped_true_mass": (
+        "deformable, undamped, true mass",
+        "brittle",
+        WEAKER,
+        [*DEFORM, "--brick-damping", "0", "--brick-mass", "1"],
+    ),
+    "points": (
+        "deformable, twice the contact points",
+        "brittle",
+        WEAKER,
+        [*DEFORM, "--cells", "4"],
+    ),
 }
 """Runs of `runs`, in order of their importance."""
 
@@ -68,7 +94,11 @@ def periods(names):
             print(f"{name}, {label}: {natural_modes(layout, 1).period_s[0]:.4f} s", flush=True)
         for cells in CELLS:
             layout = lay_out(wall, ModelOptions(contacts="gauss", cells=cells, bricks="deformable"))
-            print(f"{name}, triangles, {cells} cells a brick: {Mesh(layout, cells).first_period():.4f} s", flush=True)
+            print(
+                f"{name}, triangles, {cells} cells a brick:"
+                f" {Mesh(layout, cells).first_period():.4f} s",
+                flush=True,
+            )
 
 
 def cost(name):
@@ -77,17 +107,24 @@ def cost(name):
     for together, (label, options) in product((8, 1), MODELS.items()):
         walls = [standing(wall, options) for _ in range(together)]
         layout, time_step, step = walls[0].layout, walls[0].time_step, time_of_step(walls)
-        run = step * ((0.0 if layout.strain else RAMP_S) + HOLD_S + 0.6 + 2.0 + SETTLE_S) / time_step
+        run = (
+            step * ((0.0 if layout.strain else RAMP_S) + HOLD_S + 0.6 + 2.0 + SETTLE_S) / time_step
+        )
         base = (step, run) if layout.strain is None else base
-        print(f"{together} together, {label}: {len(layout.contacts)} points, "
-              f"time step {1e6 * time_step:.3g} us; {1e6 * step:.1f} us a step and wall ({step / base[0]:.1f}), "
-              f"{run:.1f} s a run ({run / base[1]:.1f})", flush=True)
+        print(
+            f"{together} together, {label}: {len(layout.contacts)} points, time step"
+            f" {1e6 * time_step:.3g} us; {1e6 * step:.1f} us a step and wall"
+            f" ({step / base[0]:.1f}), {run:.1f} s a run ({run / base[1]:.1f})",
+            flush=True,
+        )
 
 
 def time_of_step(walls):
     """Processor time of a step and wall [s], the least of three attempts."""
     run_together(walls, 10)  # compiles
-    times = timeit.repeat(lambda: run_together(walls, STEPS), timer=time.process_time, number=1, repeat=3)
+    times = timeit.repeat(
+        lambda: run_together(walls, STEPS), timer=time.process_time, number=1, repeat=3
+    )
     return min(times) / STEPS / len(walls)
 
 
@@ -118,32 +155,76 @@ def runs(folder):
 
 def simulate(wall, motion, options, out):
     """Five members of a run."""
-    subprocess.run([sys.executable, "-m", "damage", "reference", wall, "--harmonic", *motion, "--rest", "1",
-                    "--contacts", "gauss", *EXPLICIT, *options, "--members", "5", "--no-pictures", "--quiet",
-                    "--overwrite", "--out", out.resolve()], cwd=REPOSITORY, check=True)
+    subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "damage",
+            "reference",
+            wall,
+            "--harmonic",
+            *motion,
+            "--rest",
+            "1",
+            "--contacts",
+            "gauss",
+            *EXPLICIT,
+            *options,
+            "--members",
+            "5",
+            "--no-pictures",
+            "--quiet",
+            "--overwrite",
+            "--out",
+            out.resolve(),
+        ],
+        cwd=REPOSITORY,
+        check=True,
+    )
 
 
 def print_runs(folder):
-    """Print the table of the RUNS that are in a folder, without times where FILE_seconds.json holds null."""
-    print_table("motion", "joints", "bricks", "T0 [s]", "largest drift [%]", "DI, slip by displacement",
-                "DI, slip by shear limit", "failed contact points", "length of cracks, first member [m]",
-                "time to rigid bricks")
+    """Print the table of the RUNS that are in a folder, without times where FILE_seconds.json holds
+    null."""
+    print_table(
+        "motion",
+        "joints",
+        "bricks",
+        "T0 [s]",
+        "largest drift [%]",
+        "DI, slip by displacement",
+        "DI, slip by shear limit",
+        "failed contact points",
+        "length of cracks, first member [m]",
+        "time to rigid bricks",
+    )
     rigid = {}
     for name, (bricks, joints, motion, _) in RUNS.items():
         if not (kept := folder / f"{name}_seconds.json").is_file():
             continue
         seconds, table = json.loads(kept.read_text()), pd.read_csv(folder / f"{name}_members.csv")
         first = rigid.setdefault((joints, *motion), seconds)
-        times = "" if None in (seconds, first) else f"{seconds / first:.1f}"  # null where something else was compiled
-        print_row(f"{motion[0]} s, {motion[1]} g", joints, bricks, f"{table.eigen_period_s[0]:.4f}",
-                  _spread(100 * table.max_drift_ratio), _spread(table["max_DI"]), _spread(table["max_shear_limit_DI"]),
-                  _spread(table.tension_breaks + table.shear_breaks, "{:.0f}"),
-                  f"{psi_history(read_history(folder / f'{name}.h5')).crack_length_m.max():.1f}", times)
+        # null where something else was compiled
+        times = "" if None in (seconds, first) else f"{seconds / first:.1f}"
+        print_row(
+            f"{motion[0]} s, {motion[1]} g",
+            joints,
+            bricks,
+            f"{table.eigen_period_s[0]:.4f}",
+            _spread(100 * table.max_drift_ratio),
+            _spread(table["max_DI"]),
+            _spread(table["max_shear_limit_DI"]),
+            _spread(table.tension_breaks + table.shear_breaks, "{:.0f}"),
+            f"{psi_history(read_history(folder / f'{name}.h5')).crack_length_m.max():.1f}",
+            times,
+        )
 
 
 def _spread(values, form="{:.3f}"):
     """Median and range as text."""
-    return f"{form.format(values.median())} ({form.format(values.min())}-{form.format(values.max())})"
+    return (
+        f"{form.format(values.median())} ({form.format(values.min())}-{form.format(values.max())})"
+    )
 
 
 def _processor_s():
@@ -153,7 +234,13 @@ def _processor_s():
 
 
 def main():
-    asked = arguments(__doc__, option("what", choices=("periods", "cost", "runs")),
-                      option("walls", nargs="*", help="walls, or the folder of `runs`"))
-    {"periods": lambda: periods(asked.walls or WALLS), "runs": lambda: runs(Path(*asked.walls)),
-     "cost": lambda: cost(*(asked.walls or ["symmetric"]))}[asked.what]()
+    asked = arguments(
+        __doc__,
+        option("what", choices=("periods", "cost", "runs")),
+        option("walls", nargs="*", help="walls, or the folder of `runs`"),
+    )
+    {
+        "periods": lambda: periods(asked.walls or WALLS),
+        "runs": lambda: runs(Path(*asked.walls)),
+        "cost": lambda: cost(*(asked.walls or ["symmetric"])),
+    }[asked.what]()

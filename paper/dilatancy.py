@@ -1,14 +1,17 @@
-"""Dilatant joints as a prototype on top of the plain step: what an option for dilatancy would change.
+"""Dilatant joints as a prototype on top of the plain step: what an option for dilatancy would
+change.
 
     python3 -m paper dilatancy      # two minutes
 
-The joint law stays.  A failed contact point that has slipped by s is thicker by the integral of the dilatancy,
+The joint law stays.  A failed contact point that has slipped by s is thicker by the integral of the
+dilatancy,
 
     d(s) = tan(psi_0) / delta (1 - exp(-delta |s|)),    tan(psi) = tan(psi_0) exp(-delta |s|),
 
-which decays with slip (G. P. A. G. van Zijl (2004), Modeling masonry shear-compression: role of dilatancy highlighted,
-J. Eng. Mech. 130(11)); its decrease with pressure is left out, which makes it larger.  psi_0 and delta are assumed.
-Its rest position moves by d every few steps, as a negative plastic closure.
+which decays with slip (G. P. A. G. van Zijl (2004), Modeling masonry shear-compression: role of
+dilatancy highlighted, J. Eng. Mech. 130(11)); its decrease with pressure is left out, which makes
+it larger.  psi_0 and delta are assumed. Its rest position moves by d every few steps, as a negative
+plastic closure.
 """
 
 from dataclasses import dataclass, replace
@@ -40,7 +43,8 @@ def thickening(slip, dilatancy):
 
 @dataclass(frozen=True)
 class Pushed:
-    """displacement, force, lift: of the top [m, N, m], (n,) each; slip: of the contact points at the end [m]."""
+    """displacement, force, lift: of the top [m, N, m], (n,) each; slip: of the contact points at
+    the end [m]."""
 
     displacement: np.ndarray
     force: np.ndarray
@@ -49,8 +53,8 @@ class Pushed:
 
 
 def push(layout, farthest, speed, *, dilatancy, rotates=False, lifts=True):
-    """Push the top of a settled wall; a Pushed.  farthest [m]; speed [m/s]; dilatancy: tan(psi_0); rotates, lifts:
-    whether the top may."""
+    """Push the top of a settled wall; a Pushed.  farthest [m]; speed [m/s]; dilatancy: tan(psi_0);
+    rotates, lifts: whether the top may."""
     wall = settled_wall(layout)
     wall.start(np.zeros((0, 2)))
     caps, states = layout.pushed_bodies, wall.system.states
@@ -72,38 +76,79 @@ def push(layout, farthest, speed, *, dilatancy, rotates=False, lifts=True):
 def two_bricks():
     """The Layout of two dry bricks under a rigid mass that cannot turn."""
     brick = Brick(length=0.45)
-    return lay_out(Wall("pair", brick.length / 2, 2 * brick.height, precompression=0.3e6, brick=brick,
-                        joint=Joint(tensile_strength=0.0, cohesion=0.0)), ModelOptions(top="beam"))
+    return lay_out(
+        Wall(
+            "pair",
+            brick.length / 2,
+            2 * brick.height,
+            precompression=0.3e6,
+            brick=brick,
+            joint=Joint(tensile_strength=0.0, cohesion=0.0),
+        ),
+        ModelOptions(top="beam"),
+    )
 
 
 def integral(layout, slip, dilatancy):
-    """Integral of the dilatancy over the slip of two bricks [m]; the joint on the ground slips by a hundredth."""
-    return float(sum(thickening(slip[layout.contacts.second == body], dilatancy).mean() for body in (0, 1)))
+    """Integral of the dilatancy over the slip of two bricks [m]; the joint on the ground slips by a
+    hundredth."""
+    return float(
+        sum(thickening(slip[layout.contacts.second == body], dilatancy).mean() for body in (0, 1))
+    )
 
 
-SCATTERED = {f"softening, strengths scatter, draw {seed}": ModelOptions(strength_cov=0.35, strength_seed=seed)
-             for seed in (1, 2)}
+SCATTERED = {
+    f"softening, strengths scatter, draw {seed}": ModelOptions(
+        strength_cov=0.35, strength_seed=seed
+    )
+    for seed in (1, 2)
+}
 """Joints whose crack runs in steps without dilatancy, and their ModelOptions."""
-WALLS = (("squat_tested", "brittle", True), ("comp2_4", "brittle", False),
-         *(("comp2_4", label, False) for label in SCATTERED))
+WALLS = (
+    ("squat_tested", "brittle", True),
+    ("comp2_4", "brittle", False),
+    *(("comp2_4", label, False) for label in SCATTERED),
+)
 """Wall file, what a table calls its joints, whether the top turns."""
 
 
 def main():
     """Tested walls: residual force by dilatancy, and where the top is kept from lifting."""
     arguments(__doc__)
-    print_table("wall", "joints", "tan ψ_0", "top", "peak [kN]", "mean force from 0.1 to 0.2 % [kN]",
-                "to no dilatancy", "lift at 0.2 % [mm]")
+    print_table(
+        "wall",
+        "joints",
+        "tan ψ_0",
+        "top",
+        "peak [kN]",
+        "mean force from 0.1 to 0.2 % [kN]",
+        "to no dilatancy",
+        "lift at 0.2 % [mm]",
+    )
     for name, label, rotates in WALLS:
         wall, brittle = load_wall(name), label not in SCATTERED
         if not brittle:
-            wall = replace(wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength)))
+            wall = replace(
+                wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength))
+            )
         layout = lay_out(wall, SCATTERED.get(label, ModelOptions()))
         height, without = layout.pushed_height, None
-        for dilatancy, lifts in (*((level, True) for level in LEVELS), *([(LEVELS[-1], False)] if brittle else [])):
-            done = push(layout, 2e-3 * height, 8e-3, dilatancy=dilatancy, rotates=rotates, lifts=lifts)
+        for dilatancy, lifts in (
+            *((level, True) for level in LEVELS),
+            *([(LEVELS[-1], False)] if brittle else []),
+        ):
+            done = push(
+                layout, 2e-3 * height, 8e-3, dilatancy=dilatancy, rotates=rotates, lifts=lifts
+            )
             residual = done.force[done.displacement > 1e-3 * height].mean()
             without = without or residual
-            print_row(SPECIMENS[name], label, dilatancy, "free to lift" if lifts else "kept from lifting",
-                      f"{done.force.max() / 1e3:.1f}", f"{residual / 1e3:.1f}",
-                      f"{100 * (residual / without - 1):+.1f} %", f"{1e3 * done.lift[-1]:.2f}")
+            print_row(
+                SPECIMENS[name],
+                label,
+                dilatancy,
+                "free to lift" if lifts else "kept from lifting",
+                f"{done.force.max() / 1e3:.1f}",
+                f"{residual / 1e3:.1f}",
+                f"{100 * (residual / without - 1):+.1f} %",
+                f"{1e3 * done.lift[-1]:.2f}",
+            )

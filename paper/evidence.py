@@ -1,4 +1,5 @@
-"""The tables of studies as evidence: runs picked by their parameters, medians over members of a point."""
+"""The tables of studies as evidence: runs picked by their parameters, medians over members of a
+point."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,23 +13,44 @@ from damage.measure.damage_index import CRITERIA
 from damage.wall.model_options import USUAL_MODEL
 from paper.criteria import CONVERGED_SPEED_M_S
 
-SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} \
-    | {"shocks": 1, "alpha_1_s": 0.0, "vertical": 0}
-"""Parameters of the runs that are compared with the paper; a table without one of these columns has these values.
-Lintels are compared one by one."""
+SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} | {
+    "shocks": 1,
+    "alpha_1_s": 0.0,
+    "vertical": 0,
+}
+"""Parameters of the runs that are compared with the paper; a table without one of these columns has
+these values. Lintels are compared one by one."""
 LEAST_STEP_S = 2e-5
 """Runs with smaller steps are studies of the step [s]."""
 BETA_S = 1e-6
-"""Largest stiffness-proportional damping of a run that still counts where there is none without [s]; it damps the
-first mode by 1.6e-5."""
+"""Largest stiffness-proportional damping of a run that still counts where there is none without
+[s]; it damps the first mode by 1.6e-5."""
 SOFTENS = "mode_i_fracture_energy_j_m2"
 """Column that is above zero where the joints are not the paper's, which are brittle."""
-MEASURES = (*SHAPE, SOFTENS, "slip", "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s",
-            "cycles", "speed_m_s", "amplitude_g", "record", "scale", "eigen_period_s", "input_energy_j",
-            "damping_energy_j", "energy_error_fraction")
+MEASURES = (
+    *SHAPE,
+    SOFTENS,
+    "slip",
+    "collapsed_at_s",
+    "lintel",
+    "beta_s",
+    "time_step_s",
+    "rest_s",
+    "motion_period_s",
+    "cycles",
+    "speed_m_s",
+    "amplitude_g",
+    "record",
+    "scale",
+    "eigen_period_s",
+    "input_energy_j",
+    "damping_energy_j",
+    "energy_error_fraction",
+)
 """Columns that are looked up in every run; empty where an older table lacks one."""
 OTHER_WALL = 1e-3
-"""Share by which the period of an intact wall differs where it is another wall of the same name, as a copy is."""
+"""Share by which the period of an intact wall differs where it is another wall of the same name, as
+a copy is."""
 RECORDS = {"zeerijp": r"BGAR.*HGE", "huizinge": r"(?i:MID1|huizinge)"}
 """How the names of the paper's two records are recognised."""
 
@@ -42,43 +64,58 @@ class Fell(Exception):
 
 
 def load_runs(folder):
-    """Every row of the tables */tables/summary.csv below `folder`, a DataFrame, with the column `tables`, their folder.
+    """Every row of the tables */tables/summary.csv below `folder`, a DataFrame, with the column
+    `tables`, their folder.
 
     Rows of runs that were not completed are left out.  Raises InputError where there is no table.
     """
     paths = sorted(folder.rglob("tables/summary.csv"))
     if not paths:
-        raise InputError(f"{folder}: no tables/summary.csv below it; expected the results of studies, as "
-                         "./run_all.sh harmonic writes them")
+        raise InputError(
+            f"{folder}: no tables/summary.csv below it; expected the results of studies, as "
+            "./run_all.sh harmonic writes them"
+        )
     needed = ("run", "wall", "solver", "status", "motion")
-    runs = pd.concat([read_table(path, needed).assign(tables=path.parent) for path in paths], ignore_index=True)
+    runs = pd.concat(
+        [read_table(path, needed).assign(tables=path.parent) for path in paths], ignore_index=True
+    )
     runs = runs.reindex(columns=runs.columns.union(MEASURES, sort=False))
     return runs[runs["status"] == "complete"].reset_index(drop=True)
 
 
-USUAL = {name: (lambda column, value=value: column.isna() | (column == value)) for name, value in SHAPE.items()} | {
-    "time_step_s": lambda step_s: ~(step_s < LEAST_STEP_S), "beta_s": lambda beta_s: ~(beta_s > BETA_S),
-    SOFTENS: lambda energy: ~(energy > 0)}
-"""{column: function of it that says which runs are those of the paper's model, as it is read here by default}."""
+USUAL = {
+    name: lambda column, value=value: column.isna() | (column == value)
+    for name, value in SHAPE.items()
+} | {
+    "time_step_s": lambda step_s: ~(step_s < LEAST_STEP_S),
+    "beta_s": lambda beta_s: ~(beta_s > BETA_S),
+    SOFTENS: lambda energy: ~(energy > 0),
+}
+"""{column: function of it that says which runs are those of the paper's model, as it is read here
+by default}."""
 
 
 def exactly(**values):
     """{column: function of it that says which runs have this value}."""
-    return {name: (lambda column, value=value: column == value) for name, value in values.items()}
+    return {name: lambda column, value=value: column == value for name, value in values.items()}
 
 
 ANY_STEP = {"time_step_s": lambda step_s: step_s > 0}
 MODELS = {
     "": {},
     "contacts at the joints' ends": exactly(contacts="corners"),
-    "deformable bricks, contacts at the joints' ends":
-        exactly(contacts="corners", bricks="deformable", brick_damping=0.0) | ANY_STEP}
-"""{words: changes of USUAL} of the models that the verdict judges: the default, and the one that the paper's text
-describes (deformable bricks, contacts at their corners or edges, brittle and undamped) in rigid and in its own form."""
+    "deformable bricks, contacts at the joints' ends": (
+        exactly(contacts="corners", bricks="deformable", brick_damping=0.0) | ANY_STEP
+    ),
+}
+"""{words: changes of USUAL} of the models that the verdict judges: the default, and the one that
+the paper's text describes (deformable bricks, contacts at their corners or edges, brittle and
+undamped) in rigid and in its own form."""
 
 
 def comparable(runs, changes=None):
-    """The runs of the model of USUAL, or with `changes` of its functions, and the usual period of the wall."""
+    """The runs of the model of USUAL, or with `changes` of its functions, and the usual period of
+    the wall."""
     kept = pd.Series(True, runs.index)
     for name, fits in (USUAL | (changes or {})).items():
         kept &= fits(runs[name])
@@ -89,7 +126,8 @@ def comparable(runs, changes=None):
 
 @dataclass(frozen=True)
 class Point:
-    """The runs of one wall under one motion, which differ by their perturbation only; rows: DataFrame."""
+    """The runs of one wall under one motion, which differ by their perturbation only; rows:
+    DataFrame."""
 
     rows: pd.DataFrame
     label: str
@@ -117,26 +155,36 @@ class Point:
         return None if len(known) < 2 else (float(known.min()), float(known.max()))
 
     def _known(self, name):
-        """The values of a column that are not missing, an array: on the few rows of a point much faster than pandas."""
+        """The values of a column that are not missing, an array: on the few rows of a point much
+        faster than pandas."""
         values = self.rows[name].to_numpy(float)
         return values[~np.isnan(values)]
 
     def cycles(self, name):
-        """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members."""
+        """A column of the cycle tables by driven cycle, (n_cycles,): the median over the
+        members."""
         self.stood()
-        tables = [table for run in zip(self.rows["tables"], self.rows["run"].astype(str))
-                  if len(table := _cycles(*run))]
+        tables = [
+            table
+            for run in zip(self.rows["tables"], self.rows["run"].astype(str))
+            if len(table := _cycles(*run))
+        ]
         if not tables:
             raise NotThere(f"no table of cycles ({self.label})")
         return np.median([table.loc[table["kind"] == "driven", name] for table in tables], axis=0)
 
 
 def _cycles(folder, run):
-    """The cycles of a run: of a table of its own, or of that of its study; empty where neither has them."""
+    """The cycles of a run: of a table of its own, or of that of its study; empty where neither has
+    them."""
     alone, together = folder / f"{run}_cycles.csv", folder / "cycles.csv"
     if alone.is_file():
         return read_table(alone)
-    table = _table_of(together, together.stat().st_mtime_ns) if together.is_file() else pd.DataFrame({"run": []})
+    table = (
+        _table_of(together, together.stat().st_mtime_ns)
+        if together.is_file()
+        else pd.DataFrame({"run": []})
+    )
     return table[table["run"].astype(str) == run]
 
 
@@ -150,7 +198,8 @@ def _table_of(path, time_ns):
 class Evidence:
     """Evidence from one solver with one lintel and one slip criterion.
 
-    runs: comparable runs of one solver, all lintels; points: theirs, of `gather`; records: {name: Record} of
+    runs: comparable runs of one solver, all lintels; points: theirs, of `gather`; records: {name:
+    Record} of
     the paper's two; usual_cycles: of the harmonic motions, where a claim does not say.
     """
 
@@ -167,13 +216,21 @@ class Evidence:
 
     def harmonic(self, wall, period_s, cycles=None):
         """{amplitude [g]: Point} of a wall's harmonic motions, rising."""
-        return self.points.get(_harmonic_key(wall, self.lintel, period_s, cycles or self.usual_cycles), {})
+        return self.points.get(
+            _harmonic_key(wall, self.lintel, period_s, cycles or self.usual_cycles), {}
+        )
 
     def harmonic_at(self, wall, period_s, amplitudes_g, cycles=None):
-        """Points at these amplitudes, in their order; raises Fell if one fell, NotThere if one is missing."""
-        count = f", {cycles or self.usual_cycles} cycles" if (cycles or self.usual_cycles) != 3 else ""
-        return _chosen(self.harmonic(wall, period_s, cycles), amplitudes_g,
-                       f"no run of the {wall} wall at {period_s:g} s{count}, amplitude [g]")
+        """Points at these amplitudes, in their order; raises Fell if one fell, NotThere if one is
+        missing."""
+        count = (
+            f", {cycles or self.usual_cycles} cycles" if (cycles or self.usual_cycles) != 3 else ""
+        )
+        return _chosen(
+            self.harmonic(wall, period_s, cycles),
+            amplitudes_g,
+            f"no run of the {wall} wall at {period_s:g} s{count}, amplitude [g]",
+        )
 
     def shaken(self, record):
         """{scale: Point} of the symmetric wall shaken by one of RECORDS, rising."""
@@ -191,13 +248,19 @@ class Evidence:
         return Point(rows, wall).plain("eigen_period_s")
 
     def pushed_slowly(self, wall):
-        """The Point of a wall's runs pushed as a cantilever so slowly that its stiffness has converged."""
+        """The Point of a wall's runs pushed as a cantilever so slowly that its stiffness has
+        converged."""
         motion = self.runs["motion"].astype(str)
-        rows = self.runs[(self.runs["wall"] == wall) & motion.str.contains("^(?:cyclic|pushover).*cantilever")
-                         & (self.runs["speed_m_s"] <= CONVERGED_SPEED_M_S)]
+        rows = self.runs[
+            (self.runs["wall"] == wall)
+            & motion.str.contains("^(?:cyclic|pushover).*cantilever")
+            & (self.runs["speed_m_s"] <= CONVERGED_SPEED_M_S)
+        ]
         if len(rows) == 0:
-            raise NotThere(f"no run of the {wall} wall pushed at {1e3 * CONVERGED_SPEED_M_S:g} mm/s or less, where its "
-                           "stiffness has converged")
+            raise NotThere(
+                f"no run of the {wall} wall pushed at {1e3 * CONVERGED_SPEED_M_S:g} mm/s or less,"
+                " where its stiffness has converged"
+            )
         return Point(rows, f"{wall} wall, pushed slowly")
 
     def cycled(self, wall):
@@ -210,28 +273,35 @@ class Evidence:
 
 
 def _harmonic_key(wall, lintel, period_s, cycles):
-    """What runs of one wall share that differ in amplitude only; a wall without openings has no lintel."""
+    """What runs of one wall share that differ in amplitude only; a wall without openings has no
+    lintel."""
     return wall, "none" if wall == "solid" else lintel, round(float(period_s), 6), int(cycles)
 
 
 def gather(runs):
-    """The points of one solver's comparable runs: {key: {amplitude [g] or scale: Point}}, rising."""
+    """The points of one solver's comparable runs: {key: {amplitude [g] or scale: Point}},
+    rising."""
     found = {}
     shaken = runs[runs["motion_period_s"].notna()]
     for (wall, lintel, period, cycles, amplitude), rows in shaken.groupby(
-            ["wall", "lintel", "motion_period_s", "cycles", "amplitude_g"]):
+        ["wall", "lintel", "motion_period_s", "cycles", "amplitude_g"]
+    ):
         members = found.setdefault(_harmonic_key(wall, lintel, period, cycles), {})
         members[float(amplitude)] = Point(_least_damped(rows), f"{period:g} s, {amplitude:g} g")
     name = runs["motion"].astype(str) + " " + runs["record"].astype(str)
     for record, pattern in RECORDS.items():
-        for (wall, lintel, scale), rows in runs[name.str.contains(pattern)].groupby(["wall", "lintel", "scale"]):
+        for (wall, lintel, scale), rows in runs[name.str.contains(pattern)].groupby(
+            ["wall", "lintel", "scale"]
+        ):
             found.setdefault((wall, lintel, record), {})[float(scale)] = Point(
-                _least_damped(rows), f"{record} x{scale:g}")
+                _least_damped(rows), f"{record} x{scale:g}"
+            )
     return found
 
 
 def _chosen(points, keys, complaint):
-    """The points of these keys; a wall that fell contradicts the paper even where other runs are missing."""
+    """The points of these keys; a wall that fell contradicts the paper even where other runs are
+    missing."""
     for key in keys:
         if key in points:
             points[key].stood()
@@ -242,7 +312,8 @@ def _chosen(points, keys, complaint):
 
 
 def _least_damped(rows):
-    """Of the runs of a point those without viscous damping, or else all; of these those with the longest rest."""
+    """Of the runs of a point those without viscous damping, or else all; of these those with the
+    longest rest."""
     if len(rows) == 1:
         return rows
     undamped = rows[rows["beta_s"].fillna(0) == 0]

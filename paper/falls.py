@@ -1,12 +1,14 @@
-"""Falls of one wall in both solvers: when the first brick fell, since when the heap rests, overlaps, and a picture.
+"""Falls of one wall in both solvers: when the first brick fell, since when the heap rests,
+overlaps, and a picture.
 
     python3 -m paper falls --out docs/pictures/heaps.png        # a small dry spandrel, minutes
-    W="walls/symmetric.py --lintel none --harmonic 0.2 0.1 --new-contacts --after-fall --no-pictures"
+    W="walls/symmetric.py --lintel none --harmonic 0.2 0.1 --new-contacts --after-fall
+    --no-pictures"
     ./yade $W --out yade.h5; python3 -m damage reference $W --out reference.h5
     python3 -m paper falls yade.h5 reference.h5 --out heaps.png
 
-The first brick has fallen once it is lower by half its height, by snapshots 10 ms (spandrel) or 20 ms apart,
-interpolated.
+The first brick has fallen once it is lower by half its height, by snapshots 10 ms (spandrel) or 20
+ms apart, interpolated.
 """
 
 import subprocess
@@ -37,25 +39,39 @@ SECONDS, INTERVAL_S = 3.0, 0.01
 
 
 def main():
-    options = arguments(__doc__, option("histories", nargs="*", metavar="FILE.h5"),
-                        option("--out", metavar="FILE.png", required=True))
+    options = arguments(
+        __doc__,
+        option("histories", nargs="*", metavar="FILE.h5"),
+        option("--out", metavar="FILE.png", required=True),
+    )
     try:
-        falls = [of_history(read_history(path)) for path in options.histories] or [in_yade(), in_reference()]
+        falls = [of_history(read_history(path)) for path in options.histories] or [
+            in_yade(),
+            in_reference(),
+        ]
     except InputError as error:
         sys.exit(f"error: {error}")
     for fall in falls:
         rests_s = fall.at[1 + np.flatnonzero(speeds(fall) > RESTS_BELOW_M_S)[-1]]
-        print(f"{fall.solver}: first brick falls at {first_fall(fall):.4f} s, all rest since {rests_s:.2f} s; "
-              "largest overlaps: "
-              + ", ".join(f"{what} {1e3 * depth:.2f} mm" for what, depth in overlaps(fall).items()))
+        print(
+            f"{fall.solver}: first brick falls at {first_fall(fall):.4f} s, all rest since"
+            f" {rests_s:.2f} s; largest overlaps: "
+            + ", ".join(f"{what} {1e3 * depth:.2f} mm" for what, depth in overlaps(fall).items())
+        )
     heaps(falls).savefig(options.out, dpi=130)
 
 
 def fall_of(solver, layout, at, motion, energy_j=None):
-    """A wall that falls: solver; layout; bodies as of `body_table`; at: (n,) [s]; displacement: (n, n_bodies, 3);
-    energy_j: (n,) elastic, kinetic and of gravity, or None."""
-    return SimpleNamespace(solver=solver, layout=layout, bodies=body_table(layout), at=np.asarray(at),
-                           displacement=np.asarray(motion, float), energy_j=energy_j)
+    """A wall that falls: solver; layout; bodies as of `body_table`; at: (n,) [s]; displacement: (n,
+    n_bodies, 3); energy_j: (n,) elastic, kinetic and of gravity, or None."""
+    return SimpleNamespace(
+        solver=solver,
+        layout=layout,
+        bodies=body_table(layout),
+        at=np.asarray(at),
+        displacement=np.asarray(motion, float),
+        energy_j=energy_j,
+    )
 
 
 def of_history(history):
@@ -64,17 +80,22 @@ def of_history(history):
 
 
 def spandrel():
-    """Layout of three dry courses over an opening without a lintel, as in tests/yade/checks/fallen_wall.py."""
+    """Layout of three dry courses over an opening without a lintel, as in
+    tests/yade/checks/fallen_wall.py."""
     joint = Joint(tensile_strength=0.0, cohesion=0.0)
-    return lay_out(Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=joint),
-                   ModelOptions(lintel="none"))
+    return lay_out(
+        Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=joint),
+        ModelOptions(lintel="none"),
+    )
 
 
 def in_yade():
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "fall.npz"
         check = REPOSITORY / "tests/yade/checks/fallen_wall.py"
-        subprocess.run([*COMMAND, check, "interior", str(SECONDS), out], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [*COMMAND, check, "interior", str(SECONDS), out], check=True, stdout=subprocess.DEVNULL
+        )
         with np.load(out) as found:
             return fall_of("yade", spandrel(), found["time_s"], found["place"], found["energy_j"])
 
@@ -83,7 +104,9 @@ def in_reference(seconds=SECONDS):
     from damage.reference.solver import ReferenceSolver
 
     layout = spandrel()
-    wall = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True)
+    wall = ReferenceSolver(
+        layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True
+    )
     at, motion = [0.0], [wall.displacement]
     while at[-1] < seconds:
         wall.run(round(INTERVAL_S / wall.time_step))
@@ -95,21 +118,28 @@ def in_reference(seconds=SECONDS):
 def first_fall(fall):
     """When the first brick is lower by half its height [s]."""
     lowest = lowest_places(fall.layout)
-    over = (fall.displacement[:, :len(lowest), 1] - lowest).min(axis=1)
+    over = (fall.displacement[:, : len(lowest), 1] - lowest).min(axis=1)
     after = int(np.argmax(over < 0))
-    return float(np.interp(0.0, -over[after - 1:after + 1], fall.at[after - 1:after + 1]))
+    return float(np.interp(0.0, -over[after - 1 : after + 1], fall.at[after - 1 : after + 1]))
 
 
 def speeds(fall):
     """Of the fastest fallen brick between one instant and the next, (n - 1,) [m/s]."""
-    return np.array([fastest_fallen(fall.layout, now, before, interval) for now, before, interval in zip(
-        fall.displacement[1:], fall.displacement, np.diff(fall.at))])
+    return np.array(
+        [
+            fastest_fallen(fall.layout, now, before, interval)
+            for now, before, interval in zip(
+                fall.displacement[1:], fall.displacement, np.diff(fall.at)
+            )
+        ]
+    )
 
 
 def overlaps(history):
-    """{"bricks", "caps", "ground": largest overlap [m]} of a History over all snapshots: of two bricks, of one
-    and a cap, of either and the ground.  Rectangles overlap by the least of what they share along the normals of their
-    sides."""
+    """{"bricks", "caps", "ground": largest overlap [m]} of a History over all snapshots: of two
+    bricks, of one
+    and a cap, of either and the ground.  Rectangles overlap by the least of what they share along
+    the normals of their sides."""
     is_cap = history.bodies["course"].to_numpy() < 0
     found = {"bricks": 0.0, "caps": 0.0, "ground": 0.0}
     for motion in history.displacement:
@@ -117,7 +147,7 @@ def overlaps(history):
         low, high = places.min(axis=1), places.max(axis=1)
         found["ground"] = max(found["ground"], -low[:, 1].min())
         for one in range(len(places)):
-            near = np.all((low[one + 1:] < high[one]) & (high[one + 1:] > low[one]), axis=1)
+            near = np.all((low[one + 1 :] < high[one]) & (high[one + 1 :] > low[one]), axis=1)
             for other in one + 1 + np.flatnonzero(near):
                 what = "caps" if is_cap[one] or is_cap[other] else "bricks"
                 found[what] = max(found[what], depth(places[one], places[other]))
@@ -137,18 +167,33 @@ def depth(one, other):
 
 @style.styled
 def heaps(falls):
-    """Figure of the heaps at the last instants, side by side in true scale, over the outlines of the wall."""
-    figure, axes = plt.subplots(1, len(falls), figsize=(2 * style.COLUMN_WIDTH, 0.62 * style.COLUMN_WIDTH), sharey=True)
+    """Figure of the heaps at the last instants, side by side in true scale, over the outlines of
+    the wall."""
+    figure, axes = plt.subplots(
+        1, len(falls), figsize=(2 * style.COLUMN_WIDTH, 0.62 * style.COLUMN_WIDTH), sharey=True
+    )
     for ax, fall in zip(axes, falls):
         caps = fall.bodies["course"].to_numpy() < 0
-        before, now = (body_corners(fall.bodies, motion) for motion in (0 * fall.displacement[-1],
-                                                                         fall.displacement[-1]))
-        for corners, face, edge in ((before, "none", "0.85"), (now[~caps], style.BRICK_COLOUR, style.DARK),
-                                    (now[caps], style.CAP_COLOUR, style.DARK)):
-            ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.4))
+        before, now = (
+            body_corners(fall.bodies, motion)
+            for motion in (0 * fall.displacement[-1], fall.displacement[-1])
+        )
+        for corners, face, edge in (
+            (before, "none", "0.85"),
+            (now[~caps], style.BRICK_COLOUR, style.DARK),
+            (now[caps], style.CAP_COLOUR, style.DARK),
+        ):
+            ax.add_collection(
+                PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.4)
+            )
         ax.axhline(0, color=style.DARK, lw=0.6)
-        ax.set(aspect="equal", xlim=(before[..., 0].min() - 0.1, before[..., 0].max() + 0.1), xlabel="x [m]",
-               ylim=(-0.05, before[..., 1].max() + 0.05), title=f"{fall.solver}, {fall.at[-1]:.1f} s")
+        ax.set(
+            aspect="equal",
+            xlim=(before[..., 0].min() - 0.1, before[..., 0].max() + 0.1),
+            xlabel="x [m]",
+            ylim=(-0.05, before[..., 1].max() + 0.05),
+            title=f"{fall.solver}, {fall.at[-1]:.1f} s",
+        )
     axes[0].set_ylabel("z [m]")
     figure.tight_layout()
     return figure

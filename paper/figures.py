@@ -1,8 +1,10 @@
-"""Figures from the results of studies: 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, crack
-maps, sequences and modelling choices, with what each needs and its files.
+"""Figures from the results of studies: 6 to 12 of Sarhosis et al. (2021),
+doi:10.1016/j.engstruct.2021.112529, crack maps, sequences and modelling choices, with what each
+needs and its files.
 
-Harmonic motions are taken from folders named harmonic, records from ida, YADE's repetitions from crosscheck, walls
-without a lintel from nolintel; where no folder has the name, from all with such points.
+Harmonic motions are taken from folders named harmonic, records from ida, YADE's repetitions from
+crosscheck, walls without a lintel from nolintel; where no folder has the name, from all with such
+points.
 """
 
 from functools import partial
@@ -22,14 +24,18 @@ _SLIP_PARTS = {"displacement": "", "shear-limit": "_shear-limit"}
 
 
 def make_figures(results, folder):
-    """Write all figures that the Results allow; yields (name, paths) or (name, reason why it is missing).
+    """Write all figures that the Results allow; yields (name, paths) or (name, reason why it is
+    missing).
 
-    Every figure is a PNG and a PDF in `folder`, which is created where missing.  Points with incomplete runs are left
-    out and named.
+    Every figure is a PNG and a PDF in `folder`, which is created where missing.  Points with
+    incomplete runs are left out and named.
     """
     ended = results.ended()
     for _, point in results.points.drop(ended.points.index).iterrows():
-        yield f"point {point['point']}", f"left out, its run in {point['folder']} is {point['status']}"
+        yield (
+            f"point {point['point']}",
+            f"left out, its run in {point['folder']} is {point['status']}",
+        )
     for name, draw in _figures(ended):
         if isinstance(draw, str):
             yield name, draw
@@ -44,7 +50,10 @@ def make_figures(results, folder):
 
 def _made_by(points):
     """Origin of the runs of these points, for the metadata of a picture."""
-    return f"studies {', '.join(sorted({folder.name for folder in points['folder']}))}; {made_by_words(points)}"
+    return (
+        f"studies {', '.join(sorted({folder.name for folder in points['folder']}))};"
+        f" {made_by_words(points)}"
+    )
 
 
 def _figures(results):
@@ -55,7 +64,11 @@ def _figures(results):
     for solver, name in ((REFERENCE, "sequences"), (YADE, "sequences_yade")):
         if (points["solver"] == solver).any():
             yield name, partial(sequences, results, points[points["solver"] == solver])
-    varied = results.points["folder"].map(lambda folder: folder.name.startswith("sensitivity")).astype(bool)
+    varied = (
+        results.points["folder"]
+        .map(lambda folder: folder.name.startswith("sensitivity"))
+        .astype(bool)
+    )
     if varied.any():
         yield "sensitivity", partial(choices, results.points[varied])
 
@@ -63,7 +76,13 @@ def _figures(results):
 def _harmonic(results):
     points = _having(results, "harmonic", "motion_period_s", "amplitude_g")
     if len(points) == 0:
-        for name in ("fig06_motions", "fig07_evolution", "fig08_amplitude", "fig09_drift", "cracks_harmonic"):
+        for name in (
+            "fig06_motions",
+            "fig07_evolution",
+            "fig08_amplitude",
+            "fig09_drift",
+            "cracks_harmonic",
+        ):
             yield name, "no point has a harmonic motion; run the study harmonic"
         return
     yield "fig06_motions", partial(motions, points)
@@ -71,7 +90,10 @@ def _harmonic(results):
         part = variant.file_part
         yield f"fig07_evolution_{part}", partial(evolution, results, variant)
         for slip, slip_part in _SLIP_PARTS.items():
-            yield f"fig08_amplitude_{part}{slip_part}", partial(against_amplitude, results, variant, slip)
+            yield (
+                f"fig08_amplitude_{part}{slip_part}",
+                partial(against_amplitude, results, variant, slip),
+            )
         yield f"fig09_drift_{part}", partial(drifts, results, variant)
         yield f"cracks_harmonic_{part}", partial(crack_maps, results, variant)
 

@@ -1,10 +1,11 @@
-"""How often the 90 % interval for a new record holds its median: the table in docs/reference/studies.md.
+"""How often the 90 % interval for a new record holds its median: the table in
+docs/reference/studies.md.
 
     python3 -m paper fragility_coverage [--studies 100]
 
-Made-up studies of 25 walls at 4 intensities a record; medians of records scatter by tau, walls by 0.1.  The share of
-all new records that an interval holds is known, as tau is: printed is its mean over the studies, expected to be 0.90.
-"""
+Made-up studies of 25 walls at 4 intensities a record; medians of records scatter by tau, walls by
+0.1.  The share of all new records that an interval holds is known, as tau is: printed is its mean
+over the studies, expected to be 0.90."""
 
 import sys
 
@@ -19,11 +20,15 @@ WALLS, LEVELS, BETA = 25, 4, 0.1
 
 
 def made_up(random, n_records, factor, tau):
-    """What `new_record` takes, of a study whose records have medians about 1; factor: between intensities."""
+    """What `new_record` takes, of a study whose records have medians about 1; factor: between
+    intensities."""
     steps = np.log(factor) * (np.arange(LEVELS) - (LEVELS - 1) / 2)
     x = random.uniform(-0.3, 0.3, (n_records, 1)) + steps
-    capacity = (tau * random.standard_normal((n_records, 1)) + BETA * random.standard_normal(WALLS)
-                + BETA / 2 * random.standard_normal((n_records, WALLS)))
+    capacity = (
+        tau * random.standard_normal((n_records, 1))
+        + BETA * random.standard_normal(WALLS)
+        + BETA / 2 * random.standard_normal((n_records, WALLS))
+    )
     exceeding = np.sum(x[:, :, None] > capacity[:, None, :], axis=2)
     of_record = np.repeat(np.eye(n_records), LEVELS, axis=1)
     return np.exp(x.ravel()), of_record * exceeding.ravel(), of_record * WALLS

@@ -1,4 +1,5 @@
-"""Figures 6 to 9 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's tables:
+"""Figures 6 to 9 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's
+tables:
 harmonic motions, and what they do to a wall.
 
 Each function returns a Figure, or raises Missing when there is nothing to draw.
@@ -9,7 +10,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from damage.draw import panels
-from damage.draw.style import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, shade_settling, styled
+from damage.draw.style import (
+    BLACK,
+    BLUE,
+    LIGHT,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    shade_settling,
+    styled,
+)
 from damage.measure.cycles import drift_cycles
 from damage.measure.damage_index import CRITERIA
 from damage.motion.loading import Harmonic
@@ -36,16 +47,24 @@ def motions(points):
     amplitudes = np.unique(cases["amplitude_g"])
     colours = dict(zip(amplitudes, AMPLITUDE_COLOURS * len(amplitudes)))
     for number, (ax, period_s) in enumerate(zip(axes[:, 0], periods)):
-        for case in cases[cases["motion_period_s"] == period_s].sort_values("amplitude_g").itertuples():
+        for case in (
+            cases[cases["motion_period_s"] == period_s].sort_values("amplitude_g").itertuples()
+        ):
             motion = Harmonic(period_s, case.amplitude_g, int(case.cycles))
             time_s = np.linspace(0, motion.duration_s, 60 * int(case.cycles) + 1)
-            ax.plot(time_s, motion.base_acceleration(time_s)[:, 0] / GRAVITY, color=colours[case.amplitude_g])
+            ax.plot(
+                time_s,
+                motion.base_acceleration(time_s)[:, 0] / GRAVITY,
+                color=colours[case.amplitude_g],
+            )
         panels.letter(ax, number, f"period {period_s:g} s")
         ax.set_ylabel("acceleration [g]")
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
     panels.add_heading(figure, "Harmonic base motions", marks.scale_note(axes))
-    return panels.finish(figure, [Line2D([], [], color=colours[a], label=f"{a:g} g") for a in amplitudes], 5)
+    return panels.finish(
+        figure, [Line2D([], [], color=colours[a], label=f"{a:g} g") for a in amplitudes], 5
+    )
 
 
 @styled
@@ -55,13 +74,18 @@ def evolution(results, variant):
     Lines are a point's first run; the band is the range of DI over all its runs, where their
     histories are there.
     """
-    shown = [(period_s, amplitude_g, _at(variant.points, period_s, amplitude_g)) for period_s, amplitude_g in EVOLUTION]
+    shown = [
+        (period_s, amplitude_g, _at(variant.points, period_s, amplitude_g))
+        for period_s, amplitude_g in EVOLUTION
+    ]
     if all(len(points) == 0 for *_, points in shown):
         raise Missing("no point at 0.33 or 0.2 s with 0.025 or 0.1 g")
     figure, axes = panels.grid(2, 2, 1.9)
     handles = marks.component_handles(slip_marker=False)
     for number, (ax, (period_s, amplitude_g, points)) in enumerate(zip(axes.flat, shown)):
-        panels.letter(ax, number, f"{period_s:g} s, {amplitude_g:g} g" + ("" if len(points) else ": no run"))
+        panels.letter(
+            ax, number, f"{period_s:g} s, {amplitude_g:g} g" + ("" if len(points) else ": no run")
+        )
         if len(points) == 0:
             ax.set_axis_off()
             continue
@@ -70,20 +94,27 @@ def evolution(results, variant):
             _draw_evolution(ax, results, point)
         panels.from_zero(ax)
         ax.margins(x=0)
-    handles.append(Line2D([], [], color=BLACK, lw=0.6, ls="--", label="DI, slip by the shear limit"))
+    handles.append(
+        Line2D([], [], color=BLACK, lw=0.6, ls="--", label="DI, slip by the shear limit")
+    )
     if len(variant.reference) and len(variant.yade):
         handles.append(Line2D([], [], color=PURPLE, lw=0.7, label="DI, YADE"))
     if variant.reference["members"].max() > 1:
         handles.append(Patch(color="0.8", label="range of DI over runs"))
     handles.append(Patch(color=LIGHT, label="settling"))
-    panels.add_heading(figure, f"Damage index over time: {variant.title}",
-                f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}",
-                marks.scale_note(axes))
+    panels.add_heading(
+        figure,
+        f"Damage index over time: {variant.title}",
+        "components: first run of each motion,"
+        f" {'reference solver' if len(variant.reference) else 'YADE'}",
+        marks.scale_note(axes),
+    )
     return panels.finish(figure, handles)
 
 
 def _draw_evolution(ax, results, point):
-    """The index of one point over time; of YADE the index alone where the components are there already."""
+    """The index of one point over time; of YADE the index alone where the components are there
+    already."""
     table = results.index(point)
     if point["solver"] != REFERENCE and ax.lines:
         ax.plot(table["time_s"], table["DI"], color=PURPLE, lw=0.7, zorder=3)
@@ -97,50 +128,75 @@ def _draw_evolution(ax, results, point):
 
 
 def _draw_band(ax, results, point, value, until_s=np.inf):
-    """Range over the members of a point of a value over time, where two histories or more are there."""
+    """Range over the members of a point of a value over time, where two histories or more are
+    there."""
     histories = results.histories(point)
     if len(histories) < 2:
         return
     time_s = histories[0].series["time_s"].to_numpy()
     time_s = time_s[time_s <= until_s]
-    values = np.array([np.interp(time_s, history.series["time_s"], value(history), right=np.nan)
-                       for history in histories])
-    ax.fill_between(time_s, np.nanmin(values, axis=0), np.nanmax(values, axis=0), color="0.8", lw=0, zorder=1)
+    values = np.array(
+        [
+            np.interp(time_s, history.series["time_s"], value(history), right=np.nan)
+            for history in histories
+        ]
+    )
+    ax.fill_between(
+        time_s, np.nanmin(values, axis=0), np.nanmax(values, axis=0), color="0.8", lw=0, zorder=1
+    )
 
 
 @styled
 def against_amplitude(results, variant, slip="displacement"):
-    """Figure 8: left maximum, right residual index and components against amplitude, a row a period; with what the
-    paper's text prints of them."""
+    """Figure 8: left maximum, right residual index and components against amplitude, a row a
+    period; with what the paper's text prints of them."""
     periods = np.unique(variant.points["motion_period_s"])
     figure, axes = panels.grid(len(periods), 2, 1.55, sharex=True, sharey="row")
     collapsed = False
     for row, (first, period_s) in zip(axes, zip(range(0, axes.size, 2), periods)):
         for number, (ax, state) in enumerate(zip(row, ("max", "residual")), first):
-            panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'}, {period_s:g} s")
-            reference, yade = (_at(points, period_s) for points in (variant.reference, variant.yade))
-            collapsed |= marks.draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
+            panels.letter(
+                ax, number, f"{'maximum' if state == 'max' else 'residual'}, {period_s:g} s"
+            )
+            reference, yade = (
+                _at(points, period_s) for points in (variant.reference, variant.yade)
+            )
+            collapsed |= marks.draw_components(
+                ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}"
+            )
         star(row[0], AMPLITUDES_G[-1], largest_di(variant, period_s))
         row[0].set_ylabel("damage index [-]")
         panels.from_zero(row[0], marks.NOTHING)
     printed = [period_s for period_s in periods if largest_di(variant, period_s) is not None]
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
-    panels.add_heading(figure, f"Damage index against amplitude: {variant.title}",
-                       panels.SLIP_LABELS[slip], marks.scale_note(axes[:, 0]))
-    return panels.finish(figure, marks.component_handles() + marks.solver_handles(variant, collapsed)
-                         + star_handles(printed), columns=7)
+    panels.add_heading(
+        figure,
+        f"Damage index against amplitude: {variant.title}",
+        panels.SLIP_LABELS[slip],
+        marks.scale_note(axes[:, 0]),
+    )
+    return panels.finish(
+        figure,
+        marks.component_handles()
+        + marks.solver_handles(variant, collapsed)
+        + star_handles(printed),
+        columns=7,
+    )
 
 
 @styled
 def drifts(results, variant):
-    """Figure 9: drift ratio over time at resonance, a panel an amplitude, the last full cycle in red.
+    """Figure 9: drift ratio over time at resonance, a panel an amplitude, the last full cycle in
+    red.
 
     Resonance: the period nearest to that of the intact wall, or to 0.2 s where the tables lack it.
     """
     points = variant.points
     eigen_s = marks.numbers(points, "eigen_period_s")
-    off = np.abs(points["motion_period_s"] - next(iter(eigen_s[np.isfinite(eigen_s)]), PERFORATED_PERIOD_S))
+    off = np.abs(
+        points["motion_period_s"] - next(iter(eigen_s[np.isfinite(eigen_s)]), PERFORATED_PERIOD_S)
+    )
     points = points[off < off.min() + SAME]
     amplitudes = np.unique(points["amplitude_g"])
     figure, axes = panels.grid(len(amplitudes), 1, 1.15, sharex=True)
@@ -150,16 +206,25 @@ def drifts(results, variant):
         panels.letter(ax, number, f"{amplitude_g:g} g")
         for _, point in _at(points, period_s, amplitude_g).iterrows():
             marked |= _draw_drift(ax, results, point)
-        if (paper_s := cycle_length_s(variant, amplitude_g)) is not None and ax.get_title(loc="right"):
-            ax.set_title(f"{ax.get_title(loc='right')}, paper {paper_s:.2f} s", loc="right", color=VERMILLION,
-                         fontsize=7)
+        if (paper_s := cycle_length_s(variant, amplitude_g)) is not None and ax.get_title(
+            loc="right"
+        ):
+            ax.set_title(
+                f"{ax.get_title(loc='right')}, paper {paper_s:.2f} s",
+                loc="right",
+                color=VERMILLION,
+                fontsize=7,
+            )
         ax.set_ylabel("drift ratio [%]")
         ax.ticklabel_format(axis="y", style="plain", useOffset=False)
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
-    panels.add_heading(figure, f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
-                "T: duration of the last full cycle, the last that begins while the base moves",
-                marks.scale_note(axes))
+    panels.add_heading(
+        figure,
+        f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
+        "T: duration of the last full cycle, the last that begins while the base moves",
+        marks.scale_note(axes),
+    )
     first = "reference solver, first run" if len(variant.reference) else "YADE"
     handles = [Line2D([], [], color=SKY, lw=1.5, label=first)]
     if len(variant.reference) and len(variant.yade):
@@ -174,7 +239,8 @@ def drifts(results, variant):
 
 
 def _draw_drift(ax, results, point):
-    """Drift of a point's first run without settling; returns what is marked, "cycle" and "collapse".
+    """Drift of a point's first run without settling; returns what is marked, "cycle" and
+    "collapse".
 
     Only the run that is drawn first has its last cycle marked.
     """
@@ -196,11 +262,17 @@ def _draw_drift(ax, results, point):
     ax.plot(time_s[within], drift_pct[within], color=VERMILLION, ls="--", lw=1.2, zorder=6)
     low, high = (point.get(f"last_cycle_s_{end}", np.nan) for end in ("min", "max"))
     spread = f" ({low:.2f} to {high:.2f} s)" if point["members"] > 1 and np.isfinite(low) else ""
-    ax.set_title(f"T = {np.ptp(driven[-1]):.2f} s{spread}", loc="right", color=VERMILLION, fontsize=7)
+    ax.set_title(
+        f"T = {np.ptp(driven[-1]):.2f} s{spread}", loc="right", color=VERMILLION, fontsize=7
+    )
     return marked | {"cycle"}
 
 
 def _at(points, period_s, amplitude_g=None):
     """The points of one period, and of one amplitude where it is given."""
     same = np.abs(points["motion_period_s"] - period_s) < SAME
-    return points[same & (np.abs(points["amplitude_g"] - amplitude_g) < SAME)] if amplitude_g else points[same]
+    return (
+        points[same & (np.abs(points["amplitude_g"] - amplitude_g) < SAME)]
+        if amplitude_g
+        else points[same]
+    )

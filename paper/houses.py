@@ -1,8 +1,10 @@
 """Walls of houses: those that ship, one façade under five lintels, two walls in both solvers.
 
     python3 -m paper houses ships              # modes, a push, BGAR x 1: a row a wall (5 minutes)
-    python3 -m paper houses facade             # lintels of an ordinary façade under BGAR x 3 (10 minutes)
-    python3 -m paper houses codes --out DIR    # YADE beside the reference solver under BGAR x 1.5 (an hour)
+    python3 -m paper houses facade             # lintels of an ordinary façade under BGAR x 3 (10
+    minutes)
+    python3 -m paper houses codes --out DIR    # YADE beside the reference solver under BGAR x 1.5
+    (an hour)
 
 DIR keeps the histories of `codes`; those that are there already are not made again.
 """
@@ -27,84 +29,154 @@ STRONG = (18.7, 19.5)
 IN_YADE = {"terrace_end": (18.2, 20.2), "two_storeys": STRONG}
 """{wall that both solvers run: part of the record [s]}."""
 PUSH_PCT = 0.02
-FACADE = Wall("facade", 6.0, 3.0, precompression=0.1e6, openings=(
-    Opening(1.8, 0.9, 2.025), *(Opening(left, 0.675, 1.425, 0.6) for left in (0.675, 3.15, 4.5))),
-    joint=Joint(tensile_strength=0.1e6, cohesion=0.15e6), lintel="courses")
+FACADE = Wall(
+    "facade",
+    6.0,
+    3.0,
+    precompression=0.1e6,
+    openings=(
+        Opening(1.8, 0.9, 2.025),
+        *(Opening(left, 0.675, 1.425, 0.6) for left in (0.675, 3.15, 4.5)),
+    ),
+    joint=Joint(tensile_strength=0.1e6, cohesion=0.15e6),
+    lintel="courses",
+)
 LINTELS = {  # words: (lintel of the wall, option)
-    "all courses elastic": ("courses", "elastic"), "one course elastic": ("courses", 1),
-    "timber beam": ("timber", "elastic"), "concrete beam": ("concrete", "elastic"), "flat arch": ("arch", "elastic")}
+    "all courses elastic": ("courses", "elastic"),
+    "one course elastic": ("courses", 1),
+    "timber beam": ("timber", "elastic"),
+    "concrete beam": ("concrete", "elastic"),
+    "flat arch": ("arch", "elastic"),
+}
 FIGURES = {  # of damage.measure.compare.TOLERANCES: label, factor, decimals
-    "max_drift_ratio": ("maximum drift ratio [%]", 100, 4), "peak_base_shear_n": ("peak base shear [kN]", 1e-3, 1),
-    "DI": ("maximum DI", 1, 4), "cycle_length_s": ("length of the free cycles [s]", 1, 4)}
+    "max_drift_ratio": ("maximum drift ratio [%]", 100, 4),
+    "peak_base_shear_n": ("peak base shear [kN]", 1e-3, 1),
+    "DI": ("maximum DI", 1, 4),
+    "cycle_length_s": ("length of the free cycles [s]", 1, 4),
+}
 
 
 def ships():
     """Table of the walls that ship as data."""
-    print_table("wall", "bricks", "first period [s]", f"base shear at {PUSH_PCT:g} % [kN]", "BGAR x 1: max DI",
-                "drift ratio [%]", "base shear [kN]", "widest crack [mm]")
+    print_table(
+        "wall",
+        "bricks",
+        "first period [s]",
+        f"base shear at {PUSH_PCT:g} % [kN]",
+        "BGAR x 1: max DI",
+        "drift ratio [%]",
+        "base shear [kN]",
+        "widest crack [mm]",
+    )
     for name in SHIPPED:
         path = REPOSITORY / "walls" / f"{name}.toml"
         layout = lay_out(damage.load_wall(path))
         pushed = damage.run(str(path), pushover=PUSH_PCT)
         shaken = summarise(damage.run(str(path), BGAR, rest=0.3, window=STRONG))
-        print_row(f"`{name}`", layout.n_bricks, f"{natural_modes(layout).period_s[0]:.4f}",
-                  f"{pushed.series['base_shear_n'].abs().max() / 1e3:.1f}", f"{shaken['max']['DI']:.4f}",
-                  f"{100 * shaken['max_drift_ratio']:.4f}", f"{shaken['peak_base_shear_n'] / 1e3:.1f}",
-                  f"{shaken['max_crack_width_mm']:.3f}")
+        print_row(
+            f"`{name}`",
+            layout.n_bricks,
+            f"{natural_modes(layout).period_s[0]:.4f}",
+            f"{pushed.series['base_shear_n'].abs().max() / 1e3:.1f}",
+            f"{shaken['max']['DI']:.4f}",
+            f"{100 * shaken['max_drift_ratio']:.4f}",
+            f"{shaken['peak_base_shear_n'] / 1e3:.1f}",
+            f"{shaken['max_crack_width_mm']:.3f}",
+        )
 
 
 def facade(seeds):
     """Table of the façade's lintels: range over so many scatters of the strengths by 0.1 %."""
-    print_table("lintel", "first period [s]", "maximum DI", "drift ratio [%]", "base shear [kN]", "widest crack [mm]",
-                "failed contact points", "ended")
+    print_table(
+        "lintel",
+        "first period [s]",
+        "maximum DI",
+        "drift ratio [%]",
+        "base shear [kN]",
+        "widest crack [mm]",
+        "failed contact points",
+        "ended",
+    )
     for words, (lintel, elastic) in LINTELS.items():
         wall = replace(FACADE, lintel=lintel)
-        runs = [damage.run(wall, BGAR, scale=3, rest=0.3, lintel=elastic, **SHAKEN, seed=seed)
-                for seed in range(1, seeds + 1)]
+        runs = [
+            damage.run(wall, BGAR, scale=3, rest=0.3, lintel=elastic, **SHAKEN, seed=seed)
+            for seed in range(1, seeds + 1)
+        ]
         found = [summarise(history) for history in runs]
         fell = [one["collapsed_at_s"] for one in found]
         period_s = natural_modes(lay_out(wall, ModelOptions(lintel=elastic))).period_s[0]
-        print_row(words, f"{period_s:.4f}", _range([one["max"]["DI"] for one in found], 2),
-                  _range([100 * one["max_drift_ratio"] for one in found], 3),
-                  _range([one["peak_base_shear_n"] / 1e3 for one in found], 0),
-                  _range([one["max_crack_width_mm"] for one in found], 1),
-                  _range([int(history.broken[-1].sum()) for history in runs], 0),
-                  "stands" if not any(fell) else f"falls at {_range([one for one in fell if one], 1)} s")
+        print_row(
+            words,
+            f"{period_s:.4f}",
+            _range([one["max"]["DI"] for one in found], 2),
+            _range([100 * one["max_drift_ratio"] for one in found], 3),
+            _range([one["peak_base_shear_n"] / 1e3 for one in found], 0),
+            _range([one["max_crack_width_mm"] for one in found], 1),
+            _range([int(history.broken[-1].sum()) for history in runs], 0),
+            "stands" if not any(fell) else f"falls at {_range([one for one in fell if one], 1)} s",
+        )
 
 
 def codes(folder):
     """Table of both solvers on the gable and the two storeys that ship, as `coarse` makes them."""
     bench = Bench(folder)
-    print_table("wall", "quantity", "YADE", "reference: median (range)", "allowed difference", "verdict")
+    print_table(
+        "wall", "quantity", "YADE", "reference: median (range)", "allowed difference", "verdict"
+    )
     for name, window in IN_YADE.items():
         words = ["--record", BGAR, "--window", *window, "--scale", "1.5", "--rest", "1"]
         result = in_both(bench, coarse(name), words, name)
-        for _, label, yade, median, (low, high), allowed, verdict in figures_in_words(result, FIGURES):
+        for _, label, yade, median, (low, high), allowed, verdict in figures_in_words(
+            result, FIGURES
+        ):
             print_row(name, label, yade, f"{median} ({low} to {high})", allowed, verdict)
         drift, joints = result["drift"], result["joints"]
-        print_row(name, "drift up to the first failure, RMS of the difference", "",
-                  f"{100 * drift['rms_before_failure']:.2f} %", f"{100 * drift['allowed']:.2g} %",
-                  in_words(drift["agrees"]))
-        print_row(name, "contact points failed in either, in both", "",
-                  f"{joints['broke_in_either']}, {joints['broke_in_both']}", "", "")
+        print_row(
+            name,
+            "drift up to the first failure, RMS of the difference",
+            "",
+            f"{100 * drift['rms_before_failure']:.2f} %",
+            f"{100 * drift['allowed']:.2g} %",
+            in_words(drift["agrees"]),
+        )
+        print_row(
+            name,
+            "contact points failed in either, in both",
+            "",
+            f"{joints['broke_in_either']}, {joints['broke_in_both']}",
+            "",
+            "",
+        )
         for what in ("broken", "visible"):
             scores = result["patterns"][what]
             if scores["fss"] is not None:
-                print_row(name, f"FSS of joints: {what} (shuffled)", "",
-                          f"{scores['fss']:.2f} ({scores['shuffled']:.2f})", "0.8", in_words(scores["fss"] >= 0.8))
+                print_row(
+                    name,
+                    f"FSS of joints: {what} (shuffled)",
+                    "",
+                    f"{scores['fss']:.2f} ({scores['shuffled']:.2f})",
+                    "0.8",
+                    in_words(scores["fss"] >= 0.8),
+                )
 
 
 def coarse(name):
     """A shipped wall that YADE runs in minutes.
 
-    Bricks are twice as long and high, joints brittle with the strengths of clay-strong, lintels of concrete: brittle
-    arches of so few bricks fall by the floor's weight, in both solvers.
+    Bricks are twice as long and high, joints brittle with the strengths of clay-strong, lintels of
+    concrete: brittle arches of so few bricks fall by the floor's weight, in both solvers.
     """
     wall = damage.load_wall(REPOSITORY / "walls" / f"{name}.toml")
     brick = replace(wall.brick, length=2 * wall.brick.length, height=2 * wall.brick.height)
     strong = MATERIALS["clay-strong"]
-    joint = replace(wall.joint, mode_i_fracture_energy=None, mode_ii_fracture_energy=None,
-                    tensile_strength=strong.tensile_strength, cohesion=strong.cohesion)
+    joint = replace(
+        wall.joint,
+        mode_i_fracture_energy=None,
+        mode_ii_fracture_energy=None,
+        tensile_strength=strong.tensile_strength,
+        cohesion=strong.cohesion,
+    )
     return replace(wall, brick=brick, joint=joint, lintel="concrete")
 
 
@@ -114,6 +186,12 @@ def _range(values, digits):
 
 
 def main():
-    asked = arguments(__doc__, option("what", choices=("ships", "facade", "codes")),
-                      option("--seeds", type=int, default=3), option("--out", type=Path, default=Path("houses")))
-    {"ships": ships, "facade": lambda: facade(asked.seeds), "codes": lambda: codes(asked.out)}[asked.what]()
+    asked = arguments(
+        __doc__,
+        option("what", choices=("ships", "facade", "codes")),
+        option("--seeds", type=int, default=3),
+        option("--out", type=Path, default=Path("houses")),
+    )
+    {"ships": ships, "facade": lambda: facade(asked.seeds), "codes": lambda: codes(asked.out)}[
+        asked.what
+    ]()

@@ -1,4 +1,5 @@
-"""Figures 10 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's tables:
+"""Figures 10 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's
+tables:
 recorded motions at several scales (incremental dynamic analysis), and what they do to a wall.
 
 Each function returns a Figure, or raises Missing when there is nothing to draw.
@@ -30,6 +31,7 @@ TREND_POINTS = 4
 
 # --- the records ----------------------------------------------------------------------------------
 
+
 @styled
 def records(results, points):
     """Figure 10: each record as it was used, and its response spectra at every scale factor."""
@@ -44,22 +46,37 @@ def records(results, points):
         row[0].set_ylabel("acceleration [g]")
         row[0].margins(x=0)
         paper_pga_g, paper_sa_g = record_values(name)
-        panels.letter(row[0], 2 * number, f"{record_label(name)}, PGA {pga_g(motion):.3f} g" + (
-            f" (paper {paper_pga_g:.2f})" if paper_pga_g else ""))
+        panels.letter(
+            row[0],
+            2 * number,
+            f"{record_label(name)}, PGA {pga_g(motion):.3f} g"
+            + (f" (paper {paper_pga_g:.2f})" if paper_pga_g else ""),
+        )
         panels.letter(row[1], 2 * number + 1, "response spectra")
         for scale in np.unique(of_record["scale"]):
-            row[1].plot(SPECTRUM_PERIODS_S, scale * response_spectrum(motion, SPECTRUM_PERIODS_S), color=colours[scale])
+            row[1].plot(
+                SPECTRUM_PERIODS_S,
+                scale * response_spectrum(motion, SPECTRUM_PERIODS_S),
+                color=colours[scale],
+            )
         star(row[1], WALL_PERIOD_S, paper_sa_g)
         row[1].axvline(WALL_PERIOD_S, color=MEDIUM, ls=":", lw=0.8)
         row[1].set(xscale="log", ylabel="Sa (5 %) [g]", xlim=(0.02, 2.0))
-        row[1].set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1, 2], labels=["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"])
+        row[1].set_xticks(
+            [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2],
+            labels=["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"],
+        )
         row[1].minorticks_off()
         row[1].set_ylim(bottom=0)
     axes[-1, 0].set_xlabel("time [s]")
     axes[-1, 1].set_xlabel("period [s]")
     notes = dict.fromkeys(marks.scale_note(column) for column in axes.T)
-    panels.add_heading(figure, "Records and their response spectra at all scale factors", _synthetic_note(names),
-                       *notes)
+    panels.add_heading(
+        figure,
+        "Records and their response spectra at all scale factors",
+        _synthetic_note(names),
+        *notes,
+    )
     handles = [Line2D([], [], color=colours[scale], label=f"× {scale:g}") for scale in scales]
     handles.append(Line2D([], [], color=MEDIUM, ls=":", lw=0.8, label=f"{WALL_PERIOD_S:g} s"))
     handles += star_handles([name for name in names if record_values(name)[1]])
@@ -69,20 +86,28 @@ def records(results, points):
 def _synthetic_note(names):
     """A line that says it where a record is not a recording, else ""."""
     synthetic = [record_label(name) for name in names if "synthetic" in name]
-    return f"Not recorded but made to match a published spectrum: {'; '.join(synthetic)}" if synthetic else ""
+    return (
+        f"Not recorded but made to match a published spectrum: {'; '.join(synthetic)}"
+        if synthetic
+        else ""
+    )
 
 
 def _unscaled_motion(results, point):
-    """The record of a point's first run as it was prepared for it, at scale 1, from a file with the same bytes."""
+    """The record of a point's first run as it was prepared for it, at scale 1, from a file with the
+    same bytes."""
     loading, own = results.history(point).loading, results.records
     file, sha256 = loading.horizontal["file"], loading.horizontal["sha256"]
     for path in (*shipped_record_path().parents[1].glob(f"*/{file}"), own / file):
         if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256:
             return loading.unscaled(read_record(path, **loading.horizontal.get("given", {})))
-    raise Missing(f"no record {file} with the bytes that the runs read, neither shipped nor in {own}/")
+    raise Missing(
+        f"no record {file} with the bytes that the runs read, neither shipped nor in {own}/"
+    )
 
 
 # --- what they do ---------------------------------------------------------------------------------
+
 
 @styled
 def residual_against_pga(variant, slip="displacement"):
@@ -92,30 +117,48 @@ def residual_against_pga(variant, slip="displacement"):
     collapsed = False
     for number, (ax, name) in enumerate(zip(axes[:, 0], names)):
         panels.letter(ax, number, record_label(name))
-        reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
-        collapsed |= marks.draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
+        reference, yade = (
+            points[points["record"] == name] for points in (variant.reference, variant.yade)
+        )
+        collapsed |= marks.draw_components(
+            ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}"
+        )
         star(ax, *largest_residual(variant, name))
         ax.set_ylabel("residual damage index [-]")
     axes[0, 0].set_xlim(left=0)  # of all panels, once all is drawn
     panels.from_zero(axes[0, 0], marks.NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
-    panels.add_heading(figure, f"Residual damage index against PGA: {variant.title}",
-                       panels.SLIP_LABELS[slip], _synthetic_note(names))
+    panels.add_heading(
+        figure,
+        f"Residual damage index against PGA: {variant.title}",
+        panels.SLIP_LABELS[slip],
+        _synthetic_note(names),
+    )
     printed = [name for name in names if largest_residual(variant, name)[1] is not None]
-    return panels.finish(figure, marks.component_handles() + marks.solver_handles(variant, collapsed)
-                         + star_handles(printed), columns=7)
+    return panels.finish(
+        figure,
+        marks.component_handles()
+        + marks.solver_handles(variant, collapsed)
+        + star_handles(printed),
+        columns=7,
+    )
 
 
 @styled
 def against_drift(variant, slip="displacement"):
-    """Figure 12: (a) maximum, (b) residual index against maximum drift, with second-order trend lines.
+    """Figure 12: (a) maximum, (b) residual index against maximum drift, with second-order trend
+    lines.
 
-    The parabola is a least-squares fit to the medians of the reference solver over all records, or to
-    YADE's runs where there are no others, without walls that fell, among those that are nowhere negative in the range
-    of the drifts.
+    The parabola is a least-squares fit to the medians of the reference solver over all records, or
+    to
+    YADE's runs where there are no others, without walls that fell, among those that are nowhere
+    negative in the range of the drifts.
     """
     names = marks.in_order(variant.points["record"].unique())
-    markers, hollow = marks.record_markers(names), dict(zip(names, marks.SINGLE_MARKERS * len(names)))
+    markers, hollow = (
+        marks.record_markers(names),
+        dict(zip(names, marks.SINGLE_MARKERS * len(names))),
+    )
     figure, axes = panels.grid(1, 2, 2.5)
     reference, yade = in_percent(variant.reference), in_percent(variant.yade)
     collapsed = trend = False
@@ -125,18 +168,34 @@ def against_drift(variant, slip="displacement"):
             medians, single = (points[points["record"] == name] for points in (reference, yade))
             marks.draw_cloud(ax, medians, "max_drift_pct", column, BLACK, markers[name])
             marks.draw_yade(ax, single, "max_drift_pct", column, VERMILLION, hollow[name])
-        collapsed |= any([marks.mark_collapses(ax, points, "max_drift_pct", column) for points in (reference, yade)])
+        collapsed |= any(
+            [
+                marks.mark_collapses(ax, points, "max_drift_pct", column)
+                for points in (reference, yade)
+            ]
+        )
         label = _draw_trend(ax, reference if len(reference) else yade, column)
         trend |= label is not None
         panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label or ''}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         panels.from_zero(ax, marks.NOTHING)
-    panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}",
-                       panels.SLIP_LABELS[slip], _synthetic_note(names))
+    panels.add_heading(
+        figure,
+        f"Damage index against maximum drift: {variant.title}",
+        panels.SLIP_LABELS[slip],
+        _synthetic_note(names),
+    )
     handles = _record_handles(variant, names, markers, hollow)
     if trend:
-        handles.append(Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares, nowhere "
-                              "negative"))
+        handles.append(
+            Line2D(
+                [],
+                [],
+                color=BLUE,
+                lw=1.0,
+                label="second-order polynomial, least squares, nowhere negative",
+            )
+        )
     if collapsed:
         handles.append(marks.collapse_handle())
     return panels.finish(figure, handles, columns=2)
@@ -144,13 +203,17 @@ def against_drift(variant, slip="displacement"):
 
 def in_percent(points):
     """Points with max_drift_pct and its range [%] beside the drift ratio."""
-    columns = {f"max_drift_pct{end}": 100 * points[f"max_drift_ratio{end}"].astype(float)
-               for end in ("", "_min", "_max") if f"max_drift_ratio{end}" in points}
+    columns = {
+        f"max_drift_pct{end}": 100 * points[f"max_drift_ratio{end}"].astype(float)
+        for end in ("", "_min", "_max")
+        if f"max_drift_ratio{end}" in points
+    }
     return points.assign(**columns)
 
 
 def _draw_trend(ax, points, column):
-    """Draw the least-squares parabola; returns its R2 for the title, None where points that stand are too few."""
+    """Draw the least-squares parabola; returns its R2 for the title, None where points that stand
+    are too few."""
     drift, value = (marks.numbers(points, name) for name in ("max_drift_pct", column))
     known = np.isfinite(drift) & np.isfinite(value) & ~marks.fallen(points)
     drift, value = drift[known], value[known]
@@ -159,16 +222,22 @@ def _draw_trend(ax, points, column):
     trend, held = nonnegative_parabola(drift, value)
     along = np.linspace(drift.min(), drift.max(), 200)
     ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=5)
-    rest, spread = np.mean((value - trend(drift))**2), np.var(value)
-    return f", trend{' held at 0 or above,' if held else ''} R² = {1 - rest / spread:.2f}" if spread > 0 else ""
+    rest, spread = np.mean((value - trend(drift)) ** 2), np.var(value)
+    return (
+        f", trend{' held at 0 or above,' if held else ''} R² = {1 - rest / spread:.2f}"
+        if spread > 0
+        else ""
+    )
 
 
 def nonnegative_parabola(x, y):
-    """The parabola of least squares among those that are nowhere negative between the least and the largest x.
+    """The parabola of least squares among those that are nowhere negative between the least and the
+    largest x.
 
-    x, y: (n,).  Returns it as a function of x, and whether the free fit would have been negative somewhere.  On
-    0 <= t <= 1 these parabolas are (u + v t)² + w t (1 - t) with w >= 0 (Lukács): u and v of one sign, or of two.
-    """
+    x, y: (n,).  Returns it as a function of x, and whether the free fit would have been negative
+    somewhere.  On
+    0 <= t <= 1 these parabolas are (u + v t)² + w t (1 - t) with w >= 0 (Lukács): u and v of one
+    sign, or of two."""
     free = np.polynomial.Polynomial.fit(x, y, 2)
     low, span = np.min(x), np.ptp(x)
     turns = [at for at in free.deriv().roots().real if low < at < low + span]
@@ -177,12 +246,23 @@ def nonnegative_parabola(x, y):
 
     def held(parameters, at):
         t = (at - low) / span
-        return (parameters[0] + parameters[1] * t)**2 + parameters[2] * t * (1 - t)
+        return (parameters[0] + parameters[1] * t) ** 2 + parameters[2] * t * (1 - t)
 
     size = np.max(np.abs(y)) or 1.0
-    starts = [(begin, end - begin, 0.1) for begin in (0.1, 0.5, 1.0) for end in (-1.0, -0.3, 0.3, 1.0)]
-    fits = [least_squares(lambda p: held(p, x) - y / size, start, bounds=((-np.inf, -np.inf, 0), np.inf),
-                          xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in starts]
+    starts = [
+        (begin, end - begin, 0.1) for begin in (0.1, 0.5, 1.0) for end in (-1.0, -0.3, 0.3, 1.0)
+    ]
+    fits = [
+        least_squares(
+            lambda p: held(p, x) - y / size,
+            start,
+            bounds=((-np.inf, -np.inf, 0), np.inf),
+            xtol=1e-12,
+            ftol=1e-12,
+            gtol=1e-12,
+        )
+        for start in starts
+    ]
     best = min(fits, key=lambda fit: fit.cost).x
     return lambda at: size * held(best, at), True
 
@@ -191,8 +271,9 @@ def _record_handles(variant, names, markers, hollow):
     handles = []
     for name in names:
         for solver, points, look in (
-                ("reference", variant.reference, {"marker": markers[name], "color": BLACK}),
-                ("YADE", variant.yade, {"marker": hollow[name], "mfc": "none", "mec": VERMILLION})):
+            ("reference", variant.reference, {"marker": markers[name], "color": BLACK}),
+            ("YADE", variant.yade, {"marker": hollow[name], "mfc": "none", "mec": VERMILLION}),
+        ):
             if len(points):
                 label = f"{record_label(name)}: {solver}, {marks.describe_members(points)}"
                 handles.append(Line2D([], [], ls="", ms=5, label=label, **look))

@@ -3,8 +3,9 @@ docs/validation/impacts.md.
 
     python3 -m paper impacts        # writes docs/tables/benchmarks/impacts.csv; 15 seconds
 
-A block is let go from half its overturning angle on a dry joint without damping.  By Housner it keeps the share r^2 of
-its energy, r = 1 - 1.5 sin^2 alpha; the model's is the mean of six impacts, by the peaks of its rotation.
+A block is let go from half its overturning angle on a dry joint without damping.  By Housner it
+keeps the share r^2 of its energy, r = 1 - 1.5 sin^2 alpha; the model's is the mean of six impacts,
+by the peaks of its rotation.
 """
 
 import math
@@ -31,8 +32,17 @@ IMPACTS = 6
 def block(slender, stiffness, contacts, cells):
     """Layout of a block of so many times its width in height."""
     brick = Brick(2 * WIDE_M, slender * WIDE_M, 0.5, 2000.0, young_modulus=1e15, shear_modulus=4e14)
-    return lay_out(Wall("block", WIDE_M, slender * WIDE_M, precompression=0.0, brick=brick, joint=Joint(
-        stiffness, 0.4 * stiffness, math.atan(2.0), 0.0, 0.0)), ModelOptions(contacts=contacts, cells=cells))
+    return lay_out(
+        Wall(
+            "block",
+            WIDE_M,
+            slender * WIDE_M,
+            precompression=0.0,
+            brick=brick,
+            joint=Joint(stiffness, 0.4 * stiffness, math.atan(2.0), 0.0, 0.0),
+        ),
+        ModelOptions(contacts=contacts, cells=cells),
+    )
 
 
 def rotations_at_peaks(layout, start, n_peaks):
@@ -43,8 +53,11 @@ def rotations_at_peaks(layout, start, n_peaks):
     wall.damp()
     place, half = wall.displacement, np.ptp(layout.contacts.x) / 2
     turn, high = start, layout.bodies.height[0] / 2
-    place[0] += [high * math.sin(turn) + half * (1 - math.cos(turn)),
-                 half * math.sin(turn) - high * (1 - math.cos(turn)), -turn]
+    place[0] += [
+        high * math.sin(turn) + half * (1 - math.cos(turn)),
+        half * math.sin(turn) - high * (1 - math.cos(turn)),
+        -turn,
+    ]
     wall.displacement = place
     wall.velocity = 0 * wall.velocity
     found, before, rate = [start], wall.displacement[0, 2], 0.0
@@ -64,9 +77,9 @@ def rotations_at_peaks(layout, start, n_peaks):
 
 
 def kept_share(peaks, angle):
-    """Share of the energy that an impact leaves, geometric mean; peaks: of the rotation [rad]; angle: at which it
-    overturns [rad]."""
-    energy = 1 - (1 - peaks / angle)**2
+    """Share of the energy that an impact leaves, geometric mean; peaks: of the rotation [rad];
+    angle: at which it overturns [rad]."""
+    energy = 1 - (1 - peaks / angle) ** 2
     return (energy[-1] / energy[0]) ** (1 / (len(peaks) - 1))
 
 
@@ -78,15 +91,24 @@ def rows():
                 layout = block(slender, stiffness, contacts, cells)
                 lever = np.ptp(layout.contacts.x)
                 angle = math.atan(lever / (slender * WIDE_M))
-                housner = 1 - 1.5 * math.sin(angle)**2
+                housner = 1 - 1.5 * math.sin(angle) ** 2
                 peaks = rotations_at_peaks(layout, 0.5 * angle, IMPACTS)
                 coefficient = math.sqrt(kept_share(peaks, angle))
                 of_block = 1 - 1.5 / (1 + slender**2)
-                yield {"slenderness": slender, "normal_stiffness_gpa_m": stiffness / 1e9, "contacts": contacts,
-                       "cells": cells, "points": len(layout.contacts), "lever_over_width": lever / WIDE_M,
-                       "model": coefficient, "housner_of_lever": housner, "over_that": coefficient / housner,
-                       "housner_of_block": of_block, "over_that_of_block": coefficient / of_block,
-                       "tested_over_that_of_block": TESTED[slender]}
+                yield {
+                    "slenderness": slender,
+                    "normal_stiffness_gpa_m": stiffness / 1e9,
+                    "contacts": contacts,
+                    "cells": cells,
+                    "points": len(layout.contacts),
+                    "lever_over_width": lever / WIDE_M,
+                    "model": coefficient,
+                    "housner_of_lever": housner,
+                    "over_that": coefficient / housner,
+                    "housner_of_block": of_block,
+                    "over_that_of_block": coefficient / of_block,
+                    "tested_over_that_of_block": TESTED[slender],
+                }
 
 
 def main():

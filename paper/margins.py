@@ -1,14 +1,15 @@
-"""How far a value is from the limit of its criterion, as a share of that limit: zero or more where it holds, else less.
+"""How far a value is from the limit of its criterion, as a share of that limit: zero or more where
+it holds, else less.
 
-Of several that all have to hold the least counts, `min`: as long as they do the one that fails first, and where some
-fail the one that is farthest from holding.
+Of several that all have to hold the least counts, `min`: as long as they do the one that fails
+first, and where some fail the one that is farthest from holding.
 """
 
 import math
 
 EDGE = 0.05
-"""A claim is borderline where 5 % more or less of the limit would change its verdict: by so much two correct solvers
-differ in maximum drift (docs/validation/two-solvers.md)."""
+"""A claim is borderline where 5 % more or less of the limit would change its verdict: by so much
+two correct solvers differ in maximum drift (docs/validation/two-solvers.md)."""
 
 
 def at_most(value, limit):
@@ -38,7 +39,9 @@ def within(value, target, tolerance):
     >>> round(within(0.22, 0.2, 0.04), 3), round(within(0.264, 0.2, 0.04), 3)
     (0.083, -0.1)
     """
-    return _share(tolerance - abs(value - target), target + math.copysign(tolerance, value - target))
+    return _share(
+        tolerance - abs(value - target), target + math.copysign(tolerance, value - target)
+    )
 
 
 def _share(distance, limit):

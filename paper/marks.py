@@ -1,4 +1,5 @@
-"""Points of the figures of studies, with their ranges and legends; motions and records, their order and markers."""
+"""Points of the figures of studies, with their ranges and legends; motions and records, their order
+and markers."""
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -7,8 +8,10 @@ from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, VERMILLION
 from damage.draw.words import EVENTS, record_label, station_of
 
 COMPONENTS = {  # column of the tables: label, colour, marker
-    "DI": ("DI", BLACK, "D"), "DI_drift": (r"DI$_\mathrm{drift}$", GREEN, "^"),
-    "DI_open": (r"DI$_\mathrm{open}$", ORANGE, "s"), "DI_slip": (r"DI$_\mathrm{slip}$", BLUE, "o"),
+    "DI": ("DI", BLACK, "D"),
+    "DI_drift": (r"DI$_\mathrm{drift}$", GREEN, "^"),
+    "DI_open": (r"DI$_\mathrm{open}$", ORANGE, "s"),
+    "DI_slip": (r"DI$_\mathrm{slip}$", BLUE, "o"),
 }
 NOTHING = 0.01
 """Least upper limit of the axes of the index."""
@@ -17,15 +20,25 @@ SCALES_APART = 2.0
 
 
 def scale_note(axes, axis="y"):
-    """Text for the heading where the scales of visible panels differ by SCALES_APART or more, else "".
+    """Text for the heading where the scales of visible panels differ by SCALES_APART or more, else
+    "".
 
     axes: array of any shape of panels with one quantity along that axis ("x" or "y").
     """
-    spans = [np.ptp(ax.get_ylim() if axis == "y" else ax.get_xlim()) for ax in np.ravel(axes) if ax.axison]
+    spans = [
+        np.ptp(ax.get_ylim() if axis == "y" else ax.get_xlim())
+        for ax in np.ravel(axes)
+        if ax.axison
+    ]
     ratio = max(spans) / min(spans)
-    return "" if ratio < SCALES_APART else (
-        f"The panels have {'vertical' if axis == 'y' else 'horizontal'} scales of their own: the widest spans "
-        f"{ratio:.2g} times the narrowest")
+    return (
+        ""
+        if ratio < SCALES_APART
+        else (
+            f"The panels have {'vertical' if axis == 'y' else 'horizontal'} scales of their own:"
+            f" the widest spans {ratio:.2g} times the narrowest"
+        )
+    )
 
 
 def numbers(points, column):
@@ -38,12 +51,15 @@ def numbers(points, column):
 def median_and_range(points, name):
     """Median of a measure, (n,), and the distances of its minimum and maximum from it, (2, n)."""
     median = numbers(points, name)
-    spread = np.array([median - numbers(points, f"{name}_min"), numbers(points, f"{name}_max") - median])
+    spread = np.array(
+        [median - numbers(points, f"{name}_min"), numbers(points, f"{name}_max") - median]
+    )
     return median, np.clip(np.nan_to_num(spread), 0, None)
 
 
 def draw_points(ax, points, x, y, colour, marker, shift=0.0):
-    """Draw medians of the reference solver with their ranges, joined by a line; x, y: names of measures.
+    """Draw medians of the reference solver with their ranges, joined by a line; x, y: names of
+    measures.
 
     shift: along x, in its unit, so that ranges of several measures do not coincide.
     """
@@ -53,20 +69,55 @@ def draw_points(ax, points, x, y, colour, marker, shift=0.0):
 
 def draw_cloud(ax, points, x, y, colour, marker):
     """Draw medians of the reference solver, not joined, with their ranges in grey."""
-    _draw_with_range(ax, points, x, y, 0.0, color=colour, marker=marker, ms=5, mew=1.0, ls="", zorder=3, ecolor=MEDIUM)
+    _draw_with_range(
+        ax,
+        points,
+        x,
+        y,
+        0.0,
+        color=colour,
+        marker=marker,
+        ms=5,
+        mew=1.0,
+        ls="",
+        zorder=3,
+        ecolor=MEDIUM,
+    )
 
 
 def draw_yade(ax, points, x, y, colour, marker, shift=0.0):
-    """Draw runs of YADE with hollow markers, larger than those of the medians, so that both are visible."""
-    _draw_with_range(ax, points, x, y, shift, ecolor=colour, marker=marker, mfc="none", mec=colour, mew=0.8, ms=5.6,
-                     ls="", zorder=4)
+    """Draw runs of YADE with hollow markers, larger than those of the medians, so that both are
+    visible."""
+    _draw_with_range(
+        ax,
+        points,
+        x,
+        y,
+        shift,
+        ecolor=colour,
+        marker=marker,
+        mfc="none",
+        mec=colour,
+        mew=0.8,
+        ms=5.6,
+        ls="",
+        zorder=4,
+    )
 
 
 def _draw_with_range(ax, points, x, y, shift, **style):
     """Draw points, with bars where there is a range."""
     (place, place_range), (value, value_range) = (median_and_range(points, name) for name in (x, y))
-    ax.errorbar(place + shift, value, value_range if value_range.any() else None,
-                place_range if place_range.any() else None, elinewidth=0.8, capsize=1.6, capthick=0.6, **style)
+    ax.errorbar(
+        place + shift,
+        value,
+        value_range if value_range.any() else None,
+        place_range if place_range.any() else None,
+        elinewidth=0.8,
+        capsize=1.6,
+        capthick=0.6,
+        **style,
+    )
 
 
 def draw_components(ax, reference, yade, x, prefix):
@@ -74,24 +125,37 @@ def draw_components(ax, reference, yade, x, prefix):
 
     Returns whether any run collapsed; points with such runs are crossed out.
     """
-    span = max((np.nanmax(numbers(points, x)) for points in (reference, yade) if len(points)), default=0.0)
+    span = max(
+        (np.nanmax(numbers(points, x)) for points in (reference, yade) if len(points)), default=0.0
+    )
     shifts = dict(zip(COMPONENTS, span * np.array((-0.009, -0.003, 0.003, 0.009))))
     for name, (_, colour, marker) in COMPONENTS.items():
         draw_points(ax, reference, x, prefix + name, colour, marker, shifts[name])
         draw_yade(ax, yade, x, prefix + name, colour, marker, shifts[name])
-    return any([mark_collapses(ax, points, x, prefix + "DI", shifts["DI"]) for points in (reference, yade)])
+    return any(
+        [mark_collapses(ax, points, x, prefix + "DI", shifts["DI"]) for points in (reference, yade)]
+    )
 
 
 def fallen(points):
-    """Whether a run of each point collapsed, (n,) bool: their index is that at which the run stopped."""
+    """Whether a run of each point collapsed, (n,) bool: their index is that at which the run
+    stopped."""
     return np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
 
 
 def mark_collapses(ax, points, x, y, shift=0.0):
     """Draw a cross over each point with a collapsed run; returns whether there is one."""
     collapsed = fallen(points)
-    ax.plot(numbers(points, x)[collapsed] + shift, numbers(points, y)[collapsed], ls="", marker="x", ms=7, mew=1.1,
-            color=VERMILLION, zorder=5)
+    ax.plot(
+        numbers(points, x)[collapsed] + shift,
+        numbers(points, y)[collapsed],
+        ls="",
+        marker="x",
+        ms=7,
+        mew=1.1,
+        color=VERMILLION,
+        zorder=5,
+    )
     return bool(collapsed.any())
 
 
@@ -99,11 +163,31 @@ def solver_handles(variant, collapse=False):
     """Legend entries of the solvers."""
     handles = []
     if len(variant.reference):
-        handles.append(Line2D([], [], color=MEDIUM, marker="o", ms=3.2, lw=0.7,
-                              label=f"reference: {describe_members(variant.reference)}"))
+        handles.append(
+            Line2D(
+                [],
+                [],
+                color=MEDIUM,
+                marker="o",
+                ms=3.2,
+                lw=0.7,
+                label=f"reference: {describe_members(variant.reference)}",
+            )
+        )
     if len(variant.yade):
-        handles.append(Line2D([], [], ls="", marker="o", mfc="none", mec=MEDIUM, mew=0.8, ms=5.6,
-                              label=f"YADE: {describe_members(variant.yade)}"))
+        handles.append(
+            Line2D(
+                [],
+                [],
+                ls="",
+                marker="o",
+                mfc="none",
+                mec=MEDIUM,
+                mew=0.8,
+                ms=5.6,
+                label=f"YADE: {describe_members(variant.yade)}",
+            )
+        )
     if collapse:
         handles.append(collapse_handle())
     return handles
@@ -111,7 +195,9 @@ def solver_handles(variant, collapse=False):
 
 def collapse_handle():
     """Legend entry of `mark_collapses`."""
-    return Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed: index as it fell")
+    return Line2D(
+        [], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed: index as it fell"
+    )
 
 
 def describe_members(points):
@@ -124,8 +210,12 @@ def describe_members(points):
 
 def component_handles(slip_marker=True):
     """Legend entries of the index and its components."""
-    return [Line2D([], [], color=colour, marker=marker if slip_marker else "", ms=3.2, lw=0.9, label=label)
-            for label, colour, marker in COMPONENTS.values()]
+    return [
+        Line2D(
+            [], [], color=colour, marker=marker if slip_marker else "", ms=3.2, lw=0.9, label=label
+        )
+        for label, colour, marker in COMPONENTS.values()
+    ]
 
 
 OTHER_MARKERS = "4|_*"
@@ -134,7 +224,8 @@ SINGLE_MARKERS = "osD^v"
 
 
 def motion_label(point):
-    """The motion of a point (a row of points.csv) in words, as "0.2 s, 0.1 g" or "Zeerijp, BGAR east × 2"."""
+    """The motion of a point (a row of points.csv) in words, as "0.2 s, 0.1 g" or "Zeerijp, BGAR
+    east × 2"."""
     if isinstance(point.get("record"), str):
         return f"{record_label(point['record'])} × {point['scale']:g}"
     return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"

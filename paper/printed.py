@@ -1,10 +1,19 @@
-"""Values that the paper's text prints, as stars in our figures of the same quantity; its curves have no numbers."""
+"""Values that the paper's text prints, as stars in our figures of the same quantity; its curves
+have no numbers."""
 
 from matplotlib.lines import Line2D
 
 from damage.draw.style import PURPLE
 from damage.draw.words import station_of
-from paper.criteria import AMPLITUDES_G, CYCLE_LENGTHS_S, LARGEST_DI, LARGEST_RESIDUAL_DI, PGA_G, SA_G, SCALES
+from paper.criteria import (
+    AMPLITUDES_G,
+    CYCLE_LENGTHS_S,
+    LARGEST_DI,
+    LARGEST_RESIDUAL_DI,
+    PGA_G,
+    SA_G,
+    SCALES,
+)
 
 WALL = "symmetric"
 """The wall that figures 7 to 11 show."""
@@ -31,7 +40,11 @@ def largest_di(variant, period_s):
 
 def cycle_length_s(variant, amplitude_g):
     """Figure 9: duration of the last cycle [s], None where the text has none."""
-    return dict(zip(AMPLITUDES_G, CYCLE_LENGTHS_S)).get(round(amplitude_g, 6)) if variant.wall == WALL else None
+    return (
+        dict(zip(AMPLITUDES_G, CYCLE_LENGTHS_S)).get(round(amplitude_g, 6))
+        if variant.wall == WALL
+        else None
+    )
 
 
 def record_values(name):
@@ -41,7 +54,8 @@ def record_values(name):
 
 
 def largest_residual(variant, name):
-    """Figure 11: (PGA [g], residual DI) of a record at its largest scale, (None, None) where the text has none."""
+    """Figure 11: (PGA [g], residual DI) of a record at its largest scale, (None, None) where the
+    text has none."""
     if variant.wall == WALL and EVENT.get(station_of(name)) == "huizinge":
         return SCALES[-1] * PGA_G["huizinge"], LARGEST_RESIDUAL_DI
     return None, None

@@ -6,9 +6,9 @@ docs/validation/repeated-loading.md.
 
 `solvers` needs YADE; `summary` makes the tables beside the tests of the others: run it last.
 
-A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held down near its ends.
-A wall is pushed to a drift and back, one way and then two ways.  Both are steered by displacement; the force at each
-repetition is that at the amplitude.
+A spandrel in inverted four-point bending: two supports push it up near its middle, its top is held
+down near its ends. A wall is pushed to a drift and back, one way and then two ways.  Both are
+steered by displacement; the force at each repetition is that at the amplitude.
 """
 
 import math
@@ -40,8 +40,8 @@ BETA_S, COV = 1e-6, 0.35
 
 
 class Masonry(NamedTuple):
-    """modulus [Pa]; tensile_strength, cohesion [Pa]; friction [-]; energies: G_I, G_II [J/m2]; brick: length, height,
-    thickness with the mortar's share [m]; density [kg/m3]."""
+    """modulus [Pa]; tensile_strength, cohesion [Pa]; friction [-]; energies: G_I, G_II [J/m2];
+    brick: length, height, thickness with the mortar's share [m]; density [kg/m3]."""
 
     modulus: float
     tensile_strength: float
@@ -54,21 +54,35 @@ class Masonry(NamedTuple):
 
 CLAY = Masonry(3.6e9, 0.16e6, 0.17e6, 0.82, (11.3, 210.0), (0.2183, 0.0589, 0.100))
 SILICATE = Masonry(4.0e9, 0.16e6, 0.17e6, 0.82, (11.3, 210.0), (0.2223, 0.0806, 0.102), 1800.0)
-"""Clay as tabulated; calcium silicate has no tabulated properties: those of clay, and a modulus of its own."""
+"""Clay as tabulated; calcium silicate has no tabulated properties: those of clay, and a modulus of
+its own."""
 
 
 def parts_of(masonry):
-    """The Brick and the softening Joint of a Masonry; an apex beyond f_t, which the law needs, keeps the tensile
-    strength."""
+    """The Brick and the softening Joint of a Masonry; an apex beyond f_t, which the law needs,
+    keeps the tensile strength."""
     strength = min(masonry.tensile_strength, masonry.cohesion / masonry.friction)
-    joint = Joint(tensile_strength=strength, cohesion=masonry.cohesion, friction_angle=math.atan(masonry.friction),
-                  mode_i_fracture_energy=masonry.energies[0], mode_ii_fracture_energy=masonry.energies[1])
-    return brick_of_masonry(masonry.modulus, joint, **dict(zip(("length", "height", "thickness"), masonry.brick)),
-                            density=masonry.density), joint
+    joint = Joint(
+        tensile_strength=strength,
+        cohesion=masonry.cohesion,
+        friction_angle=math.atan(masonry.friction),
+        mode_i_fracture_energy=masonry.energies[0],
+        mode_ii_fracture_energy=masonry.energies[1],
+    )
+    return (
+        brick_of_masonry(
+            masonry.modulus,
+            joint,
+            **dict(zip(("length", "height", "thickness"), masonry.brick)),
+            density=masonry.density,
+        ),
+        joint,
+    )
 
 
 class Specimen:
-    """A wall in the reference solver that is moved by displacement; `force` [N] and `measure` [m] are its readings."""
+    """A wall in the reference solver that is moved by displacement; `force` [N] and `measure` [m]
+    are its readings."""
 
     def __init__(self, layout):
         self.layout, self._segments = layout, tributary_ends(joint_table(layout))
@@ -84,29 +98,57 @@ class Specimen:
         self.wall.run(max(1, round(time_s / self.wall.time_step)))
 
     def cracks(self):
-        """{"widest_um": widest crack [micrometres], "psi": Psi [-]} at present, without the joints on the base; NaN
-        and 0 where nothing has cracked."""
+        """{"widest_um": widest crack [micrometres], "psi": Psi [-]} at present, without the joints
+        on the base; NaN and 0 where nothing has cracked."""
         off_base = self._segments[:, 0, 1] > 0
-        table = crack_table(self._segments[off_base], self.wall.opening[off_base], self.wall.offset[off_base], PSI_FROM)
+        table = crack_table(
+            self._segments[off_base],
+            self.wall.opening[off_base],
+            self.wall.offset[off_base],
+            PSI_FROM,
+        )
         return {"widest_um": 1e6 * table["width_m"].max(), "psi": psi(table)}
 
 
 class Spandrel(Specimen):
-    """supports_m, loads_m: distances between the two supports in the middle of its base, and between the two places
-    at its top that are held down; fibres: parallel elements of a bond."""
+    """supports_m, loads_m: distances between the two supports in the middle of its base, and
+    between the two places at its top that are held down; fibres: parallel elements of a bond."""
 
     def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, fibres=0):
         brick, joint = parts_of(masonry)
-        wall = Wall("spandrel", bricks * brick.length, courses * brick.height, precompression=0.0, brick=brick,
-                    joint=joint)
-        super().__init__(lay_out(wall, ModelOptions(supports="bricks", contacts="gauss", cells=2, strength_cov=COV,
-                                                    strength_seed=seed, fibres=fibres)))
+        wall = Wall(
+            "spandrel",
+            bricks * brick.length,
+            courses * brick.height,
+            precompression=0.0,
+            brick=brick,
+            joint=joint,
+        )
+        super().__init__(
+            lay_out(
+                wall,
+                ModelOptions(
+                    supports="bricks",
+                    contacts="gauss",
+                    cells=2,
+                    strength_cov=COV,
+                    strength_seed=seed,
+                    fibres=fibres,
+                ),
+            )
+        )
         middle, bodies, supports = wall.length / 2, self.layout.bodies, self.layout.supports
-        self._pushed = [int(np.argmin(np.abs(supports.x - middle - side * supports_m / 2))) for side in (-1, 1)]
+        self._pushed = [
+            int(np.argmin(np.abs(supports.x - middle - side * supports_m / 2))) for side in (-1, 1)
+        ]
         top = np.flatnonzero(bodies.course == bodies.course.max())
-        held = [top[np.argmin(np.abs(bodies.x[top] - middle - side * loads_m / 2))] for side in (-1, 1)]
+        held = [
+            top[np.argmin(np.abs(bodies.x[top] - middle - side * loads_m / 2))] for side in (-1, 1)
+        ]
         near = np.argsort(np.abs(bodies.x[top] - middle))[:4]
-        self._ends = top[[near[np.argmin(bodies.x[top][near])], near[np.argmax(bodies.x[top][near])]]]
+        self._ends = top[
+            [near[np.argmin(bodies.x[top][near])], near[np.argmax(bodies.x[top][near])]]
+        ]
         self._drop(np.array([k for k in range(len(self.layout.supports)) if k not in self._pushed]))
         self.advance(0.05)
         self._hold(held)
@@ -164,37 +206,62 @@ def until(specimen, speed, reached):
 
 
 def repeated(specimen, amplitudes=STEPS_M, repetitions=REPETITIONS, speed=SPEED):
-    """Table of a protocol, unloaded to UNLOADED_N: amplitude and what is left of it unloaded [micrometres], repetition,
-    force [N] at the amplitude and largest force on the way, and `cracks`."""
+    """Table of a protocol, unloaded to UNLOADED_N: amplitude and what is left of it unloaded
+    [micrometres], repetition, force [N] at the amplitude and largest force on the way, and
+    `cracks`."""
     rows = []
     for amplitude in amplitudes:
         for repetition in range(1, repetitions + 1):
-            largest = until(specimen, speed, lambda amplitude=amplitude: specimen.measure >= amplitude)
+            largest = until(
+                specimen, speed, lambda amplitude=amplitude: specimen.measure >= amplitude
+            )
             if largest is None:
                 return pd.DataFrame(rows)
-            rows.append({"amplitude_um": 1e6 * amplitude, "repetition": repetition, "force_n": specimen.force,
-                         "largest_n": largest, **specimen.cracks()})
+            rows.append(
+                {
+                    "amplitude_um": 1e6 * amplitude,
+                    "repetition": repetition,
+                    "force_n": specimen.force,
+                    "largest_n": largest,
+                    **specimen.cracks(),
+                }
+            )
             if until(specimen, -speed, lambda: specimen.force <= UNLOADED_N) is None:
                 return pd.DataFrame(rows)
             rows[-1]["unloaded_um"] = 1e6 * specimen.measure
     return pd.DataFrame(rows)
 
 
-# --- walls -------------------------------------------------------------------------------------------
+# --- walls ----------------------------------------------------------------------------------------
 
 WINDOW = Opening(left=0.66, width=0.78, height=1.51, sill=0.66)
 DRIFT, WALL_SPEED, WALL_REPETITIONS = 0.27e-3, 8e-3, 15
 
 
 class PushedWall(Specimen):
-    """A wall of 3.07 x 2.69 m with a window, a cantilever under 0.12 MPa, whose beam on top is moved."""
+    """A wall of 3.07 x 2.69 m with a window, a cantilever under 0.12 MPa, whose beam on top is
+    moved."""
 
     def __init__(self, masonry, seed):
         brick, joint = parts_of(masonry)
-        wall = Wall("wall", 3.07, 2.69, openings=[WINDOW], precompression=0.12e6, brick=brick, joint=joint,
-                    lintel="concrete")
-        super().__init__(lay_out(wall, ModelOptions(top="beam", contacts="gauss", cells=2, strength_cov=COV,
-                                                    strength_seed=seed)))
+        wall = Wall(
+            "wall",
+            3.07,
+            2.69,
+            openings=[WINDOW],
+            precompression=0.12e6,
+            brick=brick,
+            joint=joint,
+            lintel="concrete",
+        )
+        super().__init__(
+            lay_out(
+                wall,
+                ModelOptions(
+                    top="beam", contacts="gauss", cells=2, strength_cov=COV, strength_seed=seed
+                ),
+            )
+        )
         self.advance(0.3)
         self.wall.hold(self.layout.pushed_bodies, rotation=False)
         self._zero = self.wall.displacement[self.layout.pushed_bodies[0], 0]
@@ -215,13 +282,20 @@ class PushedWall(Specimen):
 
 
 def pushed(specimen, protocol, drift):
-    """Rows of a protocol, "one-way" or "two-way": force [N] at the amplitude in each repetition, both ways, and
-    `cracks`."""
+    """Rows of a protocol, "one-way" or "two-way": force [N] at the amplitude in each repetition,
+    both ways, and `cracks`."""
     amplitude, rows = drift * specimen.layout.wall.height, []
     for repetition in range(1, WALL_REPETITIONS + 1):
         until(specimen, WALL_SPEED, lambda: specimen.measure >= amplitude)
-        rows.append({"protocol": protocol, "drift": drift, "repetition": repetition, "plus_n": specimen.force,
-                     **specimen.cracks()})
+        rows.append(
+            {
+                "protocol": protocol,
+                "drift": drift,
+                "repetition": repetition,
+                "plus_n": specimen.force,
+                **specimen.cracks(),
+            }
+        )
         if protocol == "two-way":
             until(specimen, -WALL_SPEED, lambda: specimen.measure <= -amplitude)
             rows[-1]["minus_n"] = specimen.force
@@ -236,8 +310,11 @@ SPANDRELS = {"clay": (CLAY, 9, 6, 0.388, 0.803), "calcium silicate": (SILICATE, 
 
 def spandrels():
     """All repetitions of spandrels, three draws."""
-    tables = [repeated(Spandrel(*SPANDRELS[name], seed)).assign(material=name, draw=seed)
-              for seed in (1, 2, 3) for name in SPANDRELS]
+    tables = [
+        repeated(Spandrel(*SPANDRELS[name], seed)).assign(material=name, draw=seed)
+        for seed in (1, 2, 3)
+        for name in SPANDRELS
+    ]
     pd.concat(tables).to_csv(OUT / "repeated_spandrels.csv", index=False, float_format="%.6g")
 
 
@@ -246,12 +323,16 @@ STRONG = 10.0
 
 
 def laws():
-    """What takes the force: clay spandrels whose joints slip does not consume, brittle ones, and a slower test."""
+    """What takes the force: clay spandrels whose joints slip does not consume, brittle ones, and a
+    slower test."""
     first, second = CLAY.energies
-    cases = {"as tabulated": (CLAY, SPEED), "a quarter of the speed": (CLAY, SPEED / 4),
-             "ten times G_II": (CLAY._replace(energies=(first, STRONG * second)), SPEED),
-             "ten times G_I": (CLAY._replace(energies=(STRONG * first, second)), SPEED),
-             "brittle": (CLAY._replace(energies=(None, None)), SPEED)}
+    cases = {
+        "as tabulated": (CLAY, SPEED),
+        "a quarter of the speed": (CLAY, SPEED / 4),
+        "ten times G_II": (CLAY._replace(energies=(first, STRONG * second)), SPEED),
+        "ten times G_I": (CLAY._replace(energies=(STRONG * first, second)), SPEED),
+        "brittle": (CLAY._replace(energies=(None, None)), SPEED),
+    }
     tables = []
     for name, (masonry, speed) in cases.items():
         specimen = Spandrel(masonry, *SPANDRELS["clay"][1:], 1)
@@ -268,46 +349,81 @@ def walls():
 
 
 FIBRES, COMPARED = 16, 4
-"""Parallel elements of a bond, by which YADE softens, and repetitions of the smallest spandrel in both solvers."""
+"""Parallel elements of a bond, by which YADE softens, and repetitions of the smallest spandrel in
+both solvers."""
 
 
 def compared(kind, fibres=FIBRES):
-    """Table of the smallest spandrel in its first step; kind: Spandrel or a subclass; fibres: as there."""
+    """Table of the smallest spandrel in its first step; kind: Spandrel or a subclass; fibres: as
+    there."""
     return repeated(kind(*SPANDRELS["calcium silicate"], 1, fibres=fibres), STEPS_M[:1], COMPARED)
 
 
 def solvers():
     """The smallest spandrel in both solvers, by parallel elements, and by the smooth law."""
     with TemporaryDirectory() as made:
-        subprocess.run([*COMMAND, Path(__file__).with_name("spandrel_in_yade.py"), Path(made) / "yade.csv"], check=True,
-                       env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
-        tables = [compared(Spandrel, fibres).assign(solver="reference", fibres=fibres) for fibres in (FIBRES, 64, 0)]
+        subprocess.run(
+            [*COMMAND, Path(__file__).with_name("spandrel_in_yade.py"), Path(made) / "yade.csv"],
+            check=True,
+            env={**os.environ, "PYTHONPATH": str(REPOSITORY)},
+        )
+        tables = [
+            compared(Spandrel, fibres).assign(solver="reference", fibres=fibres)
+            for fibres in (FIBRES, 64, 0)
+        ]
         tables.append(pd.read_csv(Path(made) / "yade.csv").assign(solver="yade", fibres=FIBRES))
     pd.concat(tables).to_csv(OUT / "repeated_solvers.csv", index=False, float_format="%.6g")
 
 
-TESTED = {"clay": ("18 to 29", "110 to 740", "15 to 21"), "calcium silicate": ("29 to 35", "90 to 190", "13 to 15")}
-"""Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of clay of all; force
-lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
+TESTED = {
+    "clay": ("18 to 29", "110 to 740", "15 to 21"),
+    "calcium silicate": ("29 to 35", "90 to 190", "13 to 15"),
+}
+"""Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of
+clay of all; force lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024,
+tables 3.1, 3.2 and 6.1.1)."""
 TESTED_WALLS = {"one-way": "-16 to -51", "two-way": "+4 to -13, -57 to +1"}
 """Change of the force by a repetition [N], of two ways each."""
 TESTED_GROWTH = {"one-way": "none in the first step, slight beyond", "two-way": "more than one-way"}
-"""Of a width at equal amplitude, in words of the source, which tabulates none (sections 3.2.3 and 6.1.2)."""
+"""Of a width at equal amplitude, in words of the source, which tabulates none (sections 3.2.3 and
+6.1.2)."""
 TESTED_PSI = "small increase in general, in places a decrease"
 """Of walls (figure 6.1.4 and its text)."""
 
 
 def summary():
     """The tables beside the tests, from the tables of all repetitions."""
-    spandrels, walls = (pd.read_csv(OUT / f"repeated_{name}.csv") for name in ("spandrels", "walls"))
-    rows = [row for material, tables in spandrels.groupby("material") for row in of_spandrels(material, tables)]
-    rows += [row for case, table in walls.groupby(["drift", "protocol"], sort=False) for row in of_wall(*case, table)]
-    pd.DataFrame(rows, columns=["case", "quantity", "model", "test"]).to_csv(OUT / "repeated_loading.csv", index=False)
+    spandrels, walls = (
+        pd.read_csv(OUT / f"repeated_{name}.csv") for name in ("spandrels", "walls")
+    )
+    rows = [
+        row
+        for material, tables in spandrels.groupby("material")
+        for row in of_spandrels(material, tables)
+    ]
+    rows += [
+        row
+        for case, table in walls.groupby(["drift", "protocol"], sort=False)
+        for row in of_wall(*case, table)
+    ]
+    pd.DataFrame(rows, columns=["case", "quantity", "model", "test"]).to_csv(
+        OUT / "repeated_loading.csv", index=False
+    )
     laws = pd.read_csv(OUT / "repeated_laws.csv")
-    pd.DataFrame([{"joints": name, "CMOD [µm]": f"{step:g}", "first force [kN]": f"{force.iloc[0] / 1e3:.3g}", **{
-        f"after {count}": f"{force.iloc[count - 1] / force.iloc[0]:.2f}" for count in (2, 5, 10, 30)}}
-        for (name, step), force in laws.groupby(["case", "amplitude_um"], sort=False)["force_n"]]).to_csv(
-            OUT / "repeated_causes.csv", index=False)
+    pd.DataFrame(
+        [
+            {
+                "joints": name,
+                "CMOD [µm]": f"{step:g}",
+                "first force [kN]": f"{force.iloc[0] / 1e3:.3g}",
+                **{
+                    f"after {count}": f"{force.iloc[count - 1] / force.iloc[0]:.2f}"
+                    for count in (2, 5, 10, 30)
+                },
+            }
+            for (name, step), force in laws.groupby(["case", "amplitude_um"], sort=False)["force_n"]
+        ]
+    ).to_csv(OUT / "repeated_causes.csv", index=False)
 
 
 def of_spandrels(material, tables):
@@ -315,35 +431,71 @@ def of_spandrels(material, tables):
     found = []
     for _, one in tables.groupby("draw"):
         highest = one.loc[one["largest_n"].idxmax()]
-        force, left, psis = (one.pivot_table(index="amplitude_um", columns="repetition", values=name)
-                             for name in ("force_n", "unloaded_um", "psi"))
-        found.append((highest["largest_n"] / 1e3, highest["amplitude_um"],
-                      100 * (1 - force[REPETITIONS] / force[1]).mean(),
-                      100 * (1 - force[REPETITIONS] / force[2]).mean(), (left[REPETITIONS] - left[1]).mean(),
-                      (psis[REPETITIONS] - psis[1]).mean()))
-    quantities = ("peak force [kN]", "CMOD at the peak [µm], steps of 50", "force lost in 30 repetitions [%]",
-                  "... of that after the second [%]", "growth of CMOD at 2 kN in 30 repetitions [µm]",
-                  "growth of Psi at equal CMOD in 30 repetitions")
+        force, left, psis = (
+            one.pivot_table(index="amplitude_um", columns="repetition", values=name)
+            for name in ("force_n", "unloaded_um", "psi")
+        )
+        found.append(
+            (
+                highest["largest_n"] / 1e3,
+                highest["amplitude_um"],
+                100 * (1 - force[REPETITIONS] / force[1]).mean(),
+                100 * (1 - force[REPETITIONS] / force[2]).mean(),
+                (left[REPETITIONS] - left[1]).mean(),
+                (psis[REPETITIONS] - psis[1]).mean(),
+            )
+        )
+    quantities = (
+        "peak force [kN]",
+        "CMOD at the peak [µm], steps of 50",
+        "force lost in 30 repetitions [%]",
+        "... of that after the second [%]",
+        "growth of CMOD at 2 kN in 30 repetitions [µm]",
+        "growth of Psi at equal CMOD in 30 repetitions",
+    )
     for quantity, values, tested in zip(quantities, zip(*found), (*TESTED[material], "", "", "")):
         yield f"spandrels, {material}", quantity, f"{min(values):.3g} to {max(values):.3g}", tested
 
 
 def of_wall(drift, protocol, table):
     """Rows of the wall in a protocol."""
-    last, case, at = table["repetition"].max() - 1, f"wall, clay, {protocol}", f"at {1e3 * drift:.2g} per mil"
-    change = [(abs(table[side].iloc[-1]) - abs(table[side].iloc[0])) / last
-              for side in ("plus_n", "minus_n") if table[side].notna().all()]
-    yield case, f"change a repetition {at} [N]", ", ".join(f"{one:+.0f}" for one in change), TESTED_WALLS[protocol]
+    last, case, at = (
+        table["repetition"].max() - 1,
+        f"wall, clay, {protocol}",
+        f"at {1e3 * drift:.2g} per mil",
+    )
+    change = [
+        (abs(table[side].iloc[-1]) - abs(table[side].iloc[0])) / last
+        for side in ("plus_n", "minus_n")
+        if table[side].notna().all()
+    ]
+    yield (
+        case,
+        f"change a repetition {at} [N]",
+        ", ".join(f"{one:+.0f}" for one in change),
+        TESTED_WALLS[protocol],
+    )
     ends = table[["widest_um", "psi"]].iloc[[0, -1]].to_numpy().T
     if np.isnan(ends).any():  # cracks were not followed in it
         return
-    yield case, f"widest crack {at}, repetitions 1 and {last + 1} [µm]", ", ".join(f"{one:.0f}" for one in ends[0]), \
-        TESTED_GROWTH[protocol]
-    yield case, f"Psi {at}, repetitions 1 and {last + 1}", ", ".join(f"{one:.2f}" for one in ends[1]), TESTED_PSI
+    yield (
+        case,
+        f"widest crack {at}, repetitions 1 and {last + 1} [µm]",
+        ", ".join(f"{one:.0f}" for one in ends[0]),
+        TESTED_GROWTH[protocol],
+    )
+    yield (
+        case,
+        f"Psi {at}, repetitions 1 and {last + 1}",
+        ", ".join(f"{one:.2f}" for one in ends[1]),
+        TESTED_PSI,
+    )
 
 
 def main():
     tables = {table.__name__: table for table in (spandrels, laws, walls, solvers, summary)}
-    asked = arguments(__doc__, option("tables", nargs="*", metavar="TABLE", help=", ".join(tables))).tables
+    asked = arguments(
+        __doc__, option("tables", nargs="*", metavar="TABLE", help=", ".join(tables))
+    ).tables
     for name in chosen(asked, tables, "table"):
         tables[name]()

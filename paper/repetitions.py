@@ -2,8 +2,8 @@
 
     python3 -m paper repetitions shocks.csv     # tables/shocks.csv of the study repetitions
 
-A pair is a wall and a motion in which one event leaves Psi > 0.  Psi at rest is that of the last sample of an event's
-settling stage, max_psi the largest so far.
+A pair is a wall and a motion in which one event leaves Psi > 0.  Psi at rest is that of the last
+sample of an event's settling stage, max_psi the largest so far.
 """
 
 from pathlib import Path
@@ -21,7 +21,8 @@ PUBLISHED = {2: "1.01 to 1.03", 8: "1.03 to 1.08"}
 def pairs(shocks, count, psi="residual_psi"):
     """(Psi after one event, Psi after `count`) (n, 2) of the runs in which one event gives Psi > 0.
 
-    shocks: rows of shocks.csv with columns run, shock and psi; of max_psi the largest so far counts.
+    shocks: rows of shocks.csv with columns run, shock and psi; of max_psi the largest so far
+    counts.
 
     >>> rows = [("a", 1, 0.5), ("a", 2, 0.6), ("b", 1, 0.0), ("b", 2, 0.7), ("c", 1, 1.0)]
     >>> pairs(pd.DataFrame(rows, columns=["run", "shock", "residual_psi"]), 2)
@@ -37,8 +38,8 @@ def pairs(shocks, count, psi="residual_psi"):
 
 
 def table(shocks):
-    """A row for each number of events and kind of Psi: pairs, median and 90th percentile of the ratio, and the share of
-    walls in which Psi decreased."""
+    """A row for each number of events and kind of Psi: pairs, median and 90th percentile of the
+    ratio, and the share of walls in which Psi decreased."""
     rows = []
     for psi, words in (("residual_psi", "at rest"), ("max_psi", "largest so far")):
         for count, published in PUBLISHED.items():
@@ -46,13 +47,26 @@ def table(shocks):
                 continue
             first, last = found.T
             ratio = last / first
-            rows.append({"events": count, "Psi": words, "pairs": len(ratio), "median": np.median(ratio),
-                         "90th percentile": np.quantile(ratio, 0.9), "share that decreases": np.mean(ratio < 1),
-                         "published medians": published})
+            rows.append(
+                {
+                    "events": count,
+                    "Psi": words,
+                    "pairs": len(ratio),
+                    "median": np.median(ratio),
+                    "90th percentile": np.quantile(ratio, 0.9),
+                    "share that decreases": np.mean(ratio < 1),
+                    "published medians": published,
+                }
+            )
     return pd.DataFrame(rows)
 
 
 def main():
     found = table(pd.read_csv(arguments(__doc__, option("shocks", type=Path)).shocks))
-    show(found, ((f"{value:.3g}" if isinstance(value, float) else value for value in row)
-                 for row in found.itertuples(index=False)))
+    show(
+        found,
+        (
+            (f"{value:.3g}" if isinstance(value, float) else value for value in row)
+            for row in found.itertuples(index=False)
+        ),
+    )

@@ -14,29 +14,38 @@ from paper.margins import EDGE
 from paper.verdict import DIFFERS, HOLDS, IN_PART, UNJUDGED, statement_verdict
 
 SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
-_SLIPS = {"displacement": "slip by displacement", "accumulated": "slip accumulated",
-          "shear-limit": "slip by shear limit"}
+_SLIPS = {
+    "displacement": "slip by displacement",
+    "accumulated": "slip accumulated",
+    "shear-limit": "slip by shear limit",
+}
 ON_EDGE = ", borderline"
 """Suffix of a verdict that a small change of its limit would change."""
-BEGIN, END = "<!-- paper verdict: begin, written by python3 -m paper verdict -->", "<!-- paper verdict: end -->"
+BEGIN, END = (
+    "<!-- paper verdict: begin, written by python3 -m paper verdict -->",
+    "<!-- paper verdict: end -->",
+)
 
 
 def _by(findings, name):
-    """(value of an attribute, findings) in the order of the findings, of which equal values stand together."""
+    """(value of an attribute, findings) in the order of the findings, of which equal values stand
+    together."""
     return [(value, list(members)) for value, members in groupby(findings, attrgetter(name))]
 
 
 def merged(findings):
-    """(source, variants in words, value, verdict) of one claim, variants with the same outcome together; source:
-    solver and model in words."""
+    """(source, variants in words, value, verdict) of one claim, variants with the same outcome
+    together; source: solver and model in words."""
     lines = []
     for source, members in _by(findings, "source"):
         outcomes, lintels = {}, _distinct(members, "lintel")
         for finding in members:
             outcome = finding.value, finding.verdict + ON_EDGE * finding.on_edge
             outcomes.setdefault(outcome, set()).add((finding.lintel, finding.slip))
-        lines += [(source_in_words(*source), variants_in_words(pairs, lintels), *outcome)
-                  for outcome, pairs in outcomes.items()]
+        lines += [
+            (source_in_words(*source), variants_in_words(pairs, lintels), *outcome)
+            for outcome, pairs in outcomes.items()
+        ]
     return lines
 
 
@@ -54,7 +63,8 @@ def lintel_in_words(lintel):
     ('elastic lintel', 'lintel of 2 courses', 'no lintel')
     """
     return {"elastic": "elastic lintel", "none": "no lintel", "1": "lintel of 1 course"}.get(
-        lintel, f"lintel of {lintel} courses")
+        lintel, f"lintel of {lintel} courses"
+    )
 
 
 def variants_in_words(pairs, lintels):
@@ -67,14 +77,20 @@ def variants_in_words(pairs, lintels):
     'slip by displacement'
     """
     of = {lintel: [slip for slip in _SLIPS if (lintel, slip) in pairs] for lintel in lintels}
-    said = {lintel: "" if len(slips) == len(_SLIPS) else " and ".join(_SLIPS[slip] for slip in slips)
-            for lintel, slips in of.items() if slips}
+    said = {
+        lintel: "" if len(slips) == len(_SLIPS) else " and ".join(_SLIPS[slip] for slip in slips)
+        for lintel, slips in of.items()
+        if slips
+    }
     if len(said) == len(lintels) and len(set(said.values())) == 1:
         return said[lintels[0]] or "all variants"
-    return "; ".join(", ".join(filter(None, (lintel_in_words(lintel), words))) for lintel, words in said.items())
+    return "; ".join(
+        ", ".join(filter(None, (lintel_in_words(lintel), words))) for lintel, words in said.items()
+    )
 
 
-# --- on the screen ----------------------------------------------------------------------------------
+# --- on the screen --------------------------------------------------------------------------------
+
 
 def describe(findings):
     """The whole verdict as lines for people."""
@@ -82,28 +98,52 @@ def describe(findings):
     for claim, members in _by(findings, "claim"):
         lines.append(f"{claim.id:5s}{claim.text} ({claim.figure})")
         lines.append(f"     paper: {claim.paper}; holds if {claim.criterion}")
-        lines += [f"     {verdict:22s}{source}, {variants}: {value}"
-                  for source, variants, value, verdict in merged(members)]
+        lines += [
+            f"     {verdict:22s}{source}, {variants}: {value}"
+            for source, variants, value, verdict in merged(members)
+        ]
     return "\n".join([*lines, "", *tallies(findings)])
 
 
 def tallies(findings):
     """How many claims hold, lines of a Markdown table with a row a solver and lintel.
 
-    By each criterion of slip alone, and by any of them; what the model was built to meet is counted apart.
+    By each criterion of slip alone, and by any of them; what the model was built to meet is counted
+    apart.
     """
-    head = ["predictions that hold", *_SLIPS.values(), "by any of these", "differ by all", "cannot be judged",
-            "built to meet", "borderline"]
+    head = [
+        "predictions that hold",
+        *_SLIPS.values(),
+        "by any of these",
+        "differ by all",
+        "cannot be judged",
+        "built to meet",
+        "borderline",
+    ]
     rows = []
     for source, lintel in _distinct(findings, "source", "lintel"):
-        mine = [finding for finding in findings if (finding.source, finding.lintel) == (source, lintel)]
-        predicted, built = ([one for one in mine if one.claim.predicted == which] for which in (True, False))
+        mine = [
+            finding for finding in findings if (finding.source, finding.lintel) == (source, lintel)
+        ]
+        predicted, built = (
+            [one for one in mine if one.claim.predicted == which] for which in (True, False)
+        )
         best = _best(predicted)
         edge = _distinct([one for one in mine if one.on_edge], "claim.id")
-        rows.append([f"{source_in_words(*source)}, {lintel_in_words(lintel)}", *(
-                         sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
-                     f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
-                     f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"])
+        rows.append(
+            [
+                f"{source_in_words(*source)}, {lintel_in_words(lintel)}",
+                *(
+                    sum(one.verdict == HOLDS for one in predicted if one.slip == slip)
+                    for slip in _SLIPS
+                ),
+                f"{best.count(HOLDS)} of {len(best)}",
+                best.count(DIFFERS),
+                best.count(UNJUDGED),
+                f"{_best(built).count(HOLDS)} of {len(_best(built))}",
+                ", ".join(edge) or "none",
+            ]
+        )
     return as_table(head, rows)
 
 
@@ -115,14 +155,18 @@ def as_table(heads, rows):
     | --- | --- |
     | 1 | |
     """
-    return [("| " + " | ".join(map(str, cells)) + " |").replace("|  ", "| ")
-            for cells in (heads, ["---"] * len(heads), *rows)]
+    return [
+        ("| " + " | ".join(map(str, cells)) + " |").replace("|  ", "| ")
+        for cells in (heads, ["---"] * len(heads), *rows)
+    ]
 
 
 def _best(findings):
     """The best verdict on each claim by any criterion of slip, a list."""
-    return [min((finding.verdict for finding in members), key=(HOLDS, DIFFERS, UNJUDGED).index)
-            for _, members in _by(findings, "claim")]
+    return [
+        min((finding.verdict for finding in members), key=(HOLDS, DIFFERS, UNJUDGED).index)
+        for _, members in _by(findings, "claim")
+    ]
 
 
 def _distinct(findings, *names):
@@ -130,51 +174,108 @@ def _distinct(findings, *names):
     return list(dict.fromkeys(map(attrgetter(*names), findings)))
 
 
-# --- JSON -------------------------------------------------------------------------------------------
+# --- JSON -----------------------------------------------------------------------------------------
+
 
 def as_json(findings):
-    """The verdict as plain lists and dictionaries: claims with their findings, statements with their verdicts."""
-    claims = [{"id": claim.id, "statement": claim.statement, "predicted": claim.predicted, **asdict(claim), "findings":
-               [vars(finding) | {"claim": claim.id, "on_edge": finding.on_edge} for finding in members]}
-              for claim, members in _by(findings, "claim")]
-    statements = [{"statement": statement, "text": STATEMENTS[statement],
-                   "verdicts": [{"solver": source[0], "model": source[1], "lintel": lintel, "slip": slip,
-                                 "verdict": statement_verdict(_variant(members, source, lintel, slip))}
-                                for source, lintel, slip in _distinct(findings, "source", "lintel", "slip")]}
-                  for statement, members in _by(findings, "claim.statement")]
+    """The verdict as plain lists and dictionaries: claims with their findings, statements with
+    their verdicts."""
+    claims = [
+        {
+            "id": claim.id,
+            "statement": claim.statement,
+            "predicted": claim.predicted,
+            **asdict(claim),
+            "findings": [
+                vars(finding) | {"claim": claim.id, "on_edge": finding.on_edge}
+                for finding in members
+            ],
+        }
+        for claim, members in _by(findings, "claim")
+    ]
+    statements = [
+        {
+            "statement": statement,
+            "text": STATEMENTS[statement],
+            "verdicts": [
+                {
+                    "solver": source[0],
+                    "model": source[1],
+                    "lintel": lintel,
+                    "slip": slip,
+                    "verdict": statement_verdict(_variant(members, source, lintel, slip)),
+                }
+                for source, lintel, slip in _distinct(findings, "source", "lintel", "slip")
+            ],
+        }
+        for statement, members in _by(findings, "claim.statement")
+    ]
     return {"statements": statements, "claims": claims}
 
 
 def _variant(findings, source, lintel, slip):
-    return [finding for finding in findings if (finding.source, finding.lintel, finding.slip) == (source, lintel, slip)]
+    return [
+        finding
+        for finding in findings
+        if (finding.source, finding.lintel, finding.slip) == (source, lintel, slip)
+    ]
 
 
-# --- Markdown -----------------------------------------------------------------------------------------
+# --- Markdown -------------------------------------------------------------------------------------
+
 
 def as_markdown(findings):
     """The verdict as a document: what holds by solver and lintel, then a row a statement."""
-    return page("verdict.md", overview=overview(findings), tallies=tallies(findings), edge=EDGE,
-                built=", ".join(BUILT_TO_MEET))
+    return page(
+        "verdict.md",
+        overview=overview(findings),
+        tallies=tallies(findings),
+        edge=EDGE,
+        built=", ".join(BUILT_TO_MEET),
+    )
 
 
 def claims_table(findings):
-    """The verdict as a DataFrame: a row for each outcome of each claim, with the claim's criterion."""
+    """The verdict as a DataFrame: a row for each outcome of each claim, with the claim's
+    criterion."""
     rows = []
     for claim, members in _by(findings, "claim"):
         of_claim = claim.id, claim.text, claim.figure, claim.paper, claim.criterion
         rows += [(*of_claim, *outcome) for outcome in merged(members)]
-    return pd.DataFrame(rows, columns=["claim", "text", "figure", "paper", "holds_if", "solver",
-                                       "variants", "value", "verdict"])
+    return pd.DataFrame(
+        rows,
+        columns=[
+            "claim",
+            "text",
+            "figure",
+            "paper",
+            "holds_if",
+            "solver",
+            "variants",
+            "value",
+            "verdict",
+        ],
+    )
 
 
 def overview(findings):
-    """Lines of the Markdown table with a row a statement: its name, its words, outcomes by solver and lintel."""
+    """Lines of the Markdown table with a row a statement: its name, its words, outcomes by solver
+    and lintel."""
     variants = _distinct(findings, "source", "lintel")
-    rows = [[statement, STATEMENTS[statement], *(
-                 _cell([_short(_variant(members, source, lintel, slip)) for slip in _SLIPS])
-                 for source, lintel in variants)]
-            for statement, members in _by(findings, "claim.statement")]
-    heads = (f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants)
+    rows = [
+        [
+            statement,
+            STATEMENTS[statement],
+            *(
+                _cell([_short(_variant(members, source, lintel, slip)) for slip in _SLIPS])
+                for source, lintel in variants
+            ),
+        ]
+        for statement, members in _by(findings, "claim.statement")
+    ]
+    heads = (
+        f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants
+    )
     return as_table(["", "the paper", *heads], rows)
 
 
@@ -197,8 +298,8 @@ def _short(findings):
 
 
 def update_readme(findings, path):
-    """Put the tallies of the reference solver with elastic lintels, a row a model, between the two markers of a README,
-    those of all findings where it has none; returns its path.
+    """Put the tallies of the reference solver with elastic lintels, a row a model, between the two
+    markers of a README, those of all findings where it has none; returns its path.
 
     Raises InputError where the markers are missing.
     """
@@ -209,8 +310,12 @@ def update_readme(findings, path):
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not (begin and end):
-        raise InputError(f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the "
-                         "results")
-    shown = [one for one in findings if (one.solver, one.lintel) == ("reference", "elastic")] or findings
+        raise InputError(
+            f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the"
+            " results"
+        )
+    shown = [
+        one for one in findings if (one.solver, one.lintel) == ("reference", "elastic")
+    ] or findings
     block = "\n".join(tallies(shown))
     return write_text(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")

@@ -1,13 +1,16 @@
-"""The wall US-1 of a shaking table, shaken by its runs in sequence; the tables of docs/validation/shaken-walls.md.
+"""The wall US-1 of a shaking table, shaken by its runs in sequence; the tables of
+docs/validation/shaken-walls.md.
 
-    python3 -m paper shaken_wall FOLDER bearings        # which bearing runs 1 to 10 choose; they alone are read
-    python3 -m paper shaken_wall FOLDER prediction      # 16 draws beside the test, and the second wall's prediction
-    python3 -m paper shaken_wall FOLDER heights         # peaks at three heights, of the kept draws, beside the test
-    python3 -m paper shaken_wall FOLDER choices         # what load, bearing, stiffness and law change
-    python3 -m paper shaken_wall FOLDER period          # what would have to be lost for the periods of the test
-    python3 -m paper shaken_wall FOLDER solvers         # run 21 in both solvers
+    python3 -m paper shaken_wall FOLDER bearings        # which bearing runs 1 to 10 choose; they
+    alone are read python3 -m paper shaken_wall FOLDER prediction      # 16 draws beside the test,
+    and the second wall's prediction python3 -m paper shaken_wall FOLDER heights         # peaks at
+    three heights, of the kept draws, beside the test python3 -m paper shaken_wall FOLDER choices
+    # what load, bearing, stiffness and law change
+    python3 -m paper shaken_wall FOLDER period          # what would have to be lost for the periods
+    of the test python3 -m paper shaken_wall FOLDER solvers         # run 21 in both solvers
 
-FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
+FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not
+ship.
 """
 
 import hashlib
@@ -51,8 +54,12 @@ TABLES = REPOSITORY / "docs" / "tables"
 HEIGHT_M, COURSES, WIDTH_M, THICK_M, DENSITY = 2.58, 43, 1.292, 0.21, 1885.0
 SENSORS_M = 0.66, 1.26, 2.06
 PERIOD_S, DAMPING = 0.09153, 0.05
-"""First period before run 1, and damping of the spectral displacement of each run at that period."""
-MOTIONS = {"HU12": ("hu12_x6_table_velocity_mm_s.txt", None), "FR76": ("fr76_x1_table_velocity_mm_s.txt", 12.0)}
+"""First period before run 1, and damping of the spectral displacement of each run at that
+period."""
+MOTIONS = {
+    "HU12": ("hu12_x6_table_velocity_mm_s.txt", None),
+    "FR76": ("fr76_x1_table_velocity_mm_s.txt", 12.0),
+}
 """Strong phases of table velocity [mm/s] at 0.005 s, and where they are low-passed [Hz]."""
 STEP_S, REST_S = 0.005, 1.5
 DRAWS, COV = 16, 0.35
@@ -63,9 +70,10 @@ RIGID_PA = 1e15
 
 
 class Case(NamedTuple):
-    """load_n: on the top [N]; stiffness [N/m], friction, play [m]: of the bearing, stiffness None where the top is
-    driven; moving_kg: mass that slides with it; period_s: to which the joints' stiffness is fitted; cohesion [Pa];
-    softens: whether joints soften; damping: ratio at the first period; cells: contact points of a joint."""
+    """load_n: on the top [N]; stiffness [N/m], friction, play [m]: of the bearing, stiffness None
+    where the top is driven; moving_kg: mass that slides with it; period_s: to which the joints'
+    stiffness is fitted; cohesion [Pa]; softens: whether joints soften; damping: ratio at the first
+    period; cells: contact points of a joint."""
 
     load_n: float = 10.35e3
     stiffness: float | None = 3e6
@@ -81,29 +89,62 @@ class Case(NamedTuple):
 
 def strip(case, normal_stiffness):
     """The Wall of a Case with joints of this stiffness [Pa/m]."""
-    energies = {"mode_i_fracture_energy": RULE, "mode_ii_fracture_energy": RULE} if case.softens else {}
-    joint = Joint(normal_stiffness, 0.4 * normal_stiffness, math.radians(36.9), 0.875 * case.cohesion, case.cohesion,
-                  **energies)
-    brick = Brick(2 * THICK_M, HEIGHT_M / COURSES, WIDTH_M, DENSITY, young_modulus=RIGID_PA,
-                  shear_modulus=RIGID_PA / 2.5)
-    bearing = {} if case.stiffness is None else {
-        name: getattr(case, name) for name in ("stiffness", "friction", "play")}
-    return Wall("us-1", THICK_M, HEIGHT_M, precompression=case.load_n / (THICK_M * WIDTH_M), brick=brick, joint=joint,
-                restraints=[Restraint("top", **bearing, mass=case.moving_kg)])
+    energies = (
+        {"mode_i_fracture_energy": RULE, "mode_ii_fracture_energy": RULE} if case.softens else {}
+    )
+    joint = Joint(
+        normal_stiffness,
+        0.4 * normal_stiffness,
+        math.radians(36.9),
+        0.875 * case.cohesion,
+        case.cohesion,
+        **energies,
+    )
+    brick = Brick(
+        2 * THICK_M,
+        HEIGHT_M / COURSES,
+        WIDTH_M,
+        DENSITY,
+        young_modulus=RIGID_PA,
+        shear_modulus=RIGID_PA / 2.5,
+    )
+    bearing = (
+        {}
+        if case.stiffness is None
+        else {name: getattr(case, name) for name in ("stiffness", "friction", "play")}
+    )
+    return Wall(
+        "us-1",
+        THICK_M,
+        HEIGHT_M,
+        precompression=case.load_n / (THICK_M * WIDTH_M),
+        brick=brick,
+        joint=joint,
+        restraints=[Restraint("top", **bearing, mass=case.moving_kg)],
+    )
 
 
 def fitted(case):
     """The Wall of a Case whose first period is the measured one."""
+
     def excess(exponent):
-        return natural_modes(lay_out(strip(case, 10**exponent), ModelOptions(contacts="gauss", cells=case.cells)),
-                             1).period_s[0] - case.period_s
+        return (
+            natural_modes(
+                lay_out(
+                    strip(case, 10**exponent), ModelOptions(contacts="gauss", cells=case.cells)
+                ),
+                1,
+            ).period_s[0]
+            - case.period_s
+        )
 
     if excess(12.0) > 0:
         raise ValueError(f"{case}: the bearing alone is softer than the measured period")
-    return strip(case, 10**brentq(excess, 8.5, 12.0, xtol=1e-4))
+    return strip(case, 10 ** brentq(excess, 8.5, 12.0, xtol=1e-4))
 
 
-# --- motions -------------------------------------------------------------------------------------------
+# --- motions --------------------------------------------------------------------------------------
+
 
 def read_runs(folder, last=None):
     """Rows of the table of runs, up to run `last`."""
@@ -123,24 +164,40 @@ def strong_phase(folder, name):
 def displacement_mm(record):
     """Spectral displacement at PERIOD_S [mm]."""
     rested = replace(record, acceleration_m_s2=np.append(record.acceleration_m_s2, np.zeros(100)))
-    return 1e3 * GRAVITY * response_spectrum(rested, PERIOD_S, DAMPING)[0] * (PERIOD_S / 2 / math.pi)**2
+    return (
+        1e3
+        * GRAVITY
+        * response_spectrum(rested, PERIOD_S, DAMPING)[0]
+        * (PERIOD_S / 2 / math.pi) ** 2
+    )
 
 
 def synthetic(pga_g, sd_mm, seed=0, duration_s=10.0):
-    """A motion of this peak acceleration and spectral displacement: white noise below the corner that gives both,
-    under a rising and falling window."""
+    """A motion of this peak acceleration and spectral displacement: white noise below the corner
+    that gives both, under a rising and falling window."""
     time_s = np.arange(round(duration_s / STEP_S)) * STEP_S
-    white = np.random.default_rng(seed).standard_normal(len(time_s)) * np.sin(np.pi * time_s / duration_s)**2
+    white = (
+        np.random.default_rng(seed).standard_normal(len(time_s))
+        * np.sin(np.pi * time_s / duration_s) ** 2
+    )
 
     def below(corner_hz):
-        noise = sosfiltfilt(butter(4, (0.5, corner_hz), "bandpass", fs=1 / STEP_S, output="sos"), white)
+        noise = sosfiltfilt(
+            butter(4, (0.5, corner_hz), "bandpass", fs=1 / STEP_S, output="sos"), white
+        )
         return Record(f"EC40-like-{seed}", STEP_S, noise * pga_g * GRAVITY / np.abs(noise).max())
 
     corners = np.geomspace(2.0, 40.0, 60)
     found = [displacement_mm(below(corner)) - sd_mm for corner in corners]
     first = next(k for k in range(len(found) - 1) if found[k] < 0 <= found[k + 1])
-    return below(brentq(lambda corner: displacement_mm(below(corner)) - sd_mm, corners[first], corners[first + 1],
-                        xtol=0.01))
+    return below(
+        brentq(
+            lambda corner: displacement_mm(below(corner)) - sd_mm,
+            corners[first],
+            corners[first + 1],
+            xtol=0.01,
+        )
+    )
 
 
 def events_of(folder, runs, with_synthetic=False):
@@ -160,15 +217,16 @@ def events_of(folder, runs, with_synthetic=False):
     return events, numbers
 
 
-# --- runs --------------------------------------------------------------------------------------------
+# --- runs -----------------------------------------------------------------------------------------
+
 
 class Watched(Run):
-    """A run whose displacements at the sensors are kept: a row a sample in `kept`, of stage number, time [s] and
-    displacements [m]."""
+    """A run whose displacements at the sensors are kept: a row a sample in `kept`, of stage number,
+    time [s] and displacements [m]."""
 
     def __init__(self, *arguments):
         super().__init__(*arguments)
-        z = self.layout.bodies.z[:self.layout.n_bricks]
+        z = self.layout.bodies.z[: self.layout.n_bricks]
         self._bodies = [int(np.argmin(np.abs(z - height))) for height in SENSORS_M]
         self._ends, self.kept = [stage.end_step for stage in self.stages], []
 
@@ -181,18 +239,28 @@ class Watched(Run):
 
 
 def shaken(case, wall, events, seed):
-    """A generator as `simulate` of one draw, which returns its table of events: peak and residual [mm] at the sensors,
-    the period after it [s]."""
+    """A generator as `simulate` of one draw, which returns its table of events: peak and residual
+    [mm] at the sensors, the period after it [s]."""
     model = ModelOptions(contacts="gauss", cells=case.cells, strength_cov=COV, strength_seed=seed)
-    settings = RunSettings(events[0].loading, model, events=tuple(events), sequence=tuple(
-        event.factor for event in events), rest_s=REST_S, beta_s=None,
-        alpha_1_s=4 * math.pi * case.damping / case.period_s, relaxation="adaptive", accept_implausible=True)
+    settings = RunSettings(
+        events[0].loading,
+        model,
+        events=tuple(events),
+        sequence=tuple(event.factor for event in events),
+        rest_s=REST_S,
+        beta_s=None,
+        alpha_1_s=4 * math.pi * case.damping / case.period_s,
+        relaxation="adaptive",
+        accept_implausible=True,
+    )
     settings = settings.for_joint(wall.joint, BACKEND.softening)
     layout = lay_out(wall, model)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
     step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
-    run = Watched(layout, settings, BACKEND.make(layout, step, settings), Buffer(layout), lambda *_: True)
+    run = Watched(
+        layout, settings, BACKEND.make(layout, step, settings), Buffer(layout), lambda *_: True
+    )
     yield from run.settle_under_gravity()
     run.start()
     yield from run.run_all()
@@ -205,13 +273,23 @@ def table_of(kept, collapsed_at_s):
     for first in range(0, 3 * (int(kept[:, 0].max()) // 3 + 1), 3):
         in_event = kept[(kept[:, 0] >= first) & (kept[:, 0] < first + 3)]
         rest = in_event[in_event[:, 0] == first + 1]
-        late = rest[len(rest) // 2:]
+        late = rest[len(rest) // 2 :]
         end = in_event[-1, 2:]
         period = natural_period(late[:, 1], late[:, 4]) if len(late) > 20 else None
-        rows.append([*1e3 * np.abs(in_event[:, 2:] - before).max(axis=0), *1e3 * (end - before), *1e3 * end,
-                     np.nan if period is None else period])
+        rows.append(
+            [
+                *1e3 * np.abs(in_event[:, 2:] - before).max(axis=0),
+                *1e3 * (end - before),
+                *1e3 * end,
+                np.nan if period is None else period,
+            ]
+        )
         before = end
-    names = [f"{what}_{1e3 * height:.0f}" for what in ("peak_mm", "residual_mm", "moved_mm") for height in SENSORS_M]
+    names = [
+        f"{what}_{1e3 * height:.0f}"
+        for what in ("peak_mm", "residual_mm", "moved_mm")
+        for height in SENSORS_M
+    ]
     table = pd.DataFrame(rows, columns=[*names, "period_after_s"])
     table["collapsed"] = False
     table.loc[table.index[-1], "collapsed"] = collapsed_at_s is not None
@@ -226,25 +304,36 @@ def draws_of(cases, events, seeds, numbers):
     tables = []
     for number, table in as_they_end(runs, move, 8):
         name, seed = todo[number]
-        tables.append(table.assign(case=name, seed=seed, run=numbers[:len(table)]))
+        tables.append(table.assign(case=name, seed=seed, run=numbers[: len(table)]))
         print(f"{name}, draw {seed}: {len(table)} runs", file=sys.stderr, flush=True)
     return pd.concat(tables).sort_values(["case", "seed", "run"], ignore_index=True)
 
 
-# --- the bearing, on runs 1 to 10 --------------------------------------------------------------------
+# --- the bearing, on runs 1 to 10 -----------------------------------------------------------------
 
-STIFFNESSES, FRICTIONS, PLAYS_M = (3e6, 5e6, 1e7, 1e8), (0.02, 0.05, 0.1, 0.2, 0.4), (1e-3, 3e-3, 10e-3)
+STIFFNESSES, FRICTIONS, PLAYS_M = (
+    (3e6, 5e6, 1e7, 1e8),
+    (0.02, 0.05, 0.1, 0.2, 0.4),
+    (1e-3, 3e-3, 10e-3),
+)
 LOADS_N = 10.35e3, 27e3
 PEAKS = ["peak_disp_bot_mm", "peak_disp_mid_mm", "peak_disp_top_mm"]
 """Columns of measured peaks at SENSORS_M."""
 
 
 def bearings(folder):
-    """How far the peaks of runs 1 to 10 are from the test by each bearing: root mean square of ln(model / test)."""
+    """How far the peaks of runs 1 to 10 are from the test by each bearing: root mean square of
+    ln(model / test)."""
     runs = read_runs(folder, CHOSEN_ON)
     events, numbers = events_of(folder, runs)
-    tested = pd.read_csv(folder / "exp_Test9_tilt.csv", nrows=CHOSEN_ON).set_index("run").loc[numbers, PEAKS]
-    cases = {str(case): case for case in starmap(Case, product(LOADS_N, STIFFNESSES, FRICTIONS, PLAYS_M))}
+    tested = (
+        pd.read_csv(folder / "exp_Test9_tilt.csv", nrows=CHOSEN_ON)
+        .set_index("run")
+        .loc[numbers, PEAKS]
+    )
+    cases = {
+        str(case): case for case in starmap(Case, product(LOADS_N, STIFFNESSES, FRICTIONS, PLAYS_M))
+    }
     rows = []
     for name, table in draws_of(cases, events, [1], numbers).groupby("case", sort=False):
         if len(table) < len(numbers):  # it fell
@@ -252,9 +341,22 @@ def bearings(folder):
         peaks = table[[f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]].to_numpy()
         apart = np.log(peaks / tested.to_numpy())
         rows.append([*cases[name][:4], np.sqrt(np.mean(apart**2)), *apart.mean(axis=0), *peaks[-1]])
-    table = pd.DataFrame(rows, columns=["load_n", "stiffness_n_m", "friction", "play_m", "error", *(
-        f"bias_{1e3 * height:.0f}" for height in SENSORS_M), *(f"run10_mm_{1e3 * height:.0f}" for height in SENSORS_M)])
-    keep(table.sort_values(["error", "load_n", "stiffness_n_m", "friction", "play_m"]), "us1_bearings")
+    table = pd.DataFrame(
+        rows,
+        columns=[
+            "load_n",
+            "stiffness_n_m",
+            "friction",
+            "play_m",
+            "error",
+            *(f"bias_{1e3 * height:.0f}" for height in SENSORS_M),
+            *(f"run10_mm_{1e3 * height:.0f}" for height in SENSORS_M),
+        ],
+    )
+    keep(
+        table.sort_values(["error", "load_n", "stiffness_n_m", "friction", "play_m"]),
+        "us1_bearings",
+    )
 
 
 def keep(table, name, folder=TABLES / "benchmarks"):
@@ -265,7 +367,7 @@ def keep(table, name, folder=TABLES / "benchmarks"):
     return path
 
 
-# --- the prediction ----------------------------------------------------------------------------------
+# --- the prediction -------------------------------------------------------------------------------
 
 LAST = 25
 """Run of the second wall alone: the motion of run 22 times 2."""
@@ -283,8 +385,15 @@ def prediction(folder):
     of_runs = quantiles(draws)
     tested = pd.read_csv(folder / "exp_Test9_metrics.csv").set_index("run")["resid_rel_mm"]
     period = pd.read_csv(folder / "exp_Test9_period_psd.csv").set_index("run")["T1_best_s"]
-    table = runs.set_index("run")[["rec", "sf", "pga", "pgv", "edp"]].rename(columns={
-        "rec": "record", "sf": "scale", "pga": "pga_g", "pgv": "pgv_m_s", "edp": "tested_peak_mm"})
+    table = runs.set_index("run")[["rec", "sf", "pga", "pgv", "edp"]].rename(
+        columns={
+            "rec": "record",
+            "sf": "scale",
+            "pga": "pga_g",
+            "pgv": "pgv_m_s",
+            "edp": "tested_peak_mm",
+        }
+    )
     table["tested_residual_mm"], table["tested_period_s"] = tested, period
     keep(table.join(of_runs).reset_index(), "us1_prediction")
     second = of_runs.reindex(range(1, LAST + 1)).reset_index(names="run")
@@ -294,15 +403,20 @@ def prediction(folder):
 
 
 def quantiles(draws):
-    """Quantiles over draws by run: of the peak and the residual at 2.06 m, and of the period before the run.  A wall
-    that fell has an infinite peak and no residual."""
+    """Quantiles over draws by run: of the peak and the residual at 2.06 m, and of the period before
+    the run.  A wall that fell has an infinite peak and no residual."""
     found = {}
     fallen = draws["collapsed"]
     for run, of_run in draws.assign(
-            peak_mm=draws["peak_mm_2060"].where(~fallen, np.inf), residual_mm=draws["residual_mm_2060"].where(~fallen),
-            period_s=draws.groupby(["case", "seed"])["period_after_s"].shift(fill_value=PERIOD_S)).groupby("run"):
-        found[run] = {f"{name}_{q}": np.percentile(of_run[name], q, method="nearest")
-                      for name in ("peak_mm", "residual_mm", "period_s") for q in QUANTILES}
+        peak_mm=draws["peak_mm_2060"].where(~fallen, np.inf),
+        residual_mm=draws["residual_mm_2060"].where(~fallen),
+        period_s=draws.groupby(["case", "seed"])["period_after_s"].shift(fill_value=PERIOD_S),
+    ).groupby("run"):
+        found[run] = {
+            f"{name}_{q}": np.percentile(of_run[name], q, method="nearest")
+            for name in ("peak_mm", "residual_mm", "period_s")
+            for q in QUANTILES
+        }
     return pd.DataFrame.from_dict(found, orient="index")
 
 
@@ -311,43 +425,81 @@ def heights(folder):
     tested = pd.read_csv(folder / "exp_Test9_tilt.csv").set_index("run")[PEAKS]
     names = [f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]
     median = pd.read_csv(TABLES / "benchmarks" / "us1_draws.csv").groupby("run")[names].median()
-    keep(tested.set_axis([f"tested_{name}" for name in names], axis=1).join(median, how="inner").reset_index(),
-         "us1_heights")
+    keep(
+        tested.set_axis([f"tested_{name}" for name in names], axis=1)
+        .join(median, how="inner")
+        .reset_index(),
+        "us1_heights",
+    )
 
 
-# --- choices -----------------------------------------------------------------------------------------
+# --- choices --------------------------------------------------------------------------------------
 
 CHOICES = {
-    "as predicted": {}, "play 10 mm": {"play": 10e-3}, "top driven": {"stiffness": None},
-    "load 27 kN": {"load_n": 27e3}, "brittle joints": {"softens": False}, "5 % damping": {"damping": 0.05},
-    "friction 0.3": {"friction": 0.3}, "bearing 1e7 N/m": {"stiffness": 1e7}, "cohesion 0.15 MPa": {"cohesion": 0.15e6},
-    "period 0.08 s": {"period_s": 0.08}, "4 contact points": {"cells": 4}}
+    "as predicted": {},
+    "play 10 mm": {"play": 10e-3},
+    "top driven": {"stiffness": None},
+    "load 27 kN": {"load_n": 27e3},
+    "brittle joints": {"softens": False},
+    "5 % damping": {"damping": 0.05},
+    "friction 0.3": {"friction": 0.3},
+    "bearing 1e7 N/m": {"stiffness": 1e7},
+    "cohesion 0.15 MPa": {"cohesion": 0.15e6},
+    "period 0.08 s": {"period_s": 0.08},
+    "4 contact points": {"cells": 4},
+}
 CHOICE_RUNS = 10, 17, 21, 22, 24
 EC40_RUNS = range(1, 13)
 """Runs up to the first one after the last of EC40."""
 
 
 def choices(folder):
-    """What each choice changes: five of the runs in sequence, the first draw; and runs 1 to 12 with and without motions
-    like EC40."""
+    """What each choice changes: five of the runs in sequence, the first draw; and runs 1 to 12 with
+    and without motions like EC40."""
     runs = read_runs(folder).set_index("run", drop=False)
     events, numbers = events_of(folder, runs.loc[list(CHOICE_RUNS)])
     seeds, rows = [1], []
     for name, change in CHOICES.items():
         of_runs = quantiles(draws_of({name: Case()._replace(**change)}, events, seeds, numbers))
-        rows.append({"choice": name, **{f"peak_mm_{run}": peak for run, peak in of_runs["peak_mm_50"].items()},
-                     "residual_mm_24": of_runs["residual_mm_50"].get(24),
-                     "period_s_24": of_runs["period_s_50"].get(24)})
-        keep(pd.DataFrame([{"choice": "test", **{f"peak_mm_{run}": runs["edp"][run] for run in CHOICE_RUNS}}, *rows]),
-             "us1_choices")
-    tables = {with_them: quantiles(draws_of({"prediction": Case()}, found[0], seeds, found[1]))["peak_mm_50"]
-              for with_them in (False, True)
-              for found in [events_of(folder, runs.loc[list(EC40_RUNS)], with_them)]}
-    keep(pd.DataFrame({"without_mm": tables[False], "with_mm": tables[True], "tested_mm": runs["edp"]}).dropna(
-        subset=["with_mm"]).rename_axis("run").reset_index(), "us1_ec40")
+        rows.append(
+            {
+                "choice": name,
+                **{f"peak_mm_{run}": peak for run, peak in of_runs["peak_mm_50"].items()},
+                "residual_mm_24": of_runs["residual_mm_50"].get(24),
+                "period_s_24": of_runs["period_s_50"].get(24),
+            }
+        )
+        keep(
+            pd.DataFrame(
+                [
+                    {
+                        "choice": "test",
+                        **{f"peak_mm_{run}": runs["edp"][run] for run in CHOICE_RUNS},
+                    },
+                    *rows,
+                ]
+            ),
+            "us1_choices",
+        )
+    tables = {
+        with_them: quantiles(draws_of({"prediction": Case()}, found[0], seeds, found[1]))[
+            "peak_mm_50"
+        ]
+        for with_them in (False, True)
+        for found in [events_of(folder, runs.loc[list(EC40_RUNS)], with_them)]
+    }
+    keep(
+        pd.DataFrame(
+            {"without_mm": tables[False], "with_mm": tables[True], "tested_mm": runs["edp"]}
+        )
+        .dropna(subset=["with_mm"])
+        .rename_axis("run")
+        .reset_index(),
+        "us1_ec40",
+    )
 
 
-# --- the period --------------------------------------------------------------------------------------
+# --- the period -----------------------------------------------------------------------------------
 
 FACES = {1: "an eighth of the thickness at each face", 2: "a quarter", 3: "three eighths"}
 """{contact points lost at each face, of eight: words}."""
@@ -358,13 +510,24 @@ def weakened(layout, points, n_joints):
     """A Layout whose lowest joints have lost this number of contact points at each face."""
     contacts = layout.contacts
     from_face, height = np.minimum(contacts.x, THICK_M - contacts.x).round(6), contacts.z.round(6)
-    lost = np.isin(height, np.unique(height)[:n_joints]) & (from_face <= np.unique(from_face)[points - 1])
-    return replace(layout, contacts=replace(contacts, **{
-        name: np.where(lost, 1e-6, 1.0) * getattr(contacts, name) for name in ("normal_stiffness", "shear_stiffness")}))
+    lost = np.isin(height, np.unique(height)[:n_joints]) & (
+        from_face <= np.unique(from_face)[points - 1]
+    )
+    return replace(
+        layout,
+        contacts=replace(
+            contacts,
+            **{
+                name: np.where(lost, 1e-6, 1.0) * getattr(contacts, name)
+                for name in ("normal_stiffness", "shear_stiffness")
+            },
+        ),
+    )
 
 
 def periods(_):
-    """How much longer the first period of the strip is by a loss of stiffness; the test's grew by 13 and 22 %."""
+    """How much longer the first period of the strip is by a loss of stiffness; the test's grew by
+    13 and 22 %."""
     case, options = Case(), ModelOptions(contacts="gauss", cells=Case().cells)
     wall = fitted(case)
     stiffness, rows = wall.joint.normal_stiffness, []
@@ -374,42 +537,76 @@ def periods(_):
         rows.append({"lost": lost, **more, "longer_pct": 100 * (period_s / PERIOD_S - 1)})
 
     for share in SHARES:
-        note("stiffness of all joints", lay_out(strip(case, share * stiffness), options), share_left=share)
+        note(
+            "stiffness of all joints",
+            lay_out(strip(case, share * stiffness), options),
+            share_left=share,
+        )
     for share in SHARES:
         softer = case._replace(stiffness=share * case.stiffness)
-        note("stiffness of the bearing", lay_out(strip(softer, stiffness), options), share_left=share)
+        note(
+            "stiffness of the bearing", lay_out(strip(softer, stiffness), options), share_left=share
+        )
     for points, words in FACES.items():
         for joints in (1, 5, COURSES + 1):
             note(words, weakened(lay_out(wall, options), points, joints), joints=joints)
     keep(pd.DataFrame(rows).astype({"joints": "Int64"}), "us1_period")
 
 
-# --- both solvers ------------------------------------------------------------------------------------
+# --- both solvers ---------------------------------------------------------------------------------
 
-OPTIONS = "--rest", 0.3, "--contacts", "gauss", "--cells", 8, "--strength-cov", COV, "--accept-implausible"
+OPTIONS = (
+    "--rest",
+    0.3,
+    "--contacts",
+    "gauss",
+    "--cells",
+    8,
+    "--strength-cov",
+    COV,
+    "--accept-implausible",
+)
 
 
 def solvers(folder):
-    """Run 21 alone, brittle joints: eight draws in the reference solver; the first of them in YADE, with its own time
-    step and with one of 40 microseconds."""
+    """Run 21 alone, brittle joints: eight draws in the reference solver; the first of them in YADE,
+    with its own time step and with one of 40 microseconds."""
     runs = read_runs(folder)
     (event,), _ = events_of(folder, runs[runs["run"] == 21])
     wall, rows = fitted(Case(softens=False)), []
     with TemporaryDirectory() as made:
         bench, motion = Bench(Path(made)), Path(made) / "run.csv"
         write_csv(scaled(event.loading.record, event.factor), motion, [])
-        for run, seed, *more in (*((bench.run, seed) for seed in range(1, 9)), (bench.run_in_yade, 1),
-                                 (bench.run_in_yade, 1, "--dt", 4e-5)):
+        for run, seed, *more in (
+            *((bench.run, seed) for seed in range(1, 9)),
+            (bench.run_in_yade, 1),
+            (bench.run_in_yade, 1, "--dt", 4e-5),
+        ):
             history = run(wall, ["--record", motion, *OPTIONS, "--strength-seed", seed, *more])
-            peak = np.abs(history.series["drift_ratio"]).max() * history.attributes["drift_height_m"]
-            rows.append({"solver": history.solver, "draw": seed, "time_step_s": history.time_step_s,
-                         "peak_mm_middle": 1e3 * peak, "events": len(history.events),
-                         "energy_balance_error_pct": 100 * energy_error_of(history)})
+            peak = (
+                np.abs(history.series["drift_ratio"]).max() * history.attributes["drift_height_m"]
+            )
+            rows.append(
+                {
+                    "solver": history.solver,
+                    "draw": seed,
+                    "time_step_s": history.time_step_s,
+                    "peak_mm_middle": 1e3 * peak,
+                    "events": len(history.events),
+                    "energy_balance_error_pct": 100 * energy_error_of(history),
+                }
+            )
     keep(pd.DataFrame(rows), "us1_solvers")
 
 
-PROGRAMS = {"bearings": bearings, "prediction": prediction, "heights": heights, "choices": choices, "period": periods,
-            "solvers": solvers}
+PROGRAMS = {
+    "bearings": bearings,
+    "prediction": prediction,
+    "heights": heights,
+    "choices": choices,
+    "period": periods,
+    "solvers": solvers,
+}
 
 
 def main():
@@ -417,7 +614,10 @@ def main():
     try:
         PROGRAMS[parsed.table](parsed.folder)
     except FileNotFoundError as error:
-        print(f"error: no file {error.filename}: expected the files that docs/validation/shaken-walls.md names; put "
-              f"them into {parsed.folder}", file=sys.stderr)
+        print(
+            f"error: no file {error.filename}: expected the files that"
+            f" docs/validation/shaken-walls.md names; put them into {parsed.folder}",
+            file=sys.stderr,
+        )
         return 2
     return 0

@@ -2,9 +2,9 @@
 
     python3 -m paper softening [--out DIR] [TABLE ...]
 
-TABLE: fibres, steps, damping, scatter, patterns; all of these by default, which run in the reference solver, about half
-an hour on one core.  And yade_steps, yade_shaken: YADE beside the reference solver, half an hour on one core.
-Histories that are already in DIR are not run again.
+TABLE: fibres, steps, damping, scatter, patterns; all of these by default, which run in the
+reference solver, about half an hour on one core.  And yade_steps, yade_shaken: YADE beside the
+reference solver, half an hour on one core. Histories that are already in DIR are not run again.
 """
 
 import math
@@ -28,20 +28,28 @@ PUSHED = "squat_tested", "comp2_4"
 PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
 """Sarhosis et al. (2021), Table 1."""
 SLOW = ["--speed", 2e-3]
-MILD, HARD = ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5]), ("solid", ["--harmonic", 0.1, 0.3, "--rest", 0.5])
+MILD, HARD = (
+    ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5]),
+    (
+        "solid",
+        ["--harmonic", 0.1, 0.3, "--rest", 0.5],
+    ),
+)
 SHIPPED = (0.35, 1e-6)
 MEMBERS = 10
 
 
 def run(bench, name, case, words, modulus=None, step=None, in_yade=False):
-    """The History of a wall file with the joints of a case (`softened`); modulus: of its masonry [Pa], None as in the
-    file; step: share of the critical one, None as by default."""
+    """The History of a wall file with the joints of a case (`softened`); modulus: of its masonry
+    [Pa], None as in the file; step: share of the critical one, None as by default."""
     wall = softened(load_wall(SMALL_WALL if name == "small_wall" else name), case)
     if modulus:
         wall = stiffer(wall, modulus)
     if step:
         words = [*words, "--dt", f"{step * natural_modes(lay_out(wall)).critical_time_step_s:.5e}"]
-    return (bench.run_in_yade if in_yade else bench.run)(wall, words, name, case, f"{modulus or 0:g}")
+    return (bench.run_in_yade if in_yade else bench.run)(
+        wall, words, name, case, f"{modulus or 0:g}"
+    )
 
 
 def stiffer(wall, modulus):
@@ -56,15 +64,22 @@ def softened(wall, case):
         return wall
     if case == "paper":
         return replace(wall, joint=replace(wall.joint, **PAPERS_JOINT))
-    energies = softening_energies(wall.joint.tensile_strength) if case == "rule" else dict(zip(
-        ("mode_i_fracture_energy", "mode_ii_fracture_energy"), map(float, case.split("/"))))
+    energies = (
+        softening_energies(wall.joint.tensile_strength)
+        if case == "rule"
+        else dict(
+            zip(("mode_i_fracture_energy", "mode_ii_fracture_energy"), map(float, case.split("/")))
+        )
+    )
     return replace(wall, joint=replace(wall.joint, **energies))
 
 
 def peak_and_fall(history):
-    """|base shear| [N] and |drift ratio| (n,) of a push, the sample of the peak, and the drift at which 80 % of it is
-    left, in words [%]."""
-    force, drift = (history.series[column].abs().to_numpy() for column in ("base_shear_n", "drift_ratio"))
+    """|base shear| [N] and |drift ratio| (n,) of a push, the sample of the peak, and the drift at
+    which 80 % of it is left, in words [%]."""
+    force, drift = (
+        history.series[column].abs().to_numpy() for column in ("base_shear_n", "drift_ratio")
+    )
     peak = int(np.argmax(force))
     below = np.flatnonzero((np.arange(len(force)) > peak) & (force < 0.8 * force[peak]))
     return force, drift, peak, f"{100 * drift[below[0]]:.3f}" if len(below) else "-"
@@ -72,92 +87,181 @@ def peak_and_fall(history):
 
 def fibres(bench):
     """Tested walls with tested cohesion and friction, pushed over, by fibres."""
-    print_table("wall", "fibres", "peak [kN]", "at drift [%]", "80 % of it left at [%]", "at the end [kN]",
-                "first crack at [%]", "energy error [%]", "tests, peak [kN]")
+    print_table(
+        "wall",
+        "fibres",
+        "peak [kN]",
+        "at drift [%]",
+        "80 % of it left at [%]",
+        "at the end [kN]",
+        "first crack at [%]",
+        "energy error [%]",
+        "tests, peak [kN]",
+    )
     for name in PUSHED:
         for number in (0, 4, 8, 16):
-            history = run(bench, name, "5/50", ["--pushover", 0.1, *HELD[name], *SLOW, "--fibres", number])
+            history = run(
+                bench, name, "5/50", ["--pushover", 0.1, *HELD[name], *SLOW, "--fibres", number]
+            )
             summary, crack = summarise(history), drift_at_first_crack(history)
             force, *_, left = peak_and_fall(history)
-            print_row(name, number or "smooth law", f"{summary['peak_force_n'] / 1e3:.1f}",
-                      f"{100 * summary['drift_at_peak_force']:.3f}", left, f"{force[-1] / 1e3:.1f}",
-                      f"{100 * crack:.4f}" if crack else "-", f"{100 * summary['energy_error_fraction']:.4f}",
-                      " / ".join(f"{force / 1e3:.1f}" for force in read_test(SPECIMENS[name]).peak_force_n))
+            print_row(
+                name,
+                number or "smooth law",
+                f"{summary['peak_force_n'] / 1e3:.1f}",
+                f"{100 * summary['drift_at_peak_force']:.3f}",
+                left,
+                f"{force[-1] / 1e3:.1f}",
+                f"{100 * crack:.4f}" if crack else "-",
+                f"{100 * summary['energy_error_fraction']:.4f}",
+                " / ".join(
+                    f"{force / 1e3:.1f}" for force in read_test(SPECIMENS[name]).peak_force_n
+                ),
+            )
 
 
 def numbers(history):
-    """DI, drift [%], length of joints that travel more than 0.1 mm [m], energy error [%], as text."""
+    """DI, drift [%], length of joints that travel more than 0.1 mm [m], energy error [%], as
+    text."""
     summary, length = summarise(history), history.joint_length_m
     travel = np.abs(np.diff(history.slip_m, axis=0)).sum(axis=0)
-    return (f"{summary['max']['DI']:.4f}", f"{100 * summary['max_drift_ratio']:.4f}",
-            f"{length[travel > 1e-4].sum():.1f}", f"{100 * summary['energy_error_fraction']:.3f}")
+    return (
+        f"{summary['max']['DI']:.4f}",
+        f"{100 * summary['max_drift_ratio']:.4f}",
+        f"{length[travel > 1e-4].sum():.1f}",
+        f"{100 * summary['energy_error_fraction']:.3f}",
+    )
 
 
 def steps(bench):
     """Step and stiffness-proportional damping, 5/50."""
-    print_table("wall and motion", "step over the critical", "β [s]", "max DI", "max drift [%]",
-                "slid to and fro by over 0.1 mm [m]", "energy error [%]")
+    print_table(
+        "wall and motion",
+        "step over the critical",
+        "β [s]",
+        "max DI",
+        "max drift [%]",
+        "slid to and fro by over 0.1 mm [m]",
+        "energy error [%]",
+    )
     for name, words in (MILD, HARD):
         for step in (0.643, 0.35, 0.175):
             for beta in (0.0, 1e-6):
                 history = run(bench, name, "5/50", [*words, "--beta", beta], step=step)
-                print_row(f"{name} {' '.join(map(str, words[1:3]))}", step, f"{beta:g}", *numbers(history))
+                print_row(
+                    f"{name} {' '.join(map(str, words[1:3]))}", step, f"{beta:g}", *numbers(history)
+                )
 
 
 def damping(bench):
     """No damping, the shipped one, and Rayleigh's of 1 and 2 %."""
-    print_table("wall and motion", "joints", "damping", "max DI", "max drift [%]",
-                "slid to and fro by over 0.1 mm [m]", "energy error [%]", "FSS of broken joints with the shipped")
+    print_table(
+        "wall and motion",
+        "joints",
+        "damping",
+        "max DI",
+        "max drift [%]",
+        "slid to and fro by over 0.1 mm [m]",
+        "energy error [%]",
+        "FSS of broken joints with the shipped",
+    )
     for (name, words), (first, second) in ((MILD, (5, 20)), (HARD, (16, 64))):
         for case in ("brittle", "5/50"):
             usual = run(bench, name, case, [*words, "--beta", 1e-6], step=SHIPPED[0])
-            runs = {"none": run(bench, name, case, [*words, "--beta", 0], step=SHIPPED[0]), "β 1e-6 s": usual}
-            runs |= {f"{ratio:.0%} at {first} and {second} Hz": run(
-                bench, name, case, [*words, "--rayleigh", ratio, first, second]) for ratio in (0.01, 0.02)}
+            runs = {
+                "none": run(bench, name, case, [*words, "--beta", 0], step=SHIPPED[0]),
+                "β 1e-6 s": usual,
+            }
+            runs |= {
+                f"{ratio:.0%} at {first} and {second} Hz": run(
+                    bench, name, case, [*words, "--rayleigh", ratio, first, second]
+                )
+                for ratio in (0.01, 0.02)
+            }
             for label, history in runs.items():
-                print_row(f"{name} {' '.join(map(str, words[1:3]))}", case, label, *numbers(history),
-                          _score(compare_patterns(history, usual)["broken"]["fss"]))
+                print_row(
+                    f"{name} {' '.join(map(str, words[1:3]))}",
+                    case,
+                    label,
+                    *numbers(history),
+                    _score(compare_patterns(history, usual)["broken"]["fss"]),
+                )
 
 
 def scatter(bench):
     """Ensembles by scattered strengths."""
-    print_table("wall and motion", "joints", "members differ by", "max drift [%]: median (range)",
-                "max DI: median (range)", "largest energy error [%]")
+    print_table(
+        "wall and motion",
+        "joints",
+        "members differ by",
+        "max drift [%]: median (range)",
+        "max DI: median (range)",
+        "largest energy error [%]",
+    )
     for (name, words), number in ((HARD, MEMBERS), (MILD, MEMBERS // 2)):
         for case in ("brittle", "5/50"):
             for size in (1e-4, 1e-3, 1e-2, 5e-2):
                 drawn = [*words, "--strength-cov", size, "--strength-seed"]
-                members = [summarise(run(bench, name, case, [*drawn, one])) for one in range(1, number + 1)]
-                print_row(f"{name} {' '.join(map(str, words[1:3]))}", case, f"strengths, {100 * size:g} %",
-                          _range([100 * one["max_drift_ratio"] for one in members]),
-                          _range([one["max"]["DI"] for one in members]),
-                          f"{100 * max(one['energy_error_fraction'] for one in members):.3f}")
+                members = [
+                    summarise(run(bench, name, case, [*drawn, one])) for one in range(1, number + 1)
+                ]
+                print_row(
+                    f"{name} {' '.join(map(str, words[1:3]))}",
+                    case,
+                    f"strengths, {100 * size:g} %",
+                    _range([100 * one["max_drift_ratio"] for one in members]),
+                    _range([one["max"]["DI"] for one in members]),
+                    f"{100 * max(one['energy_error_fraction'] for one in members):.3f}",
+                )
 
 
 def patterns(bench):
     """Crack patterns of pairs that should agree, and of controls that should not."""
-    print_table("joints", "pair", "kappa", "FSS, broken (shuffled, mirrored)", "FSS, over 0.1 mm (shuffled, mirrored)",
-                "max DI")
+    print_table(
+        "joints",
+        "pair",
+        "kappa",
+        "FSS, broken (shuffled, mirrored)",
+        "FSS, over 0.1 mm (shuffled, mirrored)",
+        "max DI",
+    )
     name, (harmonic, *motion, rest, rest_s) = MILD
 
     def shaken(case, step, motion, *more):
         return run(bench, name, case, [harmonic, *motion, rest, rest_s, *more], step=step)
 
-    for case, step, more in (("brittle", 0.643, []), ("brittle", 0.35, ["--beta", 1e-6]), ("5/50", 0.35, [])):
+    for case, step, more in (
+        ("brittle", 0.643, []),
+        ("brittle", 0.35, ["--beta", 1e-6]),
+        ("5/50", 0.35, []),
+    ):
         label = f"{case}, {step} of the critical step" + (", β 1e-6 s" if step < 0.6 else "")
         first = shaken(case, step, motion, *more)
-        others = {f"scatter 0.1 %, members {seed} and {seed + 1}": [
-            shaken(case, step, motion, *more, "--scatter", 0.001, "--seed", one) for one in (seed, seed + 1)]
-            for seed in (1, 3)}
-        others |= {"half the step": [first, shaken(case, step / 2, motion, *more)],
-                   "control: 0.025 g": [first, shaken(case, step, (0.2, 0.025), *more)],
-                   "control: 0.33 s, 0.1 g": [first, shaken(case, step, (0.33, 0.1), *more)]}
+        others = {
+            f"scatter 0.1 %, members {seed} and {seed + 1}": [
+                shaken(case, step, motion, *more, "--scatter", 0.001, "--seed", one)
+                for one in (seed, seed + 1)
+            ]
+            for seed in (1, 3)
+        }
+        others |= {
+            "half the step": [first, shaken(case, step / 2, motion, *more)],
+            "control: 0.025 g": [first, shaken(case, step, (0.2, 0.025), *more)],
+            "control: 0.33 s, 0.1 g": [first, shaken(case, step, (0.33, 0.1), *more)],
+        }
         for pair, (here, there) in others.items():
             scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
-            print_row(label, pair, "-" if kappa is None else f"{kappa:.2f}", *(
-                f"{_score(score['fss'])} ({_score(score['shuffled'])}, {_score(score['mirrored'])})"
-                for score in (scores["broken"], scores["visible"])),
-                " / ".join(f"{history.index()['DI'].max():.4f}" for history in (here, there)))
+            print_row(
+                label,
+                pair,
+                "-" if kappa is None else f"{kappa:.2f}",
+                *(
+                    f"{_score(score['fss'])} ({_score(score['shuffled'])},"
+                    f" {_score(score['mirrored'])})"
+                    for score in (scores["broken"], scores["visible"])
+                ),
+                " / ".join(f"{history.index()['DI'].max():.4f}" for history in (here, there)),
+            )
 
 
 def _score(value):
@@ -169,14 +273,26 @@ def _range(values):
 
 
 def yade_steps(bench):
-    """The step that 16 fibres need in YADE, beside the reference solver's with and without its damping."""
-    print_table("wall and motion", "step over the critical", "solver", "max DI", "max drift [%]",
-                "slid to and fro by over 0.1 mm [m]", "energy error [%]")
+    """The step that 16 fibres need in YADE, beside the reference solver's with and without its
+    damping."""
+    print_table(
+        "wall and motion",
+        "step over the critical",
+        "solver",
+        "max DI",
+        "max drift [%]",
+        "slid to and fro by over 0.1 mm [m]",
+        "energy error [%]",
+    )
     for amplitude in (0.2, 0.4):
         words = ["--harmonic", 0.1, amplitude, "--rest", 0.1, "--fibres", 16]
         for step in (0.643, 0.35, 0.175):
-            runs = {f"reference, β {beta:g} s": run(bench, "small_wall", "5/50", [*words, "--beta", beta], step=step)
-                    for beta in (0.0, 1e-6)}
+            runs = {
+                f"reference, β {beta:g} s": run(
+                    bench, "small_wall", "5/50", [*words, "--beta", beta], step=step
+                )
+                for beta in (0.0, 1e-6)
+            }
             runs |= {"YADE": run(bench, "small_wall", "5/50", words, step=step, in_yade=True)}
             for solver, history in runs.items():
                 print_row(f"small_wall 0.1 {amplitude}", step, solver, *numbers(history))
@@ -184,15 +300,32 @@ def yade_steps(bench):
 
 def yade_shaken(bench):
     """The symmetric wall under the mild motion in both solvers, without damping."""
-    print_table("joints", "solver", "max DI", "max drift [%]", "slid to and fro by over 0.1 mm [m]", "energy error [%]",
-                "kappa", "FSS, broken", "FSS, over 0.1 mm")
+    print_table(
+        "joints",
+        "solver",
+        "max DI",
+        "max drift [%]",
+        "slid to and fro by over 0.1 mm [m]",
+        "energy error [%]",
+        "kappa",
+        "FSS, broken",
+        "FSS, over 0.1 mm",
+    )
     name, words = MILD
     words = [*words, "--fibres", 16]
     there = run(bench, name, "5/50", [*words, "--beta", 0])
-    for solver, here in (("reference", there), ("YADE", run(bench, name, "5/50", words, in_yade=True))):
+    for solver, here in (
+        ("reference", there),
+        ("YADE", run(bench, name, "5/50", words, in_yade=True)),
+    ):
         scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
-        print_row("5/50, 16 fibres", solver, *numbers(here), "-" if kappa is None else f"{kappa:.2f}",
-                  *(_score(scores[which]["fss"]) for which in ("broken", "visible")))
+        print_row(
+            "5/50, 16 fibres",
+            solver,
+            *numbers(here),
+            "-" if kappa is None else f"{kappa:.2f}",
+            *(_score(scores[which]["fss"]) for which in ("broken", "visible")),
+        )
 
 
 USUAL = {table.__name__: table for table in (fibres, steps, damping, scatter, patterns)}

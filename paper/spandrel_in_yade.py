@@ -1,4 +1,5 @@
-"""Inside YADE: the smallest spandrel of paper/repeated_loading.py, which starts this; argument: the table's file."""
+"""Inside YADE: the smallest spandrel of paper/repeated_loading.py, which starts this; argument: the
+table's file."""
 
 import sys
 

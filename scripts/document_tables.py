@@ -2,17 +2,18 @@
 
 A table in a Markdown file is a block between two comments; the first one says what it shows:
 
-    <!-- table FILE.csv: COLUMN | COLUMN as HEADING | COLUMN{:.3f} where COLUMN = VALUE | VALUE; COLUMN = VALUE -->
-    <!-- end of table -->
+    <!-- table FILE.csv: COLUMN | COLUMN as HEADING | COLUMN{:.3f} where COLUMN = VALUE | VALUE;
+    COLUMN = VALUE --> <!-- end of table -->
 
-FILE is below docs/tables.  Without columns all are shown, without `where` all rows.  A format after a column's name
-applies to numbers; empty cells stay empty.  The comment may have several lines.
+FILE is below docs/tables.  Without columns all are shown, without `where` all rows.  A format after
+a column's name applies to numbers; empty cells stay empty.  The comment may have several lines.
 
-    python3 scripts/document_tables.py NAME.csv [NUMBER] < OUTPUT      # keeps a table that a benchmark printed
+    python3 scripts/document_tables.py NAME.csv [NUMBER] < OUTPUT      # keeps a table that a
+    benchmark printed
 
-writes the first, or another, Markdown table of the standard input to docs/tables/NAME.csv.  An empty cell of its first
-column repeats the cell above; a heading that comes again gets the one before it in brackets, an empty one is "case".
-docs/tables/benchmarks/README.md lists the commands.
+writes the first, or another, Markdown table of the standard input to docs/tables/NAME.csv.  An
+empty cell of its first column repeats the cell above; a heading that comes again gets the one
+before it in brackets, an empty one is "case". docs/tables/benchmarks/README.md lists the commands.
 """
 
 import re
@@ -28,14 +29,18 @@ from damage.errors import InputError
 from damage.files import write_text
 
 _WORDS = r"((?:(?!-->).)+?)"
-BLOCK = re.compile(rf"(<!-- table (\S+\.csv)(?:: {_WORDS})?(?:\swhere\s{_WORDS})? -->\n)(.*?)(<!-- end of table -->)",
-                   re.DOTALL)
+BLOCK = re.compile(
+    rf"(<!-- table (\S+\.csv)(?:: {_WORDS})?(?:\swhere\s{_WORDS})? -->\n)(.*?)(<!-- end of table"
+    r" -->)",
+    re.DOTALL,
+)
 _COLUMN = re.compile(r"^(.+?)(\{:[^}]*\})?(?: as (.+))?$")
 _ROW = re.compile(r"^\|(.*)\|$")
 
 
 def with_tables(text, folder):
     """A document's text with its tables made of the CSV files in a folder."""
+
     def made(block):
         columns, where = (" ".join((words or "").split()) for words in (block[3], block[4]))
         return f"{block[1]}\n{_table(folder / block[2], columns, where)}\n\n{block[6]}"
@@ -47,13 +52,20 @@ def _table(path, columns, where):
     try:
         rows = pd.read_csv(path, dtype=str, keep_default_na=False)
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; expected a table that a document shows") from error
+        raise InputError(
+            f"{path}: {error.strerror}; expected a table that a document shows"
+        ) from error
     for condition in where.split("; ") if where else ():
         name, _, values = condition.partition(" = ")
         rows = rows[_column(rows, name, path).isin(values.split(" | "))]
-    shown = [_COLUMN.match(column).groups() for column in columns.split(" | ")] if columns else [
-        (name, None, None) for name in rows]
-    cells = [[_formatted(cell, form) for cell in _column(rows, name, path)] for name, form, _ in shown]
+    shown = (
+        [_COLUMN.match(column).groups() for column in columns.split(" | ")]
+        if columns
+        else [(name, None, None) for name in rows]
+    )
+    cells = [
+        [_formatted(cell, form) for cell in _column(rows, name, path)] for name, form, _ in shown
+    ]
     return as_markdown([heading or name for name, _, heading in shown], zip(*cells, strict=True))
 
 
@@ -74,7 +86,9 @@ def as_markdown(heads, rows):
     | --- | --- |
     | 1 | 2 |
     """
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (heads, ["---"] * len(heads), *rows))
+    return "\n".join(
+        "| " + " | ".join(cells) + " |" for cells in (heads, ["---"] * len(heads), *rows)
+    )
 
 
 def tables_in(text):
@@ -112,7 +126,10 @@ def main(arguments):
     name, number = (*arguments, "1")[:2]
     tables = tables_in(sys.stdin.read())
     if not 1 <= int(number) <= len(tables):
-        print(f"error: {len(tables)} tables in the input; expected table {number} among them", file=sys.stderr)
+        print(
+            f"error: {len(tables)} tables in the input; expected table {number} among them",
+            file=sys.stderr,
+        )
         return 2
     heads, *rows = tables[int(number) - 1]
     heads = [unique(heads, column) for column in range(len(heads))]

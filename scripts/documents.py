@@ -1,9 +1,11 @@
-"""Compares the generated parts of documents with the tables and the code that they come from, or renews them.
+"""Compares the generated parts of documents with the tables and the code that they come from, or
+renews them.
 
-    python3 scripts/documents.py [--renew] [ROOT]   # ROOT: a folder with README.md and docs/, by default the repository
+    python3 scripts/documents.py [--renew] [ROOT]   # ROOT: a folder with README.md and docs/, by
+    default the repository
 
-Prints a line for each part that is not current; the exit status is 1 if there is one, 2 where there are no tables.
-"""
+Prints a line for each part that is not current; the exit status is 1 if there is one, 2 where there
+are no tables."""
 
 import re
 import sys
@@ -40,7 +42,8 @@ BLOCK = re.compile(r"(<!-- table of (.+?) -->\n).*?(<!-- end of table -->)", re.
 
 
 def verdict_follows_from_the_tables(root):
-    """Compare the verdict's document and table of claims with the verdict of the code on docs/tables."""
+    """Compare the verdict's document and table of claims with the verdict of the code on
+    docs/tables."""
     for name, made in _verdict_of(root).items():
         yield from _differences(name, _text(root / name), made)
 
@@ -48,7 +51,10 @@ def verdict_follows_from_the_tables(root):
 def _verdict_of(root):
     """{file: its text} of the verdict's document and its table of claims."""
     findings = judge_tables(root / "docs/tables")
-    return {VERDICT: report.as_markdown(findings), CLAIMS: report.claims_table(findings).to_csv(index=False)}
+    return {
+        VERDICT: report.as_markdown(findings),
+        CLAIMS: report.claims_table(findings).to_csv(index=False),
+    }
 
 
 def _differences(name, text, made):
@@ -72,7 +78,8 @@ def readme_quotes_the_verdict(root):
 
 
 def tables_show_the_files(root):
-    """The tables of all documents show what the files in docs/tables hold, and what the code defines."""
+    """The tables of all documents show what the files in docs/tables hold, and what the code
+    defines."""
     for path in documents_below(root):
         text = _text(path)
         yield from _differences(path.relative_to(root), text, _renewed(text, root))
@@ -83,8 +90,8 @@ def _renewed(text, root):
 
 
 def with_tables_of_code(text):
-    """A document's text with its tables of columns, datasets, studies, plausible values and validity as the code has
-    them.
+    """A document's text with its tables of columns, datasets, studies, plausible values and
+    validity as the code has them.
 
     Raises InputError where a block names what is none of them.
     """
@@ -101,26 +108,40 @@ def with_tables_of_code(text):
 def tables_of_code():
     """{name: table in Markdown} of what the code defines and documents show."""
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
-    return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
-            **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
-            "plausible values": ranges_table("field", WALL_RANGES),
-            "plausible motions": ranges_table("option", MOTION_RANGES),
-            "the range of validity": evidence.markdown(),
-            "studies that ship": table_of_studies(ROOT / "studies"),
-            "gallery": gallery.markdown(), "replaced terms": terms.glossary_table().rstrip()}
+    return {
+        **{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
+        **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
+        "plausible values": ranges_table("field", WALL_RANGES),
+        "plausible motions": ranges_table("option", MOTION_RANGES),
+        "the range of validity": evidence.markdown(),
+        "studies that ship": table_of_studies(ROOT / "studies"),
+        "gallery": gallery.markdown(),
+        "replaced terms": terms.glossary_table().rstrip(),
+    }
 
 
 @cache
 def table_of_studies(folder):
-    """Table in Markdown of the studies in a folder: title, points and largest number of runs of each solver."""
+    """Table in Markdown of the studies in a folder: title, points and largest number of runs of
+    each solver."""
     rows = []
     for path in sorted(folder.glob("*.toml")):
         study = load_study(path, "both", root=ROOT)
-        runs = {solver: sum(run.most_members for run in study.runs if run.solver == solver)
-                for solver in ("reference", "yade")}
-        rows.append([f"`{path.stem}`", study.title, str(len({run.point for run in study.runs})),
-                     *map(str, runs.values())])
-    return as_markdown(["study", "content", "points", "runs at most, reference solver", "YADE"], rows)
+        runs = {
+            solver: sum(run.most_members for run in study.runs if run.solver == solver)
+            for solver in ("reference", "yade")
+        }
+        rows.append(
+            [
+                f"`{path.stem}`",
+                study.title,
+                str(len({run.point for run in study.runs})),
+                *map(str, runs.values()),
+            ]
+        )
+    return as_markdown(
+        ["study", "content", "points", "runs at most, reference solver", "YADE"], rows
+    )
 
 
 def documents_below(root):
@@ -129,7 +150,8 @@ def documents_below(root):
 
 
 CHECKS = [verdict_follows_from_the_tables, readme_quotes_the_verdict, tables_show_the_files]
-"""Functions of ROOT that yield a line for each part that is not current: add those of further parts."""
+"""Functions of ROOT that yield a line for each part that is not current: add those of further
+parts."""
 
 
 def _text(path):
@@ -144,8 +166,10 @@ def judge_tables(folder):
     """
     tables = sorted(folder.glob("*_points.csv"))
     if not tables:
-        raise InputError(f"{folder}: no STUDY_points.csv in it; expected the tables of studies, as "
-                         "scripts/keep_tables.py keeps them")
+        raise InputError(
+            f"{folder}: no STUDY_points.csv in it; expected the tables of studies, as "
+            "scripts/keep_tables.py keeps them"
+        )
     with tempfile.TemporaryDirectory() as made:
         for path in tables:
             place = Path(made) / path.stem / "tables"
@@ -159,14 +183,18 @@ def judge_tables(folder):
 
 def _as_runs(points):
     """A table of runs that has the medians, ranges and numbers of runs of a table of points."""
-    low, high = (_with_values_of(points[points["members"] > 1], ending) for ending in ("_min", "_max"))
+    low, high = (
+        _with_values_of(points[points["members"] > 1], ending) for ending in ("_min", "_max")
+    )
     between = points.loc[points.index.repeat((points["members"] - 2).clip(lower=0))]
     runs = pd.concat([points[points["members"] == 1], low, between, high], ignore_index=True)
     return runs.assign(run=runs["point"] + "_" + runs["solver"])
 
 
 def _with_values_of(points, ending):
-    return points.assign(**{name.removesuffix(ending): points[name] for name in points if name.endswith(ending)})
+    return points.assign(
+        **{name.removesuffix(ending): points[name] for name in points if name.endswith(ending)}
+    )
 
 
 def _cycles_as_runs(cycles):
@@ -174,7 +202,8 @@ def _cycles_as_runs(cycles):
 
 
 def renew(root):
-    """Writes the verdict's document and claims, the README's part of it, and the tables of all documents."""
+    """Writes the verdict's document and claims, the README's part of it, and the tables of all
+    documents."""
     for name, made in _verdict_of(root).items():
         write_text(root / name, made)
     report.update_readme(judge_tables(root / "docs/tables"), root / "README.md")

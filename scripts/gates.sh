@@ -4,9 +4,9 @@
 #     bash scripts/gates.sh                       # all, in half a minute
 #     bash scripts/gates.sh lint damage/index.py
 #
-#     lint        ruff, with the rules of pyproject.toml
+#     lint        ruff, with the rules and the layout of pyproject.toml
 #     shell       shellcheck
-#     imports     folder order is import order; the lengths of functions
+#     imports     folder order is import order
 #     doctests    the examples in docstrings
 #     terms       no replaced term in code and documents; the glossary lists all of them
 #     documents   generated parts of documents are what the tables and the code make of them
@@ -17,7 +17,10 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 gates=(lint shell imports doctests terms documents)
 
-lint() { "$RUFF" check --no-cache --quiet --output-format concise "$@"; }
+lint() {
+    "$RUFF" check --no-cache --quiet --output-format concise "$@" &&
+        "$RUFF" format --no-cache --quiet --diff "$@"
+}
 
 shell() {
     local scripts=("$@")

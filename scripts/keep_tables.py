@@ -2,9 +2,9 @@
 
     python3 scripts/keep_tables.py RESULTS STUDY [--some] [--to FOLDER]
 
-RESULTS: folder of ./run_all.sh, with tables/points.csv.  Cycles: the driven ones of the harmonic motions by which the
-paper is judged (`scripts/documents.py`), medians over the runs of a point, of walls that stood.  --some: of a study
-that was run in part; what is kept of its other points stays.
+RESULTS: folder of ./run_all.sh, with tables/points.csv.  Cycles: the driven ones of the harmonic
+motions by which the paper is judged (`scripts/documents.py`), medians over the runs of a point, of
+walls that stood.  --some: of a study that was run in part; what is kept of its other points stays.
 """
 
 import argparse
@@ -27,7 +27,8 @@ CYCLES = [f"max_{slip}DI" for slip in CRITERIA.values()]
 
 
 def keep(results, study, folder, some=False):
-    """Writes the tables of the results into the folder, the second where there are cycles; returns their paths."""
+    """Writes the tables of the results into the folder, the second where there are cycles; returns
+    their paths."""
     points, paths = read_words(results / "tables" / "points.csv"), []
     for name, new in (("points", points), ("cycles", cycles_of(results))):
         path = folder / f"{study}_{name}.csv"
@@ -44,7 +45,8 @@ def read_words(path):
 
 
 def replaced(old, new):
-    """The rows of a table with those of the new one's points in their place, or behind them where they are not there.
+    """The rows of a table with those of the new one's points in their place, or behind them where
+    they are not there.
 
     >>> old = pd.DataFrame({"point": ["a", "b"], "solver": "yade", "max_DI": ["0.1", "0.2"]})
     >>> new = pd.DataFrame({"point": ["c", "a"], "solver": "yade", "max_DI": ["0.4", "0.3"]})
@@ -55,11 +57,15 @@ def replaced(old, new):
     c,yade,0.4
     <BLANKLINE>
     """
-    keys = {key: None for table in (old, new) for key in table[KEY].itertuples(index=False, name=None)}
+    keys = {
+        key: None for table in (old, new) for key in table[KEY].itertuples(index=False, name=None)
+    }
     place = {key: number for number, key in enumerate(keys)}
     again = old.set_index(KEY).index.isin(new.set_index(KEY).index)
     both = pd.concat([new, old[~again]], ignore_index=True)
-    order = pd.Series([place[key] for key in both[KEY].itertuples(index=False, name=None)]).argsort(kind="stable")
+    order = pd.Series([place[key] for key in both[KEY].itertuples(index=False, name=None)]).argsort(
+        kind="stable"
+    )
     return both.iloc[order]
 
 
@@ -73,16 +79,27 @@ def cycles_of(results):
         except (Fell, NotThere):  # judged without cycles
             continue
         found.append(pd.DataFrame({"point": point, "solver": solver, "kind": "driven", **columns}))
-    return pd.concat(found, ignore_index=True) if found else pd.DataFrame(columns=[*KEY, "kind", *CYCLES])
+    return (
+        pd.concat(found, ignore_index=True)
+        if found
+        else pd.DataFrame(columns=[*KEY, "kind", *CYCLES])
+    )
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("results", metavar="RESULTS", type=Path, help="folder of ./run_all.sh")
     parser.add_argument("study", metavar="STUDY", help="name under which its tables are kept")
-    parser.add_argument("--some", action="store_true", help="of a study that was run in part: other points stay")
-    parser.add_argument("--to", metavar="FOLDER", type=Path, default=REPOSITORY / "docs" / "tables",
-                        help="where they are kept (default: docs/tables)")
+    parser.add_argument(
+        "--some", action="store_true", help="of a study that was run in part: other points stay"
+    )
+    parser.add_argument(
+        "--to",
+        metavar="FOLDER",
+        type=Path,
+        default=REPOSITORY / "docs" / "tables",
+        help="where they are kept (default: docs/tables)",
+    )
     asked = parser.parse_args()
     try:
         print(*keep(asked.results, asked.study, asked.to, asked.some), sep="\n")

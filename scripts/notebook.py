@@ -1,9 +1,11 @@
-"""Runs the code cells of a notebook and keeps what they show in it, as Jupyter does, without Jupyter.
+"""Runs the code cells of a notebook and keeps what they show in it, as Jupyter does, without
+Jupyter.
 
     python3 scripts/notebook.py examples/thesis_figures.ipynb
 
-Cells run in one namespace, in the notebook's folder.  An output is what a cell prints, figures of pyplot that are open
-at its end, and the value of its last line: figures as PNG, tables as HTML, others as text.
+Cells run in one namespace, in the notebook's folder.  An output is what a cell prints, figures of
+pyplot that are open at its end, and the value of its last line: figures as PNG, tables as HTML,
+others as text.
 """
 
 import ast
@@ -29,13 +31,17 @@ DPI = 75
 
 
 def run_cells(cells, folder):
-    """The cells with their outputs, run from the first to the last in a folder; a list of new cells."""
+    """The cells with their outputs, run from the first to the last in a folder; a list of new
+    cells."""
     names, done, count = {"__name__": "__main__"}, [], 0
     with chdir(folder):
         for cell in cells:
             if cell["cell_type"] == "code":
                 count += 1
-                ran = {"outputs": outputs_of("".join(cell["source"]), names, count), "execution_count": count}
+                ran = {
+                    "outputs": outputs_of("".join(cell["source"]), names, count),
+                    "execution_count": count,
+                }
                 done.append(cell | ran)
             else:
                 done.append(cell)
@@ -43,20 +49,30 @@ def run_cells(cells, folder):
 
 
 def outputs_of(source, names, count=1):
-    """What a cell shows, a list of outputs of nbformat 4; count: number of the cell among those that ran."""
+    """What a cell shows, a list of outputs of nbformat 4; count: number of the cell among those
+    that ran."""
     body, printed, value = ast.parse(source).body, io.StringIO(), None
     last = body.pop() if body and isinstance(body[-1], ast.Expr) else None
     with redirect_stdout(printed):
         exec(compile(ast.Module(body, []), "<cell>", "exec"), names)
         if last is not None:
             value = eval(compile(ast.Expression(last.value), "<cell>", "eval"), names)
-    outputs = [{"output_type": "stream", "name": "stdout", "text": printed.getvalue().splitlines(True)}] * bool(
-        printed.getvalue())
+    outputs = [
+        {"output_type": "stream", "name": "stdout", "text": printed.getvalue().splitlines(True)}
+    ] * bool(printed.getvalue())
     if value is not None and not source.rstrip().endswith(";"):  # as in IPython
-        outputs.append({"output_type": "execute_result", "execution_count": count, "metadata": {},
-                        "data": shown(value)})
+        outputs.append(
+            {
+                "output_type": "execute_result",
+                "execution_count": count,
+                "metadata": {},
+                "data": shown(value),
+            }
+        )
     for number in plt.get_fignums():
-        outputs.append({"output_type": "display_data", "data": shown(plt.figure(number)), "metadata": {}})
+        outputs.append(
+            {"output_type": "display_data", "data": shown(plt.figure(number)), "metadata": {}}
+        )
     plt.close("all")
     return outputs
 
@@ -67,9 +83,14 @@ def shown(value):
         png = io.BytesIO()
         value.savefig(png, format="png", dpi=DPI, metadata={"Software": None})
         size = "x".join(f"{inches * DPI:.0f}" for inches in value.get_size_inches())
-        return {"image/png": base64.b64encode(png.getvalue()).decode() + "\n", "text/plain": [f"<Figure size {size}>"]}
+        return {
+            "image/png": base64.b64encode(png.getvalue()).decode() + "\n",
+            "text/plain": [f"<Figure size {size}>"],
+        }
     html = getattr(value, "_repr_html_", lambda: None)()
-    return ({"text/html": html.splitlines(True)} if html else {}) | {"text/plain": repr(value).splitlines(True)}
+    return ({"text/html": html.splitlines(True)} if html else {}) | {
+        "text/plain": repr(value).splitlines(True)
+    }
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
 """The picture at the top of README.md: a cracked wall beside its damage index over time.
 
-    python3 -m damage reference walls/symmetric.py --harmonic 0.2 0.1 --lintel 2 --rest 1 --out FILE.h5
-    python3 scripts/readme_picture.py FILE.h5 docs/pictures/readme.png
+python3 -m damage reference walls/symmetric.py --harmonic 0.2 0.1 --lintel 2 --rest 1 --out
+FILE.h5
+python3 scripts/readme_picture.py FILE.h5 docs/pictures/readme.png
 """
 
 import io
@@ -28,7 +29,8 @@ WALL_PT = 290, 190
 
 @style.styled
 def picture(history, beside, title=None):
-    """A Figure of a History's wall at its maximum damage index, beside(axes, time of that [s]) to its right."""
+    """A Figure of a History's wall at its maximum damage index, beside(axes, time of that [s]) to
+    its right."""
     figure = Figure(figsize=SIZE, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.35, 1))
     shape = wall_shape(history).on_page(WALL_PT)
@@ -45,7 +47,9 @@ def draw_index(ax, history, at_s):
     """Draw the damage index and its components over time, with a mark at a time [s]."""
     index = history.index()
     for name, colour in LINES.items():
-        ax.plot(index["time_s"], index[name], color=colour, lw=1.3 if name == "DI" else 0.9, label=name)
+        ax.plot(
+            index["time_s"], index[name], color=colour, lw=1.3 if name == "DI" else 0.9, label=name
+        )
     ax.axvline(at_s, color=style.MEDIUM, lw=0.8, ls=":")
     ax.set(xlabel="time [s]", ylabel="damage index", ylim=(0, None))
     ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 1), ncols=5, handlelength=1.2)
@@ -55,7 +59,9 @@ def save(figure, path):
     """Write a Figure as a small PNG, of 256 colours."""
     whole = io.BytesIO()
     figure.savefig(whole, dpi=130)
-    Image.open(whole).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    Image.open(whole).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(
+        path, optimize=True
+    )
 
 
 def main(arguments):

@@ -1,11 +1,12 @@
-"""Seed faults one by one in a copy of the repository, and say which of the tests named for each detects it.
+"""Seed faults one by one in a copy of the repository, and say which of the tests named for each
+detects it.
 
     python3 scripts/seeded_faults.py                # all of them, about half an hour on one core
     python3 scripts/seeded_faults.py law index      # those of some subjects
     python3 scripts/seeded_faults.py --table FILE   # write the table that the documents show
 
-A fault is a small change of one line, such as a sign or a factor.  First the tests must pass without any; status 1
-where they do not, or where a fault stays undetected.
+A fault is a small change of one line, such as a sign or a factor.  First the tests must pass
+without any; status 1 where they do not, or where a fault stays undetected.
 """
 
 import argparse
@@ -32,129 +33,361 @@ class Fault(NamedTuple):
     tests: str
 
 
-FAULTS = [*starmap(Fault, (
-    ("wall", "every second course starts with the wrong half", "damage/wall/plan.py",
-     'if (course % 2 == 1) != (', 'if (course % 2 == 1) == (', "test_layout"),
-    ("wall", "inertia of a brick by m (l^2 + h^2) / 6", "damage/wall/layout.py",
-     "mass * (length * length + height * height) / 12",
-     "mass * (length * length + height * height) / 6", "test_layout"),
-    ("wall", "a whole brick in series with a base joint", "damage/wall/kinds.py",
-     "== CAP_COURSE))] = brick.height / 2", "== CAP_COURSE))] = brick.height", "test_layout test_modes"),
-    ("wall", "strengths that scatter have a mean above one", "damage/wall/contact_points.py",
-     "exp(spread * normal - spread * spread / 2)", "exp(spread * normal)", "test_layout test_members"),
-    ("wall", "the critical time step is half as long", "damage/law/modes.py",
-     "down_to_three_digits(2 / np.sqrt(highest))", "down_to_three_digits(1 / np.sqrt(highest))", "test_modes"),
-    ("wall", "a joint ends at the wrong edge of the other face", "damage/wall/kinematics.py",
-     "np.where(on_ground, -np.inf, start - other_end)", "np.where(on_ground, -np.inf, start - other_start)",
-     "test_ends"),
-    ("law", "friction falls under compression", "damage/law/joint_law.py",
-     "(abs(shear_stress) < cohesion - normal_stress * friction)",
-     "(abs(shear_stress) < cohesion + normal_stress * friction)", "test_joint_law"),
-    ("law", "friction work by the stress after the step alone", "damage/law/joint_law.py",
-     "friction_work += 0.5 * (before + limit) * beyond / ks",
-     "friction_work += limit * beyond / ks", "test_joint_law test_reference"),
-    ("law", "slip softens by the tensile fracture energy", "damage/law/joint_law.py",
-     "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy",
-     "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_i_energy", "test_softening"),
-    ("law", "crushing takes the full strength from its first step", "damage/law/joint_law.py",
-     "state.closure + more, 0.5 * (before + left) * more", "state.closure + more, left * more",
-     "test_crushing"),
-    ("law", "a bond fails at twice its tensile strength", "damage/law/joint_law.py",
-     "TENSION if sigma > strength else", "TENSION if sigma > 2 * strength else",
-     "test_joint_law"),
-    ("step", "the base pushes bodies the wrong way", "damage/mechanics/bodies.py",
-     "either(free > 0.0, force * free - field, 0.0)",
-     "either(free > 0.0, force * free + field, 0.0)", "test_reference"),
-    ("step", "forces act at one of the two material points", "damage/mechanics/interfaces.py",
-     "line.bx + dbx - 0.5 * dx", "line.bx + dbx", "test_reference"),
-    ("step", "the couple of an interface acts on one of its bodies alone", "damage/mechanics/interfaces.py",
-     "frame.arm_bx * z - frame.arm_bz * x + couple)", "frame.arm_bx * z - frame.arm_bz * x)", "test_reference"),
-    ("step", "moments on both bodies alike", "damage/mechanics/rows.py",
-     "(-x, -z, -either(which, forces.moment_b, 0.0)))", "(-x, -z, -either(which, forces.moment_a, 0.0)))",
-     "test_reference"),
-    ("step", "walls that end count their interfaces twice, among eight", "damage/mechanics/step.py",
-     "            intact = intact & flags_of(n, everyone ^ ending)",
-     "            intact = intact & flags_of(n, everyone)",
-     "test_together"),
-    ("step", "a joint that ends loses all its energy to friction", "damage/mechanics/contacts.py",
-     "add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))",
-     "add(n, energy, 0, FRICTION, tau * (tau / contact.ks + slid))", "test_ends"),
-    ("step", "viscous damping drives the shear motion", "damage/mechanics/interfaces.py",
-     "resultant.shear + rate * elastic_change.shear,", "resultant.shear - rate * elastic_change.shear,",
-     "test_damping"),
-    ("run", "the default step may reach the damped limit", "damage/run/schedule.py",
-     "0.85 * limit", "1.0 * limit", "test_run_constants"),
-    ("run", "a brick has fallen after its whole height", "damage/run/watch.py",
-     "-layout.bodies.height[:layout.n_bricks] / 2", "-layout.bodies.height[:layout.n_bricks]", "test_run_constants"),
-    ("run", "all events of a sequence have the strength of the first", "damage/run/schedule.py",
-     "to_grid(factor * once,", "to_grid(once,", "test_sequence test_run"),
-    ("run", "a harmonic motion starts at its peak", "damage/motion/loading.py",
-     "sin_of_turns(time_s / self.period_s)", "sin_of_turns(time_s / self.period_s + 0.25)", "test_loading"),
-    ("run", "weight counts twice in the unbalanced force", "damage/run/watch.py",
-     "on_bodies[:, 1] - GRAVITY * layout.bodies.mass", "on_bodies[:, 1] - 2 * GRAVITY * layout.bodies.mass",
-     "test_run test_run_constants"),
-    ("index", "joints count as open from 0.2 mm", "damage/index.py",
-     "THRESHOLD = 0.1 * MILLIMETRE", "THRESHOLD = 0.2 * MILLIMETRE", "test_measures"),
-    ("index", "opening and slip add up", "damage/index.py",
-     "return 1 - (1 - drift) * (1 - opened) * (1 - slipped)", "return 1 - (1 - drift) * (1 - opened - slipped)",
-     "test_measures"),
-    ("index", "fractions of the joints that are given, not of all", "damage/index.py",
-     "(np.sum(length) if total_length is None else total_length)", "np.sum(length)", "test_measures test_history"),
-    ("index", "slip to one side does not count", "damage/index.py",
-     "np.abs(slip) > threshold", "np.asarray(slip) > threshold", "test_measures"),
-    ("measures", "Psi with another exponent of the number of cracks", "damage/measure/cracks.py",
-     "** 0.15 *", "** 0.3 *", "test_cracks"),
-    ("measures", "the mean width is weighted by length alone", "damage/measure/cracks.py",
-     "np.divide(width**2 @ length, weight,", "np.divide(width @ length, weight,", "test_cracks"),
-    ("measures", "the energy balance leaves damping out", "damage/measure/energy.py",
-     "for name in (*STORED, *DISSIPATED))\n    total = total -",
-     "for name in (*STORED, *DISSIPATED[:2]))\n    total = total -", "test_measures"),
-    ("measures", "driven cycles end before the motion does", "damage/measure/cycles.py",
-     "begins_driven = cycles[:, 0] <= _motion_end(series)", "begins_driven = cycles[:, 1] <= _motion_end(series)",
-     "test_measures"),
-    ("measures", "ripples around zero count as cycles", "damage/measure/cycles.py",
-     "REARM = 0.02", "REARM = 0.0", "test_measures"),
-    ("studies", "intervals of few records too narrow", "damage/applications/studies/fragility.py",
-     "np.sqrt(n / (n - 1)) * stdtrit", "np.sqrt((n - 1) / n) * stdtrit", "test_fragility"),
-    ("studies", "a wall that collapsed does not exceed", "damage/applications/studies/fragility.py",
-     '(runs[measure] > level) | runs["collapsed_at_s"].notna()', "runs[measure] > level", "test_fragility"),
-    ("studies", "the fit's slope has the wrong sign", "damage/applications/studies/fragility.py",
-     "- (n - y) * np.exp(density - above)", "+ (n - y) * np.exp(density - above)", "test_fragility"),
-    ("studies", "the last value of a range is left out", "damage/applications/studies/grid.py",
-     'values["from"] + MOST_POINTS) + 1)', 'values["from"] + MOST_POINTS))', "test_ensembles"),
-    ("YADE", "the energy that an opening joint held is counted twice", "yade_scripts/joint_tracker.py",
-     "self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints])",
-     "self._stress[joints] ** 2 / self.shear_stiffness[joints]", "test_joint_tracker"),
-    ("YADE", "slip continues while a joint is open", "yade_scripts/joint_tracker.py",
-     "np.where(stays_closed, plastic - self._plastic[joints], 0.0)", "plastic - self._plastic[joints]",
-     "test_joint_tracker"),
-))]
+FAULTS = [
+    *starmap(
+        Fault,
+        (
+            (
+                "wall",
+                "every second course starts with the wrong half",
+                "damage/wall/plan.py",
+                "if (course % 2 == 1) != (",
+                "if (course % 2 == 1) == (",
+                "test_layout",
+            ),
+            (
+                "wall",
+                "inertia of a brick by m (l^2 + h^2) / 6",
+                "damage/wall/layout.py",
+                "mass * (length * length + height * height) / 12",
+                "mass * (length * length + height * height) / 6",
+                "test_layout",
+            ),
+            (
+                "wall",
+                "a whole brick in series with a base joint",
+                "damage/wall/kinds.py",
+                "== CAP_COURSE))] = brick.height / 2",
+                "== CAP_COURSE))] = brick.height",
+                "test_layout test_modes",
+            ),
+            (
+                "wall",
+                "strengths that scatter have a mean above one",
+                "damage/wall/contact_points.py",
+                "exp(spread * normal - spread * spread / 2)",
+                "exp(spread * normal)",
+                "test_layout test_members",
+            ),
+            (
+                "wall",
+                "the critical time step is half as long",
+                "damage/law/modes.py",
+                "down_to_three_digits(2 / np.sqrt(highest))",
+                "down_to_three_digits(1 / np.sqrt(highest))",
+                "test_modes",
+            ),
+            (
+                "wall",
+                "a joint ends at the wrong edge of the other face",
+                "damage/wall/kinematics.py",
+                "np.where(on_ground, -np.inf, start - other_end)",
+                "np.where(on_ground, -np.inf, start - other_start)",
+                "test_ends",
+            ),
+            (
+                "law",
+                "friction falls under compression",
+                "damage/law/joint_law.py",
+                "(abs(shear_stress) < cohesion - normal_stress * friction)",
+                "(abs(shear_stress) < cohesion + normal_stress * friction)",
+                "test_joint_law",
+            ),
+            (
+                "law",
+                "friction work by the stress after the step alone",
+                "damage/law/joint_law.py",
+                "friction_work += 0.5 * (before + limit) * beyond / ks",
+                "friction_work += limit * beyond / ks",
+                "test_joint_law test_reference",
+            ),
+            (
+                "law",
+                "slip softens by the tensile fracture energy",
+                "damage/law/joint_law.py",
+                "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy",
+                "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_i_energy",
+                "test_softening",
+            ),
+            (
+                "law",
+                "crushing takes the full strength from its first step",
+                "damage/law/joint_law.py",
+                "state.closure + more, 0.5 * (before + left) * more",
+                "state.closure + more, left * more",
+                "test_crushing",
+            ),
+            (
+                "law",
+                "a bond fails at twice its tensile strength",
+                "damage/law/joint_law.py",
+                "TENSION if sigma > strength else",
+                "TENSION if sigma > 2 * strength else",
+                "test_joint_law",
+            ),
+            (
+                "step",
+                "the base pushes bodies the wrong way",
+                "damage/mechanics/bodies.py",
+                "either(free > 0.0, force * free - field, 0.0)",
+                "either(free > 0.0, force * free + field, 0.0)",
+                "test_reference",
+            ),
+            (
+                "step",
+                "forces act at one of the two material points",
+                "damage/mechanics/interfaces.py",
+                "line.bx + dbx - 0.5 * dx",
+                "line.bx + dbx",
+                "test_reference",
+            ),
+            (
+                "step",
+                "the couple of an interface acts on one of its bodies alone",
+                "damage/mechanics/interfaces.py",
+                "frame.arm_bx * z - frame.arm_bz * x + couple)",
+                "frame.arm_bx * z - frame.arm_bz * x)",
+                "test_reference",
+            ),
+            (
+                "step",
+                "moments on both bodies alike",
+                "damage/mechanics/rows.py",
+                "(-x, -z, -either(which, forces.moment_b, 0.0)))",
+                "(-x, -z, -either(which, forces.moment_a, 0.0)))",
+                "test_reference",
+            ),
+            (
+                "step",
+                "walls that end count their interfaces twice, among eight",
+                "damage/mechanics/step.py",
+                "            intact = intact & flags_of(n, everyone ^ ending)",
+                "            intact = intact & flags_of(n, everyone)",
+                "test_together",
+            ),
+            (
+                "step",
+                "a joint that ends loses all its energy to friction",
+                "damage/mechanics/contacts.py",
+                "add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))",
+                "add(n, energy, 0, FRICTION, tau * (tau / contact.ks + slid))",
+                "test_ends",
+            ),
+            (
+                "step",
+                "viscous damping drives the shear motion",
+                "damage/mechanics/interfaces.py",
+                "resultant.shear + rate * elastic_change.shear,",
+                "resultant.shear - rate * elastic_change.shear,",
+                "test_damping",
+            ),
+            (
+                "run",
+                "the default step may reach the damped limit",
+                "damage/run/schedule.py",
+                "0.85 * limit",
+                "1.0 * limit",
+                "test_run_constants",
+            ),
+            (
+                "run",
+                "a brick has fallen after its whole height",
+                "damage/run/watch.py",
+                "-layout.bodies.height[:layout.n_bricks] / 2",
+                "-layout.bodies.height[:layout.n_bricks]",
+                "test_run_constants",
+            ),
+            (
+                "run",
+                "all events of a sequence have the strength of the first",
+                "damage/run/schedule.py",
+                "to_grid(factor * once,",
+                "to_grid(once,",
+                "test_sequence test_run",
+            ),
+            (
+                "run",
+                "a harmonic motion starts at its peak",
+                "damage/motion/loading.py",
+                "sin_of_turns(time_s / self.period_s)",
+                "sin_of_turns(time_s / self.period_s + 0.25)",
+                "test_loading",
+            ),
+            (
+                "run",
+                "weight counts twice in the unbalanced force",
+                "damage/run/watch.py",
+                "on_bodies[:, 1] - GRAVITY * layout.bodies.mass",
+                "on_bodies[:, 1] - 2 * GRAVITY * layout.bodies.mass",
+                "test_run test_run_constants",
+            ),
+            (
+                "index",
+                "joints count as open from 0.2 mm",
+                "damage/index.py",
+                "THRESHOLD = 0.1 * MILLIMETRE",
+                "THRESHOLD = 0.2 * MILLIMETRE",
+                "test_measures",
+            ),
+            (
+                "index",
+                "opening and slip add up",
+                "damage/index.py",
+                "return 1 - (1 - drift) * (1 - opened) * (1 - slipped)",
+                "return 1 - (1 - drift) * (1 - opened - slipped)",
+                "test_measures",
+            ),
+            (
+                "index",
+                "fractions of the joints that are given, not of all",
+                "damage/index.py",
+                "(np.sum(length) if total_length is None else total_length)",
+                "np.sum(length)",
+                "test_measures test_history",
+            ),
+            (
+                "index",
+                "slip to one side does not count",
+                "damage/index.py",
+                "np.abs(slip) > threshold",
+                "np.asarray(slip) > threshold",
+                "test_measures",
+            ),
+            (
+                "measures",
+                "Psi with another exponent of the number of cracks",
+                "damage/measure/cracks.py",
+                "** 0.15 *",
+                "** 0.3 *",
+                "test_cracks",
+            ),
+            (
+                "measures",
+                "the mean width is weighted by length alone",
+                "damage/measure/cracks.py",
+                "np.divide(width**2 @ length, weight,",
+                "np.divide(width @ length, weight,",
+                "test_cracks",
+            ),
+            (
+                "measures",
+                "the energy balance leaves damping out",
+                "damage/measure/energy.py",
+                "for name in (*STORED, *DISSIPATED))\n    total = total -",
+                "for name in (*STORED, *DISSIPATED[:2]))\n    total = total -",
+                "test_measures",
+            ),
+            (
+                "measures",
+                "driven cycles end before the motion does",
+                "damage/measure/cycles.py",
+                "begins_driven = cycles[:, 0] <= _motion_end(series)",
+                "begins_driven = cycles[:, 1] <= _motion_end(series)",
+                "test_measures",
+            ),
+            (
+                "measures",
+                "ripples around zero count as cycles",
+                "damage/measure/cycles.py",
+                "REARM = 0.02",
+                "REARM = 0.0",
+                "test_measures",
+            ),
+            (
+                "studies",
+                "intervals of few records too narrow",
+                "damage/applications/studies/fragility.py",
+                "np.sqrt(n / (n - 1)) * stdtrit",
+                "np.sqrt((n - 1) / n) * stdtrit",
+                "test_fragility",
+            ),
+            (
+                "studies",
+                "a wall that collapsed does not exceed",
+                "damage/applications/studies/fragility.py",
+                '(runs[measure] > level) | runs["collapsed_at_s"].notna()',
+                "runs[measure] > level",
+                "test_fragility",
+            ),
+            (
+                "studies",
+                "the fit's slope has the wrong sign",
+                "damage/applications/studies/fragility.py",
+                "- (n - y) * np.exp(density - above)",
+                "+ (n - y) * np.exp(density - above)",
+                "test_fragility",
+            ),
+            (
+                "studies",
+                "the last value of a range is left out",
+                "damage/applications/studies/grid.py",
+                'values["from"] + MOST_POINTS) + 1)',
+                'values["from"] + MOST_POINTS))',
+                "test_ensembles",
+            ),
+            (
+                "YADE",
+                "the energy that an opening joint held is counted twice",
+                "yade_scripts/joint_tracker.py",
+                "self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints])",
+                "self._stress[joints] ** 2 / self.shear_stiffness[joints]",
+                "test_joint_tracker",
+            ),
+            (
+                "YADE",
+                "slip continues while a joint is open",
+                "yade_scripts/joint_tracker.py",
+                "np.where(stays_closed, plastic - self._plastic[joints], 0.0)",
+                "plastic - self._plastic[joints]",
+                "test_joint_tracker",
+            ),
+        ),
+    )
+]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("subjects", nargs="*", metavar="SUBJECT")
     parser.add_argument("--table", type=Path, metavar="FILE", help="CSV to write")
     asked = parser.parse_args()
     if unknown := {*asked.subjects} - {fault.subject for fault in FAULTS}:
-        parser.error(f"no subject {min(unknown)}; expected some of {', '.join({fault.subject: 0 for fault in FAULTS})}")
+        parser.error(
+            f"no subject {min(unknown)}; expected some of"
+            f" {', '.join({fault.subject: 0 for fault in FAULTS})}"
+        )
     faults = [fault for fault in FAULTS if not asked.subjects or fault.subject in asked.subjects]
     with tempfile.TemporaryDirectory() as folder:
         rows = list(attack(faults, Path(folder)))
     undetected = [what for _, what, _, test in rows if not test]
     if asked.table:
         with asked.table.open("w", newline="", encoding="utf-8") as out:
-            csv.writer(out, lineterminator="\n").writerows([("subject", "fault", "file", "detected by"), *rows])
+            csv.writer(out, lineterminator="\n").writerows(
+                [("subject", "fault", "file", "detected by"), *rows]
+            )
     print(f"{len(rows) - len(undetected)} of {len(rows)} faults detected")
     return 1 if undetected else 0
 
 
 def attack(faults, folder):
-    """Rows (subject, what, path, test) of each fault, seeded alone; the test is "" where none of those named fails."""
-    files = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    subprocess.run(["tar", "cf", str(folder / "copy.tar"), "-T", "-"], cwd=ROOT, input=files, text=True, check=True)
+    """Rows (subject, what, path, test) of each fault, seeded alone; the test is "" where none of
+    those named fails."""
+    files = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout
+    subprocess.run(
+        ["tar", "cf", str(folder / "copy.tar"), "-T", "-"],
+        cwd=ROOT,
+        input=files,
+        text=True,
+        check=True,
+    )
     subprocess.run(["tar", "xf", "copy.tar"], cwd=folder, check=True)
-    if failed := first_failure(folder, sorted({test for fault in faults for test in fault.tests.split()}), False):
+    if failed := first_failure(
+        folder, sorted({test for fault in faults for test in fault.tests.split()}), False
+    ):
         raise SystemExit(f"{failed} fails without a fault: correct it first")
     for fault in faults:
         path = folder / fault.path
@@ -171,11 +404,18 @@ def attack(faults, folder):
 def first_failure(folder, tests, stop=True):
     """The first test that fails, as FILE::NAME, "" where all pass."""
     files = [str(next(Path(folder, "tests").rglob(f"{test}.py"))) for test in tests]
-    done = subprocess.run([sys.executable, "-m", "pytest", "-q", *["-x"] * stop, "-p", "no:cacheprovider", *files],
-                          cwd=folder, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", *["-x"] * stop, "-p", "no:cacheprovider", *files],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+    )
     failed = re.search(r"^(?:FAILED|ERROR) tests/(\S+)", done.stdout, re.MULTILINE)
     if done.returncode not in (0, 1, 2):
-        raise SystemExit(f"pytest ended with status {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+        raise SystemExit(
+            "pytest ended with status"
+            f" {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
+        )
     return failed[1] if failed else ""
 
 

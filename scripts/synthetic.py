@@ -44,11 +44,16 @@ class Target:
 
 HUIZINGE = Target(
     name="MID1_N_synthetic",
-    source="Huizinge, ML 3.6, 2012-08-16, station MID1, North: PGA 85 cm/s2, PGV 3.45 cm/s and the 5 % spectrum"
-           " published for a shake-table reproduction of it",
+    source=(
+        "Huizinge, ML 3.6, 2012-08-16, station MID1, North: PGA 85 cm/s2, PGV 3.45 cm/s and the 5 %"
+        " spectrum published for a shake-table reproduction of it"
+    ),
     periods_s=(0.06, 0.10, 0.12, 0.15, 0.20, 0.25, 0.33, 0.5, 1.0),
     sa_g=(0.199, 0.280, 0.319, 0.290, 0.165, 0.123, 0.094, 0.072, 0.014),
-    pga_m_s2=0.85, pgv_m_s=0.0345, arrivals_s=(0.95, 1.06, 1.22))
+    pga_m_s2=0.85,
+    pgv_m_s=0.0345,
+    arrivals_s=(0.95, 1.06, 1.22),
+)
 
 TIME_STEP_S = 0.005
 DURATION_S = 6.0
@@ -70,7 +75,8 @@ TIGHT, LOOSE = 0.003, 0.03
 standard deviation: at the published periods and for PGA and PGV, and between those periods."""
 
 ITERATIONS = 80
-"""A peak jumps from one instant to another as amplitudes change, so the search seldom comes to rest by
+"""A peak jumps from one instant to another as amplitudes change, so the search seldom comes to rest
+by
 itself; errors stay below 1 % from about half as many on."""
 
 PERIODS_BETWEEN = 24
@@ -95,7 +101,9 @@ def synthetic_record(target: Target = HUIZINGE, seed: int = SEED) -> Record:
 
     def slopes(change):
         motion = (drawn + deviation * change) @ wavelets
-        by_sample = np.array([peak.slope(motion) / (peak.value(motion) * peak.weight) for peak in peaks])
+        by_sample = np.array(
+            [peak.slope(motion) / (peak.value(motion) * peak.weight) for peak in peaks]
+        )
         return np.vstack((by_sample @ wavelets.T * deviation, np.eye(len(change))))
 
     best = least_squares(misfit, np.zeros(len(drawn)), slopes, method="lm", max_nfev=ITERATIONS)
@@ -106,7 +114,8 @@ def synthetic_record(target: Target = HUIZINGE, seed: int = SEED) -> Record:
 class _Peak:
     """The largest value of something that a motion causes linearly, and what it should be.
 
-    kernel: (instants, n_samples), what a motion of 1 in the first sample alone causes from there on.
+    kernel: (instants, n_samples), what a motion of 1 in the first sample alone causes from there
+    on.
     goal: of the peak's absolute value; weight: error, as a share of it, that counts 1.
     """
 
@@ -122,11 +131,11 @@ class _Peak:
         """Derivative of that value by the motion's samples, (n_samples,)."""
         instant, sample = self._place(motion)
         slope = np.zeros(len(motion))
-        slope[:sample + 1] = self.kernel[instant, sample::-1]
+        slope[: sample + 1] = self.kernel[instant, sample::-1]
         return slope
 
     def _place(self, motion):
-        caused = fftconvolve(self.kernel, motion[np.newaxis], axes=1)[:, :len(motion)]
+        caused = fftconvolve(self.kernel, motion[np.newaxis], axes=1)[:, : len(motion)]
         return np.unravel_index(np.argmax(np.abs(caused)), caused.shape)
 
 
@@ -136,16 +145,24 @@ def _peaks(target, n_samples):
     impulse[1] = 1.0  # the response to it begins in the step before
     between_s = np.geomspace(target.periods_s[0], target.periods_s[-1], PERIODS_BETWEEN)
     between_g = np.exp(np.interp(np.log(between_s), np.log(target.periods_s), np.log(target.sa_g)))
-    peaks = [_Peak(impulse[np.newaxis, 1:], target.pga_m_s2, TIGHT),
-             _Peak(np.full((1, n_samples), TIME_STEP_S), target.pgv_m_s, TIGHT)]
-    for periods_s, ordinates_g, weight in ((target.periods_s, target.sa_g, TIGHT), (between_s, between_g, LOOSE)):
-        peaks += [_Peak(oscillator_response(impulse, TIME_STEP_S, period_s), ordinate_g * GRAVITY, weight)
-                  for period_s, ordinate_g in zip(periods_s, ordinates_g)]
+    peaks = [
+        _Peak(impulse[np.newaxis, 1:], target.pga_m_s2, TIGHT),
+        _Peak(np.full((1, n_samples), TIME_STEP_S), target.pgv_m_s, TIGHT),
+    ]
+    for periods_s, ordinates_g, weight in (
+        (target.periods_s, target.sa_g, TIGHT),
+        (between_s, between_g, LOOSE),
+    ):
+        peaks += [
+            _Peak(oscillator_response(impulse, TIME_STEP_S, period_s), ordinate_g * GRAVITY, weight)
+            for period_s, ordinate_g in zip(periods_s, ordinates_g)
+        ]
     return peaks
 
 
 def _wavelets(target, generator):
-    """Accelerations (n_wavelets, n_samples) with a peak of 1, and standard deviations of their amplitudes."""
+    """Accelerations (n_wavelets, n_samples) with a peak of 1, and standard deviations of their
+    amplitudes."""
     time_s = np.arange(round(DURATION_S / TIME_STEP_S) + 1) * TIME_STEP_S
     spectrum = np.interp(np.log(1 / FREQUENCIES_HZ), np.log(target.periods_s), target.sa_g)
     rows, deviations = [], []

@@ -1,8 +1,11 @@
-"""The gate of terms: no replaced term that has no other meaning, and a glossary that lists all of them.
+"""The gate of terms: no replaced term that has no other meaning, and a glossary that lists all of
+them.
 
-    python3 scripts/terms.py [--renew] [ROOT]   # ROOT: by default the repository; --renew: write the glossary's table
+    python3 scripts/terms.py [--renew] [ROOT]   # ROOT: by default the repository; --renew: write
+    the glossary's table
 
-Prints a line for each place, and for a glossary that is not current; the exit status is 1 if there is one.
+Prints a line for each place, and for a glossary that is not current; the exit status is 1 if there
+is one.
 """
 
 import os
@@ -13,10 +16,11 @@ from typing import NamedTuple
 
 
 class Term(NamedTuple):
-    """A replaced term: as the glossary shows it, the terms that replace it, and where it is rejected.
+    """A replaced term: as the glossary shows it, the terms that replace it, and where it is
+    rejected.
 
-    pattern: a regular expression, None where the word has another meaning, too; it is searched in lower case, and
-    matches whole words, between underscores as well.
+    pattern: a regular expression, None where the word has another meaning, too; it is searched in
+    lower case, and matches whole words, between underscores as well.
     """
 
     old: str
@@ -36,7 +40,9 @@ REPLACED = (
     Term("energy error", "energy balance error"),
     Term("turn, spin", "rotation, angular velocity"),
     Term("shock", "event"),
-    Term("verbs (of a solver)", "interface", r"(solver's verbs?|verbs? of (a|the|every|each) solver)"),
+    Term(
+        "verbs (of a solver)", "interface", r"(solver's verbs?|verbs? of (a|the|every|each) solver)"
+    ),
     Term("on the edge", "borderline", r"on the edge"),
     Term("held against", "validation, comparison", r"(held|hold|holds|holding) against"),
     Term("mend", "correct, fix", r"mend(s|ed|ing)?"),
@@ -49,28 +55,42 @@ GLOSSARY = "docs/reference/glossary.md"
 _TABLE = re.compile(r"^\| replaced \| by \|\n(\|.*(\n|\Z))+", re.MULTILINE)
 
 EXEMPT = (
-    "CHANGELOG.md", "scripts/terms.py", GLOSSARY,  # these name the replaced terms
+    "CHANGELOG.md",
+    "scripts/terms.py",
+    GLOSSARY,  # these name the replaced terms
 )
 """Files and folders that are not searched."""
 
 _ENDINGS = (".py", ".md", ".sh", ".toml", ".js", ".html", ".css", ".smk", ".yml", ".yaml")
 _NAMES = ("Snakefile", "run_all.sh", "yade")
 _PASSED_OVER = {"node_modules", "__pycache__", "build", "dist", "site", "shared", "results"}
-_WORDS = re.compile("|".join(rf"(?P<t{number}>(?<![a-z])(?:{term.pattern})(?![a-z]))"
-                             for number, term in enumerate(REPLACED) if term.pattern))
+_WORDS = re.compile(
+    "|".join(
+        rf"(?P<t{number}>(?<![a-z])(?:{term.pattern})(?![a-z]))"
+        for number, term in enumerate(REPLACED)
+        if term.pattern
+    )
+)
 
 
 def glossary_table():
     """The glossary's table of replaced terms, Markdown."""
-    return "| replaced | by |\n| --- | --- |\n" + "".join(f"| {term.old} | {term.new} |\n" for term in REPLACED)
+    return "| replaced | by |\n| --- | --- |\n" + "".join(
+        f"| {term.old} | {term.new} |\n" for term in REPLACED
+    )
 
 
 def files_below(root):
     """Paths of the code and the handwritten documents below a folder, relative to it, in order."""
     for folder, below, names in os.walk(root):
         place = Path(folder).relative_to(root)
-        below[:] = sorted(name for name in below if not name.startswith(".") and name not in _PASSED_OVER
-                          and (place / name).as_posix() not in EXEMPT)
+        below[:] = sorted(
+            name
+            for name in below
+            if not name.startswith(".")
+            and name not in _PASSED_OVER
+            and (place / name).as_posix() not in EXEMPT
+        )
         for name in sorted(names):
             path = place / name
             if path.as_posix() not in EXEMPT and (path.suffix in _ENDINGS or name in _NAMES):
@@ -83,14 +103,20 @@ def terms_in(line):
     >>> [(word, term.new) for word, term in terms_in("n_told = 3  # mend it; amended, untold")]
     [('told', 'active contacts; sparse contact data; samples'), ('mend', 'correct, fix')]
     """
-    return [(found[0], REPLACED[int(found.lastgroup[1:])]) for found in _WORDS.finditer(line.lower())]
+    return [
+        (found[0], REPLACED[int(found.lastgroup[1:])]) for found in _WORDS.finditer(line.lower())
+    ]
 
 
 def places(root):
     """A line for each replaced term in the files below a folder."""
     for path in files_below(root):
-        for number, line in enumerate((root / path).read_text(encoding="utf-8").splitlines(), start=1):
-            yield from (f"{path}:{number}: {word!r}: expected {term.new}" for word, term in terms_in(line))
+        for number, line in enumerate(
+            (root / path).read_text(encoding="utf-8").splitlines(), start=1
+        ):
+            yield from (
+                f"{path}:{number}: {word!r}: expected {term.new}" for word, term in terms_in(line)
+            )
 
 
 def glossary_faults(root, renew):
@@ -98,11 +124,17 @@ def glossary_faults(root, renew):
     text = (root / GLOSSARY).read_text(encoding="utf-8")
     made = _TABLE.sub(lambda _: glossary_table(), text)
     if _TABLE.search(text) is None:
-        yield f"{GLOSSARY}: no table that begins with '| replaced | by |'; expected the replaced terms"
+        yield (
+            f"{GLOSSARY}: no table that begins with '| replaced | by |'; expected the replaced"
+            " terms"
+        )
     elif made != text and renew:
         (root / GLOSSARY).write_text(made, encoding="utf-8")
     elif made != text:
-        yield f"{GLOSSARY}: its replaced terms are not those of scripts/terms.py; python3 scripts/terms.py --renew"
+        yield (
+            f"{GLOSSARY}: its replaced terms are not those of scripts/terms.py; python3"
+            " scripts/terms.py --renew"
+        )
 
 
 def main(arguments):

@@ -33,26 +33,41 @@ from yade_scripts import COMMAND
 REPOSITORY = Path(__file__).resolve().parents[1]
 BRIEFLY = REPOSITORY / "tests/yade/checks/briefly.py"  # runs a wall in YADE with shorter stages
 BATCH = (sys.executable, "-m", "damage", "study")
-"""What run_all.sh starts once it has looked for all that it needs, which takes two seconds: `test_environment.py`."""
+"""What run_all.sh starts once it has looked for all that it needs, which takes two seconds:
+`test_environment.py`."""
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 TINY = "Wall('tiny', 0.45, 0.6)"
 """Of three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g."""
-SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
+# of small walls, which vibrate at 0.05 s or faster
+SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")
 
-FIRST = ("test_widths.py", "test_deformable.py", "test_yade_run.py", "test_together.py", "test_study.py",
-         "test_guides.py", "test_written.py", "test_batch.py", "test_pictures.py")
+FIRST = (
+    "test_widths.py",
+    "test_deformable.py",
+    "test_yade_run.py",
+    "test_together.py",
+    "test_study.py",
+    "test_guides.py",
+    "test_written.py",
+    "test_batch.py",
+    "test_pictures.py",
+)
 
 
 def pytest_collection_modifyitems(items):
-    """First come files that compile what all others then find compiled; two that run side by side compile different
-    functions, a third one needs none; then those that take longest, which would leave other cores idle at the end."""
-    items.sort(key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST))
+    """First come files that compile what all others then find compiled; two that run side by side
+    compile different functions, a third one needs none; then those that take longest, which would
+    leave other cores idle at the end."""
+    items.sort(
+        key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST)
+    )
 
 
 @pytest.fixture(scope="session", autouse=True)
 def _texts_of_pictures_are_parsed_once():
-    """matplotlib parses texts with mathematics, as tick labels are, anew in every figure: a third of the time of
-    pictures.  Here parsers that make the same are equal, and its cache takes all texts."""
+    """matplotlib parses texts with mathematics, as tick labels are, anew in every figure: a third
+    of the time of pictures.  Here parsers that make the same are equal, and its cache takes all
+    texts."""
     if "matplotlib.mathtext" in sys.modules:
         parser = sys.modules["matplotlib.mathtext"].MathTextParser
         parser.__hash__ = lambda self: hash(self._output_type)
@@ -78,7 +93,8 @@ def still_history(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def run_of(tmp_path_factory):
-    """run_of(name): the History of one of RUNS of `short_runs.py`, whose file stays, for reading alone."""
+    """run_of(name): the History of one of RUNS of `short_runs.py`, whose file stays, for reading
+    alone."""
     folder = tmp_path_factory.mktemp("runs")
 
     @functools.cache
@@ -93,16 +109,27 @@ def run_of(tmp_path_factory):
 
 def without_progress(text):
     """What a command said, but for the lines of progress that a slow machine sees."""
-    return "".join(line for line in text.splitlines(keepends=True) if not re.search(r"  .* t = +[-\d.]+ ", line))
+    return "".join(
+        line
+        for line in text.splitlines(keepends=True)
+        if not re.search(r"  .* t = +[-\d.]+ ", line)
+    )
 
 
 def run_command(*words, status=None, **options):
-    """Run a command from the repository with no screen, to this exit status if one is given; returns the completed
-    process with text."""
+    """Run a command from the repository with no screen, to this exit status if one is given;
+    returns the completed process with text."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True,
-                          **{"timeout": 3000, "cwd": REPOSITORY, "env": environment, **options})
-    assert status in (None, done.returncode), f"status {done.returncode}\n{done.stdout}{done.stderr}"
+    done = subprocess.run(
+        [str(word) for word in words],
+        capture_output=True,
+        text=True,
+        **{"timeout": 3000, "cwd": REPOSITORY, "env": environment, **options},
+    )
+    assert status in (
+        None,
+        done.returncode,
+    ), f"status {done.returncode}\n{done.stdout}{done.stderr}"
     return done
 
 
@@ -127,12 +154,18 @@ def yade_command():
 
 @pytest.fixture(scope="session")
 def in_both(yade_command, damage_command):
-    """in_both(folder, *words): {solver: History} of the same run in YADE and in the reference solver; what each said is
-    in yade.txt and reference.txt.  yade: words before the others, reference: words behind them."""
+    """in_both(folder, *words): {solver: History} of the same run in YADE and in the reference
+    solver; what each said is in yade.txt and reference.txt.  yade: words before the others,
+    reference: words behind them."""
+
     def run(folder, *words, yade=(), reference=()):
         words = [*words, "--no-pictures", "--out"]
-        done = {"yade": yade_command(*yade, *words, folder / "yade.h5", status=0), "reference": damage_command(
-            "reference", *words, folder / "reference.h5", *reference, status=0)}
+        done = {
+            "yade": yade_command(*yade, *words, folder / "yade.h5", status=0),
+            "reference": damage_command(
+                "reference", *words, folder / "reference.h5", *reference, status=0
+            ),
+        }
         for solver, one in done.items():
             (folder / f"{solver}.txt").write_text(one.stdout + one.stderr)
         return {solver: read_history(folder / f"{solver}.h5") for solver in done}
@@ -157,7 +190,8 @@ def one_line_error(function, *arguments, **named):
 
 
 def refused_with(words, function, /, *arguments, **named):
-    """The one line of the InputError that a call raises; these words, a regular expression, are found in it."""
+    """The one line of the InputError that a call raises; these words, a regular expression, are
+    found in it."""
     with pytest.raises(InputError, match=words) as caught:
         function(*arguments, **named)
     assert "\n" not in str(caught.value)
@@ -172,7 +206,9 @@ def _run_in_this_process(capsys, command, words):
 
 @pytest.fixture
 def output_of(capsys):
-    """output_of(*words): what a command of `damage`, or `of` another main(), prints in this process to a good end."""
+    """output_of(*words): what a command of `damage`, or `of` another main(), prints in this process
+    to a good end."""
+
     def run(*words, of=main):
         status, out, err = _run_in_this_process(capsys, of, words)
         assert status == 0, err
@@ -183,11 +219,14 @@ def output_of(capsys):
 
 @pytest.fixture
 def error_of(capsys):
-    """error_of(*words): the one line of a command of `damage`, or `of` another main(), that is refused."""
+    """error_of(*words): the one line of a command of `damage`, or `of` another main(), that is
+    refused."""
+
     def run(*words, of=main):
         status, out, err = _run_in_this_process(capsys, of, words)
         assert (status, out) == (2, "")
-        assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable(), err  # fit for any terminal
+        # fit for any terminal
+        assert err.startswith("error: ") and err.endswith("\n") and err[:-1].isprintable(), err
         return err
 
     return run
@@ -206,8 +245,11 @@ def script_file(path, text):
 
 
 def wall_file(path, expression):
-    """The path of a wall's module, written here, whose wall() is this expression; both solvers run it."""
-    return written(path, f"""import math
+    """The path of a wall's module, written here, whose wall() is this expression; both solvers run
+    it."""
+    return written(
+        path,
+        f"""import math
 import sys
 
 sys.path.insert(0, {str(REPOSITORY)!r})
@@ -221,7 +263,8 @@ def wall():
 if __name__ == "__main__":
     from yade_scripts.run import main
     main(wall)
-""")
+""",
+    )
 
 
 ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system")
@@ -229,9 +272,12 @@ ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file 
 
 @contextmanager
 def disk(folder, options):
-    """A file system in memory with these options of mount, such as its size, in a folder made for it."""
+    """A file system in memory with these options of mount, such as its size, in a folder made for
+    it."""
     folder.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode:
+    if subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True
+    ).returncode:
         pytest.skip("no file system can be mounted here")
     try:
         yield folder
@@ -239,10 +285,15 @@ def disk(folder, options):
         subprocess.run(["umount", "--lazy", folder], check=True)
 
 
-IN_BROWSER = [pytest.mark.long, pytest.mark.skipif(
-    not (shutil.which(BROWSER) and shutil.which(DRIVER)),
-    reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]  # of selenium's own
+IN_BROWSER = [
+    pytest.mark.long,
+    pytest.mark.skipif(
+        not (shutil.which(BROWSER) and shutil.which(DRIVER)),
+        reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh",
+    ),
+    # of selenium's own
+    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning"),
+]
 """Marks of tests in a browser."""
 
 
@@ -271,19 +322,27 @@ def is_running(pid):
 
 def running(folder):
     """Command lines of the processes that name this folder."""
-    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
+    lines = subprocess.run(
+        ["ps", "-eo", "args"], capture_output=True, text=True
+    ).stdout.splitlines()
     return [line for line in lines if str(folder) in line]
 
 
 def total_energy(solver):
     """Of a wall, weight included; constant but for what comes in, which is counted [J]."""
     lifted = GRAVITY * solver.layout.bodies.mass @ solver.displacement[:, 1]
-    return solver.kinetic_energy() + solver.elastic_energy() + lifted + solver.energy[1:].sum() - solver.energy[INPUT]
+    return (
+        solver.kinetic_energy()
+        + solver.elastic_energy()
+        + lifted
+        + solver.energy[1:].sum()
+        - solver.energy[INPUT]
+    )
 
 
 def typed(words, lines, cwd, timeout=300):
-    """Run a command in a terminal and type these lines at its IPython prompt, each when it is asked for; returns its
-    exit status and what the terminal showed, without colours."""
+    """Run a command in a terminal and type these lines at its IPython prompt, each when it is asked
+    for; returns its exit status and what the terminal showed, without colours."""
     child, terminal = pty.fork()
     if child == 0:
         os.chdir(cwd)
@@ -313,6 +372,9 @@ def contents(path):
     """{name: bytes} of all datasets of a history."""
     found = {}
     with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[()].tobytes()})
-                        if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
     return found

@@ -1,4 +1,5 @@
-"""Environments of their own, for checks with software that the project does not need; they go when these are over."""
+"""Environments of their own, for checks with software that the project does not need; they go when
+these are over."""
 
 import subprocess
 import sys
@@ -11,8 +12,8 @@ import pytest
 
 @contextmanager
 def environment(*packages, needs=()):
-    """The interpreter of a fresh environment with these packages from a package index, `needs` with all that they need
-    in turn; the test is skipped, by name, where they cannot be had."""
+    """The interpreter of a fresh environment with these packages from a package index, `needs` with
+    all that they need in turn; the test is skipped, by name, where they cannot be had."""
     with tempfile.TemporaryDirectory(prefix="environment-") as folder:
         python = Path(folder) / "bin" / "python"
         install = [python, "-m", "pip", "install", "--quiet", "--only-binary", ":all:"]
@@ -30,8 +31,13 @@ def _do_or_skip(*words):
 
 
 def run_in(python, script, *words):
-    """What a script of these tests prints in another interpreter, without this repository on its path."""
-    done = subprocess.run([python, "-I", Path(__file__).parent / "applications/report/other_tools" / script, *words],
-                          capture_output=True, text=True, timeout=900)
+    """What a script of these tests prints in another interpreter, without this repository on its
+    path."""
+    done = subprocess.run(
+        [python, "-I", Path(__file__).parent / "applications/report/other_tools" / script, *words],
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout

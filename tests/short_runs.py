@@ -1,6 +1,8 @@
-"""Histories of short runs in the reference solver: `run_of` of `conftest.py` makes each once, where a test asks for it.
+"""Histories of short runs in the reference solver: `run_of` of `conftest.py` makes each once, where
+a test asks for it.
 
-They are of the small wall that ships, five bricks by eight courses with a window, but for the house.
+They are of the small wall that ships, five bricks by eight courses with a window, but for the
+house.
 """
 
 from dataclasses import replace
@@ -9,11 +11,20 @@ from damage import Brick, Floor, Joint, Wall
 from walls.variants.small import wall
 
 SMALL = wall()
-SOFT = replace(SMALL, joint=replace(SMALL.joint, mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
+SOFT = replace(
+    SMALL, joint=replace(SMALL.joint, mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)
+)
 STRONG = Joint(tensile_strength=1e6, cohesion=1e6)
-HOUSE = Wall("house", 2.0, 2.2, precompression=0.0, brick=Brick(0.2, 0.1, 0.1, 2000.0), joint=STRONG,
-             outline=((0.0, 1.6), (1.0, 2.2), (2.0, 1.6)),
-             floors=(Floor(0.8, 500.0, kind="concrete", depth=0.1), Floor(1.4, 300.0)))
+HOUSE = Wall(
+    "house",
+    2.0,
+    2.2,
+    precompression=0.0,
+    brick=Brick(0.2, 0.1, 0.1, 2000.0),
+    joint=STRONG,
+    outline=((0.0, 1.6), (1.0, 2.2), (2.0, 1.6)),
+    floors=(Floor(0.8, 500.0, kind="concrete", depth=0.1), Floor(1.4, 300.0)),
+)
 """Two storeys below a gable: a slab above the first, a timber floor above the second."""
 SHAKEN = {"harmonic": (0.06, 0.6), "cycles": 2, "rest": 0.1}
 GROUND = {"settle": "hogging", "distortion": 1 / 500, "lintel": 2}
@@ -25,11 +36,22 @@ RUNS = {  # name: wall, words of damage.run
     "twice": (SMALL, SHAKEN | {"sequence": (1.0, 1.0)}),
     "stresses": (SMALL, SHAKEN | {"stresses": True, "point": POINTS}),
     "softening": (SOFT, SHAKEN | {"harmonic": (0.06, 0.9)}),
-    "deformable": (SOFT, SHAKEN | {"harmonic": (0.05, 1.2), "bricks": "deformable", "contacts": "gauss",
-                                   "brick_mass": 16}),
+    "deformable": (
+        SOFT,
+        SHAKEN
+        | {
+            "harmonic": (0.05, 1.2),
+            "bricks": "deformable",
+            "contacts": "gauss",
+            "brick_mass": 16,
+        },
+    ),
     "pushed": (SMALL, {"pushover": 0.05, "lintel": 2}),
     "settled": (SMALL, GROUND | {"harmonic": (0.06, 0.2), "rest": 0.1}),
-    "settled, pushed": (SMALL, {"settle": "knick", "distortion": 1 / 1000, "lintel": 2, "pushover": 0.05}),
+    "settled, pushed": (
+        SMALL,
+        {"settle": "knick", "distortion": 1 / 1000, "lintel": 2, "pushover": 0.05},
+    ),
     "on soil": (SMALL, {"harmonic": (0.1, 0.15), "rest": 0.2, "soil": 5e7}),
     "house": (HOUSE, {"harmonic": (0.05, 0.2), "cycles": 1, "rest": 0.1}),
 }

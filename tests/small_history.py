@@ -1,6 +1,5 @@
 """Histories of a small wall, made by hand: what happens in them is known without a solver."""
 
-
 import numpy as np
 
 from damage.history.reader import read_history
@@ -15,7 +14,8 @@ from damage.wall.parameters import Wall
 STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
 CYCLIC = TopDisplacement((0.2,), cycles=3, speed_m_s=0.02)
 LOADINGS = {
-    "cyclic": CYCLIC.as_dict(), "pushover": TopDisplacement((0.2,), cycles=0).as_dict(),
+    "cyclic": CYCLIC.as_dict(),
+    "pushover": TopDisplacement((0.2,), cycles=0).as_dict(),
     "harmonic": Harmonic(0.2, 0.05).as_dict(),
     "free_vibration": FreeVibration().as_dict(),
     "record": {"kind": "record", "name": "NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"},
@@ -27,14 +27,35 @@ def small_layout(**options):
     return lay_out(Wall("small", 0.9, 0.45, **options))
 
 
-def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0, opening=None, slip=None, offset=None,
-                 broken=(), at_limit=(), ended=None, snapshots=None, row=None, loading="harmonic", status="complete",
-                 collapsed_at_s=None, overwrite=False, write=HistoryWriter, model=None):
-    """Write a history of a few samples to `path` and read it back; or by `write`, HistoryInMemory, keep it.
+def make_history(
+    path,
+    layout=None,
+    *,
+    stages=STAGES_21,
+    step_s=0.01,
+    drift=0.0,
+    opening=None,
+    slip=None,
+    offset=None,
+    broken=(),
+    at_limit=(),
+    ended=None,
+    snapshots=None,
+    row=None,
+    loading="harmonic",
+    status="complete",
+    collapsed_at_s=None,
+    overwrite=False,
+    write=HistoryWriter,
+    model=None,
+):
+    """Write a history of a few samples to `path` and read it back; or by `write`, HistoryInMemory,
+    keep it.
 
     stages: of each of n_times samples, step_s apart; drift: drift ratio, (n_times,) or one number;
-    opening, slip, offset: {joint: (n_times,) or one number [m]}, all others zero; no offset: that of the slip;
-    broken, at_limit: further joints in that state from the first sample on; a joint that opens or
+    opening, slip, offset: {joint: (n_times,) or one number [m]}, all others zero; no offset: that
+    of the slip; broken, at_limit: further joints in that state from the first sample on; a joint
+    that opens or
     slips is broken from the moment it does; ended: {joint: sample from which on it has ended};
     snapshots: {time_s: (n_bodies, 3) [m, m, rad]}, None for one at rest with every fifth sample;
     row: {column of the series: (n_times,) or one number} over what is put in by itself;
@@ -45,22 +66,41 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     time_s = step_s * np.arange(n_times)
     columns = {**_usual_columns(layout, stages, time_s, drift, loading), **(row or {})}
     columns = {name: np.broadcast_to(values, n_times) for name, values in columns.items()}
-    opened, slipped, away = (_frames(layout, n_times, values) for values in
-                             (opening, slip, slip if offset is None else offset))
+    opened, slipped, away = (
+        _frames(layout, n_times, values)
+        for values in (opening, slip, slip if offset is None else offset)
+    )
     state = _states(opened, np.abs(slipped) + np.abs(away), broken, at_limit)
     for joint, first in (ended or {}).items():
         state[first:, joint] |= ENDED
-    writer = write(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
-        "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": model or {}})
+    writer = write(
+        path,
+        layout,
+        solver="reference",
+        versions={},
+        overwrite=overwrite,
+        parameters={
+            "loading": LOADINGS[loading],
+            "wall": layout.wall.as_dict(),
+            "model": model or {},
+        },
+    )
     frames = {"opening_m": opened, "slip_m": slipped, "offset_m": away, "state": state}
     ground = {f"ground/{name}": np.zeros((1, len(layout.supports), 3)) for name in GROUND}
     for k, stage in enumerate(stages):
-        row, contacts = ({name: values[k:k + 1] for name, values in group.items()} for group in (columns, frames))
+        row, contacts = (
+            {name: values[k : k + 1] for name, values in group.items()}
+            for group in (columns, frames)
+        )
         writer.extend(stage, row, slice(None), contacts, ground)
     if snapshots is None:
         snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
     for time, displacement in snapshots.items():
-        writer.snapshot(time, displacement, None if layout.strain is None else np.zeros((len(layout.bodies), 5, 3)))
+        writer.snapshot(
+            time,
+            displacement,
+            None if layout.strain is None else np.zeros((len(layout.bodies), 5, 3)),
+        )
     writer.finish(status, collapsed_at_s)
     return read_history(path) if write is HistoryWriter else writer.history()
 
@@ -72,11 +112,21 @@ def _usual_columns(layout, stages, time_s, drift, loading):
     shear_n = 1e6 * layout.drift_height * drift
     strain_j = 0.5 * shear_n * layout.drift_height * drift
     return {
-        "time_s": time_s, "drift_ratio": drift, "top_displacement_m": layout.drift_height * drift,
-        "base_acceleration_x_m_s2": np.where(moving, 0.05 * GRAVITY * np.sin(2 * np.pi * time_s / 0.2), 0),
-        "base_acceleration_z_m_s2": 0.0, "base_shear_n": shear_n, "kinetic_energy_j": 0.0,
-        "elastic_energy_j": strain_j, "gravity_energy_j": 0.0, "friction_energy_j": 0.0,
-        "fracture_energy_j": 0.0, "damping_energy_j": 0.0, "input_energy_j": strain_j,
+        "time_s": time_s,
+        "drift_ratio": drift,
+        "top_displacement_m": layout.drift_height * drift,
+        "base_acceleration_x_m_s2": np.where(
+            moving, 0.05 * GRAVITY * np.sin(2 * np.pi * time_s / 0.2), 0
+        ),
+        "base_acceleration_z_m_s2": 0.0,
+        "base_shear_n": shear_n,
+        "kinetic_energy_j": 0.0,
+        "elastic_energy_j": strain_j,
+        "gravity_energy_j": 0.0,
+        "friction_energy_j": 0.0,
+        "fracture_energy_j": 0.0,
+        "damping_energy_j": 0.0,
+        "input_energy_j": strain_j,
     }
 
 

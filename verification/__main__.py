@@ -2,7 +2,8 @@
 
     python3 -m verification [NAME ...] [--solver reference|yade|both] [--markdown FILE]
 
-NAME: begins the names of the problems to do, all by default.  Exit status: 0 all within their tolerances, 1 not,
+NAME: begins the names of the problems to do, all by default.  Exit status: 0 all within their
+tolerances, 1 not,
 2 bad input.
 """
 
@@ -23,20 +24,33 @@ def all_problems():
 
 def main(arguments=None):
     """Run the command; returns the exit status."""
-    parser = argparse.ArgumentParser(prog="python3 -m verification", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python3 -m verification", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--solver", default="both", choices=(*SOLVERS, "both"))
-    parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table to this file")
+    parser.add_argument(
+        "--markdown", type=Path, metavar="FILE", help="write the table to this file"
+    )
     parsed = parser.parse_args(arguments)
-    problems = [problem for problem in all_problems()
-                if not parsed.names or problem.name.startswith(tuple(parsed.names))]
+    problems = [
+        problem
+        for problem in all_problems()
+        if not parsed.names or problem.name.startswith(tuple(parsed.names))
+    ]
     if not problems:
-        print(f"error: no problem begins with {' or '.join(parsed.names)}; expected one of "
-              f"{', '.join(problem.name for problem in all_problems())}", file=sys.stderr)
+        print(
+            f"error: no problem begins with {' or '.join(parsed.names)}; expected one of "
+            f"{', '.join(problem.name for problem in all_problems())}",
+            file=sys.stderr,
+        )
         return 2
     results = []
     for problem in problems:
-        print(f"{problem.name}: {problem.quantity} {problem.exact_value:.6g} {problem.unit} ({problem.source})")
+        print(
+            f"{problem.name}: {problem.quantity} {problem.exact_value:.6g} {problem.unit}"
+            f" ({problem.source})"
+        )
         for solver in SOLVERS if parsed.solver == "both" else (parsed.solver,):
             results.append(problem.judge(solver))
             print(f"  {describe(results[-1])}", flush=True)
@@ -49,8 +63,10 @@ def describe(result):
     """One result as a line."""
     if result.error is None:
         return f"{result.solver:10s} not done: {result.note}"
-    return (f"{result.solver:10s} {result.value:<13.6g} error {_error(result)}, allowed {_allowed(result)}: "
-            f"{_verdict(result)}")
+    return (
+        f"{result.solver:10s} {result.value:<13.6g} error {_error(result)}, allowed"
+        f" {_allowed(result)}: {_verdict(result)}"
+    )
 
 
 def _verdict(result):
@@ -59,22 +75,42 @@ def _verdict(result):
 
 def _error(result):
     problem = result.problem
-    return f"{100 * result.error:+.3f} %" if problem.exact_value else f"{result.error:+.1e} {problem.unit}"
+    return (
+        f"{100 * result.error:+.3f} %"
+        if problem.exact_value
+        else f"{result.error:+.1e} {problem.unit}"
+    )
 
 
 def _allowed(result):
     tolerance = result.problem.tolerance[result.solver]
-    return f"{100 * tolerance:g} %" if result.problem.exact_value else f"{tolerance:.0e} {result.problem.unit}"
+    return (
+        f"{100 * tolerance:g} %"
+        if result.problem.exact_value
+        else f"{tolerance:.0e} {result.problem.unit}"
+    )
 
 
 def markdown(results):
     """A table of results."""
-    lines = ["| problem | quantity | exact | solver | value | error | allowed | verdict |", "| --- " * 8 + "|"]
+    lines = [
+        "| problem | quantity | exact | solver | value | error | allowed | verdict |",
+        "| --- " * 8 + "|",
+    ]
     for result in results:
         problem = result.problem
-        head = f"| {problem.name} | {problem.quantity} | {problem.exact_value:.6g} {problem.unit} | {result.solver} |"
-        lines.append(f"{head} not done: {result.note} | | | |" if result.error is None else
-                     f"{head} {result.value:.6g} | {_error(result)} | {_allowed(result)} | {_verdict(result)} |")
+        head = (
+            f"| {problem.name} | {problem.quantity} | {problem.exact_value:.6g} {problem.unit} |"
+            f" {result.solver} |"
+        )
+        lines.append(
+            f"{head} not done: {result.note} | | | |"
+            if result.error is None
+            else (
+                f"{head} {result.value:.6g} | {_error(result)} | {_allowed(result)} |"
+                f" {_verdict(result)} |"
+            )
+        )
     return "\n".join(lines) + "\n"
 
 

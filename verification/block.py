@@ -19,8 +19,10 @@ SLENDER = Brick(length=0.2, height=0.8, thickness=0.1)
 def one_block(brick=None, joint=DRY, **options):
     """Layout of one brick on the ground."""
     brick = brick or Brick()
-    return lay_out(Wall("block", brick.length, brick.height, brick=brick, joint=joint, precompression=0.0),
-                   ModelOptions(**options))
+    return lay_out(
+        Wall("block", brick.length, brick.height, brick=brick, joint=joint, precompression=0.0),
+        ModelOptions(**options),
+    )
 
 
 def solver_of(layout, factor):

@@ -1,9 +1,14 @@
-"""Collapse multiplier of a dry-joint wall in the reference solver: horizontal body load, raised and held.
+"""Collapse multiplier of a dry-joint wall in the reference solver: horizontal body load, raised and
+held.
 
-Gravity settles; then the base is accelerated, which is a horizontal body load of `multiplier` times each
-weight in the frame of the base.  The load goes up to a level and is held there until the wall is at rest, or
-runs away; bisection between a level that stands and one that falls gives the multiplier.  At rest all
-accelerations are nil, so that it depends neither on the speed of loading nor on the damping, except through
+Gravity settles; then the base is accelerated, which is a horizontal body load of `multiplier` times
+each
+weight in the frame of the base.  The load goes up to a level and is held there until the wall is at
+rest, or
+runs away; bisection between a level that stands and one that falls gives the multiplier.  At rest
+all
+accelerations are nil, so that it depends neither on the speed of loading nor on the damping, except
+through
 the path that slips take on their way.
 """
 
@@ -22,19 +27,23 @@ RUNS_AWAY = 0.05
 """Displacement since the level was reached at which a wall has run away, in heights of a course."""
 WINDOW_S, LONGEST_S = 0.5, 60.0
 GROWING = 4
-"""So many windows in a row, each with no less displacement than the one before, and the wall runs away:
-just above its multiplier a wall of many blocks falls slowly, held back by the damping of its rattling."""
+"""So many windows in a row, each with no less displacement than the one before, and the wall runs
+away:
+just above its multiplier a wall of many blocks falls slowly, held back by the damping of its
+rattling."""
 
 
 DAMPING, BETA = 0.3, 0.3
-"""Cundall's damping [-], and stiffness-proportional damping in time steps.  Cundall's alone takes its share of
-the rattling of the contacts, always against the motion: a wall that ought to fall may creep for minutes.  Both
-together at 0.7 and 0.3 are no longer stable at `STEP_FACTOR`."""
+"""Cundall's damping [-], and stiffness-proportional damping in time steps.  Cundall's alone takes
+its share of
+the rattling of the contacts, always against the motion: a wall that ought to fall may creep for
+minutes.  Both together at 0.7 and 0.3 are no longer stable at `STEP_FACTOR`."""
 
 
 @dataclass(frozen=True)
 class Bracket:
-    """stands, falls [-]: multipliers; motion (n_bodies, 3): displacement while it falls [m, m, rad]."""
+    """stands, falls [-]: multipliers; motion (n_bodies, 3): displacement while it falls [m, m,
+    rad]."""
 
     stands: float
     falls: float
@@ -49,8 +58,10 @@ class Bracket:
 def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damping=DAMPING):
     """Bracket the multiplier between 0 and `highest` to a width of `tolerance` times `highest`.
 
-    Every level starts from the highest one at which the wall was at rest, so that the load only grows.
-    rate_per_s: speed at which the multiplier is raised; damping: Cundall's, while load is raised and held.
+    Every level starts from the highest one at which the wall was at rest, so that the load only
+    grows.
+    rate_per_s: speed at which the multiplier is raised; damping: Cundall's, while load is raised
+    and held.
     """
     wall = settled_wall(layout, damping)
     stands, falls, motion = 0.0, None, None
@@ -61,7 +72,9 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
         if moved is None:
             stands = level
             if falls is None:
-                raise ValueError(f"the wall stands at {highest:g}; expected a multiplier at which it falls")
+                raise ValueError(
+                    f"the wall stands at {highest:g}; expected a multiplier at which it falls"
+                )
         else:
             falls, motion = level, moved
             for array, old in zip(wall.system, before):
@@ -83,8 +96,8 @@ def settled_wall(layout, damping=DAMPING):
 
 
 def raise_to(wall, start, level, rate_per_s):
-    """Raise the multiplier from `start` to `level` and hold it: None if the wall comes to rest, else its
-    displacement since it was reached, (n_bodies, 3)."""
+    """Raise the multiplier from `start` to `level` and hold it: None if the wall comes to rest,
+    else its displacement since it was reached, (n_bodies, 3)."""
     ramp = max(1, round(abs(level - start) / rate_per_s / wall.time_step))
     wall.start(_base(np.linspace(start, level, ramp + 1)))
     wall.run(ramp)
@@ -107,7 +120,10 @@ def _hold(wall, level=0.0):
             return None
         if growing >= GROWING or _largest(wall.displacement - begin) > RUNS_AWAY * course:
             return wall.displacement - begin
-    raise TimeoutError(f"wall {wall.layout.wall.name} neither rests nor runs away within {LONGEST_S:g} s at {level:g}")
+    raise TimeoutError(
+        f"wall {wall.layout.wall.name} neither rests nor runs away within {LONGEST_S:g} s at"
+        f" {level:g}"
+    )
 
 
 def _largest(motion):

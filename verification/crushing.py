@@ -1,15 +1,17 @@
-"""Joints that crush: a toe under a rigid block, a column, and a joint that is pressed again and again.
+"""Joints that crush: a toe under a rigid block, a column, and a joint that is pressed again and
+again.
 
-A rigid block on a joint of compressive strength f_c, pressed by N and pushed sideways at its centre, h / 2 up, turns
-about a toe on which the stress is f_c: a stress block of length N / (f_c t), so that
+A rigid block on a joint of compressive strength f_c, pressed by N and pushed sideways at its
+centre, h / 2 up, turns about a toe on which the stress is f_c: a stress block of length N / (f_c
+t), so that
 
     H h / 2 = N / 2 (L - N / (f_c t)).
 
-Contact points of length l crush one by one; that shifts the resultant by up to l / 8 over the toe's length in points.
-A column bears no more than f_c A.  A joint that is pressed further each time, and unloaded between, dissipates f_c
-times its closure, whatever its bond; pulled apart then, its bond's energy besides.  With a fracture energy G_c of
-crushing it dissipates G_c (1 - exp(-f_c d / G_c)) over a closure d, where k_n (u - d) = f_c exp(-f_c d / G_c) at the
-deepest closing displacement u.
+Contact points of length l crush one by one; that shifts the resultant by up to l / 8 over the toe's
+length in points. A column bears no more than f_c A.  A joint that is pressed further each time, and
+unloaded between, dissipates f_c times its closure, whatever its bond; pulled apart then, its bond's
+energy besides.  With a fracture energy G_c of crushing it dissipates G_c (1 - exp(-f_c d / G_c))
+over a closure d, where k_n (u - d) = f_c exp(-f_c d / G_c) at the deepest closing displacement u.
 """
 
 from functools import cache
@@ -30,31 +32,51 @@ from verification.softening import between, drive, drive_in_yade, pair
 BLOCK, TOE = Brick(length=0.4, height=0.8, thickness=0.1), 0.25
 """A block, and the share of its length that its toe takes."""
 PUSH_M_S, PUSHED_M, PARTS = 4e-4, 2e-4, 20
-"""Largest speed of its centre, which grows in parts from nothing, and how far it is pushed: 0.2 mm shift the load by
-0.13 %."""
+"""Largest speed of its centre, which grows in parts from nothing, and how far it is pushed: 0.2 mm
+shift the load by 0.13 %."""
 STRENGTH = 2e6
 """Compressive strength of the joint that is pressed again and again [Pa]."""
 PRESSED = (2.0, 3.0, 4.0)
 """How far, over the depth at which it crushes, the joint is pressed each time."""
 DRY, OPENED = "without a bond, to 1.2 mm", 10.0
-"""The form whose bond is broken first, and how far it is opened for that and pressed then, over the others."""
+"""The form whose bond is broken first, and how far it is opened for that and pressed then, over the
+others."""
 SOFTENS, ENERGY = "softening in compression, without a bond", 1000.0
 """The form whose crushing has a fracture energy [J/m2]."""
 _BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
-FORMS = {"brittle": (0, _BRITTLE), DRY: (0, {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE}),
-         SOFTENS: (0, {"tensile_strength": 0.0, "cohesion": 0.0, "compressive_fracture_energy": ENERGY, **_BRITTLE}),
-         "softening": (0, {}), "softening, 8 fibres": (8, {}),
-         "softening in tension and compression, 8 fibres": (8, {"compressive_fracture_energy": ENERGY})}
+FORMS = {
+    "brittle": (0, _BRITTLE),
+    DRY: (0, {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE}),
+    SOFTENS: (
+        0,
+        {
+            "tensile_strength": 0.0,
+            "cohesion": 0.0,
+            "compressive_fracture_energy": ENERGY,
+            **_BRITTLE,
+        },
+    ),
+    "softening": (0, {}),
+    "softening, 8 fibres": (8, {}),
+    "softening in tension and compression, 8 fibres": (8, {"compressive_fracture_energy": ENERGY}),
+}
 """Name -> fibres, what is changed of JOINT beside its compressive strength."""
 
 
 def block():
-    """The block on a dry joint that does not slide, sixteen contact points, crushed over a quarter by its weight."""
+    """The block on a dry joint that does not slide, sixteen contact points, crushed over a quarter
+    by its weight."""
     weight_n = BLOCK.density * BLOCK.length * BLOCK.height * BLOCK.thickness * GRAVITY
-    joint = Joint(tensile_strength=0.0, cohesion=0.0, friction_angle=1.4,
-                  compressive_strength=weight_n / (TOE * BLOCK.length * BLOCK.thickness))
-    return lay_out(Wall("block", BLOCK.length, BLOCK.height, brick=BLOCK, joint=joint, precompression=0.0),
-                   ModelOptions(cells=8))
+    joint = Joint(
+        tensile_strength=0.0,
+        cohesion=0.0,
+        friction_angle=1.4,
+        compressive_strength=weight_n / (TOE * BLOCK.length * BLOCK.thickness),
+    )
+    return lay_out(
+        Wall("block", BLOCK.length, BLOCK.height, brick=BLOCK, joint=joint, precompression=0.0),
+        ModelOptions(cells=8),
+    )
 
 
 def toe():
@@ -98,7 +120,8 @@ def joint_of(form):
 
 
 def cycles(form, steps=400):
-    """Path (n, 2) of opening and shear displacement [m]: pressed further each time and unloaded, at last to nothing."""
+    """Path (n, 2) of opening and shear displacement [m]: pressed further each time and unloaded, at
+    last to nothing."""
     depth = STRENGTH / _stiffness()
     dry = form in (DRY, SOFTENS)
     further = OPENED if dry else 1.0
@@ -111,18 +134,26 @@ def cycles(form, steps=400):
 
 
 def crushed_and_slid(pressing=4000, sliding=400):
-    """Path (n, 2) of opening and shear displacement [m] of a dry joint that crushes: slid to and fro at three depths,
-    the last of which leaves it a third of its strength, and unloaded between.
+    """Path (n, 2) of opening and shear displacement [m] of a dry joint that crushes: slid to and
+    fro at three depths, the last of which leaves it a third of its strength, and unloaded between.
 
-    pressing, sliding: steps to each corner.  In YADE the friction limit of a step is that of its pressure before
-    crushing, too high by k_n times what the joint closes in the step.
+    pressing, sliding: steps to each corner.  In YADE the friction limit of a step is that of its
+    pressure before crushing, too high by k_n times what the joint closes in the step.
     """
     depth = STRENGTH / _stiffness()
     corners, steps = [(0.0, 0.0), (depth, 0.0)], [sliding]
     for pressed in (5 * depth, 10 * depth, 20 * depth):
-        corners += [(-pressed, 0.0), (-pressed, 2e-4), (-pressed, -2e-4), (-pressed + 0.2 * depth, 0.0)]
+        corners += [
+            (-pressed, 0.0),
+            (-pressed, 2e-4),
+            (-pressed, -2e-4),
+            (-pressed + 0.2 * depth, 0.0),
+        ]
         steps += [pressing, sliding, sliding, sliding]
-    parts = [np.linspace(a, b, number, endpoint=False) for a, b, number in zip(corners[:-1], corners[1:], steps)]
+    parts = [
+        np.linspace(a, b, number, endpoint=False)
+        for a, b, number in zip(corners[:-1], corners[1:], steps)
+    ]
     return np.vstack([*parts, corners[-1]])
 
 
@@ -132,12 +163,16 @@ def softens(form):
 
 
 def closure(form, deepest):
-    """Plastic closure [m] of a form's joint that was closed by `deepest` [m], where k_n (deepest - d) is what is
-    left of its strength."""
+    """Plastic closure [m] of a form's joint that was closed by `deepest` [m], where k_n (deepest -
+    d) is what is left of its strength."""
     stiffness = _stiffness()
     if not softens(form):
         return deepest - STRENGTH / stiffness
-    return brentq(lambda d: stiffness * (deepest - d) - STRENGTH * np.exp(-STRENGTH * d / ENERGY), 0.0, deepest)
+    return brentq(
+        lambda d: stiffness * (deepest - d) - STRENGTH * np.exp(-STRENGTH * d / ENERGY),
+        0.0,
+        deepest,
+    )
 
 
 def _stiffness():
@@ -173,18 +208,53 @@ def problems():
     layout = block()
     weight_n = float(layout.bodies.mass[0]) * GRAVITY
     found = [
-        of_both("crushing toe", "force that turns a block about its toe", "N",
-                weight_n * (1 - TOE) * BLOCK.length / BLOCK.height, "stress block of f_c", 2e-2, toe, "toe"),
-        of_both("crushed column", "largest force under it", "N", column_force(layout), "f_c A",
-                {"reference": 2e-8, "yade": 2e-2}, column, "column")]
-    for form, (quantity, measure) in product(FORMS, (
+        of_both(
+            "crushing toe",
+            "force that turns a block about its toe",
+            "N",
+            weight_n * (1 - TOE) * BLOCK.length / BLOCK.height,
+            "stress block of f_c",
+            2e-2,
+            toe,
+            "toe",
+        ),
+        of_both(
+            "crushed column",
+            "largest force under it",
+            "N",
+            column_force(layout),
+            "f_c A",
+            {"reference": 2e-8, "yade": 2e-2},
+            column,
+            "column",
+        ),
+    ]
+    for form, (quantity, measure) in product(
+        FORMS,
+        (
             ("energy dissipated", lambda done: done.dissipated),
-            ("... by its own account", lambda done: done.fracture))):
-        in_yade = softening.NOT_IN_YADE if form == "softening" else \
-            lambda form=form, measure=measure: measure(driven("yade", form))
-        found.append(Problem(
-            f"crushing in cycles, {form}", quantity, "J/m²", lost(form),
-            "G_c (1 - exp(-f_c d / G_c))" if softens(form) else "f_c times the closure",
-            dict.fromkeys(SOLVERS, 1e-3 if softens(form) else 5e-3),
-            {"reference": lambda form=form, measure=measure: measure(driven("reference", form)), "yade": in_yade}))
+            ("... by its own account", lambda done: done.fracture),
+        ),
+    ):
+        in_yade = (
+            softening.NOT_IN_YADE
+            if form == "softening"
+            else lambda form=form, measure=measure: measure(driven("yade", form))
+        )
+        found.append(
+            Problem(
+                f"crushing in cycles, {form}",
+                quantity,
+                "J/m²",
+                lost(form),
+                "G_c (1 - exp(-f_c d / G_c))" if softens(form) else "f_c times the closure",
+                dict.fromkeys(SOLVERS, 1e-3 if softens(form) else 5e-3),
+                {
+                    "reference": lambda form=form, measure=measure: measure(
+                        driven("reference", form)
+                    ),
+                    "yade": in_yade,
+                },
+            )
+        )
     return found

@@ -1,4 +1,5 @@
-"""Dry-joint walls under horizontal body load: the solver against limit analysis and a published benchmark.
+"""Dry-joint walls under horizontal body load: the solver against limit analysis and a published
+benchmark.
 
     python3 -m verification.dry_walls [--only NAME ...] [--markdown FILE] [--pictures DIR]
 """
@@ -24,15 +25,17 @@ from verification.limit_analysis import Collapse, collapse_load
 
 FRICTION = 0.65
 BLOCK = Brick(length=0.4, height=0.175, thickness=0.2, density=2000.0)
-"""Length, height and friction of Ferris and Tin-Loi (2001); the multiplier depends on neither thickness nor
-density."""
+"""Length, height and friction of Ferris and Tin-Loi (2001); the multiplier depends on neither
+thickness nor density."""
 STIFF = 1e10
-"""Normal stiffness of the joints [Pa/m]: hard enough for the limit of rigid joints (docs/validation/dry-joints.md)."""
+"""Normal stiffness of the joints [Pa/m]: hard enough for the limit of rigid joints
+(docs/validation/dry-joints.md)."""
 OPTIONS = ModelOptions(lintel="none", contacts="corners")
 PUBLISHED = {"benchmark": 0.643}
 """Multiplier of wall 1 of M. C. Ferris, F. Tin-Loi (2001), doi:10.1016/S0020-7403(99)00111-3."""
 GOVERNS = 0.02
-"""Friction governs where 0.05 more or less of its coefficient moves the bound by more than this part of it."""
+"""Friction governs where 0.05 more or less of its coefficient moves the bound by more than this
+part of it."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +59,25 @@ class Result:
         return self.sensitivity > GOVERNS
 
 
-def make_wall(name, blocks, courses, openings=(), base_course="half", *, friction=FRICTION, stiffness=STIFF):
-    """A wall without mortar and top mass, `blocks` long; openings: (first block, blocks, course, courses)."""
+def make_wall(
+    name, blocks, courses, openings=(), base_course="half", *, friction=FRICTION, stiffness=STIFF
+):
+    """A wall without mortar and top mass, `blocks` long; openings: (first block, blocks, course,
+    courses)."""
     size = BLOCK.length, BLOCK.height
-    return Wall(name, blocks * size[0], courses * size[1], precompression=0.0, base_course=base_course,
-                openings=tuple(Opening(left * size[0], width * size[0], height * size[1], sill * size[1])
-                               for left, width, sill, height in openings),
-                brick=BLOCK, joint=Joint(stiffness, 0.4 * stiffness, math.atan(friction), 0.0, 0.0))
+    return Wall(
+        name,
+        blocks * size[0],
+        courses * size[1],
+        precompression=0.0,
+        base_course=base_course,
+        openings=tuple(
+            Opening(left * size[0], width * size[0], height * size[1], sill * size[1])
+            for left, width, sill, height in openings
+        ),
+        brick=BLOCK,
+        joint=Joint(stiffness, 0.4 * stiffness, math.atan(friction), 0.0, 0.0),
+    )
 
 
 WALLS = {
@@ -83,26 +98,39 @@ def lay(name, **options):
 
 
 def examine(name, **options):
-    """Limit analysis and collapse in the solver of a wall of `WALLS`; options of `collapse_multiplier`."""
+    """Limit analysis and collapse in the solver of a wall of `WALLS`; options of
+    `collapse_multiplier`."""
     layout = lay(name)
     bound = collapse_load(layout)
     sides = [collapse_load(layout, FRICTION + change).multiplier for change in (-0.05, 0.05)]
     smooth = np.where(layout.contacts.kind == HEAD, 0.0, FRICTION)
-    return Result(layout, bound, max(abs(side / bound.multiplier - 1) for side in sides),
-                  collapse_load(layout, smooth).multiplier,
-                  collapse_multiplier(layout, 1.05 * bound.multiplier, **options))
+    return Result(
+        layout,
+        bound,
+        max(abs(side / bound.multiplier - 1) for side in sides),
+        collapse_load(layout, smooth).multiplier,
+        collapse_multiplier(layout, 1.05 * bound.multiplier, **options),
+    )
 
 
 def table(results):
     """Markdown table of {name: Result}."""
-    rows = ["| wall | blocks | bound (LP) | at friction ±0.05 | with smooth head joints | solver | of the bound |",
-            "| --- | --- | --- | --- | --- | --- | --- |"]
+    rows = [
+        (
+            "| wall | blocks | bound (LP) | at friction ±0.05 | with smooth head joints | solver |"
+            " of the bound |"
+        ),
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
     for name, result in results.items():
         note = f", published {PUBLISHED[name]:g}" if name in PUBLISHED else ""
         governs = ": governs" if result.friction_governs else ""
-        rows.append(f"| {name}{note} | {result.layout.n_bricks} | {result.bound.multiplier:.4f} "
-                    f"| ±{100 * result.sensitivity:.1f} %{governs} | {result.smooth_heads:.4f} "
-                    f"| {result.solver.stands:.4f} to {result.solver.falls:.4f} | {100 * result.ratio:.1f} % |")
+        rows.append(
+            f"| {name}{note} | {result.layout.n_bricks} | {result.bound.multiplier:.4f} |"
+            f" ±{100 * result.sensitivity:.1f} %{governs} | {result.smooth_heads:.4f} |"
+            f" {result.solver.stands:.4f} to {result.solver.falls:.4f} |"
+            f" {100 * result.ratio:.1f} % |"
+        )
     return "\n".join(rows)
 
 
@@ -112,20 +140,30 @@ MOVES = 0.02  # of the largest displacement: bodies that move more are drawn dar
 
 @styled
 def save_mechanisms(name, result, folder):
-    """Write FOLDER/mechanism_NAME.png of a Result: the mechanism of limit analysis beside that of the solver, both
-    magnified, over the wall's outline at rest; its path."""
+    """Write FOLDER/mechanism_NAME.png of a Result: the mechanism of limit analysis beside that of
+    the solver, both magnified, over the wall's outline at rest; its path."""
     layout, wall = result.layout, result.layout.wall
     height = min(80.0, 8 + 45 * wall.built_height / wall.length) / 25.4
     figure = Figure(figsize=(COLUMN_WIDTH, height), layout="constrained")
     outline = corners(layout, np.zeros_like(result.bound.motion))
-    for ax, title, found in zip(figure.subplots(1, 2), ("limit analysis", "solver"), (result.bound, result.solver)):
+    for ax, title, found in zip(
+        figure.subplots(1, 2), ("limit analysis", "solver"), (result.bound, result.solver)
+    ):
         scale = REACH * wall.built_height / np.abs(corners(layout, found.motion) - outline).max()
         motion = found.motion * scale
-        ax.add_collection(PolyCollection(outline, facecolors="none", edgecolors=MEDIUM, linewidths=0.3))
+        ax.add_collection(
+            PolyCollection(outline, facecolors="none", edgecolors=MEDIUM, linewidths=0.3)
+        )
         moves = np.abs(motion[:, :2]).max(axis=1) > MOVES * np.abs(motion[:, :2]).max()
         colours = [CAP_COLOUR if move else BRICK_COLOUR for move in moves]
-        ax.add_collection(PolyCollection(corners(layout, motion), facecolors=colours, edgecolors=DARK, linewidths=0.5))
-        ax.add_line(Line2D([-0.05 * wall.length, 1.05 * wall.length], [0, 0], color=DARK, linewidth=1.2))
+        ax.add_collection(
+            PolyCollection(
+                corners(layout, motion), facecolors=colours, edgecolors=DARK, linewidths=0.5
+            )
+        )
+        ax.add_line(
+            Line2D([-0.05 * wall.length, 1.05 * wall.length], [0, 0], color=DARK, linewidth=1.2)
+        )
         ax.set_aspect("equal")
         ax.autoscale_view()
         ax.axis("off")
@@ -142,23 +180,41 @@ def corners(layout, motion):
     x = bodies.x[:, None] + 0.5 * bodies.length[:, None] * np.array([-1, 1, 1, -1])
     z = bodies.z[:, None] + 0.5 * bodies.height[:, None] * np.array([-1, -1, 1, 1])
     ux, uz, turn = motion.T[:, :, None]
-    return np.stack([x + ux - turn * (z - bodies.z[:, None]), z + uz + turn * (x - bodies.x[:, None])], axis=2)
+    return np.stack(
+        [x + ux - turn * (z - bodies.z[:, None]), z + uz + turn * (x - bodies.x[:, None])], axis=2
+    )
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python3 -m verification.dry_walls", description=__doc__.split("\n")[0])
-    parser.add_argument("--only", nargs="+", choices=WALLS, default=list(WALLS), metavar="NAME",
-                        help=f"some of {', '.join(WALLS)}")
+    parser = argparse.ArgumentParser(
+        prog="python3 -m verification.dry_walls", description=__doc__.split("\n")[0]
+    )
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        choices=WALLS,
+        default=list(WALLS),
+        metavar="NAME",
+        help=f"some of {', '.join(WALLS)}",
+    )
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table there")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw the mechanisms there")
-    parser.add_argument("--tolerance", type=float, default=1e-3, metavar="PART",
-                        help="width of the solver's bracket over the bound (default 0.001)")
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=1e-3,
+        metavar="PART",
+        help="width of the solver's bracket over the bound (default 0.001)",
+    )
     parsed = parser.parse_args(arguments)
     results = {}
     for name in parsed.only:
         results[name] = examine(name, tolerance=parsed.tolerance)
-        print(f"{name}: bound {results[name].bound.multiplier:.4f}, solver {results[name].solver.multiplier:.4f}",
-              flush=True)
+        print(
+            f"{name}: bound {results[name].bound.multiplier:.4f}, solver"
+            f" {results[name].solver.multiplier:.4f}",
+            flush=True,
+        )
         if parsed.pictures:
             print(save_mechanisms(name, results[name], parsed.pictures))
     print("\n" + table(results))

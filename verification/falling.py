@@ -1,6 +1,7 @@
 """Free fall and elastic bounce of one block.
 
-The block falls a height H, meets its joint (stiffness k, omega^2 = k/m) with v = sqrt(2 g H), and is thrown
+The block falls a height H, meets its joint (stiffness k, omega^2 = k/m) with v = sqrt(2 g H), and
+is thrown
 back: m z'' = -k z - m g while z < 0 gives
 
     deepest point   z = g/omega^2 + sqrt((g/omega^2)^2 + (v/omega)^2)
@@ -25,7 +26,8 @@ FIGURES = "force", "height", "time"
 
 
 def problems():
-    """Free fall for 0.1 s; drop from 1 mm: largest contact force, rebound height, time between two apexes."""
+    """Free fall for 0.1 s; drop from 1 mm: largest contact force, rebound height, time between two
+    apexes."""
     layout = one_block()
     mass, stiffness = float(layout.bodies.mass[0]), _stiffness(layout)
     omega, speed = math.sqrt(stiffness / mass), math.sqrt(2 * GRAVITY * HEIGHT)
@@ -34,14 +36,36 @@ def problems():
     contact = 2 / omega * (math.pi - math.atan(speed * omega / GRAVITY))
     bounce = "closed form of a mass on a one-sided spring, see the module"
     return [
-        of_both("free fall", f"way in {FALL_S:g} s", "m", GRAVITY * FALL_S**2 / 2, "Galilei, z = g t^2/2", 1e-9, _fall,
-                "fall", FALL_S),
-        *(of_both(f"elastic bounce, {what}", quantity, unit, exact, bounce, 2e-3, lambda key=what: _bounce()[key],
-                  "bounce", HEIGHT, float(FIGURES.index(what)))
-          for what, quantity, unit, exact in (
-              ("force", "largest contact force after 1 mm", "N", force),
-              ("height", "rebound height", "m", HEIGHT),
-              ("time", "time between two apexes", "s", 2 * speed / GRAVITY + contact))),
+        of_both(
+            "free fall",
+            f"way in {FALL_S:g} s",
+            "m",
+            GRAVITY * FALL_S**2 / 2,
+            "Galilei, z = g t^2/2",
+            1e-9,
+            _fall,
+            "fall",
+            FALL_S,
+        ),
+        *(
+            of_both(
+                f"elastic bounce, {what}",
+                quantity,
+                unit,
+                exact,
+                bounce,
+                2e-3,
+                lambda key=what: _bounce()[key],
+                "bounce",
+                HEIGHT,
+                float(FIGURES.index(what)),
+            )
+            for what, quantity, unit, exact in (
+                ("force", "largest contact force after 1 mm", "N", force),
+                ("height", "rebound height", "m", HEIGHT),
+                ("time", "time between two apexes", "s", 2 * speed / GRAVITY + contact),
+            )
+        ),
     ]
 
 
@@ -53,7 +77,8 @@ def _fall():
     wall = solver_of(one_block(), 0.5)
     wall.displacement = (0.0, 10.0, 0.0)
     start, steps = wall.displacement[0, 1], round(FALL_S / wall.time_step)
-    wall.velocity = (0.0, GRAVITY * wall.time_step / 2, 0.0)  # half a step ago, so that it is at rest now
+    # half a step ago, so that it is at rest now
+    wall.velocity = (0.0, GRAVITY * wall.time_step / 2, 0.0)
     wall.run(steps)
     # Its whole number of steps is not quite 0.1 s.
     return (start - wall.displacement[0, 1]) * (FALL_S / (steps * wall.time_step)) ** 2
@@ -75,9 +100,10 @@ def _bounce():
 
 
 def apexes(track, dt, force):
-    """Figures of a track of heights [m], one a step from the first on, and the largest force [N]."""
+    """Figures of a track of heights [m], one a step from the first on, and the largest force
+    [N]."""
     lowest = int(np.argmin(track))
     top = lowest + int(np.argmax(track[lowest:]))
-    low, mid, high = track[top - 1:top + 2]
+    low, mid, high = track[top - 1 : top + 2]
     fine = 0.5 * (low - high) / (low - 2 * mid + high)  # a parabola through three samples
     return dict(zip(FIGURES, (force, float(mid), (top + 1 + fine) * dt)))

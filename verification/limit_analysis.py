@@ -2,15 +2,19 @@
 
 The static theorem: of all contact forces that balance the dead load and `multiplier` times the live
 load, without tension and with |T| <= mu N, the largest multiplier.  Its dual is the mechanism with
-associated flow: where a joint slides it dilates by tan(psi) = mu.  Contact forces act at the corners of the
+associated flow: where a joint slides it dilates by tan(psi) = mu.  Contact forces act at the
+corners of the
 joints (`ModelOptions(contacts="corners")`), so that a joint hinges about its very end.
 R. K. Livesley (1978), Int. J. Numer. Methods Eng. 12, 1853-1871, doi:10.1002/nme.1620121207.
 
-What it bounds.  Real joints slide with little dilation.  Every state in which a wall with dilation psi < phi
-stands or just fails is statically admissible too, so that its collapse multiplier is never above this one:
-associated friction gives an upper bound, D. C. Drucker (1954), J. Appl. Mech. 21, 71-74.  How far below it
-the wall falls the programme cannot say; M. C. Ferris, F. Tin-Loi (2001), Int. J. Mech. Sci. 43, 209-224,
-doi:10.1016/S0020-7403(99)00111-3, and M. Gilbert, C. Casapulla, H. M. Ahmed (2006), Comput. Struct. 84,
+What it bounds.  Real joints slide with little dilation.  Every state in which a wall with dilation
+psi < phi
+stands or just fails is statically admissible too, so that its collapse multiplier is never above
+this one: associated friction gives an upper bound, D. C. Drucker (1954), J. Appl. Mech. 21, 71-74.
+How far below it
+the wall falls the programme cannot say; M. C. Ferris, F. Tin-Loi (2001), Int. J. Mech. Sci. 43,
+209-224, doi:10.1016/S0020-7403(99)00111-3, and M. Gilbert, C. Casapulla, H. M. Ahmed (2006),
+Comput. Struct. 84,
 873-887, doi:10.1016/j.compstruc.2006.02.005, look for the least multiplier without dilation.
 It holds for the undeformed geometry, and for joints that do not give.
 """
@@ -42,7 +46,8 @@ class Collapse:
 def collapse_load(layout, friction=None, *, load=None, held=(), crushing=np.inf):
     """The largest multiplier of `load` beside the dead load, and its mechanism.
 
-    layout: damage.wall.layout.Layout; joints have their tensile strength and cohesion, zero when dry.
+    layout: damage.wall.layout.Layout; joints have their tensile strength and cohesion, zero when
+    dry.
     friction [-]: tan(phi) of all joints, by default the wall's.
     load: (n_bodies, 3) [N, N, N m], by default each body's weight in the direction +x.
     held: bodies that are kept from rotating.
@@ -55,17 +60,24 @@ def collapse_load(layout, friction=None, *, load=None, held=(), crushing=np.inf)
     dead[:, 1] = -weight
     unit = weight.sum()  # forces are counted in it
     friction = np.tan(layout.wall.joint.friction_angle) if friction is None else friction
-    program = _program(layout, friction, dead / unit, load / unit, np.asarray(held, int),
-                       crushing, unit)
+    program = _program(
+        layout, friction, dead / unit, load / unit, np.asarray(held, int), crushing, unit
+    )
     solution = linprog(**program, method="highs")
     if solution.status == _INFEASIBLE:
-        raise InputError(f"wall {layout.wall.name} cannot carry its own weight; correct its bond, or its friction")
+        raise InputError(
+            f"wall {layout.wall.name} cannot carry its own weight; correct its bond, or its"
+            " friction"
+        )
     if solution.status == _UNBOUNDED:
-        raise InputError(f"wall {layout.wall.name} carries any multiple of the load; correct the load or what is held")
+        raise InputError(
+            f"wall {layout.wall.name} carries any multiple of the load; correct the load or what is"
+            " held"
+        )
     if solution.status != 0:
         raise RuntimeError(f"the linear programme was not solved: {solution.message}")
     n = len(layout.contacts)
-    forces = solution.x[:2 * n] * unit
+    forces = solution.x[: 2 * n] * unit
     motion = -solution.eqlin.marginals.reshape(-1, 3) / unit
     return Collapse(float(solution.x[2 * n]), motion, forces[:n], forces[n:])
 
@@ -88,7 +100,9 @@ def balance(layout):
     """Sparse (3 n_bodies, 2 n_contacts): forces and moments on the bodies of unit contact forces,
     first the normal ones (compression), then the shear ones."""
     normals = contact_normals(layout.contacts)
-    return hstack([kinematic_matrix(layout, normals).T, kinematic_matrix(layout, normals[:, ::-1]).T]).tocsr()
+    return hstack(
+        [kinematic_matrix(layout, normals).T, kinematic_matrix(layout, normals[:, ::-1]).T]
+    ).tocsr()
 
 
 def flow(layout, motion):
@@ -97,9 +111,12 @@ def flow(layout, motion):
 
 
 def _program(layout, friction, dead, load, held, crushing, unit):
-    """Arguments of linprog; unknown are N, T of every contact, the multiplier, the moments on held bodies."""
+    """Arguments of linprog; unknown are N, T of every contact, the multiplier, the moments on held
+    bodies."""
     contacts, n = layout.contacts, len(layout.contacts)
-    moments = csr_matrix((np.ones(len(held)), (3 * held + 2, np.arange(len(held)))), shape=(dead.size, len(held)))
+    moments = csr_matrix(
+        (np.ones(len(held)), (3 * held + 2, np.arange(len(held)))), shape=(dead.size, len(held))
+    )
     equal = hstack([balance(layout), csr_matrix(load.reshape(-1, 1)), moments]).tocsr()
     slides = np.flatnonzero(np.isfinite(contacts.cohesion))
     rows = np.arange(len(slides))
@@ -107,8 +124,10 @@ def _program(layout, friction, dead, load, held, crushing, unit):
     def limit(sign):
         """sign T - mu N <= cohesion of the contacts that can slide."""
         values = np.concatenate([-np.broadcast_to(friction, n)[slides], np.full(len(slides), sign)])
-        return coo_matrix((values, (np.tile(rows, 2), np.concatenate([slides, n + slides]))),
-                          shape=(len(slides), equal.shape[1]))
+        return coo_matrix(
+            (values, (np.tile(rows, 2), np.concatenate([slides, n + slides]))),
+            shape=(len(slides), equal.shape[1]),
+        )
 
     bounds = np.full((equal.shape[1], 2), [-np.inf, np.inf])
     bounds[:n, 0] = -contacts.tensile_strength * contacts.area / unit
@@ -117,5 +136,11 @@ def _program(layout, friction, dead, load, held, crushing, unit):
     cost = np.zeros(equal.shape[1])
     cost[2 * n] = -1.0
     cohesion = np.tile(contacts.cohesion[slides] * contacts.area[slides] / unit, 2)
-    return {"c": cost, "A_ub": vstack([limit(1.0), limit(-1.0)]).tocsr(), "b_ub": cohesion,
-            "A_eq": equal, "b_eq": -dead.ravel(), "bounds": bounds}
+    return {
+        "c": cost,
+        "A_ub": vstack([limit(1.0), limit(-1.0)]).tocsr(),
+        "b_ub": cohesion,
+        "A_eq": equal,
+        "b_eq": -dead.ravel(),
+        "bounds": bounds,
+    }

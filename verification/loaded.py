@@ -1,8 +1,9 @@
 """The first period of the shipped walls under their load.
 
-The eigenvalue of the springs alone leaves out that the load leans with the wall.  The stiffness of the loaded wall is
-the derivative of the contacts' forces at rest, taken by central differences of the reference solver's forces: of a
-tower of weight W on springs it is k - W/h.  `damage.law.modes`, without gravity, is met to 1e-11.
+The eigenvalue of the springs alone leaves out that the load leans with the wall.  The stiffness of
+the loaded wall is the derivative of the contacts' forces at rest, taken by central differences of
+the reference solver's forces: of a tower of weight W on springs it is k - W/h.  `damage.law.modes`,
+without gravity, is met to 1e-11.
 """
 
 import math
@@ -31,11 +32,21 @@ _MOVE = 1e-9  # [m, m, rad]: forces are linear over it, and their rounding does 
 
 def problems():
     """First period of each wall in free vibration, by the real commands."""
-    return [Problem(f"{name} wall under its load", "first period", "s",
-                    lambda name=name: loaded_period(lay_out(load_wall(_file(name)))),
-                    "eigenvalue of the derivative of the forces at rest", {"reference": 5e-4, "yade": 5e-4},
-                    {solver: lambda name=name, solver=solver: free_period(name, solver) for solver in COMMANDS})
-            for name in WALLS]
+    return [
+        Problem(
+            f"{name} wall under its load",
+            "first period",
+            "s",
+            lambda name=name: loaded_period(lay_out(load_wall(_file(name)))),
+            "eigenvalue of the derivative of the forces at rest",
+            {"reference": 5e-4, "yade": 5e-4},
+            {
+                solver: lambda name=name, solver=solver: free_period(name, solver)
+                for solver in COMMANDS
+            },
+        )
+        for name in WALLS
+    ]
 
 
 def loaded_period(layout, gravity=GRAVITY):
@@ -44,9 +55,13 @@ def loaded_period(layout, gravity=GRAVITY):
     wall.start(np.zeros((0, 2)), np.array([gravity]))
     wall.local_damping = 0.7
     wall.run(30_000)
-    stiffness = np.column_stack([_derivative(wall, *which) for which in np.ndindex(len(layout.bodies), 3)])
+    stiffness = np.column_stack(
+        [_derivative(wall, *which) for which in np.ndindex(len(layout.bodies), 3)]
+    )
     mass = np.column_stack([layout.bodies.mass, layout.bodies.mass, layout.bodies.inertia]).ravel()
-    lowest = eigh((stiffness + stiffness.T) / 2, np.diag(mass), eigvals_only=True, subset_by_index=[0, 0])[0]
+    lowest = eigh(
+        (stiffness + stiffness.T) / 2, np.diag(mass), eigvals_only=True, subset_by_index=[0, 0]
+    )[0]
     return 2 * math.pi / math.sqrt(lowest)
 
 
@@ -57,7 +72,8 @@ def _derivative(wall, body, component):
         moved = rest.copy()
         moved[body, component] += sign * _MOVE
         wall.place_bodies(moved)
-        wall.lanes.find_forces(singly=True)  # without the set-up of a new wall, as a new displacement has it
+        # without the set-up of a new wall, as a new displacement has it
+        wall.lanes.find_forces(singly=True)
         forces.append(wall.force[:-1].ravel())
     wall.place_bodies(rest)
     return (forces[1] - forces[0]) / (2 * _MOVE)
@@ -67,8 +83,21 @@ def free_period(name, solver):
     """Period [s] of a wall's free vibration, from a run of this solver."""
     with tempfile.TemporaryDirectory() as folder:
         history = Path(folder) / "free.h5"
-        subprocess.run([*COMMANDS[solver], _file(name), "--free-vibration", "--rest", "2", "--out", history,
-                        "--no-pictures"], cwd=ROOT, check=True, capture_output=True)
+        subprocess.run(
+            [
+                *COMMANDS[solver],
+                _file(name),
+                "--free-vibration",
+                "--rest",
+                "2",
+                "--out",
+                history,
+                "--no-pictures",
+            ],
+            cwd=ROOT,
+            check=True,
+            capture_output=True,
+        )
         return summarise(read_history(history))["period_s"]
 
 

@@ -14,9 +14,10 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True)
 class Problem:
-    """name; quantity: what is compared, with its unit; exact: its value, or a function of no arguments that works it
-    out; source: of the solution; tolerance: {solver: largest relative error}, absolute where the exact value is zero;
-    solvers: {solver: function without arguments that measures it, or a string that says why it cannot}.
+    """name; quantity: what is compared, with its unit; exact: its value, or a function of no
+    arguments that works it out; source: of the solution; tolerance: {solver: largest relative
+    error}, absolute where the exact value is zero; solvers: {solver: function without arguments
+    that measures it, or a string that says why it cannot}.
     """
 
     name: str
@@ -44,7 +45,8 @@ class Problem:
 
 @dataclass(frozen=True)
 class Result:
-    """value, error (relative, absolute where the exact value is zero): None where the solver cannot;
+    """value, error (relative, absolute where the exact value is zero): None where the solver
+    cannot;
     note: why it cannot."""
 
     problem: Problem
@@ -56,15 +58,24 @@ class Result:
     @property
     def holds(self):
         """Whether the error is within the tolerance; None where the solver cannot."""
-        return None if self.error is None else abs(self.error) <= self.problem.tolerance[self.solver]
+        return (
+            None if self.error is None else abs(self.error) <= self.problem.tolerance[self.solver]
+        )
 
 
 def of_both(name, quantity, unit, exact, source, tolerance, reference, *case):
-    """A Problem that both solvers do; tolerance: of both, or {solver: its}; reference: function that measures it there;
-    case: arguments of `ask_yade`."""
+    """A Problem that both solvers do; tolerance: of both, or {solver: its}; reference: function
+    that measures it there; case: arguments of `ask_yade`."""
     tolerance = tolerance if isinstance(tolerance, dict) else dict.fromkeys(SOLVERS, tolerance)
-    return Problem(name, quantity, unit, exact, source, tolerance, {"reference": reference,
-                                                                    "yade": partial(ask_yade, *case)})
+    return Problem(
+        name,
+        quantity,
+        unit,
+        exact,
+        source,
+        tolerance,
+        {"reference": reference, "yade": partial(ask_yade, *case)},
+    )
 
 
 def ask_yade(case, *numbers):
@@ -79,5 +90,7 @@ def run_yade(script, *words):
     command = [*COMMAND, script, *map(str, words)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(command)} ended with status {done.returncode}:\n{done.stderr[-2000:]}")
+        raise RuntimeError(
+            f"{' '.join(command)} ended with status {done.returncode}:\n{done.stderr[-2000:]}"
+        )
     return done.stdout

@@ -1,7 +1,8 @@
 """A brick on two supports that is pressed from above: it splits at the load of beam theory.
 
-The supports stand an eighth of the length L from the ends; a load Q rests on two points an eighth from the middle.
-Supports and load do not keep the brick, of weight W, from opening: its middle has the moment
+The supports stand an eighth of the length L from the ends; a load Q rests on two points an eighth
+from the middle. Supports and load do not keep the brick, of weight W, from opening: its middle has
+the moment
 
     M = Q L / 8 + W L / 16 = f_t t h^2 / 6
 
@@ -25,17 +26,26 @@ RAMP_S = 0.1
 
 
 def beam():
-    """The brick, its two supports, and a cap on two points; what they do along the brick is next to nothing."""
+    """The brick, its two supports, and a cap on two points; what they do along the brick is next to
+    nothing."""
     wall = Wall("beam", BRICK.length, BRICK.height, brick=BRICK, precompression=1e4)
     layout = lay_out(wall, ModelOptions(top="beam"))
     contacts, middle = layout.contacts, BRICK.length / 2
     outer = np.abs(contacts.x - middle) > BRICK.length / 4
     used = np.flatnonzero((contacts.kind == CUT) | (outer != (contacts.kind == CAP)))
-    kept = replace(contacts, **{one.name: getattr(contacts, one.name)[used] for one in fields(contacts)})
+    kept = replace(
+        contacts, **{one.name: getattr(contacts, one.name)[used] for one in fields(contacts)}
+    )
     cut = kept.kind == CUT
-    kept = replace(kept, elastic=~cut, **{name: np.where(cut, getattr(kept, name), np.inf)
-                                          for name in ("tensile_strength", "cohesion")},
-                   shear_stiffness=np.where(cut, 1.0, 1e-4) * kept.shear_stiffness)
+    kept = replace(
+        kept,
+        elastic=~cut,
+        **{
+            name: np.where(cut, getattr(kept, name), np.inf)
+            for name in ("tensile_strength", "cohesion")
+        },
+        shear_stiffness=np.where(cut, 1.0, 1e-4) * kept.shear_stiffness,
+    )
     return replace(layout, contacts=kept, n_joints=int(np.sum(kept.kind != CAP)))
 
 
@@ -66,5 +76,15 @@ def load():
 
 def problems():
     """The load at which a brick splits."""
-    return [of_both("splitting brick", "load on two supports", "N", lambda: splitting_load(beam()),
-                    "beam theory, f_t t h^2 / 6", 2e-2, load, "splitting_load")]
+    return [
+        of_both(
+            "splitting brick",
+            "load on two supports",
+            "N",
+            lambda: splitting_load(beam()),
+            "beam theory, f_t t h^2 / 6",
+            2e-2,
+            load,
+            "splitting_load",
+        )
+    ]

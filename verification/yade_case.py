@@ -38,7 +38,11 @@ class Case:
         self.newton.gravity = (0, 0, 0)
         self.each, self.first = None, 0
         builtins.verification_step = self.step
-        O.engines = [*O.engines[:-1], PyRunner(command="verification_step()", iterPeriod=1), self.newton]
+        O.engines = [
+            *O.engines[:-1],
+            PyRunner(command="verification_step()", iterPeriod=1),
+            self.newton,
+        ]
 
     def run(self, steps, each=None):
         """Advance; each(k) is called in step k of these."""
@@ -46,8 +50,8 @@ class Case:
         O.run(steps, True)
 
     def step(self):
-        """What the engine does in every step: broken bonds become dry joints, joints crush, then what `run` was
-        given."""
+        """What the engine does in every step: broken bonds become dry joints, joints crush, then
+        what `run` was given."""
         for joint in self.scene.newly_broken():
             self.model.loosen(joint)
         self.crushing.step(anew=True)
@@ -133,7 +137,10 @@ def stack():
     for state, (vx, vz, turn) in zip(case.scene.states, 1e-3 * natural_modes(layout, 1).shape[0]):
         state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
     track = []
-    case.run(round(elastic.STACK_S / O.dt), lambda k: k % 20 or track.append(case.scene.states[top].pos[0]))
+    case.run(
+        round(elastic.STACK_S / O.dt),
+        lambda k: k % 20 or track.append(case.scene.states[top].pos[0]),
+    )
     return natural_period(20 * O.dt * np.arange(len(track)), np.array(track))
 
 
@@ -142,7 +149,8 @@ def onset(contacts, courses):
 
 
 def fall_back(tilt):
-    """As rocking.fall_back, in YADE: a block of no strength is lifted off first, which breaks its bonds."""
+    """As rocking.fall_back, in YADE: a block of no strength is lifted off first, which breaks its
+    bonds."""
     layout = rocking.layout_of()
     case = Case(layout, 0.5)
     state = case.scene.states[0]
@@ -151,7 +159,8 @@ def fall_back(tilt):
     case.run(3)
     case.rest()
     upright = state.ori  # now that the tips are on
-    round_tip = TIP * (1 - math.cos(tilt))  # what the tip, which is round, reaches lower than the corner
+    # what the tip, which is round, reaches lower than the corner
+    round_tip = TIP * (1 - math.cos(tilt))
     state.pos = Vector3(case.scene.start[0, 0] + x, 0, case.scene.start[0, 1] + z - sag + round_tip)
     state.ori = Quaternion(Vector3(0, 1, 0), tilt) * upright
     case.run(1)  # the members follow
@@ -239,7 +248,8 @@ def splitting_load():
 
 
 def _mover(case):
-    """The function that moves every body of a case and returns the contacts' forces on them, both (n_bodies, 3)."""
+    """The function that moves every body of a case and returns the contacts' forces on them, both
+    (n_bodies, 3)."""
     states, scene = case.scene.states, case.scene
     for state in states:
         state.blockedDOFs = "xyzXYZ"
@@ -257,8 +267,22 @@ def _mover(case):
     return forces_after
 
 
-CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, fall_back, stack, cantilever, toe,
-                                           column, splitting_load)}
+CASES = {
+    case.__name__: case
+    for case in (
+        fall,
+        bounce,
+        incline,
+        shaken,
+        onset,
+        fall_back,
+        stack,
+        cantilever,
+        toe,
+        column,
+        splitting_load,
+    )
+}
 
 
 def main():

@@ -2,8 +2,9 @@
 
     ./yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES CHANGES
 
-PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under the same names,
-normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture and stored [J/m2].  CHANGES:
+PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under
+the same names, normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture
+and stored [J/m2].  CHANGES:
 of the joint's parameters, as JSON.
 """
 
@@ -41,7 +42,11 @@ def drive(path, fibres, changes):
         along, upward, _ = scene.resultants()[1]
         stresses.append((-upward / area, -along / area))
     tracker = solver.tracker
-    energies = tracker.friction_energy, tracker.fracture_energy, scene.elastic_energy(tracker.broken)
+    energies = (
+        tracker.friction_energy,
+        tracker.fracture_energy,
+        scene.elastic_energy(tracker.broken),
+    )
     return np.array(stresses), np.array(energies) / area
 
 
@@ -50,7 +55,9 @@ def main():
     found = {}
     with np.load(paths) as given:
         for name in given:
-            found[name], found[f"{name}/energies"] = drive(given[name], int(fibres), json.loads(changes))
+            found[name], found[f"{name}/energies"] = drive(
+                given[name], int(fibres), json.loads(changes)
+            )
     np.savez(out, **found)
 
 

@@ -1,4 +1,5 @@
-"""Façade wall with a door front off the middle: piers of 2.5 and 6.5 bricks, a spandrel of 4 courses.
+"""Façade wall with a door front off the middle: piers of 2.5 and 6.5 bricks, a spandrel of 4
+courses.
 
 Sarhosis et al. (2021), Fig. 3c, doi:10.1016/j.engstruct.2021.112529, does not give the opening's
 position; the size is that of the symmetric wall.
@@ -22,7 +23,9 @@ def wall():
         name="asymmetric",
         length=18 * brick.length,
         height=37 * brick.height,
-        openings=[Opening(left=2.5 * brick.length, width=9 * brick.length, height=33 * brick.height)],
+        openings=[
+            Opening(left=2.5 * brick.length, width=9 * brick.length, height=33 * brick.height)
+        ],
         precompression=0.3e6,
         brick=brick,
         joint=Joint(tensile_strength=0.21e6, cohesion=0.24e6),

@@ -1,7 +1,8 @@
 """EUCENTRE's squat wall COMP1_3 with what was measured on its own material.
 
-Cohesion 0.21 MPa, friction 0.42, masonry modulus 3256 MPa (Graziotti et al. 2016, damage/data/eucentre). Not
-measured, so as in the paper: joint stiffness, and tensile strength over cohesion (0.21 / 0.24).
+Cohesion 0.21 MPa, friction 0.42, masonry modulus 3256 MPa (Graziotti et al. 2016,
+damage/data/eucentre). Not measured, so as in the paper: joint stiffness, and tensile strength over
+cohesion (0.21 / 0.24).
 
     yade walls/squat_tested.py --cyclic 0.025,0.05,0.1,0.2,0.3 --cycles 1
     yade walls/squat_tested.py --help      every option
@@ -17,7 +18,9 @@ from damage import Joint, Wall, brick_of_masonry
 
 
 def wall():
-    joint = Joint(tensile_strength=0.21 / 0.24 * 0.21e6, cohesion=0.21e6, friction_angle=math.atan(0.42))
+    joint = Joint(
+        tensile_strength=0.21 / 0.24 * 0.21e6, cohesion=0.21e6, friction_angle=math.atan(0.42)
+    )
     brick = brick_of_masonry(3256e6, joint, length=0.222, height=0.081, thickness=0.102)
     return Wall(
         name="squat_tested",

@@ -22,7 +22,9 @@ def wall():
         name="symmetric",
         length=18 * brick.length,
         height=37 * brick.height,
-        openings=[Opening(left=4.5 * brick.length, width=9 * brick.length, height=33 * brick.height)],
+        openings=[
+            Opening(left=4.5 * brick.length, width=9 * brick.length, height=33 * brick.height)
+        ],
         precompression=0.3e6,
         brick=brick,
         joint=Joint(tensile_strength=0.21e6, cohesion=0.24e6),

@@ -4,10 +4,12 @@ from damage.files import YADE as COMMAND  # noqa: F401
 
 
 def open_scene(wall, engines=(), **options):
-    """A wall in YADE's scene, for scripts that YADE runs: a `yade_scripts.opened.Scene`, weightless at first.
+    """A wall in YADE's scene, for scripts that YADE runs: a `yade_scripts.opened.Scene`, weightless
+    at first.
 
-    wall: a damage.Wall, its file, or the name of one that ships; engines: of YADE, called at the end of each step;
-    options: those of `./yade WALL --help` by name, as of `damage.run`; out="FILE.h5" writes the history.
+    wall: a damage.Wall, its file, or the name of one that ships; engines: of YADE, called at the
+    end of each step; options: those of `./yade WALL --help` by name, as of `damage.run`;
+    out="FILE.h5" writes the history.
     """
     from yade_scripts.run import open_wall
 

@@ -1,13 +1,14 @@
-"""Softening bonds in YADE as parallel elements (`damage.wall.fibres`): one bond and one dry contact for each contact
-point.
+"""Softening bonds in YADE as parallel elements (`damage.wall.fibres`): one bond and one dry contact
+for each contact point.
 
-All elements of a contact point have the same opening and shear displacement.  The intact ones have always been elastic:
-together they are one bond with their share of the area, which fails with the weakest.  The failed ones are one dry
-contact.  An element joins it with its shear stress at the friction limit.  Where the stress of the others differs, all
-take the mean, and the loss of elastic energy counts as friction.
+All elements of a contact point have the same opening and shear displacement.  The intact ones have
+always been elastic: together they are one bond with their share of the area, which fails with the
+weakest.  The failed ones are one dry contact.  An element joins it with its shear stress at the
+friction limit.  Where the stress of the others differs, all take the mean, and the loss of elastic
+energy counts as friction.
 
-YADE's law removes the entire force of a bond that fails.  The force of the intact elements is restored in the same
-step, as forces on its two members, before the bodies move.
+YADE's law removes the entire force of a bond that fails.  The force of the intact elements is
+restored in the same step, as forces on its two members, before the bodies move.
 """
 
 import math
@@ -20,7 +21,8 @@ from damage.law.joint_law import stays_elastic
 
 
 class Broken(NamedTuple):
-    """Failed parallel element: its share of the area [-], kind "tension" or "shear", whether it was the last one."""
+    """Failed parallel element: its share of the area [-], kind "tension" or "shear", whether it was
+    the last one."""
 
     share: float
     kind: str
@@ -32,19 +34,25 @@ class Bundles:
 
     def __init__(self, model):
         self.model, self.fibres, contacts = model, model.layout.fibres, model.layout.contacts
-        # For each contact point the row of its weakest intact element, and the row after its last one.
+        # For each contact point the row of its weakest intact element, and the row after its last
+        # one.
         self._weakest = np.flatnonzero(np.append(True, self.fibres.last[:-1]))
         self._end = np.flatnonzero(self.fibres.last) + 1
-        self._area, self._normal, self._shear = contacts.area, contacts.normal_stiffness, contacts.shear_stiffness
+        self._area, self._normal, self._shear = (
+            contacts.area,
+            contacts.normal_stiffness,
+            contacts.shear_stiffness,
+        )
 
     def held(self, joint):
         """Share of the area of a contact point that is intact [-]."""
-        return float(self.fibres.share[self._weakest[joint]:self._end[joint]].sum())
+        return float(self.fibres.share[self._weakest[joint] : self._end[joint]].sum())
 
     def give_way(self, joint, sigma, tau):
         """Fail the weakest elements of a bond that failed in YADE's law, and restore the others.
 
-        sigma, tau: stresses in the elements that were intact [Pa].  Returns the failed ones, [Broken, ...].
+        sigma, tau: stresses in the elements that were intact [Pa].  Returns the failed ones,
+        [Broken, ...].
         """
         bond = self.model.bonds[joint]
         let_go = bond.phys.normalForce + bond.phys.shearForce  # force by the law in this step
@@ -74,14 +82,18 @@ class Bundles:
                 return broken
             self._weakest[joint] = row = row + 1
             friction = self.model.physics[joint].tanFrictionAngle
-            if stays_elastic(sigma, tau, fibres.tensile_strength[row], fibres.cohesion[row], friction):
+            if stays_elastic(
+                sigma, tau, fibres.tensile_strength[row], fibres.cohesion[row], friction
+            ):
                 return broken
 
     def _bond_again(self, joint, bond, held, sigma, tau):
-        """Make a failed bond the bond of its intact elements, `held` of the area, with these stresses [Pa]."""
+        """Make a failed bond the bond of its intact elements, `held` of the area, with these
+        stresses [Pa]."""
         row, area, phys = self._weakest[joint], held * self._area[joint], bond.phys
         phys.isCohesive, phys.crossSection = True, float(area)
-        # The distance of the members grows with the square of the slip; setting initD removes the excess.
+        # The distance of the members grows with the square of the slip; setting initD removes the
+        # excess.
         phys.initD = bond.geom.penetrationDepth + float(sigma / self._normal[joint])
         phys.kn, phys.ks = float(area * self._normal[joint]), float(area * self._shear[joint])
         phys.FnMax = float(area * self.fibres.tensile_strength[row])
@@ -90,7 +102,8 @@ class Bundles:
         phys.shearForce = self._force(joint, bond.geom, 0.0, area * tau)
 
     def _rub(self, joint, share, stress):
-        """Add failed elements, a share of the area, with their shear stress [Pa] to the dry contact of a joint."""
+        """Add failed elements, a share of the area, with their shear stress [Pa] to the dry contact
+        of a joint."""
         if joint not in self.model.frayed:
             self.model.fray(joint)
         dry, area = self.model.frayed[joint], share * self._area[joint]
@@ -100,13 +113,15 @@ class Bundles:
         self.model.work.renew(dry)
 
     def _force(self, joint, geom, normal, shear):
-        """Force vector of an interaction on its second member in YADE's order; normal (tension positive), shear [N]."""
+        """Force vector of an interaction on its second member in YADE's order; normal (tension
+        positive), shear [N]."""
         n, along = geom.normal, -float(self.model.handed[joint] * shear)
         return -float(normal) * n + along * Vector3(n[2], 0, -n[0])
 
 
 def _push(bond, force):
-    """Add a force [N] at the contact point to a bond's second member, and its opposite to the first."""
+    """Add a force [N] at the contact point to a bond's second member, and its opposite to the
+    first."""
     geom = bond.geom
     for member, sign, radius in ((bond.id1, -1.0, geom.refR1), (bond.id2, 1.0, geom.refR2)):
         O.forces.addF(member, sign * force)

@@ -1,8 +1,9 @@
 """The state of a YadeSolver as arrays: a scene of YADE, and what this package keeps beside it.
 
-YADE's scene (`O.save`) lacks the forces on the bodies, the depths of the contacts, the sum of the work of friction, and
-interactions that are removed; these are put back, so that the next step is that of the run that was interrupted.
-Potential interactions of loose bricks are found anew, which may change the order of sums.
+YADE's scene (`O.save`) lacks the forces on the bodies, the depths of the contacts, the sum of the
+work of friction, and interactions that are removed; these are put back, so that the next step is
+that of the run that was interrupted. Potential interactions of loose bricks are found anew, which
+may change the order of sums.
 """
 
 import tempfile
@@ -15,15 +16,41 @@ from yade import O, Vector3
 from damage.errors import InputError
 
 _PARTS = {
-    "tracker": ("opening", "slip", "offset", "broken", "at_limit", "crushed", "ended", "dry", "_open", "_stress",
-                "_plastic", "friction_energy", "breaking_energy", "fracture_energy"),
+    "tracker": (
+        "opening",
+        "slip",
+        "offset",
+        "broken",
+        "at_limit",
+        "crushed",
+        "ended",
+        "dry",
+        "_open",
+        "_stress",
+        "_plastic",
+        "friction_energy",
+        "breaking_energy",
+        "fracture_energy",
+    ),
     "crushing": ("_strength", "_limit", "_near"),
     "scene": ("share", "dry_share", "follows", "holding", "_breaks_seen", "on_top"),
     "scene.bundles": ("_weakest",),
     "model": ("signs", "bonded", "closure"),
     "model.work": ("_rest",),
-    "": ("_velocity", "_top_rest", "_top_stiffness", "_supports", "_support_velocity", "_armed", "_input_power",
-         "_input_time", "_input_energy", "clock", "_slip", "_slip_work"),
+    "": (
+        "_velocity",
+        "_top_rest",
+        "_top_stiffness",
+        "_supports",
+        "_support_velocity",
+        "_armed",
+        "_input_power",
+        "_input_time",
+        "_input_energy",
+        "clock",
+        "_slip",
+        "_slip_work",
+    ),
 }
 """Arrays, lists of numbers and numbers of each part of a solver; arrays keep their identity."""
 _KINDS = "tension", "shear", "opened", "slipped"
@@ -35,24 +62,49 @@ def tables_of(solver):
     watched = list(work._watched.items())
     near = {id(one) for one in work._near}
     return {
-        "scene": _saved_scene(), "loads": _loads(), "forces": _forces(),
+        "scene": _saved_scene(),
+        "loads": _loads(),
+        "forces": _forces(),
         **{table: np.array(getattr(owner, name)) for owner, name, table in _attributes(solver)},
         **{f"passed_{kind}": passed.copy() for kind, passed in solver.tracker._passed.items()},
-        "members": _pairs((k, member) for k, members in enumerate(model.members) for member in members),
-        "corners": np.array(sorted(model.corners), int), "tips": _pairs(model._tip_of.items()),
-        "frayed": np.array([(joint, dry.id1, dry.id2) for joint, dry in model.frayed.items()], int).reshape(-1, 3),
+        "members": _pairs(
+            (k, member) for k, members in enumerate(model.members) for member in members
+        ),
+        "corners": np.array(sorted(model.corners), int),
+        "tips": _pairs(model._tip_of.items()),
+        "frayed": (
+            np.array(
+                [(joint, dry.id1, dry.id2) for joint, dry in model.frayed.items()], int
+            ).reshape(-1, 3)
+        ),
         "bonds": _pairs((bond.id1, bond.id2) for bond in model.bonds),
-        "removed": _removed(solver), "slid": np.array(work._law.plasticDissipation()),
+        "removed": _removed(solver),
+        "slid": np.array(work._law.plasticDissipation()),
         "watched": _pairs(key for key, _ in watched),
-        "watching": np.array([(*one.before, one.closed, one.half_compliance, id(one) in near) for _, one in watched],
-                             float).reshape(-1, 6),
-        "events": np.array([(step, joint, _KINDS.index(kind), *values, *[0.0] * (4 - len(values)))
-                            for step, joint, kind, *values in solver._events], float).reshape(-1, 7)}
+        "watching": (
+            np.array(
+                [
+                    (*one.before, one.closed, one.half_compliance, id(one) in near)
+                    for _, one in watched
+                ],
+                float,
+            ).reshape(-1, 6)
+        ),
+        "events": (
+            np.array(
+                [
+                    (step, joint, _KINDS.index(kind), *values, *[0.0] * (4 - len(values)))
+                    for step, joint, kind, *values in solver._events
+                ],
+                float,
+            ).reshape(-1, 7)
+        ),
+    }
 
 
 def restore(solver, tables):
-    """Put a solver of the same layout back to where `tables_of` was; raises InputError where the tables are of
-    another."""
+    """Put a solver of the same layout back to where `tables_of` was; raises InputError where the
+    tables are of another."""
     try:
         _load_scene(tables["scene"], solver)
         for owner, name, table in _attributes(solver):
@@ -61,16 +113,21 @@ def restore(solver, tables):
             passed[:] = tables[f"passed_{kind}"]
         _put_forces(tables["loads"], tables["forces"])
         _bind(solver, tables)
-        solver._events = [(int(step), int(joint), _KINDS[int(kind)], *values)
-                          for step, joint, kind, *values in tables["events"].tolist()]
+        solver._events = [
+            (int(step), int(joint), _KINDS[int(kind)], *values)
+            for step, joint, kind, *values in tables["events"].tolist()
+        ]
         solver._tags = O.tags
     except (KeyError, IndexError, ValueError, AttributeError, TypeError, RuntimeError) as error:
-        raise InputError(f"the checkpoint's scene cannot be read by this YADE ({error}); expected one that the same "
-                         "wall left, and the same version of YADE; run it again") from error
+        raise InputError(
+            f"the checkpoint's scene cannot be read by this YADE ({error}); expected one that the"
+            " same wall left, and the same version of YADE; run it again"
+        ) from error
 
 
 def _attributes(solver):
-    """What _PARTS names: (part, attribute, name of its table) of each, without parts that the solver has not."""
+    """What _PARTS names: (part, attribute, name of its table) of each, without parts that the
+    solver has not."""
     for path, names in _PARTS.items():
         part = solver
         for step in filter(None, path.split(".")):
@@ -109,28 +166,38 @@ def _load_scene(scene, solver):
         path.write_bytes(scene.tobytes())
         O.load(str(path), quiet=True)
     loaded = {type(engine): engine for engine in O.engines}
-    own = {type(engine) for engine in engines if type(engine).__name__ in (
-        "NewtonIntegrator", "ForceResetter", "InsertionSortCollider", "InteractionLoop")}
+    own = {
+        type(engine)
+        for engine in engines
+        if type(engine).__name__
+        in ("NewtonIntegrator", "ForceResetter", "InsertionSortCollider", "InteractionLoop")
+    }
     O.engines = [loaded[type(engine)] if type(engine) in own else engine for engine in engines]
     model = solver.model
-    (model.newton,) = (engine for engine in O.engines if type(engine).__name__ == "NewtonIntegrator")
+    (model.newton,) = (
+        engine for engine in O.engines if type(engine).__name__ == "NewtonIntegrator"
+    )
     (loop,) = (engine for engine in O.engines if type(engine).__name__ == "InteractionLoop")
     model.law, model.work._law = loop.lawDispatcher.functors[:2]
     model._material = O.materials["tip"]
 
 
 def _loads():
-    """Forces and torques on the bodies, of clumps those of a top that is held or restrained, (n_ids, 6) [N, N m]."""
+    """Forces and torques on the bodies, of clumps those of a top that is held or restrained,
+    (n_ids, 6) [N, N m]."""
     return np.array([(*O.forces.f(body.id, True), *O.forces.t(body.id, True)) for body in O.bodies])
 
 
 def _forces():
     """Of each interaction: its bodies, normal and shear force [N], (n, 8)."""
-    return np.array([(i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce) for i in O.interactions]).reshape(-1, 8)
+    return np.array(
+        [(i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce) for i in O.interactions]
+    ).reshape(-1, 8)
 
 
 def _put_forces(loads, forces):
-    """Evaluate the contacts at the present positions, for their geometry alone, and set all forces."""
+    """Evaluate the contacts at the present positions, for their geometry alone, and set all
+    forces."""
     loop = next(engine for engine in O.engines if type(engine).__name__ == "InteractionLoop")
     dt, O.dt = O.dt, 0.0
     loop()
@@ -147,12 +214,18 @@ def _put_forces(loads, forces):
 
 
 def _removed(solver):
-    """Of each contact point whose interaction is removed: its number, depth [m], stiffnesses [N/m], normal and shear
-    force [N], (n, 10)."""
+    """Of each contact point whose interaction is removed: its number, depth [m], stiffnesses [N/m],
+    normal and shear force [N], (n, 10)."""
     scene = solver.scene
-    return np.array([(k, geom.penetrationDepth, phys.kn, phys.ks, *phys.normalForce, *phys.shearForce)
-                     for k, (bond, geom, phys) in enumerate(zip(solver.model.bonds, scene.geometries, scene.physics))
-                     if not _is_there(bond)]).reshape(-1, 10)
+    return np.array(
+        [
+            (k, geom.penetrationDepth, phys.kn, phys.ks, *phys.normalForce, *phys.shearForce)
+            for k, (bond, geom, phys) in enumerate(
+                zip(solver.model.bonds, scene.geometries, scene.physics)
+            )
+            if not _is_there(bond)
+        ]
+    ).reshape(-1, 10)
 
 
 def _is_there(bond):
@@ -163,21 +236,40 @@ def _bind(solver, tables):
     """Have a solver read the bodies and interactions of the scene that was loaded."""
     model, scene, work, removed = solver.model, solver.scene, solver.model.work, {}
     for number, depth, kn, ks, *forces in tables["removed"].tolist():
-        removed[int(number)] = SimpleNamespace(penetrationDepth=depth, shearInc=Vector3.Zero), SimpleNamespace(
-            kn=kn, ks=ks, normalForce=Vector3(forces[:3]), shearForce=Vector3(forces[3:]), isCohesive=False)
+        removed[int(number)] = (
+            SimpleNamespace(penetrationDepth=depth, shearInc=Vector3.Zero),
+            SimpleNamespace(
+                kn=kn,
+                ks=ks,
+                normalForce=Vector3(forces[:3]),
+                shearForce=Vector3(forces[3:]),
+                isCohesive=False,
+            ),
+        )
     for number, (first, second) in enumerate(tables["bonds"].tolist()):
         geom, phys = removed.get(number, (None, None))
-        model.bonds[number] = O.interactions[first, second] if geom is None else SimpleNamespace(
-            id1=first, id2=second, isReal=False, geom=geom, phys=phys)
+        model.bonds[number] = (
+            O.interactions[first, second]
+            if geom is None
+            else SimpleNamespace(id1=first, id2=second, isReal=False, geom=geom, phys=phys)
+        )
     for members, number in zip(model.members, range(len(model.members))):
         members[:] = tables["members"][tables["members"][:, 0] == number, 1].tolist()
     model.corners.clear()
     model.corners.update(tables["corners"].tolist())
     model._tip_of = dict(tables["tips"].tolist())
     model.frayed.clear()
-    model.frayed.update({joint: O.interactions[first, second] for joint, first, second in tables["frayed"].tolist()})
-    model.turning[:] = [O.bodies[model.faces[body, "box"]].state for body in range(len(model.clumps))]
+    model.frayed.update(
+        {joint: O.interactions[first, second] for joint, first, second in tables["frayed"].tolist()}
+    )
+    model.turning[:] = [
+        O.bodies[model.faces[body, "box"]].state for body in range(len(model.clumps))
+    ]
     scene.states[:] = [O.bodies[clump].state for clump in model.clumps]
     scene.geometries[:], scene.physics[:] = zip(*((bond.geom, bond.phys) for bond in model.bonds))
-    work.watch_again({(bond.id1, bond.id2): bond for bond in (*model.bonds, *model.frayed.values())},
-                     tables["watched"].tolist(), tables["watching"].tolist(), float(tables["slid"]))
+    work.watch_again(
+        {(bond.id1, bond.id2): bond for bond in (*model.bonds, *model.frayed.values())},
+        tables["watched"].tolist(),
+        tables["watching"].tolist(),
+        float(tables["slid"]),
+    )

@@ -1,20 +1,26 @@
-"""Work of friction in the dry contacts of YADE's law, consistent with the work of central differences on the bodies.
+"""Work of friction in the dry contacts of YADE's law, consistent with the work of central
+differences on the bodies.
 
-A step in which the shear force decreases from F to F' [N] while the contact slides by ds [m] dissipates
-(F + F') / 2 ds.  A step in which the contact opens while its bodies slide by du [m] dissipates F / 2 (F / k_s + du).
-YADE's law sums F' ds over all contacts and steps; this module adds the difference.  It does so at every step, since
-lightly compressed contacts open and close from one step to the next.
+A step in which the shear force decreases from F to F' [N] while the contact slides by ds [m]
+dissipates
+(F + F') / 2 ds.  A step in which the contact opens while its bodies slide by du [m] dissipates F /
+2 (F / k_s + du). YADE's law sums F' ds over all contacts and steps; this module adds the
+difference.  It does so at every step, since lightly compressed contacts open and close from one
+step to the next.
 """
 
 from yade import Vector3
 
-_NEAR = 5e-5  # [m], opening from which a contact is not checked until the next choice (up to 0.3 m/s)
+# [m], opening from which a contact is not checked until the next choice (up to 0.3 m/s)
+_NEAR = 5e-5
 
 
 class FrictionWork:
-    """Work of friction in all contacts of a Law2_ScGeom_FrictPhys_CundallStrack that traces its energy.
+    """Work of friction in all contacts of a Law2_ScGeom_FrictPhys_CundallStrack that traces its
+    energy.
 
-    The contacts of joints are added as they form.  For collisions of loose bricks only YADE's sum is available.
+    The contacts of joints are added as they form.  For collisions of loose bricks only YADE's sum
+    is available.
     """
 
     def __init__(self, law):
@@ -28,7 +34,8 @@ class FrictionWork:
     def add(self, contact, limit):
         """Add an interaction that begins with the shear force of a failed bond.
 
-        limit: to which that force falls in the next step [N]; the energy lost by this is fracture, not friction.
+        limit: to which that force falls in the next step [N]; the energy lost by this is fracture,
+        not friction.
         """
         self._rest -= max(contact.phys.shearForce.norm() - limit, 0.0) ** 2 / (2 * contact.phys.ks)
         self.renew(contact)
@@ -51,33 +58,45 @@ class FrictionWork:
         self._rest += stored
 
     def watch_again(self, contacts, keys, states, slid):
-        """Take over the state of another one: contacts: {(id1, id2): interaction}; keys, states: of those watched, in
-        their order: shear force in the last step (3) [N], closed, half the compliance [m/N], whether it is checked;
-        slid: YADE's sum [J]."""
+        """Take over the state of another one: contacts: {(id1, id2): interaction}; keys, states: of
+        those watched, in their order: shear force in the last step (3) [N], closed, half the
+        compliance [m/N], whether it is checked; slid: YADE's sum [J]."""
         self._watched = {}
         for key, (*before, closed, half, _) in zip(map(tuple, keys), states):
             contact = contacts[key]
-            one = self._watched[key] = _Watched(contact.geom, contact.phys.shearForce, contact.geom.shearInc, half)
+            one = self._watched[key] = _Watched(
+                contact.geom, contact.phys.shearForce, contact.geom.shearInc, half
+            )
             one.before, one.closed = Vector3(before), bool(closed)
         self._near = [one for one, state in zip(self._watched.values(), states) if state[-1]]
         self._law.initPlasticDissipation(slid)
 
     def step(self, anew):
-        """Add the work of a step; to be called after every step.  anew: choose anew the contacts that are checked until
-        the next choice, those that are closed or may close."""
+        """Add the work of a step; to be called after every step.  anew: choose anew the contacts
+        that are checked until the next choice, those that are closed or may close."""
         if anew:
-            self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -_NEAR]
+            self._near = [
+                one
+                for one in self._watched.values()
+                if one.closed or one.geom.penetrationDepth > -_NEAR
+            ]
         self._rest += sum(map(_what_is_left_out, self._near))
 
 
 class _Watched:
-    """State of a contact: geom; force, increment: references to its shear force [N] and shear increment [m]; half its
-    shear compliance [m/N]; before: shear force in the last step [N]; closed: in the last step."""
+    """State of a contact: geom; force, increment: references to its shear force [N] and shear
+    increment [m]; half its shear compliance [m/N]; before: shear force in the last step [N];
+    closed: in the last step."""
 
     __slots__ = "before", "closed", "force", "geom", "half_compliance", "increment"
 
     def __init__(self, geom, force, increment, half_compliance):
-        self.geom, self.force, self.increment, self.half_compliance = geom, force, increment, half_compliance
+        self.geom, self.force, self.increment, self.half_compliance = (
+            geom,
+            force,
+            increment,
+            half_compliance,
+        )
         self.before, self.closed = Vector3(force), True
 
 

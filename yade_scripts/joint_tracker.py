@@ -1,10 +1,11 @@
-"""State of joints that YADE's law does not store, computed at samples: inelastic opening, slip, offset, shear limit,
-friction work and fracture energy.
+"""State of joints that YADE's law does not store, computed at samples: inelastic opening, slip,
+offset, shear limit, friction work and fracture energy.
 
-Offset is the shear displacement of a failed joint less its elastic part, open or closed.  Slip is the part of it that
-accumulates while the contact is closed; it is constant while the contact is open, and over a sample in which it opens
-or closes.  A joint ends where its faces cease to overlap or, with new contacts, gape by twice the radius of a brick's
-corners at all of its contact points; it then keeps its state.
+Offset is the shear displacement of a failed joint less its elastic part, open or closed.  Slip is
+the part of it that accumulates while the contact is closed; it is constant while the contact is
+open, and over a sample in which it opens or closes.  A joint ends where its faces cease to overlap
+or, with new contacts, gape by twice the radius of a brick's corners at all of its contact points;
+it then keeps its state.
 """
 
 from dataclasses import fields
@@ -18,33 +19,45 @@ from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 
 FOLLOWED = {
     "friction",
-    "normal_stiffness", "shear_stiffness", "friction_angle", "tensile_strength", "cohesion", "mode_i_fracture_energy",
-    "mode_ii_fracture_energy", "compressive_strength", "compressive_fracture_energy"}
+    "normal_stiffness",
+    "shear_stiffness",
+    "friction_angle",
+    "tensile_strength",
+    "cohesion",
+    "mode_i_fracture_energy",
+    "mode_ii_fracture_energy",
+    "compressive_strength",
+    "compressive_fracture_energy",
+}
 """Fields of Joint and of the law's Material that walls in YADE follow."""
 _SLIDES = 1e-7  # [m], plastic slip between two samples from which the joint counts as sliding
 
 
 def check_law(joint):
-    """Raise InputError of a damage.wall.parameters.Joint with a number that YADE's joints do not follow: they would
-    have the law without it."""
+    """Raise InputError of a damage.wall.parameters.Joint with a number that YADE's joints do not
+    follow: they would have the law without it."""
     material = material_of(joint)
     defaults = type(material)._field_defaults
     given = [(one.name, getattr(joint, one.name), one.default) for one in fields(joint)]
     given += [(name, getattr(material, name), defaults.get(name)) for name in material._fields]
     for name, value, default in given:
         if name not in FOLLOWED and value != default:
-            raise InputError(f"joint law with {name} = {value!r}: expected {default!r}, as YADE's joints do not follow "
-                             "it; use the reference solver, python3 -m damage reference, or let yade_scripts follow it "
-                             "and name it in FOLLOWED of yade_scripts/joint_tracker.py (CONTRIBUTING.md)")
+            raise InputError(
+                f"joint law with {name} = {value!r}: expected {default!r}, as YADE's joints do not"
+                " follow it; use the reference solver, python3 -m damage reference, or let"
+                " yade_scripts follow it and name it in FOLLOWED of yade_scripts/joint_tracker.py"
+                " (CONTRIBUTING.md)"
+            )
 
 
 class JointTracker:
-    """State of all joints, arrays (n_joints,): friction of a failed one [-]; opening, slip, offset [m]; broken
-    (failed), at_limit, crushed, ended; dry: failed share of the area [-].  With parallel elements opening, slip and
-    offset are means by shares; broken and at_limit are those of the last element.
+    """State of all joints, arrays (n_joints,): friction of a failed one [-]; opening, slip, offset
+    [m]; broken (failed), at_limit, crushed, ended; dry: failed share of the area [-].  With
+    parallel elements opening, slip and offset are means by shares; broken and at_limit are those of
+    the last element.
 
-    friction_energy, fracture_energy: dissipated so far [J]; breaking_energy: part of the former by the failure of
-    parallel elements [J].
+    friction_energy, fracture_energy: dissipated so far [J]; breaking_energy: part of the former by
+    the failure of parallel elements [J].
     """
 
     def __init__(self, layout, threshold, new_contacts=False):
@@ -58,7 +71,9 @@ class JointTracker:
         self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
         self.dry = np.zeros(n)
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
-        self._slide = np.array(slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies))[:, :n]
+        self._slide = np.array(
+            slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies)
+        )[:, :n]
         self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
         sides = np.column_stack([contacts.first, contacts.second])[:n]
         _, joint, self._points = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
@@ -67,11 +82,16 @@ class JointTracker:
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
     def breaks(self, joint, kind, sigma, tau, share=1.0, last=True):
-        """Record the failure of a bond, or of a share of it, in "tension" or "shear" at stresses sigma, tau [Pa].
+        """Record the failure of a bond, or of a share of it, in "tension" or "shear" at stresses
+        sigma, tau [Pa].
 
         Tension is positive.  last: whether no intact share remains.
         """
-        kn, ks, area = self.normal_stiffness[joint], self.shear_stiffness[joint], self.area[joint] * share
+        kn, ks, area = (
+            self.normal_stiffness[joint],
+            self.shear_stiffness[joint],
+            self.area[joint] * share,
+        )
         self.broken[joint] |= last
         self.dry[joint] += share
         self._open[joint] = kind == "tension" or sigma > 0
@@ -84,11 +104,17 @@ class JointTracker:
         self.at_limit[joint] |= kind == "shear" and last
 
     def fibre_breaks(self, joint, kind, sigma, tau, share, last):
-        """Record the failure of a parallel element, as `breaks`; the dry part of the joint was sampled at this time.
+        """Record the failure of a parallel element, as `breaks`; the dry part of the joint was
+        sampled at this time.
 
-        The element slides at once until its stress is at the friction limit; then it and the dry part take their mean.
-        """
-        ks, area, dry, stress = self.shear_stiffness[joint], self.area[joint], self.dry[joint], self._stress[joint]
+        The element slides at once until its stress is at the friction limit; then it and the dry
+        part take their mean."""
+        ks, area, dry, stress = (
+            self.shear_stiffness[joint],
+            self.area[joint],
+            self.dry[joint],
+            self._stress[joint],
+        )
         self.breaks(joint, kind, sigma, tau, share, last)
         rubs = 0.0 if self._open[joint] else min(abs(tau), self._stress[joint])
         if not self._open[joint]:
@@ -113,8 +139,17 @@ class JointTracker:
 
     def contact_data(self):
         """{column of the history's FRAMES: (n_joints,)} at this time."""
-        return {"opening_m": self.opening, "slip_m": self.slip, "offset_m": self.offset,
-                "state": BROKEN * self.broken + AT_LIMIT * self.at_limit + CRUSHED * self.crushed + ENDED * self.ended}
+        return {
+            "opening_m": self.opening,
+            "slip_m": self.slip,
+            "offset_m": self.offset,
+            "state": (
+                BROKEN * self.broken
+                + AT_LIMIT * self.at_limit
+                + CRUSHED * self.crushed
+                + ENDED * self.ended
+            ),
+        }
 
     @property
     def followed(self):
@@ -124,8 +159,9 @@ class JointTracker:
     def sample(self, joints, opening, shear, tau, gap=None):
         """Update failed joints from a sample.
 
-        joints: indices (m,); opening, shear: displacements, (m,) [m]; tau: shear stress, (m,) [Pa]; gap: opening to
-        record where it differs from that of the contact, (m,) [m], or None.  Returns [(joint, "opened" | "slipped"),
+        joints: indices (m,); opening, shear: displacements, (m,) [m]; tau: shear stress, (m,) [Pa];
+        gap: opening to record where it differs from that of the contact, (m,) [m], or None.
+        Returns [(joint, "opened" | "slipped"),
         ...] where opening or slip exceeds the threshold for the first time.
         """
         is_open, area = opening > 0, self.area[joints] * self.dry[joints]
@@ -134,7 +170,8 @@ class JointTracker:
         increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
         mean_stress = (np.abs(tau) + np.abs(self._stress[joints])) / 2
         self.friction_energy += float(np.sum(mean_stress * np.abs(increment) * area))
-        # The elastic shear energy of a joint dissipates by friction as it opens, since its limit falls to zero.
+        # The elastic shear energy of a joint dissipates by friction as it opens, since its limit
+        # falls to zero.
         opens = is_open & ~self._open[joints]
         held = np.where(opens, self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints]), 0.0)
         self.friction_energy += float(np.sum(held * area))

@@ -1,4 +1,5 @@
-"""Run a script in YADE without its servers, and end the process with an exit status instead of a prompt."""
+"""Run a script in YADE without its servers, and end the process with an exit status instead of a
+prompt."""
 
 import os
 import shutil
@@ -13,8 +14,8 @@ from yade_scripts.servers import close_servers
 
 
 def run_and_leave(function):
-    """Close YADE's servers, call `function()` and end the process with the status that it returns (None is 0), or 1 if
-    it raises."""
+    """Close YADE's servers, call `function()` and end the process with the status that it returns
+    (None is 0), or 1 if it raises."""
     status = 1
     try:
         close_with_a_word()
@@ -36,12 +37,17 @@ def run_and_leave(function):
 def close_with_a_word():
     """Close YADE's servers, and say so."""
     if close_servers() and "--quiet" not in sys.argv:
-        print(f"YADE's servers listened on all network interfaces during the first {_age_s():.1f} s; they are "
-              f"closed. {Path(__file__).resolve().parents[1] / 'yade'} starts YADE without them", file=sys.stderr,
-              flush=True)
+        print(
+            f"YADE's servers listened on all network interfaces during the first {_age_s():.1f} s;"
+            f" they are closed. {Path(__file__).resolve().parents[1] / 'yade'} starts YADE without"
+            " them",
+            file=sys.stderr,
+            flush=True,
+        )
 
 
 def _age_s():
     """Age of this process [s]."""
-    started = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])  # [ticks since the system's boot]
+    # [ticks since the system's boot]
+    started = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
     return time.clock_gettime(time.CLOCK_BOOTTIME) - started / os.sysconf("SC_CLK_TCK")

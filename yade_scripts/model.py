@@ -1,16 +1,19 @@
-"""A wall in YADE: rigid clumps, a bond for each contact point, and a dry contact once it has failed.
+"""A wall in YADE: rigid clumps, a bond for each contact point, and a dry contact once it has
+failed.
 
-A bond joins two massless members that lie symmetrically on either side of the contact point, on the joint's normal.
-Its law is YADE's JCFpm (Scholtès & Donzé 2012, doi:10.1016/j.ijrmms.2012.03.011) without smooth joints, with the
-stiffness, strength and area of the joint.  While it is intact, its shear displacement is elastic, micrometres over the
-75 mm between the members, so that the line between them is the normal of the face.
+A bond joins two massless members that lie symmetrically on either side of the contact point, on the
+joint's normal. Its law is YADE's JCFpm (Scholtès & Donzé 2012, doi:10.1016/j.ijrmms.2012.03.011)
+without smooth joints, with the stiffness, strength and area of the joint.  While it is intact, its
+shear displacement is elastic, micrometres over the 75 mm between the members, so that the line
+between them is the normal of the face.
 
-A failed bond is replaced by a tip and a face: a sphere of 0.5 mm that touches the contact point from inside one brick,
-and the box of the other, with YADE's law of friction (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on both
-bricks in the same point.  The normal is that of the face.  It rotates with its brick, and does not change as the joint
-slides; the tip moves round a corner where it leaves the face.  The face belongs to either brick alternately along a
-joint.  A softening bond has intact and failed parallel elements (`bundles`).  Crushing moves the rest position of a
-bond, or reduces the radius of a tip (`crushing`).
+A failed bond is replaced by a tip and a face: a sphere of 0.5 mm that touches the contact point
+from inside one brick, and the box of the other, with YADE's law of friction
+(Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on both bricks in the same point.  The
+normal is that of the face.  It rotates with its brick, and does not change as the joint slides; the
+tip moves round a corner where it leaves the face.  The face belongs to either brick alternately
+along a joint.  A softening bond has intact and failed parallel elements (`bundles`).  Crushing
+moves the rest position of a bond, or reduces the radius of a tip (`crushing`).
 """
 
 from collections import Counter
@@ -29,15 +32,18 @@ from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
-LEAST_STRENGTH = 1e-6  # [N], of joints without tensile strength: YADE's law takes zero for one that it need not check
+# [N], of joints without tensile strength: YADE's law takes zero for one that it need not check
+LEAST_STRENGTH = 1e-6
 TIP = 5e-4  # [m], radius: beyond this depth, at 33 MPa, a tip would be assigned to another face
-_DEEP = 1.5  # [-], least radius of a tip over the depth at which its joint crushes, below which it is replaced
+# [-], least radius of a tip over the depth at which its joint crushes, below which it is replaced
+_DEEP = 1.5
 _POINT = 1e-3  # [m], radius of bond members, without effect
 _CORNER = 1e-3  # [m], radius of the spheres in the corners, the contacts of loose bricks
 _ON_SOIL = 4.0  # [-], largest depth of a tip on soil over the mean static one
 _INSET = 5e-4  # [m], their distance from the faces, so that they do not touch while joints hold
 _CRUSHED_INSET = 5e-3  # [m], the same where joints can crush, which brings bricks closer
-_MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has its tip on that brick
+# [m], a contact point closer to the end of a face than this has its tip on that brick
+_MARGIN = 1e-2
 _REACH = 3e-2  # [m], extension of a face where the contact point lies at the ends of both faces
 _COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
 _COLLISION_SHEAR = 0.4  # [-], shear stiffness over the normal
@@ -47,54 +53,72 @@ _SEEN, _FACE = 1, 2  # bits of masks: seen by the collider; faces do not collide
 
 
 class YadeWall:
-    """A wall in YADE, initially at rest, unloaded and intact; arrays are in the order of the layout.
+    """A wall in YADE, initially at rest, unloaded and intact; arrays are in the order of the
+    layout.
 
-    clumps: body ids (n_bodies,); members: [ids of the members that have contacts] of each clump; bonds: YADE
-    interactions (n_contacts,); geometries, physics: their geom and phys, which outlast them; signs: +1 where YADE's
-    second body is the layout's second (n_contacts,); ground: [ids of the bodies] of each support, whose motion is
-    prescribed; bonded: whether the interaction is still the bond (n_contacts,); frayed: {joint: dry contact beside a
-    partly failed bond}; closure: plastic closure of contact points (n_joints,) [m]; turning: states with the rotations
-    of the bodies; tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id} of the boxes; work:
-    FrictionWork; handed: +1 where a positive shear follows the tangent, the normal rotated by a right angle, else -1
-    (n_contacts,).
+    clumps: body ids (n_bodies,); members: [ids of the members that have contacts] of each clump;
+    bonds: YADE interactions (n_contacts,); geometries, physics: their geom and phys, which outlast
+    them; signs: +1 where YADE's second body is the layout's second (n_contacts,); ground: [ids of
+    the bodies] of each support, whose motion is prescribed; bonded: whether the interaction is
+    still the bond (n_contacts,); frayed: {joint: dry contact beside a partly failed bond}; closure:
+    plastic closure of contact points (n_joints,) [m]; turning: states with the rotations of the
+    bodies; tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id} of the
+    boxes; work: FrictionWork; handed: +1 where a positive shear follows the tangent, the normal
+    rotated by a right angle, else -1 (n_contacts,).
     """
 
     def __init__(self, layout, parts, bonds, newton, law, work, corner_depth):
         self.layout, self.bonds, self.newton, self.law = layout, bonds, newton, law
         self.geometries, self.physics = [bond.geom for bond in bonds], [bond.phys for bond in bonds]
         self.clumps, self.members, self.ground = parts.clumps, parts.members, parts.ground
-        self.signs = np.array([1.0 if bond.id2 == second else -1.0
-                               for bond, (_, second) in zip(bonds, parts.ends)])
+        self.signs = np.array(
+            [1.0 if bond.id2 == second else -1.0 for bond, (_, second) in zip(bonds, parts.ends)]
+        )
         self.bonded, self.frayed = np.ones(len(bonds), dtype=bool), {}
         self.tips, self.faces = parts.tips, parts.faces
-        self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
+        self.turning = [
+            O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))
+        ]
         material = material_of(layout.wall.joint)
-        intact, self._kept = friction_left(False, material), 1.0  # share of its friction that a bond leaves
+        # share of its friction that a bond leaves
+        intact, self._kept = friction_left(False, material), 1.0
         if intact:
             self._kept = friction_left(True, material) / intact
         self._material, self.work = parts.tip, work
-        # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
+        # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the
+        # other way round.
         self.handed = np.where(layout.contacts.upright, -1.0, 1.0)
         contacts, n = layout.contacts, layout.n_joints
-        # Depth at which contact points crush, or to which soil gives way, else none [m]; {joint: its tip's id}.
-        self._depth = np.where(np.isinf(contacts.compressive_strength), 0.0,
-                               contacts.compressive_strength / contacts.normal_stiffness)[:n]
+        # Depth at which contact points crush, or to which soil gives way, else none [m]; {joint:
+        # its tip's id}.
+        self._depth = np.where(
+            np.isinf(contacts.compressive_strength),
+            0.0,
+            contacts.compressive_strength / contacts.normal_stiffness,
+        )[:n]
         if layout.options.soil != "rigid":
             base = contacts.first[:n] < 0
             stiffness = np.sum((contacts.normal_stiffness * contacts.area)[:n][base])
             self._depth[base] += _ON_SOIL * layout.total_mass * GRAVITY / stiffness
         self.closure, self._tip_of = np.zeros(n), {}
         inset = _CRUSHED_INSET if self._depth.any() else _INSET
-        self._corner_depth = max(corner_depth, inset)  # of the faces' overlap [m], from which corners touch
+        # of the faces' overlap [m], from which corners touch
+        self._corner_depth = max(corner_depth, inset)
         self.corners = set()  # ids of the spheres in the bricks' corners
 
     def friction_of(self, joint):
-        """Coefficient of friction of a dry joint, or of the one that a bond leaves, which a script may have set."""
+        """Coefficient of friction of a dry joint, or of the one that a bond leaves, which a script
+        may have set."""
         phys = self.physics[joint]
-        return phys.tanFrictionAngle * self._kept if self.bonded[joint] else phys.tangensOfFrictionAngle
+        return (
+            phys.tanFrictionAngle * self._kept
+            if self.bonded[joint]
+            else phys.tangensOfFrictionAngle
+        )
 
     def loosen(self, joint):
-        """Replace a failed bond by a tip on a face, with the shear force of the bond after its failure."""
+        """Replace a failed bond by a tip on a face, with the shear force of the bond after its
+        failure."""
         bond, tip = self.bonds[joint], self.tips[joint]
         sign = 1.0 if tip.is_second else -1.0
         shear = self.signs[joint] * sign * bond.phys.shearForce
@@ -103,7 +127,10 @@ class YadeWall:
         contact = self._touch(joint, *stiffness)
         contact.phys.shearForce = shear
         self._put(joint, contact)
-        self.work.add(contact, self.friction_of(joint) * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
+        self.work.add(
+            contact,
+            self.friction_of(joint) * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0),
+        )
 
     def fray(self, joint):
         """Add a dry contact without stiffness beside a bond, for its failed parallel elements."""
@@ -117,7 +144,11 @@ class YadeWall:
 
     def _put(self, joint, contact):
         """Have a dry contact stand in place of a bond, or of a dry contact."""
-        self.bonds[joint], self.geometries[joint], self.physics[joint] = contact, contact.geom, contact.phys
+        self.bonds[joint], self.geometries[joint], self.physics[joint] = (
+            contact,
+            contact.geom,
+            contact.phys,
+        )
         self.bonded[joint], self.signs[joint] = False, 1.0 if self.tips[joint].is_second else -1.0
 
     def crush(self, joint, more):
@@ -136,7 +167,8 @@ class YadeWall:
             self._exchange(joint)
 
     def end(self, joint):
-        """Remove the contact of a joint whose faces no longer overlap; its elastic energy dissipates."""
+        """Remove the contact of a joint whose faces no longer overlap; its elastic energy
+        dissipates."""
         contact, phys = self.bonds[joint], self.physics[joint]
         depth = max(self.geometries[joint].penetrationDepth, 0.0)
         self.work.end(contact, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
@@ -146,7 +178,8 @@ class YadeWall:
         phys.normalForce = phys.shearForce = Vector3.Zero
 
     def contacts_of(self, joint):
-        """Interactions of a joint: the bond, or the dry contact that replaced it; of one that failed in part both."""
+        """Interactions of a joint: the bond, or the dry contact that replaced it; of one that
+        failed in part both."""
         dry = self.frayed.get(joint)
         return [self.bonds[joint]] if dry is None else [self.bonds[joint], dry]
 
@@ -156,7 +189,11 @@ class YadeWall:
         stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
         self.work.forget(old)
         worn = self._tip_of[joint]
-        force, torque, there = O.forces.f(worn, True), O.forces.t(worn, True), Vector3(O.bodies[worn].state.pos)
+        force, torque, there = (
+            O.forces.f(worn, True),
+            O.forces.t(worn, True),
+            Vector3(O.bodies[worn].state.pos),
+        )
         self.members[self.tips[joint].body].remove(worn)
         O.bodies.erase(worn)  # else it would touch the face again
         contact = self._touch(joint, *stiffness)
@@ -171,11 +208,12 @@ class YadeWall:
         self.work.renew(contact)
 
     def _touch(self, joint, normal_stiffness, shear_stiffness):
-        """Create the tip of a joint, moved by its plastic closure, and return its contact with the face."""
+        """Create the tip of a joint, moved by its plastic closure, and return its contact with the
+        face."""
         tip, radius = self.tips[joint], max(TIP, 2 * _DEEP * self._depth[joint])
         inwards = radius + self.closure[joint]
         place = tip.x + inwards * tip.inwards[0], tip.z + inwards * tip.inwards[1]
-        point, = self._attach(tip.body, [_ball(place, radius, self._material)])
+        (point,) = self._attach(tip.body, [_ball(place, radius, self._material)])
         self._tip_of[joint] = point
         contact = utils.createInteraction(self.faces[tip.face], point)
         contact.phys.kn, contact.phys.ks = normal_stiffness, shear_stiffness
@@ -185,31 +223,46 @@ class YadeWall:
     def arm(self):
         """Enable collisions of all bricks with each other and with the ground from now on.
 
-        They are contacts of spheres in the corners of all bricks and top masses with faces and with each other.
+        They are contacts of spheres in the corners of all bricks and top masses with faces and with
+        each other.
         """
         if self.corners:
             return
         bodies, inset = self.layout.bodies, _CORNER + self._corner_depth
         for body in range(len(bodies)):
             half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
-            balls = [_ball((bodies.x[body] + right * half[0], bodies.z[body] + up * half[1]), _CORNER, self._material)
-                     for right in (-1, 1) for up in (-1, 1)]
+            balls = [
+                _ball(
+                    (bodies.x[body] + right * half[0], bodies.z[body] + up * half[1]),
+                    _CORNER,
+                    self._material,
+                )
+                for right in (-1, 1)
+                for up in (-1, 1)
+            ]
             for ball in balls:
                 ball.bounded, ball.mask = True, _SEEN
             self.corners.update(self._attach(body, balls))
 
     def damp_impacts(self):
-        """Give all collisions dashpots from now on; the shear forces of those that exist begin from zero."""
+        """Give all collisions dashpots from now on; the shear forces of those that exist begin from
+        zero."""
         self.arm()
-        soft = O.materials[O.materials.append(yade.FrictViscoMat(density=0.0, betan=_IMPACT_DAMPING, **_collision(
-            self.layout.wall.joint)))]
+        soft = O.materials[
+            O.materials.append(
+                yade.FrictViscoMat(
+                    density=0.0, betan=_IMPACT_DAMPING, **_collision(self.layout.wall.joint)
+                )
+            )
+        ]
         for contact in self.collisions():
             O.interactions.erase(contact.id1, contact.id2)
         for members, mass in zip(self.members, self.layout.bodies.mass):
             for part in (O.bodies[member] for member in members):
                 if part.id in self.corners:
                     part.mat = soft
-                if part.bounded:  # YADE takes the critical damping from the masses of the two members
+                # YADE takes the critical damping from the masses of the two members
+                if part.bounded:
                     part.state.mass = mass
 
     def tidy(self):
@@ -219,18 +272,28 @@ class YadeWall:
                 O.interactions.erase(contact.id1, contact.id2)
         for joint in np.flatnonzero(~self.bonded):
             contact = self.bonds[joint]
-            # A face that extends beyond its brick must not be touched by a tip that returns another way.
-            if self.tips[joint].face[1] != "box" and contact.isReal and contact.geom.penetrationDepth < -_REACH / 10:
+            # A face that extends beyond its brick must not be touched by a tip that returns another
+            # way.
+            if (
+                self.tips[joint].face[1] != "box"
+                and contact.isReal
+                and contact.geom.penetrationDepth < -_REACH / 10
+            ):
                 O.interactions.erase(contact.id1, contact.id2)
 
     def collisions(self):
         """YADE's interactions between loose bricks, also those that only begin or are over."""
         if not self.corners:
             return []
-        return [i for i in O.interactions if i.isReal and (i.id1 in self.corners or i.id2 in self.corners)]
+        return [
+            i
+            for i in O.interactions
+            if i.isReal and (i.id1 in self.corners or i.id2 in self.corners)
+        ]
 
     def _attach(self, body, parts):
-        """Add parts, with positions in the undeformed wall, to a brick at its present position; returns their ids."""
+        """Add parts, with positions in the undeformed wall, to a brick at its present position;
+        returns their ids."""
         bodies, brick = self.layout.bodies, self.turning[body]
         start = Vector3(bodies.x[body], 0, bodies.z[body])
         for part in parts:
@@ -240,7 +303,8 @@ class YadeWall:
         state = O.bodies[self.clumps[body]].state
         velocities = Vector3(state.vel), Vector3(state.angVel)
         O.bodies.addToClump(ids, self.clumps[body])
-        # YADE has stopped the clump and recomputed mass and axes; axes do not matter where all inertias are equal.
+        # YADE has stopped the clump and recomputed mass and axes; axes do not matter where all
+        # inertias are equal.
         state.vel, state.angVel = velocities
         state.mass, state.inertia = bodies.mass[body], Vector3(1, 1, 1) * bodies.inertia[body]
         self.members[body] += ids
@@ -249,8 +313,9 @@ class YadeWall:
 
 @dataclass(frozen=True)
 class _Tip:
-    """Tip of a contact point: its position x, z in the undeformed wall [m]; inwards: unit vector from there into the
-    body of the tip; is_second: whether that is the layout's second body; face: (body, kind) of the other side."""
+    """Tip of a contact point: its position x, z in the undeformed wall [m]; inwards: unit vector
+    from there into the body of the tip; is_second: whether that is the layout's second body; face:
+    (body, kind) of the other side."""
 
     x: float
     z: float
@@ -261,11 +326,16 @@ class _Tip:
 
 
 def _collision(joint):
-    """{parameter: value} of the materials of loose bricks' contacts; joint: damage.wall.parameters.Joint.
+    """{parameter: value} of the materials of loose bricks' contacts; joint:
+    damage.wall.parameters.Joint.
 
     YADE gives a contact of radius R and modulus E the stiffness E R.
     """
-    return {"young": _COLLISION / _CORNER, "poisson": _COLLISION_SHEAR, "frictionAngle": joint.friction_angle}
+    return {
+        "young": _COLLISION / _CORNER,
+        "poisson": _COLLISION_SHEAR,
+        "frictionAngle": joint.friction_angle,
+    }
 
 
 def _ball(place, radius, material):
@@ -276,7 +346,8 @@ def _ball(place, radius, material):
 
 
 def _ease(contact, closure):
-    """Reduce the force of a contact on both bodies by its increment of plastic closure [m], before the bodies move."""
+    """Reduce the force of a contact on both bodies by its increment of plastic closure [m], before
+    the bodies move."""
     geom, force = contact.geom, contact.phys.kn * closure * contact.geom.normal
     contact.phys.normalForce -= force
     for body, on_it in ((contact.id1, force), (contact.id2, -force)):
@@ -287,26 +358,36 @@ def _ease(contact, closure):
 def build(layout, dt, corner_depth=0.0):
     """Build a wall in YADE's scene, which is cleared; returns a YadeWall.
 
-    dt: time step [s]; corner_depth: overlap with a face from which a loose brick's corner touches it [m], at least that
-    of YadeWall.
+    dt: time step [s]; corner_depth: overlap with a face from which a loose brick's corner touches
+    it [m], at least that of YadeWall.
     """
     O.reset()
     O.dt = dt
     ig2 = yade.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False)
     bonding = yade.Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(cohesiveTresholdIteration=1)
-    law = yade.Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM(neverErase=True, smoothJoint=False,
-                                                                 label="jointLaw")
-    friction = yade.Law2_ScGeom_FrictPhys_CundallStrack(neverErase=True, sphericalBodies=False,
-                                                        traceEnergy=True)
+    law = yade.Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM(
+        neverErase=True, smoothJoint=False, label="jointLaw"
+    )
+    friction = yade.Law2_ScGeom_FrictPhys_CundallStrack(
+        neverErase=True, sphericalBodies=False, traceEnergy=True
+    )
     newton = yade.NewtonIntegrator(damping=0.0, gravity=(0, 0, 0), label="newton")
-    collider = yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), yade.Bo1_Box_Aabb()], verletDist=1e-4,
-                                          avoidSelfInteractionMask=_FACE)
+    collider = yade.InsertionSortCollider(
+        [yade.Bo1_Sphere_Aabb(), yade.Bo1_Box_Aabb()],
+        verletDist=1e-4,
+        avoidSelfInteractionMask=_FACE,
+    )
     damped = yade.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco(sphericalBodies=False)
-    loop = yade.InteractionLoop([ig2, yade.Ig2_Box_Sphere_ScGeom()],
-                                [bonding, yade.Ip2_FrictMat_FrictMat_FrictPhys(),
-                                 yade.Ip2_FrictMat_FrictViscoMat_FrictViscoPhys(),
-                                 yade.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys()],
-                                [law, friction, damped])
+    loop = yade.InteractionLoop(
+        [ig2, yade.Ig2_Box_Sphere_ScGeom()],
+        [
+            bonding,
+            yade.Ip2_FrictMat_FrictMat_FrictPhys(),
+            yade.Ip2_FrictMat_FrictViscoMat_FrictViscoPhys(),
+            yade.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(),
+        ],
+        [law, friction, damped],
+    )
     O.engines = [yade.ForceResetter(), collider, loop, newton]
     parts = _Parts(layout)
     bonds = list(starmap(utils.createInteraction, parts.ends))
@@ -324,13 +405,16 @@ def _set_bond(phys, layout, index):
     phys.crossSection = area
     phys.kn = float(contacts.normal_stiffness[index]) * area
     phys.ks = float(contacts.shear_stiffness[index]) * area
-    phys.FnMax = min(UNBREAKABLE, max(LEAST_STRENGTH, float(contacts.tensile_strength[index]) * area))
+    phys.FnMax = min(
+        UNBREAKABLE, max(LEAST_STRENGTH, float(contacts.tensile_strength[index]) * area)
+    )
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
     phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
 
 
 def _set_clump(state, mass, inertia, held):
-    """Set mass and inertia of a clump, and restrict it to motion in the plane, and where restraints hold it.
+    """Set mass and inertia of a clump, and restrict it to motion in the plane, and where restraints
+    hold it.
 
     All three inertias are I_yy, since YADE permutes the axes of a clump.
     """
@@ -342,7 +426,8 @@ def _set_clump(state, mass, inertia, held):
 
 
 def _brick_color(layout, body):
-    """Colour (red, green, blue) [-]: bricks alternate, so that neighbours differ; top masses are grey."""
+    """Colour (red, green, blue) [-]: bricks alternate, so that neighbours differ; top masses are
+    grey."""
     colors = ((0.75, 0.42, 0.32), (0.66, 0.35, 0.27), (0.82, 0.50, 0.38))
     return colors[body % len(colors)] if layout.bodies.course[body] >= 0 else (0.6, 0.6, 0.6)
 
@@ -350,8 +435,10 @@ def _brick_color(layout, body):
 class _Parts:
     """Bodies of a wall in YADE's scene, added by the constructor.
 
-    clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins (n_contacts, 2);
-    tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id} of the boxes; tip: material.
+    clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins
+    (n_contacts, 2);
+    tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id} of the boxes; tip:
+    material.
     """
 
     def __init__(self, layout):
@@ -369,17 +456,26 @@ class _Parts:
     def _add_materials(self):
         brick, joint = self.layout.wall.brick, self.layout.wall.joint
         common = _collision(joint)
-        materials = (yade.FrictMat(density=brick.density, label="brick", **common),
-                     yade.FrictMat(density=0.0, label="tip", **common),
-                     yade.JCFpmMat(density=0.0, young=1e9, poisson=0.3, frictionAngle=joint.friction_angle,
-                                   label="bond"))
-        self._solid, self.tip, self._bond = (O.materials[O.materials.append(one)] for one in materials)
+        materials = (
+            yade.FrictMat(density=brick.density, label="brick", **common),
+            yade.FrictMat(density=0.0, label="tip", **common),
+            yade.JCFpmMat(
+                density=0.0,
+                young=1e9,
+                poisson=0.3,
+                frictionAngle=joint.friction_angle,
+                label="bond",
+            ),
+        )
+        self._solid, self.tip, self._bond = (
+            O.materials[O.materials.append(one)] for one in materials
+        )
 
     def _plan_points(self):
         """Bond members of each body, the supports last: {(x, z, number): [(contact, side), ...]}.
 
-        A bond has two members on the normal of the joint, at equal distances from it; bonds share coincident members.
-        """
+        A bond has two members on the normal of the joint, at equal distances from it; bonds share
+        coincident members."""
         contacts, cells = self.layout.contacts, self.layout.cells
         width = cells.right - cells.left
         n_bodies = len(self.layout.bodies)
@@ -387,11 +483,15 @@ class _Parts:
         ends = np.column_stack([rows(contacts.first, n_bodies), contacts.second])
         for index in range(len(contacts)):
             x, z = contacts.x[index], contacts.z[index]
-            # At corners two overlaps may end in one point; YADE allows one bond between two members.
+            # At corners two overlaps may end in one point; YADE allows one bond between two
+            # members.
             twin = contacts.first[index], contacts.second[index], round(x, 7), round(z, 7)
             alike[twin] += 1
             if contacts.upright[index]:
-                dx, dz = min(width[contacts.first_cell[index]], width[contacts.second_cell[index]]) / 2, 0.0
+                dx, dz = (
+                    min(width[contacts.first_cell[index]], width[contacts.second_cell[index]]) / 2,
+                    0.0,
+                )
             else:
                 dx, dz = 0.0, self.layout.wall.brick.height / 2
             for side, body in enumerate(ends[index]):
@@ -411,7 +511,9 @@ class _Parts:
                 self.ends[index][side] = identity
 
     def _box(self, centre, extents, color, seen=True):
-        box = utils.box(centre, extents, material=self._solid if seen else self.tip, color=color, wire=not seen)
+        box = utils.box(
+            centre, extents, material=self._solid if seen else self.tip, color=color, wire=not seen
+        )
         box.bounded = seen
         box.mask = _SEEN | _FACE
         return box
@@ -421,25 +523,41 @@ class _Parts:
         centre = float(bodies.x[body]), 0.0, float(bodies.z[body])
         half = float(bodies.length[body]) / 2, thickness / 2, float(bodies.height[body]) / 2
         color = _brick_color(self.layout, body)
-        kinds = ["box", *sorted({tip.face[1] for tip in self.tips.values() if tip.face[0] == body} - {"box"})]
+        kinds = [
+            "box",
+            *sorted({tip.face[1] for tip in self.tips.values() if tip.face[0] == body} - {"box"}),
+        ]
         reach = {"box": (0, 0, 0), "bed": (_REACH, 0, 0), "head": (0, 0, _REACH)}
-        boxes = [self._box(centre, np.add(half, reach[kind]), color, seen=kind == "box") for kind in kinds]
+        boxes = [
+            self._box(centre, np.add(half, reach[kind]), color, seen=kind == "box")
+            for kind in kinds
+        ]
         points = self._add_points(body)
         looks = [brick_shape(centre, half, self.tip, color)] if HAS_POLYHEDRA else []
         clump, ids = O.bodies.appendClumped([*boxes, *points, *looks])
         self.faces.update({(body, kind): identity for kind, identity in zip(kinds, ids)})
-        self._note(body, ids[len(boxes):])
+        self._note(body, ids[len(boxes) :])
         self.clumps.append(clump)
-        self.members.append(list(ids[:len(boxes) + len(points)]))
-        _set_clump(O.bodies[clump].state, bodies.mass[body], bodies.inertia[body], self.layout.held[body])
+        self.members.append(list(ids[: len(boxes) + len(points)]))
+        _set_clump(
+            O.bodies[clump].state, bodies.mass[body], bodies.inertia[body], self.layout.held[body]
+        )
 
     def _add_support(self, support):
-        """Add a support: a box of the height of a brick, up to halfway to its neighbours, or beyond the wall."""
+        """Add a support: a box of the height of a brick, up to halfway to its neighbours, or beyond
+        the wall."""
         brick, all_of = self.layout.wall.brick, self.layout.supports
-        edges = [all_of.left[0] - _GROUND, *((all_of.right[:-1] + all_of.left[1:]) / 2), all_of.right[-1] + _GROUND]
+        edges = [
+            all_of.left[0] - _GROUND,
+            *((all_of.right[:-1] + all_of.left[1:]) / 2),
+            all_of.right[-1] + _GROUND,
+        ]
         left, right, row = edges[support], edges[support + 1], len(self.layout.bodies) + support
-        box = self._box(((left + right) / 2, 0, -brick.height / 2),
-                        ((right - left) / 2, brick.thickness / 2, brick.height / 2), (0.4, 0.4, 0.4))
+        box = self._box(
+            ((left + right) / 2, 0, -brick.height / 2),
+            ((right - left) / 2, brick.thickness / 2, brick.height / 2),
+            (0.4, 0.4, 0.4),
+        )
         parts = [box, *self._add_points(row)]
         for part in parts:
             part.state.blockedDOFs = "xyzXYZ"
@@ -465,8 +583,14 @@ def _tips(layout):
         head = contacts.upright[index]
         kind = "box" if max(margins) > _MARGIN else "head" if head else "bed"
         inwards = 1.0 if side else -1.0
-        found[index] = _Tip(float(contacts.x[index]), float(contacts.z[index]), (inwards * head, inwards * (not head)),
-                            bodies[side], bool(side), (bodies[1 - side], kind))
+        found[index] = _Tip(
+            float(contacts.x[index]),
+            float(contacts.z[index]),
+            (inwards * head, inwards * (not head)),
+            bodies[side],
+            bool(side),
+            (bodies[1 - side], kind),
+        )
     return found
 
 

@@ -1,4 +1,5 @@
-"""The scene of a wall, open to scripts and to YADE's prompt: joints by place, stages, engines beside its own."""
+"""The scene of a wall, open to scripts and to YADE's prompt: joints by place, stages, engines
+beside its own."""
 
 import io
 import signal
@@ -21,7 +22,13 @@ from damage.run.session import attended, prepare, simulate
 from damage.run.turns import take_turns
 from damage.wall.kinds import KINDS
 
-_OWN = (yade.ForceResetter, yade.Collider, yade.InteractionLoop, yade.TimeStepper, yade.NewtonIntegrator)
+_OWN = (
+    yade.ForceResetter,
+    yade.Collider,
+    yade.InteractionLoop,
+    yade.TimeStepper,
+    yade.NewtonIntegrator,
+)
 """Engines that a wall has by itself, as every new scene of YADE's; the time step is the run's."""
 _PROMPT = """{wall} {stage} the run, stage {run_stage}, {time:.3f} s.  At hand: {names}.
 scene.joint_at(x, z), scene.force(joint), O.interactions, ...; exit ends the prompt{then}."""
@@ -30,9 +37,10 @@ scene.joint_at(x, z), scene.force(joint), O.interactions, ...; exit ends the pro
 class Scene:
     """A wall in YADE's scene.
 
-    layout: damage.wall.layout.Layout; solver: yade_scripts.solver.YadeSolver, with `solver.model` (clumps, members,
-    bonds: YADE's bodies and interactions in the layout's order); run: damage.run.run.Run, None before there is one;
-    console: when YADE's prompt comes, "before" or "after" the run, or None.
+    layout: damage.wall.layout.Layout; solver: yade_scripts.solver.YadeSolver, with `solver.model`
+    (clumps, members, bonds: YADE's bodies and interactions in the layout's order); run:
+    damage.run.run.Run, None before there is one; console: when YADE's prompt comes, "before" or
+    "after" the run, or None.
     """
 
     current = None
@@ -44,7 +52,10 @@ class Scene:
         Scene.current = self
 
     def __repr__(self):
-        return f"<Scene {self.wall.name}: {len(self.layout.bodies)} bodies, {self.layout.n_joints} contact points>"
+        return (
+            f"<Scene {self.wall.name}: {len(self.layout.bodies)} bodies, {self.layout.n_joints}"
+            " contact points>"
+        )
 
     @property
     def wall(self):
@@ -53,7 +64,8 @@ class Scene:
 
     @property
     def joints(self):
-        """DataFrame, a row a contact point, as `history.joints`: bodies, place, length, stiffnesses, strengths."""
+        """DataFrame, a row a contact point, as `history.joints`: bodies, place, length,
+        stiffnesses, strengths."""
         columns = layout_tables(self.layout)
         table = pd.DataFrame({name: columns[f"joints/{name}"] for name in JOINTS})
         return table.assign(kind=np.array(KINDS)[table["kind"]])
@@ -64,48 +76,58 @@ class Scene:
         return read_history(self.run.writer.path)
 
     def joint_at(self, x, z, kind=None):
-        """Number of the contact point nearest to a place in the undeformed wall [m]; kind: one of KINDS, as "bed" and
-        "head", or None for any."""
+        """Number of the contact point nearest to a place in the undeformed wall [m]; kind: one of
+        KINDS, as "bed" and "head", or None for any."""
         joints = self.joints
         if kind is not None and kind not in set(joints["kind"]):
-            raise InputError(f"joint_at(kind={kind!r}): expected one of {', '.join(sorted(set(joints['kind'])))}; "
-                             "correct it")
+            raise InputError(
+                f"joint_at(kind={kind!r}): expected one of"
+                f" {', '.join(sorted(set(joints['kind'])))}; correct it"
+            )
         away = np.hypot(joints["x_m"] - x, joints["z_m"] - z)
         return int((away if kind is None else away[joints["kind"] == kind]).idxmin())
 
     def interactions(self, joint):
-        """YADE's interactions of a contact point now: the bond, or the dry contact that replaced it; of one that has
-        failed in part both."""
+        """YADE's interactions of a contact point now: the bond, or the dry contact that replaced
+        it; of one that has failed in part both."""
         self._check_joint(joint)
         return self.solver.model.contacts_of(joint)
 
     def force(self, joint):
-        """Normal force of a contact point, tension positive, and shear force, signed as its slip, both along the
-        present joint [N]."""
+        """Normal force of a contact point, tension positive, and shear force, signed as its slip,
+        both along the present joint [N]."""
         self._check_joint(joint)
         return self.solver.scene.force_of(joint)
 
     def _check_joint(self, joint):
         if not 0 <= joint < self.layout.n_joints:
-            raise InputError(f"contact point {joint}: expected a row of scene.joints, 0 to {self.layout.n_joints - 1}; "
-                             "scene.joint_at(x, z) finds one")
+            raise InputError(
+                f"contact point {joint}: expected a row of scene.joints, 0 to"
+                f" {self.layout.n_joints - 1}; scene.joint_at(x, z) finds one"
+            )
 
     def settle(self):
-        """Take the wall to rest under its weight and precompression, the static stage; returns this Scene."""
+        """Take the wall to rest under its weight and precompression, the static stage; returns this
+        Scene."""
         prepared = self._asked("settle")
-        self.run = Run(self.layout, prepared.settings, self.solver, prepared.writer, lambda run, time_s: True)
+        self.run = Run(
+            self.layout, prepared.settings, self.solver, prepared.writer, lambda run, time_s: True
+        )
         with redirect_stdout(io.StringIO()):
             take_turns([self.run.settle_under_gravity()])
         self._settled = True
         return self
 
     def finish(self):
-        """The whole run that the options ask for, after `settle` what is left of it; returns its History."""
+        """The whole run that the options ask for, after `settle` what is left of it; returns its
+        History."""
         prepared = self._asked("finish")
         self._finished = True
         backend = replace(prepared.backend, make=lambda *_: self.solver, begins=self._begins)
         with redirect_stdout(io.StringIO()), attended(self.wall.name, quiet=True) as keep_going:
-            take_turns([simulate(replace(prepared, backend=backend), keep_going, _AtRest(self._settled))])
+            take_turns(
+                [simulate(replace(prepared, backend=backend), keep_going, _AtRest(self._settled))]
+            )
         return prepared.writer.history()
 
     def _begins(self, run):
@@ -113,7 +135,9 @@ class Scene:
 
     def _asked(self, what):
         if self._prepared is None or self._finished:
-            raise RunError(f"scene.{what}(): expected a scene of open_scene that has not run; open it anew")
+            raise RunError(
+                f"scene.{what}(): expected a scene of open_scene that has not run; open it anew"
+            )
         return self._prepared
 
 
@@ -131,10 +155,16 @@ class _AtRest:
 
 
 def open_scene(backend, settings, wall_file, wall):
-    """The Scene of a damage.Wall as these settings build it, weightless and intact; arguments: as of `prepare`."""
+    """The Scene of a damage.Wall as these settings build it, weightless and intact; arguments: as
+    of `prepare`."""
     with redirect_stdout(io.StringIO()):
-        prepared = prepare(backend, wall_file, lambda: wall, settings, HistoryInMemory if settings.out is None else
-                           HistoryWriter)
+        prepared = prepare(
+            backend,
+            wall_file,
+            lambda: wall,
+            settings,
+            HistoryInMemory if settings.out is None else HistoryWriter,
+        )
         backend.make(prepared.layout, prepared.time_step, prepared.settings)
     scene = Scene.current
     scene._prepared = prepared
@@ -144,32 +174,46 @@ def open_scene(backend, settings, wall_file, wall):
 def engines_beside(more):
     """Engines that a script put into O.engines or gives, to be kept behind the wall's own.
 
-    Raises InputError for one that the wall's own replaces, and for bodies, which its scene does not keep.
+    Raises InputError for one that the wall's own replaces, and for bodies, which its scene does not
+    keep.
     """
     if len(O.bodies) > 0:
-        raise InputError(f"the scene has {len(O.bodies)} bodies already: expected none, as a wall makes its own scene; "
-                         "open it first (yade_scripts.open_scene), then add bodies")
+        raise InputError(
+            f"the scene has {len(O.bodies)} bodies already: expected none, as a wall makes its own"
+            " scene; open it first (yade_scripts.open_scene), then add bodies"
+        )
     present, given = list(O.engines), list(more)
     kept = [one for one in present if not isinstance(one, _OWN)]
-    for one in (*(one for one in present if isinstance(one, _OWN) and not _is_as_new(one)),
-                *(one for one in given if isinstance(one, _OWN))):
-        raise InputError(f"the engine {name_of(one)}: the wall's own replaces it, with the time step, gravity and "
-                         "damping of the run; expected engines beside those; leave it out, or as YADE's new scene has "
-                         "it")
+    for one in (
+        *(one for one in present if isinstance(one, _OWN) and not _is_as_new(one)),
+        *(one for one in given if isinstance(one, _OWN)),
+    ):
+        raise InputError(
+            f"the engine {name_of(one)}: the wall's own replaces it, with the time step, gravity"
+            " and damping of the run; expected engines beside those; leave it out, or as YADE's"
+            " new scene has it"
+        )
     for one in (*kept, *given):
         if not isinstance(one, yade.Engine):
-            raise InputError(f"engines: {one!r}; expected engines of YADE, like PyRunner(command='f()', "
-                             "virtPeriod=0.01); correct it")
+            raise InputError(
+                f"engines: {one!r}; expected engines of YADE, like PyRunner(command='f()', "
+                "virtPeriod=0.01); correct it"
+            )
     return [*kept, *given]
 
 
 def _is_as_new(engine):
     """Whether an engine is one of those of a new scene, with its values."""
     new = type(engine)().dict()
-    plain = [name for name, value in new.items() if name not in ("label", "timeStepUpdateInterval", "functors")
-             and not isinstance(value, (list, yade.Serializable))]
+    plain = [
+        name
+        for name, value in new.items()
+        if name not in ("label", "timeStepUpdateInterval", "functors")
+        and not isinstance(value, (list, yade.Serializable))
+    ]
     return any(engine is usual for usual in yade.utils.defaultEngines) and all(
-        str(engine.dict()[name]) == str(new[name]) for name in plain)
+        str(engine.dict()[name]) == str(new[name]) for name in plain
+    )
 
 
 def name_of(engine):
@@ -179,16 +223,25 @@ def name_of(engine):
 
 
 def prompt(scene, stage, then="", **more):
-    """YADE's prompt, with what is in YADE's own and the parts of a Scene; stage: "before" or "after" the run; then:
-    what follows; more: {name: value} beside these."""
+    """YADE's prompt, with what is in YADE's own and the parts of a Scene; stage: "before" or
+    "after" the run; then: what follows; more: {name: value} beside these."""
     from IPython.terminal.embed import InteractiveShellEmbed  # noqa: T100
 
     names = {"O": O, "scene": scene, "wall": scene.wall, "run": scene.run, **more}
     main = sys.modules["__main__"]  # where YADE's own prompt is
     vars(main).update(names)
     shell = InteractiveShellEmbed()  # noqa: T100, as YADE has set it up
-    shell.banner1 = _PROMPT.format(wall=scene.wall.name, stage=stage, run_stage=scene.run.stage, time=scene.run.time,
-                                   names=", ".join(names), then=then) + "\n"
+    shell.banner1 = (
+        _PROMPT.format(
+            wall=scene.wall.name,
+            stage=stage,
+            run_stage=scene.run.stage,
+            time=scene.run.time,
+            names=", ".join(names),
+            then=then,
+        )
+        + "\n"
+    )
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # of the run it would end it
     try:
         with redirect_stdout(sys.__stdout__):

@@ -20,7 +20,8 @@ BRICK_CELLS = 4
 def main(make_wall, engines=()):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE.
 
-    engines: of YADE, called at the end of each step after those that O.engines has beside a new scene's.
+    engines: of YADE, called at the end of each step after those that O.engines has beside a new
+    scene's.
     """
     path = Path(sys.argv[0])
     try:
@@ -28,8 +29,11 @@ def main(make_wall, engines=()):
     except ImportError as error:
         if error.name != "yade":
             raise
-        print(f"error: {path} is run by YADE, not by {sys.executable}: expected yade {path} [OPTIONS], or in the "
-              f"built-in solver python3 -m damage reference {path} [OPTIONS]", file=sys.stderr)
+        print(
+            f"error: {path} is run by YADE, not by {sys.executable}: expected yade {path}"
+            f" [OPTIONS], or in the built-in solver python3 -m damage reference {path} [OPTIONS]",
+            file=sys.stderr,
+        )
         sys.exit(EXIT_MISSING)
     run_and_leave(lambda: _run(make_wall, path, engines))
 
@@ -60,8 +64,13 @@ def _run(make_wall, path, engines):
         beside = engines_beside(engines)
         if beside and "--quiet" not in sys.argv:
             print(f"engines beside the wall's own: {', '.join(map(name_of, beside))}", flush=True)
-        return run_session(_backend(beside), path, lambda: wall_of(make_wall, path), sys.argv[1:],
-                           prog=f"yade {shown_path(path)}")
+        return run_session(
+            _backend(beside),
+            path,
+            lambda: wall_of(make_wall, path),
+            sys.argv[1:],
+            prog=f"yade {shown_path(path)}",
+        )
 
     status, scene = reported(run), Scene.current
     if scene and scene.console == "after" and scene.run:
@@ -88,7 +97,8 @@ def _backend(engines):
     def make(layout, time_step, settings):
         solver = YadeSolver(layout, time_step, settings.new_contacts)
         Scene(layout, solver, settings.console)
-        O.engines = [*O.engines, *engines]  # at the end of a step positions and forces are of the same time
+        # at the end of a step positions and forces are of the same time
+        O.engines = [*O.engines, *engines]
         return solver
 
     def begins(run):
@@ -97,8 +107,18 @@ def _backend(engines):
         if scene.console == "before":
             prompt(scene, "before", "; the run follows")
 
-    return Backend("yade", versions, make, Path(__file__).parent, _check, open_view,
-                   Softening(fibres=FIBRES, beta_s=0.0), BRICK_CELLS, keeps_state=False, begins=begins)
+    return Backend(
+        "yade",
+        versions,
+        make,
+        Path(__file__).parent,
+        _check,
+        open_view,
+        Softening(fibres=FIBRES, beta_s=0.0),
+        BRICK_CELLS,
+        keeps_state=False,
+        begins=begins,
+    )
 
 
 def open_wall(wall, engines, options):
@@ -114,18 +134,29 @@ def open_wall(wall, engines, options):
     close_with_a_word()
     file = "" if isinstance(wall, Wall) else wall_path(wall)
     given = {"pictures": False, "quiet": True} | options
-    settings = settings_of(given, f"yade, open_scene of {shown_path(file) if file else wall.name}:", "yade")
+    settings = settings_of(
+        given, f"yade, open_scene of {shown_path(file) if file else wall.name}:", "yade"
+    )
     if settings.members > 1 or settings.console or settings.view or settings.pictures:
-        raise InputError("open_scene with members, console, view or pictures: expected options of the wall and its "
-                         "motion; leave them out: YADE's prompt follows the script")
-    return open_scene(_backend(engines_beside(engines)), settings, file, load_wall(file) if file else wall)
+        raise InputError(
+            "open_scene with members, console, view or pictures: expected options of the wall and"
+            " its motion; leave them out: YADE's prompt follows the script"
+        )
+    return open_scene(
+        _backend(engines_beside(engines)), settings, file, load_wall(file) if file else wall
+    )
 
 
 def _check(settings, wall):
     from yade_scripts.joint_tracker import check_law
 
     check_law(wall.joint)
-    for option, given in (("--soil-velocity", settings.model.soil_velocity), ("--beta", settings.beta_s)):
+    for option, given in (
+        ("--soil-velocity", settings.model.soil_velocity),
+        ("--beta", settings.beta_s),
+    ):
         if given:
-            raise InputError(f"{option} {given:g}: YADE's joint law has no viscous damping; leave it out, or use the "
-                             "reference solver: python3 -m damage reference")
+            raise InputError(
+                f"{option} {given:g}: YADE's joint law has no viscous damping; leave it out, or use"
+                " the reference solver: python3 -m damage reference"
+            )

@@ -21,7 +21,8 @@ class SceneReader:
         self.members = model.members
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries, self.physics = model.geometries, model.physics
-        # Shares of the areas of the contact points [-] of the bonds, and of the interactions that slide.
+        # Shares of the areas of the contact points [-] of the bonds, and of the interactions that
+        # slide.
         self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
         self.bundles = Bundles(model) if model.layout.fibres else None
         self.area = contacts.area
@@ -30,8 +31,10 @@ class SceneReader:
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
         self.mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
-        self.follows = np.where(model.layout.held, 0.0, 1.0)  # 0 where a velocity is prescribed, whatever the force
-        self.on_top = np.zeros_like(self.mass)  # forces of the bearing and the constant load [N, N, N m]
+        # 0 where a velocity is prescribed, whatever the force
+        self.follows = np.where(model.layout.held, 0.0, 1.0)
+        # forces of the bearing and the constant load [N, N, N m]
+        self.on_top = np.zeros_like(self.mass)
         self.start = np.column_stack([bodies.x, bodies.z])
         self.first_orientation = np.array([tuple(state.ori) for state in self.model.turning])
 
@@ -60,16 +63,23 @@ class SceneReader:
     def _sliding(self, joint):
         """(phys, geom) of the interaction that slides at a contact point."""
         dry = self.model.frayed.get(joint)
-        return (self.physics[joint], self.geometries[joint]) if dry is None else (dry.phys, dry.geom)
+        return (
+            (self.physics[joint], self.geometries[joint]) if dry is None else (dry.phys, dry.geom)
+        )
 
     def motion(self, select=None):
-        """Displacements and rotations (x towards z) since the wall was built, (n_bodies, 3) [m, m, rad].
+        """Displacements and rotations (x towards z) since the wall was built, (n_bodies, 3) [m, m,
+        rad].
 
         select: indices of the bodies to read, all others are zero; None for all.
         """
         select = range(len(self.states)) if select is None else select
-        raw = np.array([(p[0], p[2], q[0], q[1], q[2], q[3]) for p, q in
-                        ((self.states[i].pos, self.model.turning[i].ori) for i in select)]).reshape(-1, 6)
+        raw = np.array(
+            [
+                (p[0], p[2], q[0], q[1], q[2], q[3])
+                for p, q in ((self.states[i].pos, self.model.turning[i].ori) for i in select)
+            ]
+        ).reshape(-1, 6)
         x, y, z, w = raw[:, 2:].T
         x0, y0, z0, w0 = self.first_orientation[select].T
         # Quaternion now times the inverse of the first one: YADE's clumps start on permuted axes.
@@ -81,21 +91,33 @@ class SceneReader:
         return motion
 
     def synchronous_velocities(self, half_step, base_acceleration):
-        """Velocities at the time of the positions, v(t - dt/2) + dt/2 a(t), (n_bodies, 3) [m/s, m/s, rad/s].
+        """Velocities at the time of the positions, v(t - dt/2) + dt/2 a(t), (n_bodies, 3) [m/s,
+        m/s, rad/s].
 
         half_step: dt/2 [s]; base_acceleration: along x and z [m/s2].
         """
         field = (-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0)
-        half_a_step_ago = np.array([(vel[0], vel[2], -rotating[1])
-                                    for vel, rotating in ((s.vel, s.angVel) for s in self.states)])
+        half_a_step_ago = np.array(
+            [
+                (vel[0], vel[2], -rotating[1])
+                for vel, rotating in ((s.vel, s.angVel) for s in self.states)
+            ]
+        )
         return half_a_step_ago + half_step * self.follows * (
-            np.divide(self.resultants(), self.mass, where=self.mass > 0, out=np.zeros_like(self.mass)) + field)
+            np.divide(
+                self.resultants(), self.mass, where=self.mass > 0, out=np.zeros_like(self.mass)
+            )
+            + field
+        )
 
     def resultants(self):
-        """Forces and moments of the contacts on each body, and of what is on a restrained top, (n_bodies, 3)
+        """Forces and moments of the contacts on each body, and of what is on a restrained top,
+        (n_bodies, 3)
         [N, N, N m]."""
-        return self.on_top + [self._resultant(members, state.pos[0], state.pos[2])
-                              for members, state in zip(self.members, self.states)]
+        return self.on_top + [
+            self._resultant(members, state.pos[0], state.pos[2])
+            for members, state in zip(self.members, self.states)
+        ]
 
     def contact_forces(self):
         """Magnitudes of the forces in all contacts, (n_contacts,) [N]."""
@@ -113,8 +135,11 @@ class SceneReader:
                 along += force[0]
                 upward += force[2]
                 place = O.bodies[member].state.pos
-                moment += ((place[0] - x_centre) * force[2] - (place[2] - z_centre) * force[0]
-                           - O.forces.t(member, True)[1])
+                moment += (
+                    (place[0] - x_centre) * force[2]
+                    - (place[2] - z_centre) * force[0]
+                    - O.forces.t(member, True)[1]
+                )
         return along, upward, moment
 
     def opening_of(self, index):
@@ -125,28 +150,42 @@ class SceneReader:
         return rest - self.geometries[index].penetrationDepth
 
     def shear_stresses(self, select):
-        """Shear stresses of the contact points `select` (indices), of their dry parts where there are any, (m,) [Pa].
+        """Shear stresses of the contact points `select` (indices), of their dry parts where there
+        are any, (m,) [Pa].
 
         Signs are those of the shear displacement of the second body.
         """
-        # The force lies in the plane: its component along the tangent, the normal rotated by a right angle.
-        along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
-                          ((p, g.normal) for p, g in map(self._sliding, select))])
-        # The signs of normal and tangent change together, so that YADE's order of the bodies does not matter.
+        # The force lies in the plane: its component along the tangent, the normal rotated by a
+        # right angle.
+        along = np.array(
+            [
+                p.shearForce[0] * n[2] - p.shearForce[2] * n[0]
+                for p, n in ((p, g.normal) for p, g in map(self._sliding, select))
+            ]
+        )
+        # The signs of normal and tangent change together, so that YADE's order of the bodies does
+        # not matter.
         return -along * self.model.handed[select] / (self.area[select] * self.dry_share[select])
 
     def joint_stresses(self, n_joints):
-        """Normal stress, tension positive, and shear stress of the first contact points on their whole areas, signed as
-        in `shear_stresses`, (n_joints, 2) [Pa]."""
-        return np.array([self.force_of(joint) for joint in range(n_joints)]) / self.area[:n_joints, np.newaxis]
+        """Normal stress, tension positive, and shear stress of the first contact points on their
+        whole areas, signed as in `shear_stresses`, (n_joints, 2) [Pa]."""
+        return (
+            np.array([self.force_of(joint) for joint in range(n_joints)])
+            / self.area[:n_joints, np.newaxis]
+        )
 
     def force_of(self, joint):
-        """Normal force of a contact point, tension positive, and shear force, signed as in `shear_stresses`, both along
-        the present joint [N]."""
+        """Normal force of a contact point, tension positive, and shear force, signed as in
+        `shear_stresses`, both along the present joint [N]."""
         normal = shear = 0.0
         for contact in self.model.contacts_of(joint):
             if contact.isReal:  # not of one that has ended
-                n, on, along = contact.geom.normal, contact.phys.normalForce, contact.phys.shearForce
+                n, on, along = (
+                    contact.geom.normal,
+                    contact.phys.normalForce,
+                    contact.phys.shearForce,
+                )
                 normal -= on.dot(n)
                 shear -= (along[0] * n[2] - along[2] * n[0]) * self.model.handed[joint]
         return float(normal), float(shear)
@@ -156,32 +195,53 @@ class SceneReader:
 
         broken: whether joints have failed, (n_joints,) bool.
         """
-        opening = np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
-                            for g, p, bonded in zip(self.geometries, self.physics, self.model.bonded)])
+        opening = np.array(
+            [
+                (p.initD if bonded else 0.0) - g.penetrationDepth
+                for g, p, bonded in zip(self.geometries, self.physics, self.model.bonded)
+            ]
+        )
         acting = opening < 0
-        acting[:len(broken)] |= ~broken
-        acting[len(broken):] = True
+        acting[: len(broken)] |= ~broken
+        acting[len(broken) :] = True
         shear = np.array([p.shearForce.norm() for p in self.physics])
-        colliding = sum(p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
-                        for p in (contact.phys for contact in self.model.collisions()))
-        rubbing = sum(dry.phys.kn * max(dry.geom.penetrationDepth, 0.0)**2
-                      + dry.phys.shearForce.squaredNorm() / dry.phys.ks for dry in self.model.frayed.values())
+        colliding = sum(
+            p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
+            for p in (contact.phys for contact in self.model.collisions())
+        )
+        rubbing = sum(
+            dry.phys.kn * max(dry.geom.penetrationDepth, 0.0) ** 2
+            + dry.phys.shearForce.squaredNorm() / dry.phys.ks
+            for dry in self.model.frayed.values()
+        )
         return 0.5 * (colliding + rubbing) + 0.5 * float(
             np.sum(np.where(acting, self.normal_stiffness * self.share * opening**2, 0.0))
-            + np.sum(shear**2 / (self.shear_stiffness * self.share)))
+            + np.sum(shear**2 / (self.shear_stiffness * self.share))
+        )
 
     def support_forces(self, displacement):
         """Forces and moments of the wall on the supports, (n_supports, 3) [N, N, N m].
 
-        displacement: of their reference points, about which the moments are, (n_supports, 3) [m, m, rad].
+        displacement: of their reference points, about which the moments are, (n_supports, 3) [m, m,
+        rad].
         """
-        return np.array([self._resultant(members, x + ux, uz) for members, x, (ux, uz, _) in
-                         zip(self.model.ground, self.model.layout.supports.x, displacement)])
+        return np.array(
+            [
+                self._resultant(members, x + ux, uz)
+                for members, x, (ux, uz, _) in zip(
+                    self.model.ground, self.model.layout.supports.x, displacement
+                )
+            ]
+        )
 
     def base_shear(self):
         """Horizontal force of the wall on all supports [N]."""
-        return sum(O.forces.f(member, True)[0] for members in self.model.ground for member in members)
+        return sum(
+            O.forces.f(member, True)[0] for members in self.model.ground for member in members
+        )
 
     def base_reaction(self):
         """Vertical force of the wall on all supports, downwards positive [N]."""
-        return -sum(O.forces.f(member, True)[2] for members in self.model.ground for member in members)
+        return -sum(
+            O.forces.f(member, True)[2] for members in self.model.ground for member in members
+        )

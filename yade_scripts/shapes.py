@@ -3,7 +3,9 @@
 import yade
 from yade import log, utils
 
-HAS_POLYHEDRA = hasattr(yade, "Polyhedra") or ("CGAL" in yade.config.features and hasattr(utils, "polyhedron"))
+HAS_POLYHEDRA = hasattr(yade, "Polyhedra") or (
+    "CGAL" in yade.config.features and hasattr(utils, "polyhedron")
+)
 
 BRICK_SHAPE = "polyhedra" if HAS_POLYHEDRA else "boxes"
 """Shape of bricks, in the log and in the versions of a history."""
@@ -13,9 +15,12 @@ if HAS_POLYHEDRA:
 
 
 def brick_shape(centre, half, material, color):
-    """A polyhedron in the shape of a brick, for display only; centre, half: centre and half sizes (x, y, z) [m]."""
-    corners = [tuple(c + s * h for c, s, h in zip(centre, signs, half))
-               for signs in ((a, b, c) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1))]
+    """A polyhedron in the shape of a brick, for display only; centre, half: centre and half sizes
+    (x, y, z) [m]."""
+    corners = [
+        tuple(c + s * h for c, s, h in zip(centre, signs, half))
+        for signs in ((a, b, c) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1))
+    ]
     brick = utils.polyhedron(corners, material=material, color=color, wire=False)
     brick.bounded = False
     return brick

@@ -1,8 +1,8 @@
 """Interface of `damage.run.solver` for a wall in YADE's scene.
 
-A step integrates first and then computes the forces, so that at its end positions and forces are of the same time.
-There a Python engine logs failures, updates the failed joints, takes samples and sets the field of the next step.
-Engines of a user follow it.
+A step integrates first and then computes the forces, so that at its end positions and forces are of
+the same time. There a Python engine logs failures, updates the failed joints, takes samples and
+sets the field of the next step. Engines of a user follow it.
 """
 
 import builtins
@@ -30,7 +30,8 @@ FOLLOW_STEPS = JOINT_STEPS // 2
 TIDY_STEPS = 500
 """Steps between two deletions of contacts that are over."""
 LOOSE = 0.4e-3
-"""Opening or offset of a joint [m] from which collisions are enabled: corner spheres and faces are 0.5 mm apart."""
+"""Opening or offset of a joint [m] from which collisions are enabled: corner spheres and faces are
+0.5 mm apart."""
 LOOK = """
 if hasattr(__builtins__, "masonry_solver"):
     masonry_solver.look()
@@ -38,35 +39,51 @@ else:
     masonry_look.dead = True
     print("a saved wall: YADE's own laws continue; no failed bond becomes a dry joint from now on")
 """
-"""Command of the engine at the end of each step; of a scene that O.load brought into another process."""
+"""Command of the engine at the end of each step; of a scene that O.load brought into another
+process."""
 ON_FACE = 1e-2
 """Shear displacement of a joint [m] up to which all its tips are on their faces."""
 
 
 class YadeSolver(Solver):
-    """A wall in YADE as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
+    """A wall in YADE as Solver of a Run; methods without a docstring:
+    `damage.run.solver.Solver`."""
 
     def __init__(self, layout, time_step, new_contacts=False):
         self.layout, self.time_step = layout, time_step
-        self.model = build(layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0)
+        self.model = build(
+            layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0
+        )
         self.scene = SceneReader(self.model)
         self.kinematics = ContactKinematics(layout)
-        self.tracker, self.crushing = JointTracker(layout, THRESHOLD, new_contacts), Crushing(self.scene)
+        self.tracker, self.crushing = (
+            JointTracker(layout, THRESHOLD, new_contacts),
+            Crushing(self.scene),
+        )
         self._base, self._gravity = NO_MOTION, np.zeros(1)
-        self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
-        self._top_stiffness, self._top_rest = 0.0, 0.0  # of rotational springs on these, and where they have no moment
+        # bodies whose horizontal velocity is prescribed [m/s]
+        self._held, self._velocity = None, 0.0
+        # of rotational springs on these, and where they have no moment
+        self._top_stiffness, self._top_rest = 0.0, 0.0
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
         self._supports, self._support_velocity = np.zeros((2, len(layout.supports), 3))
-        self._restraint, self._slip, self._slip_work = top_of(layout.wall), 0.0, 0.0  # of its bearing [m], [J]
-        self._beam = np.flatnonzero(layout.bodies.course == CAP_COURSE)[-1] if self._restraint else None
+        # of its bearing [m], [J]
+        self._restraint, self._slip, self._slip_work = top_of(layout.wall), 0.0, 0.0
+        self._beam = (
+            np.flatnonzero(layout.bodies.course == CAP_COURSE)[-1] if self._restraint else None
+        )
         self._sample_steps = self._on_samples = self._raised = None
         self._events, self._armed = [], False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
-        self._tags, self._advancing = O.tags, False  # of this scene, which O.load and O.reset replace
+        # of this scene, which O.load and O.reset replace
+        self._tags, self._advancing = O.tags, False
         builtins.masonry_solver = self  # for the command of the engine
-        O.engines = [self.model.newton, *O.engines[:-1],
-                     PyRunner(command=LOOK, iterPeriod=1, label="masonry_look")]
+        O.engines = [
+            self.model.newton,
+            *O.engines[:-1],
+            PyRunner(command=LOOK, iterPeriod=1, label="masonry_look"),
+        ]
         self.model.newton.warnNoForceReset = False  # forces are reset, but after their integration
         O.step()  # computes the initial forces; without a field nothing moves
 
@@ -77,9 +94,12 @@ class YadeSolver(Solver):
         self._set_field()
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
-        """Set the damping; raises NotImplementedError for all but local damping, the only one of YADE."""
+        """Set the damping; raises NotImplementedError for all but local damping, the only one of
+        YADE."""
         if adaptive or alpha or beta:
-            raise NotImplementedError(f"adaptive {adaptive}, alpha {alpha}, beta {beta}: YADE damps locally alone")
+            raise NotImplementedError(
+                f"adaptive {adaptive}, alpha {alpha}, beta {beta}: YADE damps locally alone"
+            )
         self.model.newton.damping = local
 
     def damp_impacts(self):
@@ -102,7 +122,8 @@ class YadeSolver(Solver):
         return self.scene.motion(self._held)[self._held, 2]
 
     def _load_top(self):
-        """Add the moments of rotational springs, and the forces of a restrained top, to those of the next step."""
+        """Add the moments of rotational springs, and the forces of a restrained top, to those of
+        the next step."""
         if self._top_stiffness:
             for body, angle in zip(self._held, self._held_rotations() - self._top_rest):
                 O.forces.addT(self.model.clumps[body], Vector3(0, self._top_stiffness * angle, 0))
@@ -110,7 +131,8 @@ class YadeSolver(Solver):
             self._hold_top()
 
     def _hold_top(self):
-        """Add the forces of a restraint's bearing and of its constant load to those of the next step."""
+        """Add the forces of a restraint's bearing and of its constant load to those of the next
+        step."""
         top, force = self._restraint, np.zeros(3)
         weight = -self.model.newton.gravity[2] - self._base_now()[1]
         force[1] = -weight * self.layout.load_mass[self._beam]
@@ -128,16 +150,22 @@ class YadeSolver(Solver):
         """Elastic energy of a restraint's bearing [J]."""
         if not (self._restraint and self._restraint.stiffness):
             return 0.0
-        return 0.5 * self.scene.on_top[self._beam, 0]**2 / self._restraint.stiffness
+        return 0.5 * self.scene.on_top[self._beam, 0] ** 2 / self._restraint.stiffness
 
     def _in_springs(self):
-        """Energy in the rotational springs at the top [J]; what they hold, the machine did not put into the wall."""
+        """Energy in the rotational springs at the top [J]; what they hold, the machine did not put
+        into the wall."""
         if not self._top_stiffness:
             return 0.0
-        return 0.5 * self._top_stiffness * float(np.sum((self._held_rotations() - self._top_rest)**2))
+        return (
+            0.5
+            * self._top_stiffness
+            * float(np.sum((self._held_rotations() - self._top_rest) ** 2))
+        )
 
     def push(self, velocity):
-        """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
+        """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy
+        is input."""
         old, self._velocity = self._velocity, float(velocity)
         for body in self._held:
             state = self.scene.states[body]
@@ -152,9 +180,11 @@ class YadeSolver(Solver):
         self._input_power = self._power()
 
     def _set_support_velocities(self):
-        """Set the velocities of all bodies of the supports to those of the supports' rigid motion."""
+        """Set the velocities of all bodies of the supports to those of the supports' rigid
+        motion."""
         for bodies, x, (ux, uz, _), (vx, vz, rotating) in zip(
-                self.model.ground, self.layout.supports.x, self._supports, self._support_velocity):
+            self.model.ground, self.layout.supports.x, self._supports, self._support_velocity
+        ):
             for state in (O.bodies[body].state for body in bodies):
                 along, up = state.pos[0] - x - ux, state.pos[2] - uz
                 state.vel = Vector3(vx - rotating * up, 0, vz + rotating * along)
@@ -178,13 +208,16 @@ class YadeSolver(Solver):
         """Raise RunError where this wall's scene was replaced."""
         self._tags["masonry"] = f"{id(self)} {self.clock}"
         if not O.tags.has_key("masonry") or O.tags["masonry"] != self._tags["masonry"]:
-            raise RunError("the wall's scene was replaced, by O.load or O.reset: expected it as it was built; start "
-                           "again, and load saved scenes in another process")
+            raise RunError(
+                "the wall's scene was replaced, by O.load or O.reset: expected it as it was built;"
+                " start again, and load saved scenes in another process"
+            )
 
     # --- one step -------------------------------------------------------------------------------
 
     def look(self):
-        """Command of the engine at the end of each step: log failures, update joints, take samples, set the field."""
+        """Command of the engine at the end of each step: log failures, update joints, take samples,
+        set the field."""
         self.clock += 1
         if not self._advancing:
             self._check_scene()
@@ -234,7 +267,10 @@ class YadeSolver(Solver):
         _, shear = self.kinematics.displacements(self.scene.motion(), new, self._supports)
         for joint, slip in zip(new, shear):
             opening = self.scene.opening_of(joint)
-            sigma, tau = tracker.normal_stiffness[joint] * opening, tracker.shear_stiffness[joint] * slip
+            sigma, tau = (
+                tracker.normal_stiffness[joint] * opening,
+                tracker.shear_stiffness[joint] * slip,
+            )
             if self.scene.bundles:
                 self._fray(joint, opening, slip, sigma, tau)
                 continue
@@ -245,12 +281,16 @@ class YadeSolver(Solver):
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
     def _fray(self, joint, opening, slip, sigma, tau):
-        """Fail parallel elements of a bond at these displacements [m] and stresses [Pa], after an update of its failed
-        ones."""
+        """Fail parallel elements of a bond at these displacements [m] and stresses [Pa], after an
+        update of its failed ones."""
         tracker, scene = self.tracker, self.scene
         if tracker.dry[joint] > 0:
             one = np.array([joint])
-            self._log_passings(tracker.sample(one, np.array([opening]), np.array([slip]), scene.shear_stresses(one)))
+            self._log_passings(
+                tracker.sample(
+                    one, np.array([opening]), np.array([slip]), scene.shear_stresses(one)
+                )
+            )
         for share, kind, last in scene.give_way(joint, sigma, tau):
             tracker.friction[joint] = self.model.friction_of(joint)
             tracker.fibre_breaks(joint, kind, sigma, tau, share, last)
@@ -272,36 +312,56 @@ class YadeSolver(Solver):
         tau = self.scene.shear_stresses(broken)
         # A tip that has left its face has its opening from the end of the face.
         slid = np.abs(shear) > ON_FACE
-        gap = np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening) if slid.any() else None
+        gap = (
+            np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening)
+            if slid.any()
+            else None
+        )
         self._log_passings(self.tracker.sample(broken, opening, shear, tau, gap))
         for joint in broken[self.tracker.ended[broken]]:
             self.model.end(joint)
 
     def _log_passings(self, passings):
         for joint, kind in passings:
-            self._events.append((self.clock, joint, kind, 0.0, 0.0, self.tracker.opening[joint],
-                                 self.tracker.slip[joint]))
+            self._events.append(
+                (
+                    self.clock,
+                    joint,
+                    kind,
+                    0.0,
+                    0.0,
+                    self.tracker.opening[joint],
+                    self.tracker.slip[joint],
+                )
+            )
 
     def _integrate_input(self):
-        """Add the work of all prescribed motions since the last call to the input, by the trapezoidal rule."""
+        """Add the work of all prescribed motions since the last call to the input, by the
+        trapezoidal rule."""
         power, time = self._power(), self.clock * self.time_step
         self._input_energy += (power + self._input_power) / 2 * (time - self._input_time)
         self._input_power, self._input_time = power, time
 
     def _power(self):
-        """Power of the pushed top, of the supports, and of the inertia forces in the frame of the base [W]."""
+        """Power of the pushed top, of the supports, and of the inertia forces in the frame of the
+        base [W]."""
         base = self._base_now()
         power = -sum(float(base[axis]) * self._momentum(axis) for axis in (0, 1) if base[axis] != 0)
         if self._held is not None:
             power += self._push_force() * self._velocity
         if self._support_velocity.any():
-            power -= float(np.sum(self.scene.support_forces(self._supports) * self._support_velocity))
+            power -= float(
+                np.sum(self.scene.support_forces(self._supports) * self._support_velocity)
+            )
         return power
 
     def _momentum(self, axis):
         """Momentum of all bodies at the time of the positions along x (0) or z (1) [kg m/s]."""
         scene, coordinate = self.scene, 2 * axis
-        mass, gravity = scene.mass[:, 0] * scene.follows[:, axis], self.model.newton.gravity[coordinate]
+        mass, gravity = (
+            scene.mass[:, 0] * scene.follows[:, axis],
+            self.model.newton.gravity[coordinate],
+        )
         if self.layout.wall.restraints:
             force = total(scene.follows[:, axis] * scene.resultants()[:, axis])
         else:
@@ -310,30 +370,41 @@ class YadeSolver(Solver):
         return float(total(mass * velocities) + self.time_step / 2 * (force + mass.sum() * gravity))
 
     def _push_force(self):
-        """Horizontal force on the held bodies by their prescribed motion [N]: minus that of the joints on them."""
-        return -sum(O.forces.f(cell, True)[0] for body in self._held for cell in self.scene.members[body])
+        """Horizontal force on the held bodies by their prescribed motion [N]: minus that of the
+        joints on them."""
+        return -sum(
+            O.forces.f(cell, True)[0] for body in self._held for cell in self.scene.members[body]
+        )
 
     # --- results --------------------------------------------------------------------------------
 
     def instants(self):
         """The Instants of the present time.
 
-        damping_j is None: YADE's sum of the work of local damping takes the contact forces without the weights that
-        balance them, so that the run computes it from the energy balance.
+        damping_j is None: YADE's sum of the work of local damping takes the contact forces without
+        the weights that balance them, so that the run computes it from the energy balance.
         """
         tracker = self.tracker
         friction = self.model.work.total + tracker.breaking_energy + self._slip_work
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
-            clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports.copy(),
-            support_force=self.scene.support_forces(self._supports), joints=slice(None),
+            clock=self.clock,
+            displacement=self.scene.motion(),
+            support_displacement=self._supports.copy(),
+            support_force=self.scene.support_forces(self._supports),
+            joints=slice(None),
             contacts=tracker.contact_data(),
             top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken) + self._in_bearing(),
-            input_j=self._input_energy - self._in_springs(), friction_j=friction,
-            fracture_j=tracker.fracture_energy, damping_j=None,
-            joint_stress_pa=self.scene.joint_stresses(self.layout.n_joints) if self.with_stresses else None)
+            input_j=self._input_energy - self._in_springs(),
+            friction_j=friction,
+            fracture_j=tracker.fracture_energy,
+            damping_j=None,
+            joint_stress_pa=(
+                self.scene.joint_stresses(self.layout.n_joints) if self.with_stresses else None
+            ),
+        )
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()

@@ -13,8 +13,10 @@ def open_view():
     import yade.runtime
 
     if not yade.runtime.hasDisplay:
-        raise InputError("--view needs a screen and none is here; leave --view out, or start YADE "
-                         "where DISPLAY is set and without -n")
+        raise InputError(
+            "--view needs a screen and none is here; leave --view out, or start YADE "
+            "where DISPLAY is set and without -n"
+        )
     from PyQt5.QtWidgets import QApplication
     from yade import O, qt
 

@@ -1,4 +1,5 @@
-"""Run of a wall as data (TOML) in YADE: `./yade WALL.toml [OPTIONS]` starts this with the file's path first."""
+"""Run of a wall as data (TOML) in YADE: `./yade WALL.toml [OPTIONS]` starts this with the file's
+path first."""
 
 import sys
 from pathlib import Path

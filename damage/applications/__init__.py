@@ -6,17 +6,35 @@
 from importlib import import_module
 
 APPLICATIONS = {
-    "cracks": ("options", "commands"), "studies": ("options", "commands"), "report": ("commands",),
-    "groningen": ("options", "commands")}
+    "cracks": ("options", "commands"),
+    "studies": ("options", "commands"),
+    "report": ("commands",),
+    "groningen": ("options", "commands"),
+}
 """{folder: its modules that register something}; one may import those before it."""
 GROUPS = {
     "first steps": ("demo", "new-wall", "check-bits", "help"),
     "a wall": ("materials", "draw", "modes", "wall-schema"),
     "ground motion": ("record", "exposure", "catalogue"),
-    "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report",
-                "tables", "compare", "export", "cracks", "cycles", "laboratory"),
+    "one run": (
+        "reference",
+        "index",
+        "check",
+        "info",
+        "plot",
+        "stresses",
+        "animate",
+        "report",
+        "tables",
+        "compare",
+        "export",
+        "cracks",
+        "cycles",
+        "laboratory",
+    ),
     "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
-    "lives at an address": ("life", "lives", "claim", "app")}
+    "lives at an address": ("life", "lives", "claim", "app"),
+}
 """Title -> commands, in the order in which help lists them; all others follow."""
 
 for _application, _modules in APPLICATIONS.items():

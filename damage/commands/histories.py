@@ -1,6 +1,5 @@
 """Commands about histories, and the tests and cracks that they are compared with."""
 
-
 from damage.commands.table import (
     BESIDE,
     DAMAGE,
@@ -25,24 +24,50 @@ from damage.run.options import arg, file_arg, group
 from damage.units import MILLIMETRE
 
 
-@command("the damage index and key numbers of a history", HISTORY, JSON, threshold("opening and slip"),
-         DRIFT_LIMIT, group(DAMAGE, arg("--slip", choices=SLIP_CRITERIA, default="displacement",
-                                        help="when a joint counts as slipped (default displacement)")), PSI_FROM,
-         examples=("run.h5", "run.h5 --threshold-mm 0.05 --slip accumulated --json"))
+@command(
+    "the damage index and key numbers of a history",
+    HISTORY,
+    JSON,
+    threshold("opening and slip"),
+    DRIFT_LIMIT,
+    group(
+        DAMAGE,
+        arg(
+            "--slip",
+            choices=SLIP_CRITERIA,
+            default="displacement",
+            help="when a joint counts as slipped (default displacement)",
+        ),
+    ),
+    PSI_FROM,
+    examples=("run.h5", "run.h5 --threshold-mm 0.05 --slip accumulated --json"),
+)
 def _index(asked):
     from damage.measure.summary import summarise
     from damage.run.report import describe, with_members
 
     history = read_history(asked.history)
-    summary = with_members(summarise(history, asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
-                                     asked.slip, asked.psi_from_mm * MILLIMETRE), history)
+    summary = with_members(
+        summarise(
+            history,
+            asked.threshold_mm * MILLIMETRE,
+            asked.drift_limit_pct / 100,
+            asked.slip,
+            asked.psi_from_mm * MILLIMETRE,
+        ),
+        history,
+    )
     warn(*summary["warnings"])
     show(asked, summary, describe)
 
 
-@command("whether histories are complete, ended early, still open or damaged; exit status 2 where one is damaged, 1 "
-         "where one has no end", HISTORIES, JSON,
-         examples=("run.h5", "results/quick/runs/*.h5"))
+@command(
+    "whether histories are complete, ended early, still open or damaged; exit status 2 where one is"
+    " damaged, 1 where one has no end",
+    HISTORIES,
+    JSON,
+    examples=("run.h5", "results/quick/runs/*.h5"),
+)
 def _check(asked):
     checked = [check(path) for path in asked.histories]
     show(asked, checked, describe_check)
@@ -50,29 +75,52 @@ def _check(asked):
     return 2 if DAMAGED in found else int(not found <= {WHOLE})
 
 
-@command("what made a history: software, command, inputs, every parameter", HISTORY, JSON,
-         examples=("run.h5", "run.h5 --json"))
+@command(
+    "what made a history: software, command, inputs, every parameter",
+    HISTORY,
+    JSON,
+    examples=("run.h5", "run.h5 --json"),
+)
 def _info(asked):
     show(asked, info(read_history(asked.history)), describe_info)
 
 
-@command("the pictures of a history, PNG and PDF", HISTORY, out("folder for the pictures"),
-         examples=("run.h5 --out pictures", "results/quick/runs/run.h5 --out pictures/run"))
+@command(
+    "the pictures of a history, PNG and PDF",
+    HISTORY,
+    out("folder for the pictures"),
+    examples=("run.h5 --out pictures", "results/quick/runs/run.h5 --out pictures/run"),
+)
 def _plot(asked):
     from damage.draw.run import save_all
 
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 
 
-@command("stresses of the joints of a run with --stresses: at moments, of chosen joints over time, thrust in piers and "
-         "arches", HISTORY, JSON,
-         arg("--at", metavar="MOMENT,...", default="rest,max,end", help="rest, max, end, times [s] (default "
-             "rest,max,end)"),
-         arg("--joint", action="append", default=[], metavar="NAME", help="a row of the joints, the place X,Z [m] of "
-             "the nearest, or bed:X,Z, head:X,Z; repeatable"),
-         out("folder for tables, of each joint over time too, and pictures", required=False),
-         examples=("run.h5 --joint 0.5,0.3",
-                   "run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"))
+@command(
+    "stresses of the joints of a run with --stresses: at moments, of chosen joints over time,"
+    " thrust in piers and arches",
+    HISTORY,
+    JSON,
+    arg(
+        "--at",
+        metavar="MOMENT,...",
+        default="rest,max,end",
+        help="rest, max, end, times [s] (default rest,max,end)",
+    ),
+    arg(
+        "--joint",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help=(
+            "a row of the joints, the place X,Z [m] of "
+            "the nearest, or bed:X,Z, head:X,Z; repeatable"
+        ),
+    ),
+    out("folder for tables, of each joint over time too, and pictures", required=False),
+    examples=("run.h5 --joint 0.5,0.3", "run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
+)
 def _stresses(asked):
     from damage.measure.joint_stress import describe, stress_report
 
@@ -83,17 +131,31 @@ def _stresses(asked):
         from damage.measure.tables import write_stresses
 
         write_stresses(history, asked.out, moments, [one["joint"] for one in report["joints"]])
-        save([(f"contact_forces_{moment}", contact_force_picture(history, moment)) for moment in moments], asked.out,
-             origin(history))
+        save(
+            [
+                (f"contact_forces_{moment}", contact_force_picture(history, moment))
+                for moment in moments
+            ],
+            asked.out,
+            origin(history),
+        )
     show(asked, report, describe)
 
 
-@command("compare a history with another, an ensemble, or the survey of a real wall", file_arg("first", "A.h5"),
-         file_arg("others", "B.h5|SURVEY.csv", "of several histories the median counts; a crack file is compared with "
-                  "the end of each history", nargs="+"), JSON,
-         out("folder for a picture of drift and joints", required=False),
-         examples=("reference.h5 yade.h5",
-                   "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"))
+@command(
+    "compare a history with another, an ensemble, or the survey of a real wall",
+    file_arg("first", "A.h5"),
+    file_arg(
+        "others",
+        "B.h5|SURVEY.csv",
+        "of several histories the median counts; a crack file is compared with "
+        "the end of each history",
+        nargs="+",
+    ),
+    JSON,
+    out("folder for a picture of drift and joints", required=False),
+    examples=("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
+)
 def _compare(asked):
     from damage.measure.compare import compare, describe
 
@@ -107,15 +169,21 @@ def _compare(asked):
     if asked.out:
         from damage.draw.compare import compare_picture
 
-        save([("compare", compare_picture(first, others[0]))], asked.out,
-              "\n".join(map(origin, (first, others[0]))))
+        save(
+            [("compare", compare_picture(first, others[0]))],
+            asked.out,
+            "\n".join(map(origin, (first, others[0]))),
+        )
     show(asked, result, describe)
 
 
-@command("tables of histories as CSV: of one run over time, or one row per run",
-         arg("what", choices=("run", "summary")), HISTORIES,
-         out("STEM of STEM_index.csv and so on, or the summary's file", "STEM|FILE.csv"),
-         examples=("run run.h5 --out run", "summary first.h5 second.h5 --out summary.csv"))
+@command(
+    "tables of histories as CSV: of one run over time, or one row per run",
+    arg("what", choices=("run", "summary")),
+    HISTORIES,
+    out("STEM of STEM_index.csv and so on, or the summary's file", "STEM|FILE.csv"),
+    examples=("run run.h5 --out run", "summary first.h5 second.h5 --out summary.csv"),
+)
 def _tables(asked):
     from damage.measure.tables import summary_table, write_run_tables, write_table
 
@@ -123,13 +191,18 @@ def _tables(asked):
         write_table(summary_table(asked.histories), asked.out)
         return
     if len(asked.histories) > 1:
-        raise InputError(f"tables run of {len(asked.histories)} histories: expected one, as all would have the names "
-                         "of --out; give each its own command, or tables summary")
+        raise InputError(
+            f"tables run of {len(asked.histories)} histories: expected one, as all would have the"
+            " names of --out; give each its own command, or tables summary"
+        )
     write_run_tables(read_history(asked.histories[0]), asked.out)
 
 
-@command("the data dictionary: every column of every table, as dictionary.csv", out("folder for it"),
-         examples=("--out tables", "--out docs/reference"))
+@command(
+    "the data dictionary: every column of every table, as dictionary.csv",
+    out("folder for it"),
+    examples=("--out tables", "--out docs/reference"),
+)
 def _dictionary(asked):
     from damage.measure.dictionary import write_dictionary
 

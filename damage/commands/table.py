@@ -1,4 +1,5 @@
-"""What applications and the core register for `python3 -m damage`, and what commands share: arguments and printing."""
+"""What applications and the core register for `python3 -m damage`, and what commands share:
+arguments and printing."""
 
 import io
 import sys
@@ -10,8 +11,8 @@ from damage.run.options import WALLS_ARE_CODE, arg, file_arg, flag, group, numbe
 
 
 class Command(NamedTuple):
-    """A command: function of the parsed options, what it is for, functions that add an argument to its parser, and what
-    follows its name in the examples of its help."""
+    """A command: function of the parsed options, what it is for, functions that add an argument to
+    its parser, and what follows its name in the examples of its help."""
 
     function: Any
     purpose: str
@@ -22,11 +23,14 @@ class Command(NamedTuple):
 COMMANDS = {}
 """Name -> Command."""
 PROGRAMS = {}
-"""Name -> Command whose function takes the words behind its name, and whether all is quiet, and parses them itself."""
+"""Name -> Command whose function takes the words behind its name, and whether all is quiet, and
+parses them itself."""
 DICTIONARY = []
-"""Functions that return tables of an application for the data dictionary, as `damage.measure.dictionary.TABLES` is."""
+"""Functions that return tables of an application for the data dictionary, as
+`damage.measure.dictionary.TABLES` is."""
 BESIDE = {}
-"""Ending of a file with which `compare` compares histories -> function of the parsed options and all their paths."""
+"""Ending of a file with which `compare` compares histories -> function of the parsed options and
+all their paths."""
 
 
 class Silence(io.StringIO):
@@ -35,17 +39,21 @@ class Silence(io.StringIO):
 
 def command(purpose, *arguments, examples=(), table=COMMANDS):
     """Make a function the command of its name, in this table."""
+
     def keep(function):
         table[_name_of(function)] = Command(function, purpose, arguments, examples)
         return function
+
     return keep
 
 
 def program(purpose):
     """Make a function the command of its name that parses its own words."""
+
     def keep(function):
         PROGRAMS[_name_of(function)] = Command(function, purpose)
         return function
+
     return keep
 
 
@@ -62,7 +70,8 @@ def tables(function):
 
 
 def all_tables():
-    """The tables of the core and of the applications: {tables, as their files are called: {column: Column}}."""
+    """The tables of the core and of the applications: {tables, as their files are called: {column:
+    Column}}."""
     from damage.measure.dictionary import TABLES
 
     found = dict(TABLES)
@@ -90,28 +99,56 @@ HISTORY = file_arg("history", "FILE.h5")
 HISTORIES = file_arg("histories", "FILE.h5", nargs="+")
 JSON = output(flag("--json", "as JSON"))
 DAMAGE = "what counts as damage"
-DRIFT_LIMIT = group(DAMAGE, arg("--drift-limit-pct", type=number_from(1e-6, 100), default=2.0, metavar="PCT",
-                                help="drift limit (default 2)"))
+DRIFT_LIMIT = group(
+    DAMAGE,
+    arg(
+        "--drift-limit-pct",
+        type=number_from(1e-6, 100),
+        default=2.0,
+        metavar="PCT",
+        help="drift limit (default 2)",
+    ),
+)
 
 
 def threshold(of):
     """The option --threshold-mm; of: what exceeds it."""
-    return group(DAMAGE, arg("--threshold-mm", type=number_from(1e-6, 1000), default=0.1, metavar="MM",
-                             help=f"of {of} (default 0.1)"))
+    return group(
+        DAMAGE,
+        arg(
+            "--threshold-mm",
+            type=number_from(1e-6, 1000),
+            default=0.1,
+            metavar="MM",
+            help=f"of {of} (default 0.1)",
+        ),
+    )
 
 
-PSI_FROM = group(DAMAGE, arg("--psi-from-mm", type=number_from(1e-6, 1000), default=0.02, metavar="MM",
-                             help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)"))
+PSI_FROM = group(
+    DAMAGE,
+    arg(
+        "--psi-from-mm",
+        type=number_from(1e-6, 1000),
+        default=0.02,
+        metavar="MM",
+        help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)",
+    ),
+)
 
 
 def show(asked, found, describe):
     """Print what a command found, as JSON where that was asked for; describe(found): text."""
-    print(json_text(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
+    print(
+        json_text(found, indent=2)
+        if asked.json
+        else "\n".join(map(one_line, describe(found).split("\n")))
+    )
 
 
 def save(figures, folder, made=""):
-    """Write figures, pairs (name, Figure), with the command that made them; print their paths to stderr, because stdout
-    may be JSON."""
+    """Write figures, pairs (name, Figure), with the command that made them; print their paths to
+    stderr, because stdout may be JSON."""
     from damage.draw.style import save_figures
 
     for path in save_figures(figures, folder, made):

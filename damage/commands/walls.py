@@ -37,17 +37,38 @@ from damage.wall.plan import plan_of
 from damage.wall.plausible import check_plausible
 
 
-@command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", JSON,
-         examples=("", "--json > materials.json"))
+@command(
+    "masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL,"
+    " FORMAT)",
+    JSON,
+    examples=("", "--json > materials.json"),
+)
 def _materials(asked):
     print(json_text(materials.as_dict(), indent=2) if asked.json else materials.describe())
 
 
-@command("natural periods of a wall with intact joints", WALL,
-         group("model", *model_arguments("lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane",
-                                         "brick_mass"), ACCEPTING),
-         JSON, out("folder for a picture of the shapes", required=False),
-         examples=("symmetric", "my_wall.toml --bricks deformable --out pictures"))
+@command(
+    "natural periods of a wall with intact joints",
+    WALL,
+    group(
+        "model",
+        *model_arguments(
+            "lintel",
+            "top",
+            "load",
+            "cells",
+            "contacts",
+            "bricks",
+            "brick_order",
+            "plane",
+            "brick_mass",
+        ),
+        ACCEPTING,
+    ),
+    JSON,
+    out("folder for a picture of the shapes", required=False),
+    examples=("symmetric", "my_wall.toml --bricks deformable --out pictures"),
+)
 def _modes(asked):
     layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
     modes = natural_modes(layout)
@@ -57,23 +78,41 @@ def _modes(asked):
         save([("modes", modes_picture(layout, modes))], asked.out)
     periods = [float(period) for period in modes.period_s]
     if asked.json:
-        print(json_text({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s,
-                          "pier_stress_pa": layout.pier_stress}))
+        print(
+            json_text(
+                {
+                    "period_s": periods,
+                    "critical_time_step_s": modes.critical_time_step_s,
+                    "pier_stress_pa": layout.pier_stress,
+                }
+            )
+        )
         return
     plan = layout.plan
-    print(*as_built.describe_top(layout), *as_built.describe_openings(plan), *as_built.describe_floors(plan),
-          *as_built.describe_lintels(plan), sep="\n")
+    print(
+        *as_built.describe_top(layout),
+        *as_built.describe_openings(plan),
+        *as_built.describe_floors(plan),
+        *as_built.describe_lintels(plan),
+        sep="\n",
+    )
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
 
 
-@command("a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic joints, names of "
-         "piers and spandrels", WALL,
-         group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
-         out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
-              required=False),
-         examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg"))
+@command(
+    "a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic"
+    " joints, names of piers and spandrels",
+    WALL,
+    group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
+    out(
+        "the picture (default: the wall's name, .png, in the working folder)",
+        "FILE.png|FILE.svg|FILE.pdf",
+        required=False,
+    ),
+    examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg"),
+)
 def _draw(asked):
     from damage.draw.preview import wall_preview
     from damage.draw.style import save_picture
@@ -82,11 +121,16 @@ def _draw(asked):
     layout = lay_out(wall, model_of(asked))
     supports = tuple(zip(layout.supports.left, layout.supports.right))
     figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
-    print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"))
+    print(
+        save_picture(
+            figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"
+        )
+    )
 
 
 def plausible_wall(asked, path):
-    """The wall of a file, or of a name, its values checked unless a command's options accept all."""
+    """The wall of a file, or of a name, its values checked unless a command's options accept
+    all."""
     wall = load_wall(path)
     if not asked.accept_implausible:
         check_plausible(wall)
@@ -95,9 +139,11 @@ def plausible_wall(asked, path):
     return wall
 
 
-@command("the JSON Schema of walls as TOML, by which editors complete and check them: put it beside yours, and "
-         "'#:schema ./wall.schema.json' on its first line",
-         examples=("> wall.schema.json", "| less"))
+@command(
+    "the JSON Schema of walls as TOML, by which editors complete and check them: put it beside"
+    " yours, and '#:schema ./wall.schema.json' on its first line",
+    examples=("> wall.schema.json", "| less"),
+)
 def _wall_schema(asked):
     print(json_text(wall_schema(), indent=1))
 
@@ -109,59 +155,104 @@ def _reference(words, quiet):
     return run_reference([*words, *["--quiet"] * (quiet and bool(words))])
 
 
-@command("does this machine compute the published histories, bit for bit? Runs of every kind, under a minute after the "
-         "first compilation; exit status 1 where one differs",
-         arg("runs", metavar="RUN", nargs="*", help="of these alone (default: all short ones)"),
-         flag("--long", "the longer runs, too"),
-         examples=("", "harmonic softening", "--long"))
+@command(
+    "does this machine compute the published histories, bit for bit? Runs of every kind, under a"
+    " minute after the first compilation; exit status 1 where one differs",
+    arg("runs", metavar="RUN", nargs="*", help="of these alone (default: all short ones)"),
+    flag("--long", "the longer runs, too"),
+    examples=("", "harmonic softening", "--long"),
+)
 def _check_bits(asked):
     from damage.mechanics.compiled import COMPILING, is_cached
     from damage.reference import bits
 
     if unknown := sorted(set(asked.runs) - set(bits.CASES)):
-        raise InputError(f"run {unknown[0]}: expected one of {', '.join(bits.CASES)}"
-                         f"{did_you_mean(unknown[0], bits.CASES)}")
+        raise InputError(
+            f"run {unknown[0]}: expected one of {', '.join(bits.CASES)}"
+            f"{did_you_mean(unknown[0], bits.CASES)}"
+        )
     if not is_cached():
         print(COMPILING, flush=True)
     found, known = {}, bits.published()
-    for name in asked.runs or [name for name, case in bits.CASES.items() if asked.long or not case.is_long]:
+    for name in asked.runs or [
+        name for name, case in bits.CASES.items() if asked.long or not case.is_long
+    ]:
         one = bits.digests([name])
         found |= one
         different = bits.differing(one, known).get(name, [])
-        print(f"{name}: {'differs in ' + ', '.join(different) if different else 'equal'}", flush=True)
+        print(
+            f"{name}: {'differs in ' + ', '.join(different) if different else 'equal'}", flush=True
+        )
     print(bits.verdict(found, known))
     return int(bool(bits.differing(found, known)))
 
 
-@command("write a wall file to change: a copy of a wall that ships, under the name of the file; FILE.toml is data and "
-         "never executed",
-         file_arg("file", "FILE.py|FILE.toml"),
-         arg("--from", dest="source", metavar="NAME", default="symmetric", help="the wall that is copied (default "
-              "symmetric); an unknown one lists all"),
-         examples=("my_wall.py", "my_wall.py --from solid"))
+@command(
+    "write a wall file to change: a copy of a wall that ships, under the name of the file;"
+    " FILE.toml is data and never executed",
+    file_arg("file", "FILE.py|FILE.toml"),
+    arg(
+        "--from",
+        dest="source",
+        metavar="NAME",
+        default="symmetric",
+        help="the wall that is copied (default symmetric); an unknown one lists all",
+    ),
+    examples=("my_wall.py", "my_wall.py --from solid"),
+)
 def _new_wall(asked):
     from damage.wall.new import new_wall
 
     path = new_wall(asked.file, asked.source)
-    print(f"{path}: change its numbers, then: python3 -m damage reference {path} --harmonic 0.2 0.05")
+    print(
+        f"{path}: change its numbers, then: python3 -m damage reference {path} --harmonic 0.2 0.05"
+    )
 
 
-@command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
-         "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
-         "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
-         "ships, as BGAR_HGE"), group("preparation of the record", *PREPARATION, arg(
-             "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (of `modes`): "
-             "also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
-         JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")),
-         examples=("BGAR_HGE", "record.csv --window 17 27 --plot record.png"))
+@command(
+    "intensity measures of a ground-motion record as a run with these options applies it: nothing"
+    " is filtered unless --band is given",
+    file_arg(
+        "record",
+        "FILE|NAME",
+        "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, acc_gal or acc_g; or --unit; semicolons"
+        " and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as BGAR_HGE",
+    ),
+    group(
+        "preparation of the record",
+        *PREPARATION,
+        arg(
+            "--period",
+            type=number_from(*PERIODS_S),
+            metavar="T1_S",
+            help=(
+                "first period of a wall (of `modes`): also Sa there, of the motion as that wall"
+                " gets it, interpolated where its steps are coarse"
+            ),
+        ),
+    ),
+    JSON,
+    output(
+        file_arg(
+            "--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"
+        )
+    ),
+    examples=("BGAR_HGE", "record.csv --window 17 27 --plot record.png"),
+)
 def _record(asked):
     loading = recorded(asked)
     if asked.period is not None:
         loading = loading.for_period(asked.period)
     found = intensity.motion_summary(loading, asked.period)
-    warn(*implausible_motion(loading), *filter(None, (
-        implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))),
-         *faint_warnings(found["pga_g"]), *record_warnings(loading), *intensity.end_warnings(loading.applied()))
+    warn(
+        *implausible_motion(loading),
+        *filter(
+            None, (implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))
+        ),
+        *faint_warnings(found["pga_g"]),
+        *record_warnings(loading),
+        *intensity.end_warnings(loading.applied()),
+    )
     if asked.plot:
         from damage.draw.motion import motion_picture
         from damage.draw.style import save_picture

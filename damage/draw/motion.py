@@ -1,4 +1,5 @@
-"""Picture of a ground motion: its acceleration and velocity over time, and its response spectrum."""
+"""Picture of a ground motion: its acceleration and velocity over time, and its response
+spectrum."""
 
 from textwrap import fill
 
@@ -12,21 +13,24 @@ from damage.motion.intensity import SPECTRUM_PERIODS_S, response_spectrum
 from damage.units import GRAVITY
 
 PERIODS_S = np.union1d(np.geomspace(0.02, 2.0, 80), SPECTRUM_PERIODS_S)
-"""Periods at which the line of the spectrum is evaluated [s], those of the printed ordinates among them."""
+"""Periods at which the line of the spectrum is evaluated [s], those of the printed ordinates among
+them."""
 LABELLED_S = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2)
 DAMPING = 0.05
 
 
 @styled
 def motion_picture(loading, measures):
-    """Figure of a motion as a run applies it: acceleration [g], velocity [cm/s] and 5 % response spectrum [g].
+    """Figure of a motion as a run applies it: acceleration [g], velocity [cm/s] and 5 % response
+    spectrum [g].
 
-    loading: a `damage.motion.loading.Recorded`; measures: its `damage.motion.intensity.motion_summary`, whose peaks are
-    in the titles and whose spectral ordinates are marked.  The velocity starts from rest, as that of a run's base.
-    """
+    loading: a `damage.motion.loading.Recorded`; measures: its
+    `damage.motion.intensity.motion_summary`, whose peaks are in the titles and whose spectral
+    ordinates are marked.  The velocity starts from rest, as that of a run's base."""
     record = loading.applied()
-    velocity_cm_s = 100.0 * scipy.integrate.cumulative_trapezoid(record.acceleration_m_s2, dx=record.time_step_s,
-                                                                 initial=0.0)
+    velocity_cm_s = 100.0 * scipy.integrate.cumulative_trapezoid(
+        record.acceleration_m_s2, dx=record.time_step_s, initial=0.0
+    )
     figure, (acceleration, velocity, spectrum) = new_figure(1.35 * COLUMN_WIDTH, 3)
     _over_time(acceleration, record.time_s, record.acceleration_m_s2 / GRAVITY, "acceleration [g]")
     letter(acceleration, 0, f"PGA {measures['pga_g']:.3g} g")
@@ -35,12 +39,19 @@ def motion_picture(loading, measures):
     letter(velocity, 1, f"PGV {measures['pgv_cm_s']:.3g} cm/s")
     spectrum.plot(PERIODS_S, response_spectrum(record, PERIODS_S, DAMPING), color=BLUE)
     spectrum.plot(SPECTRUM_PERIODS_S, list(measures["sa_g"].values()), "o", color=BLUE, ms=2.5)
-    spectrum.set(xscale="log", xlim=(PERIODS_S[0], PERIODS_S[-1]), xlabel="period [s]", ylabel="Sa [g]")
+    spectrum.set(
+        xscale="log", xlim=(PERIODS_S[0], PERIODS_S[-1]), xlabel="period [s]", ylabel="Sa [g]"
+    )
     spectrum.set_xticks(LABELLED_S, list(map("{:g}".format, LABELLED_S)))
     from_zero(spectrum)
     letter(spectrum, 2, f"spectrum, {100 * DAMPING:g} % damping; points: ordinates as printed")
-    steps = preparation(measures["scale"], measures["window_s"], measures["baseline_order"], measures["band_hz"],
-                        measures["interpolated_for_s"])
+    steps = preparation(
+        measures["scale"],
+        measures["window_s"],
+        measures["baseline_order"],
+        measures["band_hz"],
+        measures["interpolated_for_s"],
+    )
     steps = ", ".join(steps if measures["band_hz"] else [*steps, "not filtered"])
     figure.suptitle(fill(f"{loading.record.name}: {steps}", TITLE_CHARACTERS), x=0.02, ha="left")
     return figure

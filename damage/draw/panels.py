@@ -1,13 +1,16 @@
-"""Parts of the figures of studies: grids of panels, headings, legends, the slip criterion in words."""
+"""Parts of the figures of studies: grids of panels, headings, legends, the slip criterion in
+words."""
 
 from matplotlib.figure import Figure
 
 from damage.draw.style import COLUMN_WIDTH, legend_below, put_title
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
-SLIP_LABELS = {"displacement": "slipped: offset by more than 0.1 mm",
-               "accumulated": "slipped: accumulated more than 0.1 mm while closed",
-               "shear-limit": "slipped: ever at the shear limit"}
+SLIP_LABELS = {
+    "displacement": "slipped: offset by more than 0.1 mm",
+    "accumulated": "slipped: accumulated more than 0.1 mm while closed",
+    "shear-limit": "slipped: ever at the shear limit",
+}
 
 
 def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):
@@ -18,7 +21,9 @@ def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):
 
 def add_heading(figure, *lines):
     """Add title lines at the left; the figure grows by their height."""
-    put_title(figure, filter(None, lines), round(64 * figure.get_size_inches()[0] / COLUMN_WIDTH), 0.01)
+    put_title(
+        figure, filter(None, lines), round(64 * figure.get_size_inches()[0] / COLUMN_WIDTH), 0.01
+    )
 
 
 def finish(figure, handles, columns=4):
@@ -45,4 +50,6 @@ def letter(ax, number, text=""):
     number: of the panel in its figure, from zero.
     """
     rounds, place = divmod(number, 26)
-    ax.set_title(f"({chr(ord('a') + place) * (rounds + 1)}) {text}".rstrip(), loc="left", fontsize=7)
+    ax.set_title(
+        f"({chr(ord('a') + place) * (rounds + 1)}) {text}".rstrip(), loc="left", fontsize=7
+    )

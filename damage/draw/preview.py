@@ -1,5 +1,5 @@
-"""Picture of a wall before it is run: bricks, sizes of openings, supports, masses, elastic joints, names of piers and
-spandrels."""
+"""Picture of a wall before it is run: bricks, sizes of openings, supports, masses, elastic joints,
+names of piers and spandrels."""
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
@@ -24,21 +24,41 @@ _LABELS = 0.45  # [inch] that ticks and labels take beside and below
 def wall_preview(plan, bodies, joints, supports=()):
     """Figure of a wall in true scale.
 
-    plan: its damage.wall.plan.Plan; bodies, joints: tables as of a Layout or a History (`damage.wall.geometry`);
-    supports: (left, right) [m] of the parts of the base that carry by themselves, none for one below all.
+    plan: its damage.wall.plan.Plan; bodies, joints: tables as of a Layout or a History
+    (`damage.wall.geometry`); supports: (left, right) [m] of the parts of the base that carry by
+    themselves, none for one below all.
     """
     wall, (figure, ax) = plan.wall, style.new_figure(1.0)
-    corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])
+    corners, kinds = (
+        body_corners(bodies, np.zeros((len(bodies), 3))),
+        kinds_of_bodies(bodies["course"]),
+    )
     elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
     for kind, face in style.BODY_COLOURS.items():
-        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=face, edgecolors=_edge(kind),
-                                         linewidths=0.3))
-    ax.add_collection(LineCollection(tributary_ends(joints[elastic]), colors=style.GREEN, linewidths=0.6))
-    handles = [Patch(facecolor=style.BRICK_COLOUR, edgecolor=_edge("bricks"), label="bricks"),
-               Patch(facecolor=style.GROUND_COLOUR,
-                     label="support" if len(supports) < 2 else f"{len(supports)} supports")]
-    handles += [Patch(facecolor=style.BODY_COLOURS[kind], edgecolor=_edge(kind), label=label) for kind, label in (
-        ("masses", "rigid masses"), ("slabs", "concrete floors"), ("lintels", "lintels")) if (kinds == kind).any()]
+        ax.add_collection(
+            PolyCollection(
+                corners[kinds == kind], facecolors=face, edgecolors=_edge(kind), linewidths=0.3
+            )
+        )
+    ax.add_collection(
+        LineCollection(tributary_ends(joints[elastic]), colors=style.GREEN, linewidths=0.6)
+    )
+    handles = [
+        Patch(facecolor=style.BRICK_COLOUR, edgecolor=_edge("bricks"), label="bricks"),
+        Patch(
+            facecolor=style.GROUND_COLOUR,
+            label="support" if len(supports) < 2 else f"{len(supports)} supports",
+        ),
+    ]
+    handles += [
+        Patch(facecolor=style.BODY_COLOURS[kind], edgecolor=_edge(kind), label=label)
+        for kind, label in (
+            ("masses", "rigid masses"),
+            ("slabs", "concrete floors"),
+            ("lintels", "lintels"),
+        )
+        if (kinds == kind).any()
+    ]
     if elastic.any():
         handles.append(Line2D([], [], color=style.GREEN, lw=0.6, label="elastic joints (lintel)"))
     if wall.outline:
@@ -47,16 +67,31 @@ def wall_preview(plan, bodies, joints, supports=()):
     handles += _draw_floors(ax, plan)
     depth = GROUND_DEPTH * wall.built_height
     for left, right in supports or ((0.0, wall.length),):
-        ax.add_patch(Rectangle((left, -depth), right - left, depth, facecolor=style.GROUND_COLOUR, edgecolor=style.DARK,
-                               linewidth=0.3))
+        ax.add_patch(
+            Rectangle(
+                (left, -depth),
+                right - left,
+                depth,
+                facecolor=style.GROUND_COLOUR,
+                edgecolor=style.DARK,
+                linewidth=0.3,
+            )
+        )
     _size_openings(ax, plan)
     _name_parts(ax, plan)
     points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
     highest, margin = points[:, 1].max(), 0.03 * max(wall.length, points[:, 1].max())
-    ax.set(xlim=(-margin, wall.length + margin), ylim=(-depth, highest + 1.5 * margin), aspect="equal", xlabel="x [m]",
-           ylabel="z [m]")
+    ax.set(
+        xlim=(-margin, wall.length + margin),
+        ylim=(-depth, highest + 1.5 * margin),
+        aspect="equal",
+        xlabel="x [m]",
+        ylabel="z [m]",
+    )
     ratio = (highest + 1.5 * margin + depth) / (wall.length + 2 * margin)
-    figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3)
+    figure.set_size_inches(
+        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3
+    )
     figure.suptitle(title_of(wall, bodies, joints), x=0.02, ha="left")
     style.legend_below(figure, handles, columns=3)
     style.settle_layout(figure)
@@ -67,9 +102,15 @@ def title_of(wall, bodies, joints):
     """Two lines about a wall: name and sizes; bricks, joints, mass on top."""
     n_bricks = int(np.sum(kinds_of_bodies(bodies["course"]) == "bricks"))
     kinds = joints["kind"].isin(("bed", "head"))
-    return (f"{wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.brick.thickness:.3g} m thick\n"
-            f"{n_bricks} bricks, {joints['length_m'][kinds].sum():.2f} m of joints, "
-            + (f"precompression {wall.precompression / 1e6:g} MPa" if wall.precompression else "no precompression"))
+    return (
+        f"{wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.brick.thickness:.3g} m"
+        f" thick\n{n_bricks} bricks, {joints['length_m'][kinds].sum():.2f} m of joints, "
+        + (
+            f"precompression {wall.precompression / 1e6:g} MPa"
+            if wall.precompression
+            else "no precompression"
+        )
+    )
 
 
 def _edge(kind):
@@ -78,13 +119,24 @@ def _edge(kind):
 
 
 def _draw_floors(ax, plan):
-    """Timber floors as lines with their masses, the masses of slabs; returns the legend's handles."""
+    """Timber floors as lines with their masses, the masses of slabs; returns the legend's
+    handles."""
     for floor, left, right, _, above in plan.floors:
         level = above * plan.wall.brick.height
         if not floor.is_body:
-            ax.plot([left, right], [level, level], color=style.VERMILLION, lw=1.6, solid_capstyle="butt")
-        ax.text((left + right) / 2, level, f"{floor.mass / TONNE:.3g} t ({floor.mass * GRAVITY / KILO:.3g} kN)",
-                color=style.VERMILLION, fontsize=5.5, ha="center", va="bottom", bbox=_PAPER)
+            ax.plot(
+                [left, right], [level, level], color=style.VERMILLION, lw=1.6, solid_capstyle="butt"
+            )
+        ax.text(
+            (left + right) / 2,
+            level,
+            f"{floor.mass / TONNE:.3g} t ({floor.mass * GRAVITY / KILO:.3g} kN)",
+            color=style.VERMILLION,
+            fontsize=5.5,
+            ha="center",
+            va="bottom",
+            bbox=_PAPER,
+        )
     timber = len(plan.floors) > len(plan.slabs)
     return [Line2D([], [], color=style.VERMILLION, lw=1.6, label="timber floors")] if timber else []
 
@@ -95,26 +147,48 @@ def _size_openings(ax, plan):
         low, high = part.built
         sill = f"\nsill {low:.4g}" if low else ""
         upright = part.length < min(NARROW * plan.wall.length, high - low)
-        ax.text((opening.left + opening.right) / 2, (low + high) / 2, f"{part.length:.4g} x {high - low:.4g}{sill}",
-                color=style.DARK, fontsize=5.5, ha="center", va="center", rotation=90 * upright, bbox=_PAPER)
+        ax.text(
+            (opening.left + opening.right) / 2,
+            (low + high) / 2,
+            f"{part.length:.4g} x {high - low:.4g}{sill}",
+            color=style.DARK,
+            fontsize=5.5,
+            ha="center",
+            va="center",
+            rotation=90 * upright,
+            bbox=_PAPER,
+        )
 
 
 def _name_parts(ax, plan):
-    """P1, P2 ... on the piers of each row of openings, from the base upwards, S1, S2 ... on the spandrels above."""
+    """P1, P2 ... on the piers of each row of openings, from the base upwards, S1, S2 ... on the
+    spandrels above."""
     h = plan.wall.brick.height
-    named = {"color": style.BLUE, "fontsize": 7, "ha": "center", "va": "center", "fontweight": "bold", "bbox": _PAPER}
+    named = {
+        "color": style.BLUE,
+        "fontsize": 7,
+        "ha": "center",
+        "va": "center",
+        "fontweight": "bold",
+        "bbox": _PAPER,
+    }
     piers = [(course, run) for course in _pier_courses(plan) for run in plan.runs[course]]
     for number, (course, (left, right)) in enumerate(piers, start=1):
         ax.text((left + right) / 2, (course + 0.5) * h, f"P{number}", **named)
     above = sorted((one.above, one.spandrel, one.left, one.right) for one in plan.openings)
     spandrels = [one for one in above if one[1] > one[0]]
     for number, (first, last, left, right) in enumerate(spandrels, start=1):
-        ax.text((left + right) / 2, (first + min(last, first + HIGHEST_NAME)) / 2 * h, f"S{number}", **named)
+        ax.text(
+            (left + right) / 2,
+            (first + min(last, first + HIGHEST_NAME)) / 2 * h,
+            f"S{number}",
+            **named,
+        )
 
 
 def _pier_courses(plan):
-    """A course in the middle of each row of openings, upwards; openings of a row have courses in common.  The wall's
-    middle course where it has none."""
+    """A course in the middle of each row of openings, upwards; openings of a row have courses in
+    common.  The wall's middle course where it has none."""
     rows = []
     for first, above in sorted((one.first, one.above) for one in plan.openings):
         if rows and first < rows[-1][1]:
@@ -142,8 +216,12 @@ def modes_picture(layout, modes):
         if number < n:
             _draw_mode(ax, layout, modes.shape[number, :, :3])
             ax.set_title(f"mode {number + 1}: {modes.period_s[number]:.4f} s", fontsize="medium")
-    figure.suptitle(f"{layout.wall.name}: natural modes with intact joints; critical time step "
-                    f"{modes.critical_time_step_s:.3g} s", x=0.02, ha="left")
+    figure.suptitle(
+        f"{layout.wall.name}: natural modes with intact joints; critical time step "
+        f"{modes.critical_time_step_s:.3g} s",
+        x=0.02,
+        ha="left",
+    )
     return figure
 
 
@@ -155,12 +233,22 @@ def _draw_mode(ax, layout, shape):
     largest = np.hypot(moved[..., 0], moved[..., 1]).max()
     corners = rest + moved * VISIBLE_SHARE * layout.wall.built_height / largest
     kinds = kinds_of_bodies(layout.bodies.course)
-    ax.add_collection(PolyCollection(rest[kinds == "bricks"], facecolors="none", edgecolors="0.85", linewidths=0.3))
+    ax.add_collection(
+        PolyCollection(
+            rest[kinds == "bricks"], facecolors="none", edgecolors="0.85", linewidths=0.3
+        )
+    )
     for kind, colour in style.BODY_COLOURS.items():
-        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=colour, edgecolors=style.DARK,
-                                         linewidths=0.25))
+        ax.add_collection(
+            PolyCollection(
+                corners[kinds == kind], facecolors=colour, edgecolors=style.DARK, linewidths=0.25
+            )
+        )
     ax.axhline(0, color=style.GROUND_COLOUR, lw=2, zorder=0)
     margin = 1.2 * VISIBLE_SHARE * layout.wall.built_height
     points = rest.reshape(-1, 2)
-    ax.set(xlim=(points[:, 0].min() - margin, points[:, 0].max() + margin),
-           ylim=(-margin / 2, points[:, 1].max() + margin), aspect="equal")
+    ax.set(
+        xlim=(points[:, 0].min() - margin, points[:, 0].max() + margin),
+        ylim=(-margin / 2, points[:, 1].max() + margin),
+        aspect="equal",
+    )

@@ -22,38 +22,58 @@ from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import has_stresses, principal_stresses
 from damage.measure.cycles import shocks_table
-from damage.measure.energy import energy_error_of, energy_groups, energy_scale, imbalance, known_energies
+from damage.measure.energy import (
+    energy_error_of,
+    energy_groups,
+    energy_scale,
+    imbalance,
+    known_energies,
+)
 from damage.measure.joint_stress import contact_forces, sections, sections_table
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners, kinds_of_bodies
 
-JOINT_COLOURS = {"elastic": style.GREEN, "intact": "0.8", "broken": "0.5", "slipped": style.BLUE,
-                 "opened": style.ORANGE, "both": style.BLACK}
+JOINT_COLOURS = {
+    "elastic": style.GREEN,
+    "intact": "0.8",
+    "broken": "0.5",
+    "slipped": style.BLUE,
+    "opened": style.ORANGE,
+    "both": style.BLACK,
+}
 SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
 """{slip criterion: its note in a legend}."""
-THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}  # [pt], width of lines of joints that are not cracked
+# [pt], width of lines of joints that are not cracked
+THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}
 KERN = 1 / 6
 """Largest eccentricity over the length of a section that is pressed all over."""
 DASHES = {"elastic": (0, (3, 2))}
 """{state: dashes} of lines that are not solid, in widths of the line."""
 
-DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) for name, number, label, line in (
-    ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),
-    ("korswagen_clay", 0, "light damage begins, clay (Korswagen)", "-."),
-    ("graziotti", 0, "no damage up to here (Graziotti et al.)", "--"),
-    ("graziotti", 1, "minor structural damage (Graziotti et al.)", "-"))]
-"""Drift ratios [%] from tests of Dutch masonry, label, line; `damage.measure.limits` has their sources."""
+DRIFT_LIMITS_PCT = [
+    (100 * bound(f"drift_class_{name}", number), label, line)
+    for name, number, label, line in (
+        ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),
+        ("korswagen_clay", 0, "light damage begins, clay (Korswagen)", "-."),
+        ("graziotti", 0, "no damage up to here (Graziotti et al.)", "--"),
+        ("graziotti", 1, "minor structural damage (Graziotti et al.)", "-"),
+    )
+]
+"""Drift ratios [%] from tests of Dutch masonry, label, line; `damage.measure.limits` has their
+sources."""
 LIMITS_UP_TO_PCT = 0.6  # at a larger scale they would merge
 
 ENERGIES = {  # of `energy_groups`: label, colour, line
-    "input_energy_j": ("supplied", style.BLACK, "-"), "stored_energy_j": ("stored", style.BLUE, "-"),
+    "input_energy_j": ("supplied", style.BLACK, "-"),
+    "stored_energy_j": ("stored", style.BLUE, "-"),
     "dissipated_energy_j": ("dissipated in joints", style.VERMILLION, "--"),
     "damping_energy_j": ("damped", style.ORANGE, ":"),
 }
 
 
 # --- the wall ------------------------------------------------------------------------------------
+
 
 @style.styled
 def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
@@ -65,16 +85,21 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     """
     shape = wall_shape(history, sample, slip, threshold, magnify)
     figure, ax = style.new_figure(1.0)
-    return _with_words(figure, draw_wall(ax, shape), history, _moment(shape, sample),
-                       joint_handles(shape, slip, threshold))
+    return _with_words(
+        figure,
+        draw_wall(ax, shape),
+        history,
+        _moment(shape, sample),
+        joint_handles(shape, slip, threshold),
+    )
 
 
 def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, magnify=None):
-    """Draw the wall with its cracks into axes of a figure of yours, in true scale; returns the WallShape that is drawn,
-    of which `joint_handles` makes a legend.
+    """Draw the wall with its cracks into axes of a figure of yours, in true scale; returns the
+    WallShape that is drawn, of which `joint_handles` makes a legend.
 
-    t: time [s], of which the nearest sample is drawn; "max" (of the damage index) or "end"; other arguments as of
-    `wall_picture`.  InputError for a time outside the run.
+    t: time [s], of which the nearest sample is drawn; "max" (of the damage index) or "end"; other
+    arguments as of `wall_picture`.  InputError for a time outside the run.
     """
     sample = t if t in ("max", "end") else sample_at(history, t)
     shape = wall_shape(history, sample, slip, threshold, magnify)
@@ -85,9 +110,12 @@ def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, ma
 
 
 def _with_words(figure, ratio, history, lines, handles):
-    """Fit the figure of a wall to its axes (ratio: height over width), and add title lines and a legend."""
+    """Fit the figure of a wall to its axes (ratio: height over width), and add title lines and a
+    legend."""
     labels = 0.45  # [inch] that ticks and labels take beside and below
-    figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
+    figure.set_size_inches(
+        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels
+    )
     style.add_title(figure, history, *lines)
     style.legend_below(figure, handles, columns=3)
     style.settle_layout(figure)
@@ -97,44 +125,77 @@ def _with_words(figure, ratio, history, lines, handles):
 def has_heap(history):
     """Whether a History's bodies were followed beyond its collapse (`--after-fall`)."""
     times = history.snapshot_time_s
-    return history.collapsed_at_s is not None and len(times) > 0 and times[-1] > history.series["time_s"].iloc[-1]
+    return (
+        history.collapsed_at_s is not None
+        and len(times) > 0
+        and times[-1] > history.series["time_s"].iloc[-1]
+    )
 
 
 @style.styled
 def heap_picture(history):
-    """Figure of all bodies at the last snapshot, in true scale and not magnified, over the outline of the wall.
+    """Figure of all bodies at the last snapshot, in true scale and not magnified, over the outline
+    of the wall.
 
     Raises InputError where the run ended at its collapse.
     """
     if not has_heap(history):
-        raise InputError(f"{history.path} follows no brick beyond a collapse; expected a run with --new-contacts "
-                         "--after-fall whose wall fell; run it again with both")
+        raise InputError(
+            f"{history.path} follows no brick beyond a collapse; expected a run with --new-contacts"
+            " --after-fall whose wall fell; run it again with both"
+        )
     motion = history.displacement[-1].astype(float)
-    before, now = body_corners(history.bodies, np.zeros_like(motion)), body_corners(history.bodies, motion)
+    before, now = (
+        body_corners(history.bodies, np.zeros_like(motion)),
+        body_corners(history.bodies, motion),
+    )
     kinds = kinds_of_bodies(history.bodies["course"])
     figure, ax = style.new_figure(1.0)
-    layers = [(before, "none", "0.8", "where they were"),
-              *((now[kinds == kind], colour, "none", style.BODY_WORDS.get(kind, kind))
-                for kind, colour in style.BODY_COLOURS.items() if (kinds == kind).any()),
-              (now, "none", style.DARK, None)]
+    layers = [
+        (before, "none", "0.8", "where they were"),
+        *(
+            (now[kinds == kind], colour, "none", style.BODY_WORDS.get(kind, kind))
+            for kind, colour in style.BODY_COLOURS.items()
+            if (kinds == kind).any()
+        ),
+        (now, "none", style.DARK, None),
+    ]
     for corners, face, edge, label in layers:  # all edges above all faces
-        ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.3, label=label))
+        ax.add_collection(
+            PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.3, label=label)
+        )
     after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
-    handles = [Patch(facecolor=face, edgecolor=style.DARK if edge == "none" else edge, linewidth=0.3, label=label)
-               for _, face, edge, label in layers if label]
-    return _with_words(figure, show_all(ax, before, now), history,
-                       [f"{after_s:.2f} s after the first brick fell, not magnified"], handles)
+    handles = [
+        Patch(
+            facecolor=face,
+            edgecolor=style.DARK if edge == "none" else edge,
+            linewidth=0.3,
+            label=label,
+        )
+        for _, face, edge, label in layers
+        if label
+    ]
+    return _with_words(
+        figure,
+        show_all(ax, before, now),
+        history,
+        [f"{after_s:.2f} s after the first brick fell, not magnified"],
+        handles,
+    )
 
 
 @style.styled
 def stress_picture(history, sample="max", slip="displacement", threshold=THRESHOLD):
-    """Principal stresses at the centres of deformable bricks, in true scale: lines along them, as long as they are
-    large; arguments as of `wall_picture`.
+    """Principal stresses at the centres of deformable bricks, in true scale: lines along them, as
+    long as they are large; arguments as of `wall_picture`.
 
     InputError where bricks are rigid.
     """
     if history.stress_pa is None:
-        raise InputError(f"{history.path} has no stresses: expected a run with --bricks deformable; run it again so")
+        raise InputError(
+            f"{history.path} has no stresses: expected a run with --bricks deformable; run it"
+            " again so"
+        )
     shape = wall_shape(history, sample, slip, threshold, magnify=0.0)
     at = int(np.abs(history.snapshot_time_s - shape.time_s).argmin())
     bricks = shape.kinds == "bricks"
@@ -144,24 +205,40 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
     centre = shape.corners[bricks].mean(axis=1)
     figure, ax = _figure_of_bodies(shape.corners, shape.kinds)
     for values, direction in zip(stress, (angle, angle + np.pi / 2)):
-        half = 0.5 * scale * np.abs(values)[:, None] * np.column_stack([np.cos(direction), np.sin(direction)])
+        half = (
+            0.5
+            * scale
+            * np.abs(values)[:, None]
+            * np.column_stack([np.cos(direction), np.sin(direction)])
+        )
         _draw_lines(ax, centre, half, values > 0, 0.5)
-    handles = [_line_handle(style.VERMILLION, f"tension, up to {max(stress.max(), 0.0) / 1e6:.2g} MPa"),
-               _line_handle(style.BLUE, f"compression, up to {max(-stress.min(), 0.0) / 1e6:.2g} MPa")]
-    return _with_words(figure, show_all(ax, shape.corners), history,
-                       [f"principal stresses at the bricks' centres, {history.snapshot_time_s[at]:.2f} s"], handles)
+    handles = [
+        _line_handle(style.VERMILLION, f"tension, up to {max(stress.max(), 0.0) / 1e6:.2g} MPa"),
+        _line_handle(style.BLUE, f"compression, up to {max(-stress.min(), 0.0) / 1e6:.2g} MPa"),
+    ]
+    return _with_words(
+        figure,
+        show_all(ax, shape.corners),
+        history,
+        [f"principal stresses at the bricks' centres, {history.snapshot_time_s[at]:.2f} s"],
+        handles,
+    )
 
 
 @style.styled
 def contact_force_picture(history, moment="max"):
-    """Figure of the undeformed wall in true scale: at each contact point a line along its force, as long as that is
-    large; over piers and arches where the thrust passes, and the middle third of their sections.
+    """Figure of the undeformed wall in true scale: at each contact point a line along its force, as
+    long as that is large; over piers and arches where the thrust passes, and the middle third of
+    their sections.
 
     InputError where the run kept no stresses.
     """
     (sample,), bodies = choose_samples(history, [moment]), history.bodies
     force, place = contact_forces(history, sample), history.joints[["x_m", "z_m"]].to_numpy()
-    corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])
+    corners, kinds = (
+        body_corners(bodies, np.zeros((len(bodies), 3))),
+        kinds_of_bodies(bodies["course"]),
+    )
     figure, ax = _figure_of_bodies(corners, kinds)
     size = np.hypot(*force.T)
     largest = max(size.max(), 1.0)
@@ -169,26 +246,51 @@ def contact_force_picture(history, moment="max"):
     pulls = history.joint_stress_pa[sample, :, 0] > 0
     _draw_lines(ax, place, half, pulls, 0.6)
     _draw_thrust(ax, history, moment)
-    handles = [*(_line_handle(colour, f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
-                 for colour, label, of in ((style.BLUE, "compression", ~pulls), (style.VERMILLION, "tension", pulls))),
-               _line_handle(style.BLACK, "thrust"),
-               Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third")]
+    handles = [
+        *(
+            _line_handle(colour, f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
+            for colour, label, of in (
+                (style.BLUE, "compression", ~pulls),
+                (style.VERMILLION, "tension", pulls),
+            )
+        ),
+        _line_handle(style.BLACK, "thrust"),
+        Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third"),
+    ]
     time_s = history.series["time_s"].iloc[sample]
-    return _with_words(figure, show_all(ax, corners), history, [f"contact forces, {moment}: {time_s:.3f} s"], handles)
+    return _with_words(
+        figure,
+        show_all(ax, corners),
+        history,
+        [f"contact forces, {moment}: {time_s:.3f} s"],
+        handles,
+    )
 
 
 def _figure_of_bodies(corners, kinds):
     """A figure of bodies under lines of forces, and its axes."""
     figure, ax = style.new_figure(1.0)
-    ax.add_collection(PolyCollection(corners, facecolors=[style.BODY_COLOURS[kind] for kind in kinds],
-                                     edgecolors="0.85", linewidths=0.2))
+    ax.add_collection(
+        PolyCollection(
+            corners,
+            facecolors=[style.BODY_COLOURS[kind] for kind in kinds],
+            edgecolors="0.85",
+            linewidths=0.2,
+        )
+    )
     return figure, ax
 
 
 def _draw_lines(ax, middle, half, pulls, width_pt):
-    """Draw lines about their middles; half of each, (n, 2) [m]; pulls: (n,), which are under tension."""
-    ax.add_collection(LineCollection(np.stack([middle - half, middle + half], axis=1), linewidths=width_pt,
-                                     colors=np.where(pulls, style.VERMILLION, style.BLUE)))
+    """Draw lines about their middles; half of each, (n, 2) [m]; pulls: (n,), which are under
+    tension."""
+    ax.add_collection(
+        LineCollection(
+            np.stack([middle - half, middle + half], axis=1),
+            linewidths=width_pt,
+            colors=np.where(pulls, style.VERMILLION, style.BLUE),
+        )
+    )
 
 
 def _line_handle(colour, label):
@@ -196,7 +298,8 @@ def _line_handle(colour, label):
 
 
 def _draw_thrust(ax, history, moment):
-    """Draw the thrust lines of the parts, broken where a section is under tension, or the thrust outside of it."""
+    """Draw the thrust lines of the parts, broken where a section is under tension, or the thrust
+    outside of it."""
     table = sections_table(history, [moment]).set_index(["part", "place_m"])
     found = {}
     for part, left, right, is_bed, across, _ in sections(history):
@@ -217,32 +320,62 @@ def _draw_thrust(ax, history, moment):
 def draw_wall(ax, shape):
     """Draw a WallShape in true scale; returns height over width of the axes."""
     for kind, colour in style.BODY_COLOURS.items():
-        ax.add_collection(PolyCollection(shape.corners[shape.kinds == kind], facecolors=colour, linewidths=0.2,
-                                         edgecolors=colour if kind == "lintels" else "0.75", label=kind, zorder=1))
+        ax.add_collection(
+            PolyCollection(
+                shape.corners[shape.kinds == kind],
+                facecolors=colour,
+                linewidths=0.2,
+                edgecolors=colour if kind == "lintels" else "0.75",
+                label=kind,
+                zorder=1,
+            )
+        )
     for layer, state in enumerate(DRAWN, start=2):
         chosen = shape.select(state)
         widths = [THIN[state]] if state in THIN else shape.line_width(chosen)
-        ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
-                                         linewidths=widths, linestyles=DASHES.get(state, "-"), capstyle="butt",
-                                         zorder=layer))
+        ax.add_collection(
+            LineCollection(
+                shape.segments[chosen],
+                colors=JOINT_COLOURS[state],
+                label=state,
+                linewidths=widths,
+                linestyles=DASHES.get(state, "-"),
+                capstyle="butt",
+                zorder=layer,
+            )
+        )
     if not shape.ground_moves:
         return show_all(ax, shape.corners)
-    ax.add_collection(PolyCollection(shape.supports, facecolors=style.GROUND_COLOUR, edgecolors=style.DARK,
-                                     linewidths=0.3, label="supports", zorder=0))
+    ax.add_collection(
+        PolyCollection(
+            shape.supports,
+            facecolors=style.GROUND_COLOUR,
+            edgecolors=style.DARK,
+            linewidths=0.3,
+            label="supports",
+            zorder=0,
+        )
+    )
     ax.axhline(0, color=style.DARK, lw=0.4, ls=":", zorder=0)
     return show_all(ax, shape.corners, shape.supports, ground=False)
 
 
 def show_all(ax, *corners, ground=True):
-    """Set axes in true scale that contain all corners, (..., 2) [m], with the ground if asked for; returns their height
-    over width."""
+    """Set axes in true scale that contain all corners, (..., 2) [m], with the ground if asked for;
+    returns their height over width."""
     points = np.concatenate([some.reshape(-1, 2) for some in corners])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()
     low, high = np.minimum(low, 0) - margin, high + margin
     if ground:
         ax.axhspan(low[1], 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
+    ax.set(
+        xlim=(low[0], high[0]),
+        ylim=(low[1], high[1]),
+        aspect="equal",
+        xlabel="x [m]",
+        ylabel="z [m]",
+    )
     return (high[1] - low[1]) / (high[0] - low[0])
 
 
@@ -258,28 +391,59 @@ def _moment(shape, sample):
 
 def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
     """Legend entries: states of joints, areas in the picture, widths of lines."""
-    labels = {"opened": "opened", "slipped": "slipped" + SLIP_NOTES[slip],
-              "both": "opened and slipped", "broken": f"failed, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
+    labels = {
+        "opened": "opened",
+        "slipped": "slipped" + SLIP_NOTES[slip],
+        "both": "opened and slipped",
+        "broken": f"failed, ≤ {threshold / MILLIMETRE:g} mm",
+        "intact": "intact",
+    }
     labels |= {"elastic": "elastic, cannot fail"} if shape.elastic.any() else {}
     width = line_width(0.5 * MILLIMETRE, shape.widest_pt)
-    areas = {**{words: ((shape.kinds == kind).any(), style.BODY_COLOURS[kind], "none")
-                for kind, words in style.BODY_WORDS.items()},
-             "supports": (shape.ground_moves, style.GROUND_COLOUR, style.DARK)}
+    areas = {
+        **{
+            words: ((shape.kinds == kind).any(), style.BODY_COLOURS[kind], "none")
+            for kind, words in style.BODY_WORDS.items()
+        },
+        "supports": (shape.ground_moves, style.GROUND_COLOUR, style.DARK),
+    }
     return [
-        *(Line2D([], [], color=JOINT_COLOURS[state], lw=THIN.get(state, width), ls=DASHES.get(state, "-"), label=label)
-          for state, label in labels.items()),
-        *(Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
-          for label, (is_there, face, edge) in areas.items() if is_there),
-        *(Line2D([], [], color=style.DARK, lw=line_width(mm * MILLIMETRE, shape.widest_pt), label=label)
-          for mm, label in legend_widths_mm(shape)),
+        *(
+            Line2D(
+                [],
+                [],
+                color=JOINT_COLOURS[state],
+                lw=THIN.get(state, width),
+                ls=DASHES.get(state, "-"),
+                label=label,
+            )
+            for state, label in labels.items()
+        ),
+        *(
+            Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
+            for label, (is_there, face, edge) in areas.items()
+            if is_there
+        ),
+        *(
+            Line2D(
+                [],
+                [],
+                color=style.DARK,
+                lw=line_width(mm * MILLIMETRE, shape.widest_pt),
+                label=label,
+            )
+            for mm, label in legend_widths_mm(shape)
+        ),
     ]
 
 
 # --- over time -----------------------------------------------------------------------------------
 
+
 @style.styled
 def index_picture(history):
-    """Figure over time: base acceleration, or base shear without base motion; below, the index and its components.
+    """Figure over time: base acceleration, or base shear without base motion; below, the index and
+    its components.
 
     Thin dashed lines show the index with another slip criterion, the shear limit.
     """
@@ -288,12 +452,29 @@ def index_picture(history):
     figure, (above, below) = style.new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
     base = _draw_drive(above, history, time_s)
     lines = _draw_index(below, history.index(), history.index(slip="shear-limit"))
-    lines += below.plot(time_s[sample], largest, "o", color=style.BLACK, ms=3.5, clip_on=False, zorder=5,
-                        label=f"maximum {largest:.3f} at {time_s[sample]:.3f} s")
+    lines += below.plot(
+        time_s[sample],
+        largest,
+        "o",
+        color=style.BLACK,
+        ms=3.5,
+        clip_on=False,
+        zorder=5,
+        label=f"maximum {largest:.3f} at {time_s[sample]:.3f} s",
+    )
     if history.complete:
         residual = history.index()["DI"].iloc[-1]
-        lines += below.plot(time_s[-1], residual, "s", mfc="white", mec=style.BLACK, ms=3.5, clip_on=False,
-                            zorder=5, label=f"residual {residual:.3f}")
+        lines += below.plot(
+            time_s[-1],
+            residual,
+            "s",
+            mfc="white",
+            mec=style.BLACK,
+            ms=3.5,
+            clip_on=False,
+            zorder=5,
+            label=f"residual {residual:.3f}",
+        )
     style.add_title(figure, history)
     figure.align_ylabels()
     marks = style.mark_times(history, (above, below))
@@ -302,8 +483,11 @@ def index_picture(history):
 
 
 def _draw_drive(ax, history, time_s):
-    """Draw base acceleration [g] or, without base motion, base shear [kN]; returns handles of two lines, else []."""
-    horizontal, vertical = (history.series[f"base_acceleration_{axis}_m_s2"].to_numpy() / GRAVITY for axis in "xz")
+    """Draw base acceleration [g] or, without base motion, base shear [kN]; returns handles of two
+    lines, else []."""
+    horizontal, vertical = (
+        history.series[f"base_acceleration_{axis}_m_s2"].to_numpy() / GRAVITY for axis in "xz"
+    )
     if not np.any(np.nan_to_num([horizontal, vertical])):
         ax.plot(time_s, history.series["base_shear_n"] / 1e3, color=style.BLACK, lw=0.7)
         ax.set_ylabel("base shear [kN]")
@@ -312,18 +496,37 @@ def _draw_drive(ax, history, time_s):
     ax.set_ylabel("base acceleration [g]")
     if not np.any(np.nan_to_num(vertical)):
         return []
-    return lines + ax.plot(time_s, vertical, color=style.MEDIUM, lw=0.5, zorder=1, label="base, vertical")
+    return lines + ax.plot(
+        time_s, vertical, color=style.MEDIUM, lw=0.5, zorder=1, label="base, vertical"
+    )
 
 
 def _draw_index(ax, index, latched):
     """Draw DI and its components with two slip criteria; returns the lines in legend order."""
     time_s, lines = index["time_s"], []
     for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
-        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$")
+        lines += ax.plot(
+            time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$"
+        )
     lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI")
-    lines += ax.plot(time_s, latched["DI"], color=style.BLACK, lw=0.6, ls="--", zorder=1.5, label="DI, shear limit")
-    lines += ax.plot(time_s, latched["DI_slip"], color=style.BLUE, lw=0.6, ls="--", zorder=1.5,
-                     label=r"DI$_\mathrm{slip}$, shear limit")
+    lines += ax.plot(
+        time_s,
+        latched["DI"],
+        color=style.BLACK,
+        lw=0.6,
+        ls="--",
+        zorder=1.5,
+        label="DI, shear limit",
+    )
+    lines += ax.plot(
+        time_s,
+        latched["DI_slip"],
+        color=style.BLUE,
+        lw=0.6,
+        ls="--",
+        zorder=1.5,
+        label=r"DI$_\mathrm{slip}$, shear limit",
+    )
     top = np.maximum(index["DI"], latched["DI"]).max()
     ax.set(ylabel="damage index [-]", ylim=(0, 1.06 * top or 0.01))
     return lines
@@ -331,13 +534,16 @@ def _draw_index(ax, index, latched):
 
 @style.styled
 def drift_picture(history):
-    """Figure of the drift ratio over time, with the published limits of light damage in its range."""
+    """Figure of the drift ratio over time, with the published limits of light damage in its
+    range."""
     check_samples(history)
     figure, ax = style.new_figure(2.1)
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
     largest_pct = 100 * np.abs(ratio).max()
-    limits = [limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest_pct <= LIMITS_UP_TO_PCT]
+    limits = [
+        limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest_pct <= LIMITS_UP_TO_PCT
+    ]
     for value, label, line in limits:
         for side in (-value, value):
             ax.axhline(side, color=style.MEDIUM, lw=0.6, ls=line, label=f"{value:.3f} %: {label}")
@@ -353,14 +559,17 @@ def drift_picture(history):
 
 @style.styled
 def hysteresis_picture(history):
-    """Figure of base shear, the force of the wall on the ground, against drift ratio, without settling.
+    """Figure of base shear, the force of the wall on the ground, against drift ratio, without
+    settling.
 
     Raises InputError where the run has no motion.
     """
     check_samples(history)
     if not is_moving(history.series).any():
-        raise InputError(f"{history.path} has no motion: expected one for base shear against drift; run it again with "
-                         "a motion")
+        raise InputError(
+            f"{history.path} has no motion: expected one for base shear against drift; run it again"
+            " with a motion"
+        )
     figure, ax = style.new_figure(2.4)
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
@@ -368,81 +577,130 @@ def hysteresis_picture(history):
     stage = history.series["stage"].to_numpy()
     ax.axhline(0, color=style.LIGHT, lw=0.6, zorder=0)
     ax.axvline(0, color=style.LIGHT, lw=0.6, zorder=0)
-    for name, colour, width, layer in (("motion", style.BLUE, 0.9, 3), ("rest", style.ORANGE, 0.6, 2)):
+    for name, colour, width, layer in (
+        ("motion", style.BLUE, 0.9, 3),
+        ("rest", style.ORANGE, 0.6, 2),
+    ):
         chosen = np.flatnonzero(stage == name)
         if len(chosen):
             first = max(chosen[0] - 1, 0)  # joined to the stage before
-            ax.plot(drift[first:chosen[-1] + 1], shear_kn[first:chosen[-1] + 1], color=colour, lw=width, zorder=layer,
-                    label=name)
+            ax.plot(
+                drift[first : chosen[-1] + 1],
+                shear_kn[first : chosen[-1] + 1],
+                color=colour,
+                lw=width,
+                zorder=layer,
+                label=name,
+            )
     if history.collapsed_at_s is not None:
         at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
-        ax.plot(drift[at], shear_kn[at], "x", color=style.BLACK, ms=5, zorder=4,
-                label=style.collapse_label(history))
+        ax.plot(
+            drift[at],
+            shear_kn[at],
+            "x",
+            color=style.BLACK,
+            ms=5,
+            zorder=4,
+            label=style.collapse_label(history),
+        )
     style.plain_numbers(ax.xaxis)
     ax.set(xlabel=f"drift ratio [{unit}]", ylabel="base shear [kN]")
     ax.locator_params(axis="x", nbins=7)
     style.show_single_points(ax)
     style.add_title(figure, history)
-    style.legend_below(figure, [line for line in ax.get_lines() if not line.get_label().startswith("_")], 3)
+    style.legend_below(
+        figure, [line for line in ax.get_lines() if not line.get_label().startswith("_")], 3
+    )
     return figure
 
 
 @style.styled
 def energy_picture(history):
-    """Figure of the energies since the end of the static stage: supplied, stored, dissipated in the joints and damped;
-    below, their imbalance."""
+    """Figure of the energies since the end of the static stage: supplied, stored, dissipated in the
+    joints and damped; below, their imbalance."""
     check_samples(history)
     series = history.series
     groups = energy_groups(series)
     figure, (above, below) = style.new_figure(2.9, rows=2, sharex=True, height_ratios=(5, 2))
     for name, (label, colour, line) in ENERGIES.items():
         if np.isfinite(groups[name]).any():
-            above.plot(series["time_s"], groups[name], color=colour, ls=line, label=label,
-                       lw=1.8 if name == "input_energy_j" else 0.9)
+            above.plot(
+                series["time_s"],
+                groups[name],
+                color=colour,
+                ls=line,
+                label=label,
+                lw=1.8 if name == "input_energy_j" else 0.9,
+            )
     above.set_ylabel("energy [J]")
     error = energy_error_of(history)
-    style.add_title(figure, history, *[] if error is None or not np.isfinite(error) else [
-        f"imbalance before settling up to {100 * error:.2g} % of the energy supplied"])
-    scale, unit = (1.0, "J") if error is None else (
-        100 / energy_scale(known_energies(series[series["stage"] != "settling"])), "%")
+    style.add_title(
+        figure,
+        history,
+        *(
+            []
+            if error is None or not np.isfinite(error)
+            else [f"imbalance before settling up to {100 * error:.2g} % of the energy supplied"]
+        ),
+    )
+    scale, unit = (
+        (1.0, "J")
+        if error is None
+        else (100 / energy_scale(known_energies(series[series["stage"] != "settling"])), "%")
+    )
     below.axhline(0, color=style.MEDIUM, lw=0.5)
     below.plot(series["time_s"], imbalance(known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
     figure.align_ylabels()
     marks = style.mark_times(history, (above, below))
-    style.legend_below(figure, above.get_lines()[:len(ENERGIES)] + marks, columns=3)
+    style.legend_below(figure, above.get_lines()[: len(ENERGIES)] + marks, columns=3)
     return figure
 
 
 # --- files ---------------------------------------------------------------------------------------
 
 PICTURES = {
-    "wall_max": partial(wall_picture, sample="max"), "wall_end": partial(wall_picture, sample="end"),
-    "index": index_picture, "drift": drift_picture, "hysteresis": hysteresis_picture,
+    "wall_max": partial(wall_picture, sample="max"),
+    "wall_end": partial(wall_picture, sample="end"),
+    "index": index_picture,
+    "drift": drift_picture,
+    "hysteresis": hysteresis_picture,
     "energy": energy_picture,
 }
 """{file name without suffix: function that draws it}."""
 
 
 def pictures_beside(history):
-    """{file name without suffix: function that draws it} of what only some Histories have: the heap where bricks were
-    followed beyond the collapse, stresses where bricks are deformable, the events where there are several, forces at
-    rest and at the maximum index where the run kept stresses."""
+    """{file name without suffix: function that draws it} of what only some Histories have: the heap
+    where bricks were followed beyond the collapse, stresses where bricks are deformable, the events
+    where there are several, forces at rest and at the maximum index where the run kept stresses."""
     found = {"heap": heap_picture} if has_heap(history) else {}
     found |= {"stress_max": stress_picture} if has_stresses(history) else {}
     found |= {"sequence": sequence_picture} if has_sequence(history) else {}
-    return found if history.joint_stress_pa is None else found | {
-        f"contact_forces_{moment}": partial(contact_force_picture, moment=moment) for moment in ("rest", "max")}
+    return (
+        found
+        if history.joint_stress_pa is None
+        else found
+        | {
+            f"contact_forces_{moment}": partial(contact_force_picture, moment=moment)
+            for moment in ("rest", "max")
+        }
+    )
 
 
 def save_all(history, folder):
-    """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
+    """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns
+    their paths.
 
     Base shear against drift is left out where there is no motion, as of ground that settles alone.
     """
     still = () if is_moving(history.series).any() else ("hysteresis",)
-    chosen = {name: draw for name, draw in PICTURES.items() if name not in still} | pictures_beside(history)
-    return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))
+    chosen = {name: draw for name, draw in PICTURES.items() if name not in still} | pictures_beside(
+        history
+    )
+    return style.save_figures(
+        ((name, draw(history)) for name, draw in chosen.items()), folder, origin(history)
+    )
 
 
 def has_sequence(history):
@@ -452,15 +710,21 @@ def has_sequence(history):
 
 @style.styled
 def sequence_picture(history):
-    """Figure over time: base acceleration; below, a step an event: Psi and DI, largest and residual; largest offset of
-    the joints at rest; newly failed contact points."""
+    """Figure over time: base acceleration; below, a step an event: Psi and DI, largest and
+    residual; largest offset of the joints at rest; newly failed contact points."""
     table, series = shocks_table(history), history.series
-    figure, (base, psi, index, offset, failed) = style.new_figure(2.0 * style.COLUMN_WIDTH, 5, sharex=True)
-    base.plot(series["time_s"], series["base_acceleration_x_m_s2"] / GRAVITY, color=style.BLACK, lw=0.4)
+    figure, (base, psi, index, offset, failed) = style.new_figure(
+        2.0 * style.COLUMN_WIDTH, 5, sharex=True
+    )
+    base.plot(
+        series["time_s"], series["base_acceleration_x_m_s2"] / GRAVITY, color=style.BLACK, lw=0.4
+    )
     base.set_ylabel("base [g]")
     letter(base, 0, f"{len(table)} events")
-    for number, (ax, name, label, words) in enumerate((
-            (psi, "psi", r"$\Psi$ [-]", "Psi of the cracks"), (index, "DI", "DI [-]", "damage index")), 1):
+    for number, (ax, name, label, words) in enumerate(
+        ((psi, "psi", r"$\Psi$ [-]", "Psi of the cracks"), (index, "DI", "DI [-]", "damage index")),
+        1,
+    ):
         largest = _steps(ax, table, f"max_{name}", "largest in the event", style.MEDIUM, "--")
         residual = _steps(ax, table, f"residual_{name}", "at rest after it", style.BLACK)
         ax.set_ylabel(label)
@@ -468,8 +732,16 @@ def sequence_picture(history):
     after = _steps(offset, table, "offset_after_mm", "largest offset at rest", style.BLUE)
     offset.set_ylabel("offset [mm]")
     letter(offset, 3, "offset of the joints")
-    bars = failed.bar(table["start_s"], table["newly_failed"], width=(table["end_s"] - table["start_s"]), align="edge",
-                      color=style.ORANGE, edgecolor="white", lw=0.3, label="newly failed")
+    bars = failed.bar(
+        table["start_s"],
+        table["newly_failed"],
+        width=(table["end_s"] - table["start_s"]),
+        align="edge",
+        color=style.ORANGE,
+        edgecolor="white",
+        lw=0.3,
+        label="newly failed",
+    )
     failed.set(ylabel="contact points", xlabel="time [s]")
     letter(failed, 4, f"newly failed contact points, {int(table['newly_failed'].sum())} in all")
     for ax in (psi, index, offset, failed):
@@ -478,8 +750,15 @@ def sequence_picture(history):
         ax.margins(x=0)
         for start in table["start_s"]:
             ax.axvline(start, color="0.88", lw=0.4, zorder=0)
-    marks = [] if history.collapsed_at_s is None else [
-        psi.axvline(history.collapsed_at_s, color=style.VERMILLION, lw=1, ls="--", label="collapse")]
+    marks = (
+        []
+        if history.collapsed_at_s is None
+        else [
+            psi.axvline(
+                history.collapsed_at_s, color=style.VERMILLION, lw=1, ls="--", label="collapse"
+            )
+        ]
+    )
     style.add_title(figure, history)
     figure.align_ylabels()
     style.legend_below(figure, [largest, residual, after, bars, *marks], columns=2)
@@ -490,4 +769,11 @@ def _steps(ax, table, column, label, colour, line="-"):
     """Draw a value an event, constant from its start to its end; returns the line."""
     values = table[column].to_numpy(float)
     times = np.append(table["start_s"], table["end_s"].iloc[-1])
-    return ax.plot(times, np.append(values, values[-1:]), ls=line, drawstyle="steps-post", color=colour, label=label)[0]
+    return ax.plot(
+        times,
+        np.append(values, values[-1:]),
+        ls=line,
+        drawstyle="steps-post",
+        color=colour,
+        label=label,
+    )[0]

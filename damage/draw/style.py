@@ -1,6 +1,7 @@
 """Style of all pictures: sizes, colours, titles, legends, and the writing of figures.
 
-Only figure objects are used, so that pictures come out the same without a screen and inside any program.
+Only figure objects are used, so that pictures come out the same without a screen and inside any
+program.
 """
 
 from functools import wraps
@@ -24,13 +25,27 @@ COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
 DOTS_PER_INCH = 200
 TITLE_CHARACTERS = 64  # of the font size below, in a column
 STYLE = {
-    "font.size": 7, "axes.labelsize": 7, "figure.titlesize": 7,
-    "xtick.labelsize": 6.5, "ytick.labelsize": 6.5, "legend.fontsize": 6.5, "legend.frameon": False,
-    "legend.handlelength": 2.0, "legend.columnspacing": 1.2, "legend.borderaxespad": 0.3,
-    "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "axes.axisbelow": True,
-    "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 0.9,
-    "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
-    "figure.dpi": DOTS_PER_INCH, "savefig.dpi": DOTS_PER_INCH,
+    "font.size": 7,
+    "axes.labelsize": 7,
+    "figure.titlesize": 7,
+    "xtick.labelsize": 6.5,
+    "ytick.labelsize": 6.5,
+    "legend.fontsize": 6.5,
+    "legend.frameon": False,
+    "legend.handlelength": 2.0,
+    "legend.columnspacing": 1.2,
+    "legend.borderaxespad": 0.3,
+    "axes.linewidth": 0.6,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 0.9,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "figure.dpi": DOTS_PER_INCH,
+    "savefig.dpi": DOTS_PER_INCH,
     "pdf.fonttype": 42,  # complete fonts, as journals require
     "svg.hashsalt": "masonry-damage",  # same picture, same bytes
 }
@@ -41,7 +56,12 @@ BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 LIGHT, MEDIUM, DARK = "0.91", "0.6", "0.35"
 SAND = "#f3e6c8"
 BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
-BODY_COLOURS = {"bricks": BRICK_COLOUR, "masses": CAP_COLOUR, "slabs": "#b9cbd9", "lintels": "#dcc48e"}
+BODY_COLOURS = {
+    "bricks": BRICK_COLOUR,
+    "masses": CAP_COLOUR,
+    "slabs": "#b9cbd9",
+    "lintels": "#dcc48e",
+}
 """{kind of `damage.wall.geometry.kinds_of_bodies`: its colour}."""
 BODY_WORDS = {"masses": "top mass", "slabs": "concrete floor", "lintels": "lintel"}
 """{kind: words of the legend}."""
@@ -49,15 +69,18 @@ BODY_WORDS = {"masses": "top mass", "slabs": "concrete floor", "lintels": "linte
 
 def styled(draw):
     """Decorator: a function draws in STYLE; the style of the program is restored afterwards."""
+
     @wraps(draw)
     def inside(*arguments, **named):
         with style.context(["default", STYLE]):
             return draw(*arguments, **named)
+
     return inside
 
 
 def new_figure(height, rows=1, **options):
-    """A Figure of the width of one column, and its axes, a single one or an array; height [inch]."""
+    """A Figure of the width of one column, and its axes, a single one or an array; height
+    [inch]."""
     figure = Figure(figsize=(COLUMN_WIDTH, height), layout="constrained")
     return figure, figure.subplots(rows, 1, **options)
 
@@ -81,8 +104,8 @@ def settle_layout(figure):
 
 
 def add_title(figure, history, *more):
-    """Add a title: wall and motion, solver and file, premature end of the run, and further lines.  The figure grows by
-    its height."""
+    """Add a title: wall and motion, solver and file, premature end of the run, and further lines.
+    The figure grows by its height."""
     lines = [run_title(history), f"{history.solver} solver, {history.path.name}"]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
@@ -99,7 +122,8 @@ def put_title(figure, lines, characters, x):
 
 
 def mark_times(history, axes):
-    """Label the shared time axis, shade the settling stage and mark a collapse; returns their handles."""
+    """Label the shared time axis, shade the settling stage and mark a collapse; returns their
+    handles."""
     handles = {}
     for ax in axes:
         ax.margins(x=0)
@@ -107,18 +131,27 @@ def mark_times(history, axes):
         for shade in shade_settling(ax, history.series):
             handles[shade.get_label()] = shade
         if history.collapsed_at_s is not None:
-            handles["collapse"] = ax.axvline(history.collapsed_at_s, color=VERMILLION, lw=1, ls="--",
-                                             clip_on=False, label=collapse_label(history))
+            handles["collapse"] = ax.axvline(
+                history.collapsed_at_s,
+                color=VERMILLION,
+                lw=1,
+                ls="--",
+                clip_on=False,
+                label=collapse_label(history),
+            )
     axes[-1].set_xlabel("time [s]")
     return list(handles.values())
 
 
 def shade_settling(ax, series):
-    """Shade the settlement and settling stages of a table with columns time_s and stage; returns the handles."""
+    """Shade the settlement and settling stages of a table with columns time_s and stage; returns
+    the handles."""
     found = []
     for name, colour in (("settling", LIGHT), ("settlement", SAND)):
-        found += [ax.axvspan(*span, color=colour, lw=0, zorder=0, label=name)
-                  for span in spans_of(series["time_s"].to_numpy(), (series["stage"] == name).to_numpy())]
+        found += [
+            ax.axvspan(*span, color=colour, lw=0, zorder=0, label=name)
+            for span in spans_of(series["time_s"].to_numpy(), (series["stage"] == name).to_numpy())
+        ]
     return found
 
 
@@ -127,8 +160,12 @@ TINY_DRIFT = 1e-5
 
 
 def drift_scale(*ratios):
-    """Factor on drift ratios (arrays of any shape), and the unit in which their axis needs no power of ten."""
-    largest = max((np.max(np.abs(one[np.isfinite(one)]), initial=0.0) for one in map(np.asarray, ratios)), default=0.0)
+    """Factor on drift ratios (arrays of any shape), and the unit in which their axis needs no power
+    of ten."""
+    largest = max(
+        (np.max(np.abs(one[np.isfinite(one)]), initial=0.0) for one in map(np.asarray, ratios)),
+        default=0.0,
+    )
     return (1e6, "µm per m") if 0 < largest < TINY_DRIFT else (100.0, "%")
 
 
@@ -149,40 +186,56 @@ def collapse_label(history):
     return f"collapse at {history.collapsed_at_s:.3f} s"
 
 
-METADATA = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject", "CreationDate"),
-            "svg": ("Creator", "Description", "Date")}
-"""{suffix: (metadata key of the software, key of the origin of the results, key of the date where there is one)}."""
+METADATA = {
+    "png": ("Software", "Description"),
+    "pdf": ("Creator", "Subject", "CreationDate"),
+    "svg": ("Creator", "Description", "Date"),
+}
+"""{suffix: (metadata key of the software, key of the origin of the results, key of the date where
+there is one)}."""
 FORMATS = ("png", "pdf")
 """Suffixes of `save_figures`."""
 
 
 @styled
 def save_figures(figures, folder, made=""):
-    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, created where missing; returns their paths.
+    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, created where missing;
+    returns their paths.
 
-    made: origin of the results, text; it is written into the metadata, with the version of this software.
+    made: origin of the results, text; it is written into the metadata, with the version of this
+    software.
     """
-    return [_save(figure, Path(folder) / f"{name}.{ending}", ending, made)
-            for name, figure in figures for ending in FORMATS]
+    return [
+        _save(figure, Path(folder) / f"{name}.{ending}", ending, made)
+        for name, figure in figures
+        for ending in FORMATS
+    ]
 
 
 @styled
 def save_picture(figure, path, made=""):
-    """Write one Figure as its path's ending says; returns the path.  made: as of `save_figures`.  Raises InputError for
-    an ending other than those of METADATA."""
+    """Write one Figure as its path's ending says; returns the path.  made: as of `save_figures`.
+    Raises InputError for an ending other than those of METADATA."""
     ending = Path(path).suffix.lower().removeprefix(".")
     if ending not in METADATA:
-        raise InputError(f"{path}: expected a name that ends in .{', .'.join(METADATA)}; give it one")
+        raise InputError(
+            f"{path}: expected a name that ends in .{', .'.join(METADATA)}; give it one"
+        )
     return _save(figure, Path(path), ending, made)
 
 
 def _save(figure, path, ending, made):
-    values = f"masonry-damage {VERSION}, commit {commit()}", made, None  # no date: same run, same bytes
+    # no date: same run, same bytes
+    values = f"masonry-damage {VERSION}, commit {commit()}", made, None
     before = figure.canvas
     with whole_or_nothing(path) as unfinished:
-        try:  # Figure.savefig would draw twice, first for a layout that drawing makes anyway: a seventh later
+        # Figure.savefig would draw twice, first for a layout that drawing makes anyway: a seventh
+        # later
+        try:
             canvas = get_registered_canvas_class(ending)(figure)
-            getattr(canvas, f"print_{ending}")(unfinished, metadata=dict(zip(METADATA[ending], values)))
+            getattr(canvas, f"print_{ending}")(
+                unfinished, metadata=dict(zip(METADATA[ending], values))
+            )
         finally:
             figure.set_canvas(before)
     return path

@@ -1,8 +1,8 @@
 """Geometry of the picture of a damaged wall: displaced bodies, and joints with their states.
 
-`damage.draw.run.wall_picture` draws it.  The motion is magnified, so that drifts of a millimetre are visible:
-displacements and rotations are multiplied by one factor.  A point of a joint is drawn halfway between its positions on
-both bodies:
+`damage.draw.run.wall_picture` draws it.  The motion is magnified, so that drifts of a millimetre
+are visible: displacements and rotations are multiplied by one factor.  A point of a joint is drawn
+halfway between its positions on both bodies:
 
         +-------+  <- second body carries the joint's end here
         |       |  o   the end is drawn here, the mean of the two
@@ -14,7 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damage.errors import InputError
-from damage.history.moments import STATES, choose_sample, joint_states, nearest_snapshot, support_motion
+from damage.history.moments import (
+    STATES,
+    choose_sample,
+    joint_states,
+    nearest_snapshot,
+    support_motion,
+)
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
 from damage.wall import geometry
@@ -28,13 +34,17 @@ COLUMN_PT = 205, 340
 SUPPORT_DEPTH = 0.1  # [m], drawn depth of supports that move
 LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 THINNEST_PT, WIDEST_PT = 0.3, 4.5
-"""Widths of the lines of a crack of no width, and of one of the largest of LEGEND_WIDTHS_MM where bricks are large."""
+"""Widths of the lines of a crack of no width, and of one of the largest of LEGEND_WIDTHS_MM where
+bricks are large."""
 SHARE_OF_BRICK = 0.5
-"""Largest width of a line over the drawn height of the lowest brick, so that half of a brick is visible."""
+"""Largest width of a line over the drawn height of the lowest brick, so that half of a brick is
+visible."""
 WIDEST_JOINT = 0.01
-"""Largest distance of the two sides of a joint that is drawn in pictures of what follows a collapse [m]."""
+"""Largest distance of the two sides of a joint that is drawn in pictures of what follows a collapse
+[m]."""
 LEAST_WIDEST_PT = 0.6
-"""Least width of the widest line [pt], so that cracks are visible in a wall of very many courses."""
+"""Least width of the widest line [pt], so that cracks are visible in a wall of very many
+courses."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +57,11 @@ class WallShape:
     magnification: factor on displacements and rotations.
     corners: (n_bodies, 4, 2) [m], counter-clockwise from the lower left; kinds: (n_bodies,) of
         `damage.wall.geometry.kinds_of_bodies`.
-    supports: (n_supports, 4, 2) [m], the same of the ground below the part of the base that each carries;
+    supports: (n_supports, 4, 2) [m], the same of the ground below the part of the base that each
+    carries;
         ground_moves: whether there are several, or the one has moved;
-    segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES; elastic: (n_joints,)
+    segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES;
+    elastic: (n_joints,)
         bool, which cannot fail, without the cuts of lintels, which are not drawn;
     crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
     widest_pt: width of the line of the widest cracks [pt], see `widest_line`.
@@ -71,8 +83,8 @@ class WallShape:
     widest_pt: float = WIDEST_PT
 
     def on_page(self, page_pt=COLUMN_PT, span_m=None):
-        """WallShape with line widths for a page of this width and height [pt] that shows span_m, (2,) [m], by default
-        the bodies."""
+        """WallShape with line widths for a page of this width and height [pt] that shows span_m,
+        (2,) [m], by default the bodies."""
         span_m = np.ptp(self.corners.reshape(-1, 2), axis=0) if span_m is None else span_m
         bricks = self.corners[self.kinds == "bricks"]
         brick_m = np.linalg.norm(bricks[:, 3] - bricks[:, 0], axis=1).min()
@@ -83,8 +95,8 @@ class WallShape:
         return line_width(self.crack_width_m[chosen], self.widest_pt)
 
     def select(self, state):
-        """Indices of the joints in one of DRAWN: the elastic ones, or those in a state of STATES, the elastic ones
-        left out of the intact."""
+        """Indices of the joints in one of DRAWN: the elastic ones, or those in a state of STATES,
+        the elastic ones left out of the intact."""
         if state == "elastic":
             return np.flatnonzero(self.elastic & (self.state == STATES.index("intact")))
         chosen = self.state == STATES.index(state)
@@ -109,34 +121,52 @@ def check_magnify(magnify):
         raise InputError(f"magnify = {magnify!r}: expected zero or a positive number; correct it")
 
 
-def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, magnify=None, snapshot=None):
+def shape_at(
+    history, sample, damage, slip="displacement", threshold=THRESHOLD, magnify=None, snapshot=None
+):
     """WallShape at a sample (index), where DI is `damage`; other arguments as of `wall_shape`.
 
-    snapshot: index of the snapshot to show, None for the one nearest to the sample.  In one that follows bricks beyond
-    the last sample, joints are left out whose bricks are no longer beside each other.
+    snapshot: index of the snapshot to show, None for the one nearest to the sample.  In one that
+    follows bricks beyond the last sample, joints are left out whose bricks are no longer beside
+    each other.
     """
     time_s = float(history.series["time_s"].iloc[sample])
     snapshot = nearest_snapshot(history, time_s) if snapshot is None else snapshot
-    motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot].astype(float)
+    motion = (
+        np.zeros((len(history.bodies), 3))
+        if snapshot is None
+        else history.displacement[snapshot].astype(float)
+    )
     if magnify is None:
         magnify = magnification(history.bodies, motion)
     supports = support_motion(history, snapshot)
     segments = geometry.joint_segments(history.joints, history.bodies, motion, magnify, supports)
     cuts = geometry.cuts_of_lintels(history.joints, history.bodies)
     segments[cuts] = np.nan
-    if snapshot is not None and history.snapshot_time_s[snapshot] > history.series["time_s"].iloc[-1]:
+    if (
+        snapshot is not None
+        and history.snapshot_time_s[snapshot] > history.series["time_s"].iloc[-1]
+    ):
         time_s = float(history.snapshot_time_s[snapshot])
-        segments[geometry.joint_gaps(history.joints, history.bodies, motion, supports) > WIDEST_JOINT] = np.nan
+        segments[
+            geometry.joint_gaps(history.joints, history.bodies, motion, supports) > WIDEST_JOINT
+        ] = np.nan
     return WallShape(
-        sample=sample, time_s=time_s, index=damage,
+        sample=sample,
+        time_s=time_s,
+        index=damage,
         snapshot_time_s=None if snapshot is None else float(history.snapshot_time_s[snapshot]),
-        magnification=float(magnify), corners=geometry.body_corners(history.bodies, motion, magnify),
+        magnification=float(magnify),
+        corners=geometry.body_corners(history.bodies, motion, magnify),
         kinds=geometry.kinds_of_bodies(history.bodies["course"]),
         supports=geometry.support_outlines(supports, SUPPORT_DEPTH, magnify),
         ground_moves=len(supports.left) > 1 or bool(supports.motion.any()),
         segments=segments,
-        state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool) & ~cuts,
-        crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float)
+        state=joint_states(history, sample, slip, threshold),
+        elastic=history.joints["elastic"].to_numpy(bool) & ~cuts,
+        crack_width_m=np.hypot(
+            history.opening_m[sample], history.slip_by(slip)[sample], dtype=float
+        ),
     ).on_page()
 
 
@@ -165,6 +195,7 @@ def round_125(value):
 
 # --- line widths of cracks ----------------------------------------------------------------------
 
+
 def line_width(crack_width_m, widest_pt=WIDEST_PT):
     """Line width [pt] of a crack width [m]; widest_pt: of the widest cracks, from `widest_line`.
 
@@ -176,17 +207,19 @@ def line_width(crack_width_m, widest_pt=WIDEST_PT):
 
 
 def widest_line(brick_m, span_m, page_pt):
-    """Line width of the widest cracks [pt]: SHARE_OF_BRICK of the lowest brick as drawn, at most WIDEST_PT.
+    """Line width of the widest cracks [pt]: SHARE_OF_BRICK of the lowest brick as drawn, at most
+    WIDEST_PT.
 
-    brick_m: height of that brick; span_m: length and height of what is drawn; page_pt: width and height that it fills,
-    in true scale.
+    brick_m: height of that brick; span_m: length and height of what is drawn; page_pt: width and
+    height that it fills, in true scale.
     """
     pt_per_m = min(page / span for page, span in zip(page_pt, span_m))
     return float(np.clip(SHARE_OF_BRICK * brick_m * pt_per_m, LEAST_WIDEST_PT, WIDEST_PT))
 
 
 def legend_widths_mm(shape):
-    """Three crack widths [mm], from the smallest to the one that bounds a WallShape's, with labels."""
+    """Three crack widths [mm], from the smallest to the one that bounds a WallShape's, with
+    labels."""
     largest = shape.crack_width_m.max() / MILLIMETRE
     top = int(np.searchsorted(LEGEND_WIDTHS_MM[2:-1], largest)) + 2
     chosen = [LEGEND_WIDTHS_MM[i] for i in (0, (top + 1) // 2, top)]

@@ -4,12 +4,48 @@ import re
 
 from damage.motion.loading import AtRest, FreeVibration, Harmonic, RecordedMotion, TopDisplacement
 
-EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp", "1"), "BZN1": ("Zeerijp", "2"),
-          "BLOP": ("Zeerijp", "3"), **dict.fromkeys(("BOWW", "BWIR", "BAPP", "G010", "G040", "G080", "G100", "G130",
-                                                     "G170", "G190", "G220", "G620"), ("Zeerijp", ""))}
-"""Earthquake and marker ("" for none of its own) of the stations whose records ship, or have a named place."""
+EVENTS = {
+    "MID1": ("Huizinge", "+"),
+    "BGAR": ("Zeerijp", "x"),
+    "BWSE": ("Zeerijp", "1"),
+    "BZN1": ("Zeerijp", "2"),
+    "BLOP": ("Zeerijp", "3"),
+    **dict.fromkeys(
+        (
+            "BOWW",
+            "BWIR",
+            "BAPP",
+            "G010",
+            "G040",
+            "G080",
+            "G100",
+            "G130",
+            "G170",
+            "G190",
+            "G220",
+            "G620",
+        ),
+        ("Zeerijp", ""),
+    ),
+}
+"""Earthquake and marker ("" for none of its own) of the stations whose records ship, or have a
+named place."""
 _DIRECTIONS = {"N": "north", "E": "east", "Z": "vertical", "1": "horizontal 1", "2": "horizontal 2"}
-_COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_COUNTS = (
+    "no",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+)
 _TOPS = {"cantilever": "free to rotate", "fixed": "kept from rotating"}
 
 
@@ -24,7 +60,9 @@ def record_label(name):
     'Huizinge, MID1 north, synthetic'
     """
     station = station_of(name)
-    component = re.search(r"(?<![A-Za-z0-9])(?:HG)?([NEZ]|(?<=HG)[12])(?![A-Za-z0-9])", name.replace("_", " "))
+    component = re.search(
+        r"(?<![A-Za-z0-9])(?:HG)?([NEZ]|(?<=HG)[12])(?![A-Za-z0-9])", name.replace("_", " ")
+    )
     if station is None or component is None:
         return name
     synthetic = ", synthetic" if "synthetic" in name else ""
@@ -37,8 +75,8 @@ def station_of(name):
 
 
 def run_title(history):
-    """Text: the wall and the motion of a History, as "Symmetric wall, harmonic motion of 0.2 s and 0.05 g, three
-    cycles"."""
+    """Text: the wall and the motion of a History, as "Symmetric wall, harmonic motion of 0.2 s and
+    0.05 g, three cycles"."""
     motion, events = motion_words(history.loading), counted(len(history.sequence), "event")
     if "motions" in history.parameters:
         records = {loading.horizontal.get("record") for loading in history.event_loadings}
@@ -46,7 +84,9 @@ def run_title(history):
     elif len(history.sequence) > 1:
         motion += f", {events} × {', '.join(f'{factor:g}' for factor in history.sequence)}"
     if settlement := history.parameters.get("settlement"):
-        motion = settlement_words(settlement) + ("" if motion == "no motion" else f", then {motion}")
+        motion = settlement_words(settlement) + (
+            "" if motion == "no motion" else f", then {motion}"
+        )
     return f"{wall_words(history.wall)}, {motion}"
 
 
@@ -57,8 +97,11 @@ def settlement_words(settlement):
     'hogging settlement of 1/2800'
     """
     distortion = settlement.get("distortion")
-    return f"settlement {settlement['profile']}" if distortion is None else (
-        f"{settlement['profile']} settlement of 1/{round(1 / distortion)}")
+    return (
+        f"settlement {settlement['profile']}"
+        if distortion is None
+        else (f"{settlement['profile']} settlement of 1/{round(1 / distortion)}")
+    )
 
 
 def wall_words(name):
@@ -87,22 +130,37 @@ def motion_words(loading):
     if isinstance(loading, AtRest):
         return "no motion"
     if isinstance(loading, Harmonic):
-        return (f"harmonic motion of {loading.period_s:g} s and {loading.amplitude_g:g} g, "
-                f"{counted(loading.cycles, 'cycle')}")
+        return (
+            f"harmonic motion of {loading.period_s:g} s and {loading.amplitude_g:g} g, "
+            f"{counted(loading.cycles, 'cycle')}"
+        )
     if isinstance(loading, FreeVibration):
-        return f"free vibration in its first mode from {1e3 * loading.top_velocity_m_s:g} mm/s at the top"
+        return (
+            f"free vibration in its first mode from {1e3 * loading.top_velocity_m_s:g} mm/s at"
+            " the top"
+        )
     if isinstance(loading, TopDisplacement):
         return _top_words(loading)
-    return _record_words(loading) if isinstance(loading, RecordedMotion) else loading.name.replace("_", " ")
+    return (
+        _record_words(loading)
+        if isinstance(loading, RecordedMotion)
+        else loading.name.replace("_", " ")
+    )
 
 
 def _top_words(loading):
-    drifts, top = ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct), _TOPS[loading.boundary]
+    drifts, top = (
+        ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct),
+        _TOPS[loading.boundary],
+    )
     if loading.cycles == 0:
         return f"top pushed to a drift of {loading.amplitudes_pct[0]:g} %, {top}"
     each = " each" if len(loading.amplitudes_pct) > 1 else ""
     by = "drifts" if each else "a drift"
-    return f"top moved to and fro by {by} of {drifts} %, {counted(loading.cycles, 'cycle')}{each}, {top}"
+    return (
+        f"top moved to and fro by {by} of {drifts} %, {counted(loading.cycles, 'cycle')}{each},"
+        f" {top}"
+    )
 
 
 def _record_words(loading):
@@ -111,17 +169,30 @@ def _record_words(loading):
     if record is None:
         return f"record {loading.name}"
     vertical = [] if loading.vertical is None else ["with its vertical component"]
-    return ", ".join([f"record {record_label(record)}", *vertical, *preparation(
-        loading.scale, loading.window_s, loading.baseline_order, loading.band_hz, loading.interpolated_for_s)])
+    return ", ".join(
+        [
+            f"record {record_label(record)}",
+            *vertical,
+            *preparation(
+                loading.scale,
+                loading.window_s,
+                loading.baseline_order,
+                loading.band_hz,
+                loading.interpolated_for_s,
+            ),
+        ]
+    )
 
 
 def preparation(scale, window_s, baseline_order, band_hz, interpolated_for_s):
     """Texts of the processing steps of a record, a list; scale: None or 1 without scaling."""
-    parts = ["" if scale in (None, 1) else f"times {scale:g}",
-             "" if window_s is None else "{:g} to {:g} s of the file".format(*window_s),
-             "" if baseline_order is None else f"baseline of order {baseline_order} removed",
-             "" if band_hz is None else "band-pass {:g} to {:g} Hz".format(*band_hz),
-             "" if interpolated_for_s is None else "interpolated"]
+    parts = [
+        "" if scale in (None, 1) else f"times {scale:g}",
+        "" if window_s is None else "{:g} to {:g} s of the file".format(*window_s),
+        "" if baseline_order is None else f"baseline of order {baseline_order} removed",
+        "" if band_hz is None else "band-pass {:g} to {:g} Hz".format(*band_hz),
+        "" if interpolated_for_s is None else "interpolated",
+    ]
     return [part for part in parts if part]
 
 

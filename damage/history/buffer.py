@@ -10,15 +10,16 @@ from damage.history.contacts import any_bit
 SNAPSHOT_SAMPLES = 10
 """Samples between two snapshots of the bodies."""
 CHUNK = 120
-"""Samples buffered before they are stored, with their snapshots: whole chunks of a file, each written once."""
+"""Samples buffered before they are stored, with their snapshots: whole chunks of a file, each
+written once."""
 
 
 class Buffer:
     """What a run writes to: call `extend`, `event` and `snapshot` as it goes, `finish` at the end.
 
     sinks: where it goes, none to keep nothing: a file (`damage.history.writer.File`), memory
-    (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {"GROUP/NAME": array}; the arrays of
-    frames are used again.
+    (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {"GROUP/NAME":
+    array}; the arrays of frames are used again.
     active: contact points that are active already, in that order, of a history that continues.
     path: of the history's file, should it have one; where: the history is, in words.
     """
@@ -28,24 +29,30 @@ class Buffer:
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
         self._rows = {"active": [], "events": [], "snapshots": [], "static_stage": []}
         self._blocks = defaultdict(list)  # {"GROUP/NAME": arrays of several rows}
-        self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
-                        for name, column in schema.FRAMES.items()}
+        self._frames = {
+            name: np.zeros((CHUNK, layout.n_joints), column.dtype)
+            for name, column in schema.FRAMES.items()
+        }
         self._count, self._n_active = 0, len(active)
-        self._column = np.full(layout.n_joints, -1)  # of each contact point in the frames, once it is active
+        # of each contact point in the frames, once it is active
+        self._column = np.full(layout.n_joints, -1)
         self._column[list(active)] = range(len(active))
 
     def extend(self, stage, rows, joints, contacts, beside):
         """Add n samples.
 
-        stage: one of STAGES; rows: {column of SERIES: (n,)}, missing ones become NaN; contacts: {column of FRAMES:
-        (n, n_active)} of these joints, zero in all others, as missing ones are; beside: {"GROUP/NAME": (n, ...)} of
-        the ground and, of a run that keeps them, of stresses and points.
+        stage: one of STAGES; rows: {column of SERIES: (n,)}, missing ones become NaN; contacts:
+        {column of FRAMES: (n, n_active)} of these joints, zero in all others, as missing ones are;
+        beside: {"GROUP/NAME": (n, ...)} of the ground and, of a run that keeps them, of stresses
+        and points.
         """
         count = len(next(iter(contacts.values())))
         active, places = self._activate(joints, contacts)
         contacts = {name: values[:, active] for name, values in contacts.items()}
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
-        columns = {f"series/{name}": rows.get(name, np.full(count, np.nan)) for name in schema.SERIES} | beside
+        columns = {
+            f"series/{name}": rows.get(name, np.full(count, np.nan)) for name in schema.SERIES
+        } | beside
         first = 0
         while first < count:
             stop = min(count, first + CHUNK - self._count)
@@ -69,19 +76,29 @@ class Buffer:
         active = self._column[joints] >= 0
         return active, self._column[joints[active]]
 
-    def event(self, time_s, joint, kind, normal_stress=0.0, shear_stress=0.0, opening=0.0, slip=0.0):
+    def event(
+        self, time_s, joint, kind, normal_stress=0.0, shear_stress=0.0, opening=0.0, slip=0.0
+    ):
         """Add one event; kind: one of EVENTS; stresses [Pa] at the break, opening and slip [m]."""
         code = schema.EVENTS.index(kind)
-        self._rows["events"].append((time_s, joint, code, normal_stress, shear_stress, opening, slip))
+        self._rows["events"].append(
+            (time_s, joint, code, normal_stress, shear_stress, opening, slip)
+        )
 
     def snapshot(self, time_s, displacement, stress_pa=None):
-        """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage, and stresses
-        (n_bodies, 5, 3) [Pa] of deformable bricks."""
-        self._rows["snapshots"].append((time_s, np.array(displacement, "f4"),
-                                        *([] if stress_pa is None else [np.array(stress_pa, "f4")])))
+        """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage,
+        and stresses (n_bodies, 5, 3) [Pa] of deformable bricks."""
+        self._rows["snapshots"].append(
+            (
+                time_s,
+                np.array(displacement, "f4"),
+                *([] if stress_pa is None else [np.array(stress_pa, "f4")]),
+            )
+        )
 
     def look(self, time_s, unbalanced_force):
-        """Add a look at the static stage: time since its start [s], unbalanced over contact forces [-]."""
+        """Add a look at the static stage: time since its start [s], unbalanced over contact forces
+        [-]."""
         self._rows["static_stage"].append((time_s, unbalanced_force))
 
     def static_stage(self, **values):
@@ -92,17 +109,20 @@ class Buffer:
 
     @property
     def keeps_state(self):
-        """Whether the history has a file, which keeps the state of the solver at the end of the run."""
+        """Whether the history has a file, which keeps the state of the solver at the end of the
+        run."""
         return any(sink.keeps_state for sink in self._sinks)
 
     def keep_state(self, state):
-        """Keep the state of the solver at the end of the run, bytes (n,), in the file of the history."""
+        """Keep the state of the solver at the end of the run, bytes (n,), in the file of the
+        history."""
         for sink in self._sinks:
             if sink.keeps_state:
                 sink.keep_state(state)
 
     def history(self, path=None):
-        """The History of a finished run, as of `read_history`; path: of the file, where it has another name by now."""
+        """The History of a finished run, as of `read_history`; path: of the file, where it has
+        another name by now."""
         return self._sinks[-1].history(path or self.path)
 
     def begin_again(self, write):
@@ -112,7 +132,8 @@ class Buffer:
         vars(self).update(vars(write()))
 
     def finish(self, status, collapsed_at_s=None):
-        """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
+        """Mark how the run ended and close the file, unless it could not be written; status: one of
+        STATUS."""
         if any(sink.is_torn for sink in self._sinks):
             return
         self.flush()
@@ -121,16 +142,21 @@ class Buffer:
 
     def flush(self):
         """Store what is buffered, on the disk, too."""
-        columns = {f"{group}/{name}": np.asarray(values, column.dtype) for group, rows in self._rows.items()
-                   for (name, column), values in zip(schema.GROWING[group].items(), zip(*rows))}
+        columns = {
+            f"{group}/{name}": np.asarray(values, column.dtype)
+            for group, rows in self._rows.items()
+            for (name, column), values in zip(schema.GROWING[group].items(), zip(*rows))
+        }
         columns |= {path: np.concatenate(blocks) for path, blocks in self._blocks.items() if blocks}
         if self._count > 0:
-            columns |= {f"frames/{name}": rows[:self._count, :self._n_active]
-                        for name, rows in self._frames.items()}
+            columns |= {
+                f"frames/{name}": rows[: self._count, : self._n_active]
+                for name, rows in self._frames.items()
+            }
         for sink in self._sinks:
             sink.store(columns)
         for rows in (*self._rows.values(), *self._blocks.values()):
             rows.clear()
         for column in self._frames.values():
-            column[:self._count] = 0
+            column[: self._count] = 0
         self._count = 0

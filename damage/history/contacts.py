@@ -1,7 +1,7 @@
 """Samples of the active contact points of a run; all others are intact and have zeros.
 
-Most contact points are intact most of the time: solver, memory and file have the active ones alone, and measures are
-computed from these.
+Most contact points are intact most of the time: solver, memory and file have the active ones alone,
+and measures are computed from these.
 """
 
 from typing import NamedTuple
@@ -14,8 +14,9 @@ from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 class Contacts(NamedTuple):
     """Samples of some contact points.
 
-    joints: (n,) indices of these contact points, increasing; opening_m, slip_m, offset_m [m] and state (bits of
-    `damage.law.states`): (n_times, n), as in the file (docs/reference/history-schema.md).
+    joints: (n,) indices of these contact points, increasing; opening_m, slip_m, offset_m [m] and
+    state (bits of `damage.law.states`): (n_times, n), as in the file
+    (docs/reference/history-schema.md).
     """
 
     joints: np.ndarray
@@ -62,5 +63,6 @@ class Contacts(NamedTuple):
 
 
 def any_bit(rows):
-    """Flags (n,) of the columns of rows (n_rows, n) in which any bit is set, that of minus zero included."""
+    """Flags (n,) of the columns of rows (n_rows, n) in which any bit is set, that of minus zero
+    included."""
     return np.bitwise_or.reduce(rows.view(f"u{rows.itemsize}"), axis=0) > 0

@@ -1,4 +1,5 @@
-"""Histories in memory, for runs that are evaluated when they end without reading, or without writing, a file."""
+"""Histories in memory, for runs that are evaluated when they end without reading, or without
+writing, a file."""
 
 import json
 from functools import partial
@@ -17,8 +18,8 @@ MOST_BYTES = 40_000_000
 class Memory:
     """Sink of a Buffer: the history in memory.
 
-    new_file: makes the File in which it continues where the run fails, is interrupted or grows too large; None where
-    there is a file beside it, which is kept alone then.
+    new_file: makes the File in which it continues where the run fails, is interrupted or grows too
+    large; None where there is a file beside it, which is kept alone then.
     """
 
     keeps_state = False
@@ -41,7 +42,9 @@ class Memory:
             self._file.store(columns)
         if self._parts is None:
             return
-        part = columns | {path: rows.copy() for path, rows in columns.items() if path.startswith("frames/")}
+        part = columns | {
+            path: rows.copy() for path, rows in columns.items() if path.startswith("frames/")
+        }
         self._parts.append(part)
         self._n_bytes += sum(rows.nbytes for rows in part.values())
         if self._n_bytes > MOST_BYTES:
@@ -70,19 +73,27 @@ class Memory:
         if self._parts is None:
             return read_history(path)
         collapsed_at_s = np.nan if self._collapsed_at_s is None else self._collapsed_at_s
-        values = {"run/status": np.uint8(schema.STATUS.index(self._status)),
-                  "run/collapsed_at_s": np.float64(collapsed_at_s),
-                  **{f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC},
-                  **layout_tables(self._layout)}
+        values = {
+            "run/status": np.uint8(schema.STATUS.index(self._status)),
+            "run/collapsed_at_s": np.float64(collapsed_at_s),
+            **{
+                f"static/{name}": np.float64(self._values.get(name, np.nan))
+                for name in schema.STATIC
+            },
+            **layout_tables(self._layout),
+        }
         columns = growing_columns(self._layout, json.loads(self._attributes["parameters_json"]))
         for path_of, (column, shape) in columns.items():
-            values[path_of] = _together([part[path_of] for part in self._parts if path_of in part],
-                                        np.empty((0, *shape), column.dtype))
+            values[path_of] = _together(
+                [part[path_of] for part in self._parts if path_of in part],
+                np.empty((0, *shape), column.dtype),
+            )
         return history_of(path, self._attributes, values)
 
 
 def _together(parts, none):
-    """The rows of parts, one after the other, after none; where later parts have more columns, zeros before them."""
+    """The rows of parts, one after the other, after none; where later parts have more columns,
+    zeros before them."""
     if not parts:
         return none
     rows = np.zeros((sum(map(len, parts)), *parts[-1].shape[1:]), none.dtype)
@@ -94,12 +105,15 @@ def _together(parts, none):
 
 
 class HistoryInMemory(Buffer):
-    """Replaces a HistoryWriter: a run that fails, is interrupted or grows too large leaves the same file as that."""
+    """Replaces a HistoryWriter: a run that fails, is interrupted or grows too large leaves the same
+    file as that."""
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, Memory(path, layout, attributes, partial(
-            File, path, layout, attributes, overwrite)))
+        super().__init__(
+            layout,
+            Memory(path, layout, attributes, partial(File, path, layout, attributes, overwrite)),
+        )
 
 
 class HistoryKept(Buffer):
@@ -107,4 +121,6 @@ class HistoryKept(Buffer):
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes))
+        super().__init__(
+            layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes)
+        )

@@ -13,62 +13,110 @@ WHOLE, ENDED_EARLY, OPEN, DAMAGED = "whole", "ended early", "open", "damaged"
 WORTH = {
     WHOLE: "complete, and byte for byte as its run sealed it",
     ENDED_EARLY: "as its run left it, which did not come to its end",
-    OPEN: "a run writes it now, or was killed: what was flushed is there, no checksum vouches for it",
+    OPEN: (
+        "a run writes it now, or was killed: what was flushed is there, no checksum vouches for it"
+    ),
     DAMAGED: "not to be used",
 }
 
 
-RESULTS = ("time_step_s", "repeats", "repeated_for", "critical_time_step_s", "eigen_period_s", "pier_stress_pa",
-           "outside_validity", *APPLIED)
-"""Of a history's parameters those that follow from the others: the wall's by its eigenvalues, the motion's as applied;
-the time step, too, unless --dt gives it."""
+RESULTS = (
+    "time_step_s",
+    "repeats",
+    "repeated_for",
+    "critical_time_step_s",
+    "eigen_period_s",
+    "pier_stress_pa",
+    "outside_validity",
+    *APPLIED,
+)
+"""Of a history's parameters those that follow from the others: the wall's by its eigenvalues, the
+motion's as applied; the time step, too, unless --dt gives it."""
 
 
 def check(path):
-    """State of the file at `path`: {"file", "worth": one of WORTH, "status", "samples", "until_s", "says"}."""
+    """State of the file at `path`: {"file", "worth": one of WORTH, "status", "samples", "until_s",
+    "says"}."""
     try:
         history, head = read_history(path), read_head(path)
     except InputError as error:
-        return {"file": str(path), "worth": DAMAGED, "status": None, "samples": None, "until_s": None,
-                "says": str(error)}
+        return {
+            "file": str(path),
+            "worth": DAMAGED,
+            "status": None,
+            "samples": None,
+            "until_s": None,
+            "says": str(error),
+        }
     worth = OPEN if not head.sealed else WHOLE if history.complete else ENDED_EARLY
     time_s = history.series["time_s"]
-    return {"file": str(path), "worth": worth, "status": history.status, "samples": len(time_s),
-            "until_s": float(time_s.iloc[-1]) if len(time_s) else None, "says": WORTH[worth]}
+    return {
+        "file": str(path),
+        "worth": worth,
+        "status": history.status,
+        "samples": len(time_s),
+        "until_s": float(time_s.iloc[-1]) if len(time_s) else None,
+        "says": WORTH[worth],
+    }
 
 
 def describe_check(checked):
     """Text of the results of `check`, a line for each file."""
     return "\n".join(
-        f"{one['worth']}: {one['says']}" if one["worth"] == DAMAGED else
-        f"{one['worth']}: {one['file']}: {one['status']}, {one['samples']} samples"
-        + ("" if one["until_s"] is None else f" to {one['until_s']:.3f} s") + f"; {one['says']}" for one in checked)
+        (
+            f"{one['worth']}: {one['says']}"
+            if one["worth"] == DAMAGED
+            else f"{one['worth']}: {one['file']}: {one['status']}, {one['samples']} samples"
+            + ("" if one["until_s"] is None else f" to {one['until_s']:.3f} s")
+            + f"; {one['says']}"
+        )
+        for one in checked
+    )
 
 
 def made_by(history):
-    """{"software", "commit", "model_digest"} of a History; "unknown" outside git and of other writers."""
-    return {name: history.versions.get(key, UNKNOWN) for name, key in (
-        ("software", "masonry-damage"), ("commit", "commit"), ("model_digest", "model"))}
+    """{"software", "commit", "model_digest"} of a History; "unknown" outside git and of other
+    writers."""
+    return {
+        name: history.versions.get(key, UNKNOWN)
+        for name, key in (
+            ("software", "masonry-damage"),
+            ("commit", "commit"),
+            ("model_digest", "model"),
+        )
+    }
 
 
 def origin(history):
     """Origin of a History, for the metadata of a picture."""
     made = made_by(history)
-    return (f"{history.path.name}: {history.command}; {history.solver} solver, masonry-damage {made['software']}, "
-            f"commit {made['commit']}, model {made['model_digest']}")
+    return (
+        f"{history.path.name}: {history.command}; {history.solver} solver, masonry-damage"
+        f" {made['software']}, commit {made['commit']}, model {made['model_digest']}"
+    )
 
 
 def info(history):
-    """Origin of a History, a plain dictionary: "parameters" as stored in the file, and "results", those that follow
-    from other parameters."""
+    """Origin of a History, a plain dictionary: "parameters" as stored in the file, and "results",
+    those that follow from other parameters."""
     top, joints = history.bodies[history.bodies["course"] == -1], history.joints
     thickness = joints["area_m2"].sum() / joints["length_m"].sum() if len(joints) else float("inf")
-    return {"file": shown_path(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
-            "collapsed_at_s": history.collapsed_at_s, "created_utc": history.attributes["created_utc"],
-            "machine": history.attributes["machine"], "command": history.command, **made_by(history),
-            "versions": history.versions, "parameters": history.parameters, "results": results(history),
-            "caps": caps(top["x_m"], top["length_m"], top["mass_kg"], thickness),
-            "static": {name: None if isnan(value) else value for name, value in history.static.items()}}
+    return {
+        "file": shown_path(history.path),
+        "wall": history.wall,
+        "solver": history.solver,
+        "status": history.status,
+        "collapsed_at_s": history.collapsed_at_s,
+        "created_utc": history.attributes["created_utc"],
+        "machine": history.attributes["machine"],
+        "command": history.command,
+        **made_by(history),
+        "versions": history.versions,
+        "parameters": history.parameters,
+        "results": results(history),
+        "caps": caps(top["x_m"], top["length_m"], top["mass_kg"], thickness),
+        "static": {name: None if isnan(value) else value for name, value in history.static.items()},
+    }
 
 
 def results(history):
@@ -78,19 +126,41 @@ def results(history):
 
 def given(about):
     """The parameters without those derived from others; about: an `info`."""
-    return {name: value for name, value in about["parameters"].items() if name not in about["results"]}
+    return {
+        name: value for name, value in about["parameters"].items() if name not in about["results"]
+    }
 
 
 def describe(about):
-    """The `info` of a history as lines for people: what made it and its caps, the results that precede the motion
-    (static stage, periods, measures of the motion), then every parameter that was given or has its default."""
-    lines = [f"{name:14s}{about[name]}" for name in (
-        "file", "wall", "solver", "status", "created_utc", "machine", "command", "software", "commit", "model_digest")]
-    lines += [f"{name:14s}{version}" for name, version in sorted(about["versions"].items())
-              if name not in ("masonry-damage", "commit", "model")]
+    """The `info` of a history as lines for people: what made it and its caps, the results that
+    precede the motion (static stage, periods, measures of the motion), then every parameter that
+    was given or has its default."""
+    lines = [
+        f"{name:14s}{about[name]}"
+        for name in (
+            "file",
+            "wall",
+            "solver",
+            "status",
+            "created_utc",
+            "machine",
+            "command",
+            "software",
+            "commit",
+            "model_digest",
+        )
+    ]
+    lines += [
+        f"{name:14s}{version}"
+        for name, version in sorted(about["versions"].items())
+        if name not in ("masonry-damage", "commit", "model")
+    ]
     lines += map(describe_cap, about["caps"])
-    for title, table in (("static stage", about["static"]), ("results", about["results"]),
-                         ("parameters", given(about))):
+    for title, table in (
+        ("static stage", about["static"]),
+        ("results", about["results"]),
+        ("parameters", given(about)),
+    ):
         lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in flat(table))]
     return "\n".join(lines)
 

@@ -17,8 +17,10 @@ NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the
 def check_samples(history):
     """Raise InputError where a History holds no sample."""
     if len(history.series) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); expected one or more, "
-                         "let the run continue")
+        raise InputError(
+            f"{history.path} holds no sample yet ({history.status}); expected one or more, "
+            "let the run continue"
+        )
 
 
 def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
@@ -31,14 +33,17 @@ def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
     elif sample == "end":
         sample = n_times - 1
     elif isinstance(sample, str) or not -n_times <= sample < n_times:
-        raise InputError(f"sample {sample!r}: expected 'max', 'end' or a whole number from 0 to "
-                         f"{n_times - 1}; choose one of them")
+        raise InputError(
+            f"sample {sample!r}: expected 'max', 'end' or a whole number from 0 to "
+            f"{n_times - 1}; choose one of them"
+        )
     sample = int(sample) % n_times
     return sample, float(damage[sample])
 
 
 def sample_at(history, time_s):
-    """Index of the sample nearest to a time [s]; InputError for one outside the run, by more than a sample."""
+    """Index of the sample nearest to a time [s]; InputError for one outside the run, by more than a
+    sample."""
     check_samples(history)
     times = history.series["time_s"].to_numpy()
     step = np.diff(times).max(initial=0.0)
@@ -47,8 +52,10 @@ def sample_at(history, time_s):
     except TypeError:
         inside = False
     if not inside:
-        raise InputError(f"time {time_s!r}: expected seconds from {times[0]:g} to {times[-1]:g}, 'max' or 'end'; "
-                         "choose one of them")
+        raise InputError(
+            f"time {time_s!r}: expected seconds from {times[0]:g} to {times[-1]:g}, 'max' or 'end';"
+            " choose one of them"
+        )
     return int(np.argmin(np.abs(times - time_s)))
 
 
@@ -61,20 +68,28 @@ def choose_samples(history, moments):
             time_s = float(moment)
         except ValueError:
             if moment not in ("rest", "max", "end"):
-                raise InputError(f"--at {moment}: expected rest, max, end or a time [s]; choose another") from None
+                raise InputError(
+                    f"--at {moment}: expected rest, max, end or a time [s]; choose another"
+                ) from None
             samples.append(choose_sample(history, 0 if moment == "rest" else moment)[0])
             continue
         if not (len(times) and times[0] - 1e-9 <= time_s <= times[-1] + 1e-9):
-            raise InputError(f"--at {moment}: expected rest, max, end, or a time within the history's "
-                             f"{len(times)} samples; choose another")
+            raise InputError(
+                f"--at {moment}: expected rest, max, end, or a time within the history's "
+                f"{len(times)} samples; choose another"
+            )
         samples.append(int(np.argmin(np.abs(times - time_s))))
     return samples
 
 
 def spans_of(time_s, chosen):
-    """[[first, last time]] [s] of each stretch of chosen samples; time_s: (n,) [s]; chosen: (n,) bool."""
+    """[[first, last time]] [s] of each stretch of chosen samples; time_s: (n,) [s]; chosen: (n,)
+    bool."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
-    return [[float(time_s[first]), float(time_s[last - 1])] for first, last in zip(edges[::2], edges[1::2])]
+    return [
+        [float(time_s[first]), float(time_s[last - 1])]
+        for first, last in zip(edges[::2], edges[1::2])
+    ]
 
 
 def nearest_snapshot(history, time_s):
@@ -92,20 +107,31 @@ def support_motion(history, snapshot):
     """SupportMotion at a snapshot, None for the end of the static stage."""
     motion = np.zeros((len(history.supports), 3))
     if snapshot is not None and len(history.series):
-        sample = np.argmin(np.abs(history.series["time_s"].to_numpy() - history.snapshot_time_s[snapshot]))
+        sample = np.argmin(
+            np.abs(history.series["time_s"].to_numpy() - history.snapshot_time_s[snapshot])
+        )
         motion = history.support_displacement[sample].astype(float)
-    return SupportMotion(*(history.supports[name].to_numpy() for name in ("left_m", "right_m")), motion)
+    return SupportMotion(
+        *(history.supports[name].to_numpy() for name in ("left_m", "right_m")), motion
+    )
 
 
 def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
     opened = history.opening_m[sample] > threshold
-    slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_by(slip)[sample]) > threshold
+    slipped = (
+        history.at_limit[sample]
+        if slip == "shear-limit"
+        else np.abs(history.slip_by(slip)[sample]) > threshold
+    )
     return state_codes(opened, slipped, history.broken[sample])
 
 
 def state_codes(opened, slipped, broken=False):
     """Index into STATES of joints, of bool arrays of one shape."""
     codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
-    return np.select([opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))], codes,
-                     default=STATES.index("intact"))
+    return np.select(
+        [opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))],
+        codes,
+        default=STATES.index("intact"),
+    )

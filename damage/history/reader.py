@@ -25,29 +25,35 @@ from damage.wall.plan import plan_of
 
 
 def _at_all_joints(name):
-    """Property of a History: a field of its Contacts at all joints, made on first use, which most runs never see."""
-    return cached_property(lambda history: history.contacts.at_all_joints(name, len(history.joints)))
+    """Property of a History: a field of its Contacts at all joints, made on first use, which most
+    runs never see."""
+    return cached_property(
+        lambda history: history.contacts.at_all_joints(name, len(history.joints))
+    )
 
 
 @dataclass(frozen=True, repr=False)
 class History:
     """One run.
 
-    joints: DataFrame, a row a contact point (kind bed/head/brick, x_m, z_m, length_m, first_body, ...);
+    joints: DataFrame, a row a contact point (kind bed/head/brick, x_m, z_m, length_m, first_body,
+    ...);
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
-    (settlement, motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
-    normal_stress_pa, shear_stress_pa, opening_m, slip_m).
-    contacts: samples of the active contact points; opening_m, slip_m, offset_m: those of all, (n_times, n_joints);
-    broken, at_limit, crushed, ended: bool of that shape.
-    snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad]; stress_pa: (n_snapshots,
-    n_bodies, 5, 3) along x, along z and shear at the centre and the corners of each brick, None where bricks are rigid.
-    supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
-    (n_times, n_supports, 3).
-    joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of each contact point,
-    None without `--stresses`; point_displacement: (n_times, n_points, 2) along x and z of the material `points` [m],
-    None without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force).
-    static: results of the static stage; parameters: everything that defined the run, as stored in the file; `loading`,
-    `model` and `masonry_wall` return most of it as records; `wall` is the wall's name.
+    (settlement, motion, rest, settling); events: DataFrame (time_s, joint, kind
+    tension/shear/opened/slipped, normal_stress_pa, shear_stress_pa, opening_m, slip_m).
+    contacts: samples of the active contact points; opening_m, slip_m, offset_m: those of all,
+    (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape.
+    snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad];
+    stress_pa: (n_snapshots, n_bodies, 5, 3) along x, along z and shear at the centre and the
+    corners of each brick, None where bricks are rigid. supports: DataFrame, a row a support
+    (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]: (n_times,
+    n_supports, 3).
+    joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of
+    each contact point, None without `--stresses`; point_displacement: (n_times, n_points, 2) along
+    x and z of the material `points` [m], None without `--point`; static_stage: DataFrame, a row a
+    look at the static stage (time_s, unbalanced_force). static: results of the static stage;
+    parameters: everything that defined the run, as stored in the file; `loading`, `model` and
+    `masonry_wall` return most of it as records; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
     heard: what `damage.run` gave as warnings while it ran, texts with codes; none of a file.
     """
@@ -91,14 +97,26 @@ class History:
 
     def _repr_html_(self):
         """A table for notebooks, with its wall, motion, end, index and largest drift."""
-        rows = [("wall", self.wall), ("motion", self.loading.name), ("solver", self.solver), ("run", _end_of(self))]
+        rows = [
+            ("wall", self.wall),
+            ("motion", self.loading.name),
+            ("solver", self.solver),
+            ("run", _end_of(self)),
+        ]
         if len(self.series):
             index, drift = self.index()["DI"], self.series["drift_ratio"].abs().max()
             residual = f", residual {index.iloc[-1]:.3f}" if self.complete else ""
-            rows += [("damage index", f"maximum {index.max():.3f}{residual}"),
-                     ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
-                     ("failures", f"{int(self.states.broken[-1].sum())} of {len(self.joints)} contact points")]
-        cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
+            rows += [
+                ("damage index", f"maximum {index.max():.3f}{residual}"),
+                ("drift ratio", f"up to {rounded(100 * drift, 3)} %"),
+                (
+                    "failures",
+                    f"{int(self.states.broken[-1].sum())} of {len(self.joints)} contact points",
+                ),
+            ]
+        cells = "".join(
+            f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows
+        )
         return f"<table><caption>History</caption>{cells}</table>"
 
     @property
@@ -108,7 +126,8 @@ class History:
 
     @cached_property
     def loading(self):
-        """The `damage.motion.loading.Loading` that drove the run; a `RecordedMotion` where it was a record."""
+        """The `damage.motion.loading.Loading` that drove the run; a `RecordedMotion` where it was a
+        record."""
         return loading_from_dict(self.parameters["loading"])
 
     @cached_property
@@ -143,16 +162,24 @@ class History:
 
     @cached_property
     def event_loadings(self):
-        """The Loading of each event, in their order; a sequence of one motion has the same for all."""
+        """The Loading of each event, in their order; a sequence of one motion has the same for
+        all."""
         motions = [loading_from_dict(table) for table in self.parameters.get("motions", [])]
-        return tuple(motions[event["motion"]] for event in self.parameters["events"]) if motions else \
-            (self.loading,) * len(self.sequence)
+        return (
+            tuple(motions[event["motion"]] for event in self.parameters["events"])
+            if motions
+            else (self.loading,) * len(self.sequence)
+        )
 
     @property
     def strongest_factor(self):
-        """Largest factor on `loading`, which is the strongest motion of a sequence: absolute value."""
-        return max(abs(factor) for factor, loading in zip(self.sequence, self.event_loadings)
-                   if loading.name == self.loading.name)
+        """Largest factor on `loading`, which is the strongest motion of a sequence: absolute
+        value."""
+        return max(
+            abs(factor)
+            for factor, loading in zip(self.sequence, self.event_loadings)
+            if loading.name == self.loading.name
+        )
 
     @property
     def time_step_s(self):
@@ -170,24 +197,34 @@ class History:
         return schema.moving(self.series)
 
     def slip_by(self, slip):
-        """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that by `displacement`."""
+        """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that
+        by `displacement`."""
         return self.slip_m if slip == "accumulated" else self.offset_m
 
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
-        """The damage index over time: `damage.index.damage_index` of this run, by this criterion of slip."""
+        """The damage index over time: `damage.index.damage_index` of this run, by this criterion of
+        slip."""
         asked = threshold, drift_limit, slip
         if asked not in self._indices:
             active = self.active
             self._indices[asked] = damage_index(
-                self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), active.opening_m,
-                active.slip_by(slip), active.at_limit, self.joint_length_m[active.joints],
-                threshold=threshold, drift_limit=drift_limit, slip_criterion=slip,
-                total_length=self.joint_length_m.sum())
+                self.series["time_s"].to_numpy(),
+                self.series["drift_ratio"].to_numpy(),
+                active.opening_m,
+                active.slip_by(slip),
+                active.at_limit,
+                self.joint_length_m[active.joints],
+                threshold=threshold,
+                drift_limit=drift_limit,
+                slip_criterion=slip,
+                total_length=self.joint_length_m.sum(),
+            )
         return self._indices[asked].copy()
 
     @cached_property
     def active(self):
-        """The Contacts that ever opened, slipped or reached their shear limit: measures need no others."""
+        """The Contacts that ever opened, slipped or reached their shear limit: measures need no
+        others."""
         return self.contacts.with_any("opening_m", "slip_m", "offset_m", "at_limit")
 
     @cached_property
@@ -202,15 +239,16 @@ class History:
 
     @cached_property
     def _indices(self):
-        """Damage indices computed so far, which several tables need: {(threshold, drift limit, slip): DataFrame}."""
+        """Damage indices computed so far, which several tables need: {(threshold, drift limit,
+        slip): DataFrame}."""
         return {}
 
 
 def read_history(path):
     """Read the history at `path`, also while a run writes it, or after a run was killed.
 
-    Raises InputError where the file is missing, is not a history, has another schema, or was changed after its run
-    closed it.
+    Raises InputError where the file is missing, is not a history, has another schema, or was
+    changed after its run closed it.
     """
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
@@ -228,48 +266,75 @@ def read_history(path):
 
 def _unreadable(path, error):
     said = (str(error).strip() or type(error).__name__).splitlines()[0]
-    return InputError(f"{path} cannot be read as a history ({said}); expected an HDF5 file that a run wrote")
+    return InputError(
+        f"{path} cannot be read as a history ({said}); expected an HDF5 file that a run wrote"
+    )
 
 
 def opened(path):
-    """The HDF5 file of a history, open for reading, also while a run writes it or after it was killed."""
+    """The HDF5 file of a history, open for reading, also while a run writes it or after it was
+    killed."""
     return h5py.File(path, "r", libver="latest", swmr=not read_head(path).sealed)
 
 
 def history_of(path, attributes, values, ended=True):
-    """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or dataset}."""
+    """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or
+    dataset}."""
     n_times = _whole_rows(values, "series", "frames", "ground", "stresses", "points")
     n_snapshots = _whole_rows(values, "snapshots")
-    optional = {"stress_pa": ("snapshots/stress_pa", n_snapshots),
-                "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
-                "point_displacement": ("points/displacement", n_times)}
+    optional = {
+        "stress_pa": ("snapshots/stress_pa", n_snapshots),
+        "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
+        "point_displacement": ("points/displacement", n_times),
+    }
     collapsed = float(values["run/collapsed_at_s"][()])
     return History(
-        path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
+        path=path,
+        wall=attributes["wall"],
+        solver=attributes["solver"],
+        command=attributes["command"],
         status=schema.STATUS[int(values["run/status"][()]) if ended else 0],
         collapsed_at_s=None if np.isnan(collapsed) else collapsed,
-        parameters=json.loads(attributes["parameters_json"]), versions=json.loads(attributes["versions_json"]),
-        static={name: float(values[f"static/{name}"][()]) for name in sorted(schema.TABLES["static"])},
-        attributes=attributes, joints=_decode(_columns(values, "joints"), "kind", schema.CODES["joints/kind"]),
+        parameters=json.loads(attributes["parameters_json"]),
+        versions=json.loads(attributes["versions_json"]),
+        static={
+            name: float(values[f"static/{name}"][()]) for name in sorted(schema.TABLES["static"])
+        },
+        attributes=attributes,
+        joints=_decode(_columns(values, "joints"), "kind", schema.CODES["joints/kind"]),
         bodies=_columns(values, "bodies"),
         series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
-        events=_decode(_columns(values, "events", _whole_rows(values, "events")), "kind", schema.EVENTS),
+        events=_decode(
+            _columns(values, "events", _whole_rows(values, "events")), "kind", schema.EVENTS
+        ),
         snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
         displacement=values["snapshots/displacement"][:n_snapshots],
-        **{field: values[path][:count] for field, (path, count) in optional.items() if path in values},
-        supports=_columns(values, "supports"), support_displacement=values["ground/displacement"][:n_times],
+        **{
+            field: values[path][:count]
+            for field, (path, count) in optional.items()
+            if path in values
+        },
+        supports=_columns(values, "supports"),
+        support_displacement=values["ground/displacement"][:n_times],
         support_force=values["ground/force"][:n_times],
         static_stage=_columns(values, "static_stage", _whole_rows(values, "static_stage")),
-        contacts=_contacts(values, n_times))
+        contacts=_contacts(values, n_times),
+    )
 
 
 def _whole_rows(values, *groups):
-    """Number of rows of groups: a killed run may have flushed one column more often than another."""
-    return min(len(values[path]) for path in schema.COLUMNS if path.partition("/")[0] in groups and path in values)
+    """Number of rows of groups: a killed run may have flushed one column more often than
+    another."""
+    return min(
+        len(values[path])
+        for path in schema.COLUMNS
+        if path.partition("/")[0] in groups and path in values
+    )
 
 
 def _contacts(values, n_times):
-    """The Contacts by increasing joints; columns of the file are in the order in which these became active."""
+    """The Contacts by increasing joints; columns of the file are in the order in which these became
+    active."""
     frames = [values[f"frames/{name}"] for name in schema.FRAMES]
     n = min(len(values["active/joint"]), *(rows.shape[1] for rows in frames))
     joints = values["active/joint"][:n].astype(int)
@@ -278,7 +343,8 @@ def _contacts(values, n_times):
 
 
 def _number_shocks(series):
-    """The series with the number of the event, from 1: a new one begins with each motion after settling."""
+    """The series with the number of the event, from 1: a new one begins with each motion after
+    settling."""
     settling = (series["stage"] == "settling").to_numpy()
     series["shock"] = 1 + np.cumsum(np.diff(settling.astype(int), prepend=0) < 0)
     return series
@@ -286,7 +352,9 @@ def _number_shocks(series):
 
 def _columns(values, group, n_rows=None):
     """Columns of a group that the schema names, as a DataFrame."""
-    return pd.DataFrame({name: values[f"{group}/{name}"][:n_rows] for name in sorted(schema.TABLES[group])})
+    return pd.DataFrame(
+        {name: values[f"{group}/{name}"][:n_rows] for name in sorted(schema.TABLES[group])}
+    )
 
 
 def _decode(frame, column, names):

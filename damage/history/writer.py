@@ -1,8 +1,8 @@
 """Writer of the history file: one HDF5 file for each run, readable while it grows.
 
-The schema is in `docs/reference/history-schema.md`.  All datasets exist before the file enters HDF5's single-writer
-multiple-reader mode, so that flushed data survive SIGKILL.  When the file is closed, its head is sealed with the
-checksum of everything behind it.
+The schema is in `docs/reference/history-schema.md`.  All datasets exist before the file enters
+HDF5's single-writer multiple-reader mode, so that flushed data survive SIGKILL.  When the file is
+closed, its head is sealed with the checksum of everything behind it.
 """
 
 import fcntl
@@ -31,14 +31,15 @@ from damage.provenance import shown_command
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
 _LEVEL = 2  # of gzip
 _COLUMNS = 64  # of a chunk, where columns are added as contact points become active
-_LEFT_OPEN = []  # writers whose file could not be written: closing it would write again, and tear what is whole
+# writers whose file could not be written: closing it would write again, and tear what is whole
+_LEFT_OPEN = []
 
 
 class File:
     """Sink of a Buffer: the file of one run.
 
-    Raises WriteError where the disk is full or refuses data: the file stays unfinished, as of the last flush.  HDF5
-    cannot close in order then: end the process by os._exit.
+    Raises WriteError where the disk is full or refuses data: the file stays unfinished, as of the
+    last flush.  HDF5 cannot close in order then: end the process by os._exit.
     """
 
     keeps_state = True
@@ -47,12 +48,23 @@ class File:
         self.path, self.where, self.attributes = Path(path), str(path), attributes
         with self._writing():
             self._file = _create_file(self.path, overwrite)
-            write_head(self.path, Head(**head_of(attributes["solver"], json.loads(attributes["versions_json"]))))
+            write_head(
+                self.path,
+                Head(**head_of(attributes["solver"], json.loads(attributes["versions_json"]))),
+            )
             _write_fixed(self._file, layout, attributes)
-            # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
-            self._growing = _create_growing(self._file, layout, json.loads(attributes["parameters_json"]))
-            self._state = self._file.create_dataset(schema.STATE, shape=(0,), maxshape=(None,), chunks=(1 << 16,),
-                                                    dtype=schema.STATE_COLUMN.dtype)
+            # Kept open: a dataset that is closed unwritten loses its rows without a word where the
+            # disk is full.
+            self._growing = _create_growing(
+                self._file, layout, json.loads(attributes["parameters_json"])
+            )
+            self._state = self._file.create_dataset(
+                schema.STATE,
+                shape=(0,),
+                maxshape=(None,),
+                chunks=(1 << 16,),
+                dtype=schema.STATE_COLUMN.dtype,
+            )
             self._state.attrs["unit"] = schema.STATE_COLUMN.unit
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file
             self._lock = lock(self.path, fcntl.LOCK_SH)
@@ -81,7 +93,8 @@ class File:
         return [counts.get(group, 0) for group in schema.GROWING]
 
     def copy_rows(self, file, counts):
-        """Copy what another open file holds of the same run: the static stage, and so many rows of each group."""
+        """Copy what another open file holds of the same run: the static stage, and so many rows of
+        each group."""
         self.static_stage({name: file["static"][name][()] for name in schema.STATIC})
         count_of = dict(zip(schema.GROWING, counts))
         with self._writing():
@@ -128,18 +141,20 @@ class File:
         except (OSError, RuntimeError) as error:
             _LEFT_OPEN.append(self)
             said = re.search(r"error message = '([^']*)'", str(error))
-            raise WriteError(f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}): what was "
-                             "flushed is kept, unfinished; make room, and run it again") from error
+            raise WriteError(
+                f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}):"
+                " what was flushed is kept, unfinished; make room, and run it again"
+            ) from error
 
 
 class HistoryWriter(Buffer):
     """Buffer of a run that writes its file.
 
     path: of the new file; an existing one raises InputError unless `overwrite`.
-    layout: damage.wall.layout.Layout; parameters: dictionary fit for JSON of everything that defines the run, with its
-    `command` where it is not that of this process.
-    solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model", the digest of the
-    model's code, where they are known.
+    layout: damage.wall.layout.Layout; parameters: dictionary fit for JSON of everything that
+    defines the run, with its `command` where it is not that of this process.
+    solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model",
+    the digest of the model's code, where they are known.
     file: its File.
     """
 
@@ -168,24 +183,31 @@ def check_output(path, overwrite=False):
         probe.unlink()
         free = shutil.disk_usage(path.parent).free
     except OSError as error:
-        raise InputError(f"cannot write to folder {path.parent}: {error.strerror}; "
-                         "choose another with --out FILE.h5") from error
+        raise InputError(
+            f"cannot write to folder {path.parent}: {error.strerror}; "
+            "choose another with --out FILE.h5"
+        ) from error
     if free < _LEAST_FREE:
-        raise InputError(f"{path.parent} has {free / 1e6:.2g} MB free: expected {_LEAST_FREE / 1e6:g} MB or more; make "
-                         "room, or choose another with --out FILE.h5")
+        raise InputError(
+            f"{path.parent} has {free / 1e6:.2g} MB free: expected {_LEAST_FREE / 1e6:g} MB or"
+            " more; make room, or choose another with --out FILE.h5"
+        )
 
 
 def _check_taken(path, overwrite):
     if path.is_dir():
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
-    if path.suffix != ".h5":  # the pictures' folder has the name without it, so that no two runs share one
+    # the pictures' folder has the name without it, so that no two runs share one
+    if path.suffix != ".h5":
         raise InputError(f"--out {path}: expected a name that ends in .h5; give --out {path}.h5")
     if not path.exists():
         return
     if not overwrite:
         raise InputError(f"{path} exists already: it is kept; give --overwrite or another --out")
     if not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
-        raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
+        raise InputError(
+            f"{path} is no history, and --overwrite replaces none but those: give another --out"
+        )
     lock(path, fcntl.LOCK_EX).close()
 
 
@@ -195,21 +217,27 @@ def _create_file(path, overwrite):
         with lock(path, fcntl.LOCK_EX):
             path.unlink()
     try:
-        return h5py.File(path, "x", libver="v110", userblock_size=HEAD_BYTES)  # which Debian 12's HDF5 reads, too
+        # which Debian 12's HDF5 reads, too
+        return h5py.File(path, "x", libver="v110", userblock_size=HEAD_BYTES)
     except FileExistsError:
-        raise InputError(f"{path} exists now: another run began it at this moment; give another --out") from None
+        raise InputError(
+            f"{path} exists now: another run began it at this moment; give another --out"
+        ) from None
 
 
 def lock(path, kind):
-    """The file of a history, open and locked until it is closed: LOCK_SH by the run that writes it, LOCK_EX by one that
-    would replace it.  Raises InputError where another has it; a file system without locks has none."""
+    """The file of a history, open and locked until it is closed: LOCK_SH by the run that writes it,
+    LOCK_EX by one that would replace it.  Raises InputError where another has it; a file system
+    without locks has none."""
     file = open(path, "rb")  # noqa: SIM115, open as long as the lock is held
     try:
         fcntl.flock(file, kind | fcntl.LOCK_NB)
     except BlockingIOError:
         file.close()
-        raise InputError(f"{path} is in use: another run writes it, or a program reads it; wait for its end, or give "
-                         "another --out") from None
+        raise InputError(
+            f"{path} is in use: another run writes it, or a program reads it; wait for its end, or"
+            " give another --out"
+        ) from None
     except OSError:
         pass
     return file
@@ -219,16 +247,27 @@ def run_attributes(layout, solver, parameters, versions):
     """The attributes of a history's run, {name: words or number}; arguments as of HistoryWriter."""
     command = parameters.get("command") or shown_command(sys.argv)
     parameters = {name: value for name, value in parameters.items() if name != "command"}
-    versions = {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__,
-                "pandas": pd.__version__, "h5py": h5py.__version__, "hdf5": h5py.version.hdf5_version, **versions}
+    versions = {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "pandas": pd.__version__,
+        "h5py": h5py.__version__,
+        "hdf5": h5py.version.hdf5_version,
+        **versions,
+    }
     return {
-        "solver": solver, "wall": layout.wall.name, "command": command,
+        "solver": solver,
+        "wall": layout.wall.name,
+        "command": command,
         "created_utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.system()} {platform.machine()}",
         "parameters_json": json.dumps(parameters, sort_keys=True),
         "versions_json": json.dumps(versions, sort_keys=True),
-        "total_joint_length_m": layout.total_joint_length, "drift_height_m": layout.drift_height,
-        "height_m": layout.wall.built_height, "length_m": layout.wall.length,
+        "total_joint_length_m": layout.total_joint_length,
+        "drift_height_m": layout.drift_height,
+        "height_m": layout.wall.built_height,
+        "length_m": layout.wall.length,
     }
 
 
@@ -237,8 +276,12 @@ def _write_fixed(file, layout, attributes):
     file.attrs["schema"] = schema.SCHEMA
     file.attrs["schema_version"] = schema.SCHEMA_VERSION
     file.create_group("run").attrs.update(attributes)
-    fixed = {"run/status": np.uint8(0), "run/collapsed_at_s": np.nan,
-             **{f"static/{name}": np.nan for name in schema.STATIC}, **layout_tables(layout)}
+    fixed = {
+        "run/status": np.uint8(0),
+        "run/collapsed_at_s": np.nan,
+        **{f"static/{name}": np.nan for name in schema.STATIC},
+        **layout_tables(layout),
+    }
     for path, values in fixed.items():
         file.create_dataset(path, data=values).attrs["unit"] = schema.COLUMNS[path].unit
 
@@ -246,23 +289,55 @@ def _write_fixed(file, layout, attributes):
 def layout_tables(layout):
     """The joints, bodies and supports, which do not change during a run: {"GROUP/NAME": array}."""
     points, bodies, supports, n = layout.contacts, layout.bodies, layout.supports, layout.n_joints
-    joints = (points.kind.astype("u1"), points.first, points.second, points.x, points.z, points.length, points.area,
-              points.normal_stiffness, points.shear_stiffness, points.elastic, points.tensile_strength,
-              points.cohesion)
-    tables = {"joints": [values[:n] for values in joints],
-              "bodies": (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia, bodies.course),
-              "supports": (supports.left, supports.right)}
-    return {f"{group}/{name}": np.asarray(data, column.dtype) for group, values in tables.items()
-            for (name, column), data in zip(schema.TABLES[group].items(), values, strict=True)}
+    joints = (
+        points.kind.astype("u1"),
+        points.first,
+        points.second,
+        points.x,
+        points.z,
+        points.length,
+        points.area,
+        points.normal_stiffness,
+        points.shear_stiffness,
+        points.elastic,
+        points.tensile_strength,
+        points.cohesion,
+    )
+    tables = {
+        "joints": [values[:n] for values in joints],
+        "bodies": (
+            bodies.x,
+            bodies.z,
+            bodies.length,
+            bodies.height,
+            bodies.mass,
+            bodies.inertia,
+            bodies.course,
+        ),
+        "supports": (supports.left, supports.right),
+    }
+    return {
+        f"{group}/{name}": np.asarray(data, column.dtype)
+        for group, values in tables.items()
+        for (name, column), data in zip(schema.TABLES[group].items(), values, strict=True)
+    }
 
 
 def growing_columns(layout, parameters):
-    """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these parameters; rows of
-    frames begin without active contact points."""
-    kept = {"snapshots/stress_pa": layout.strain is not None, "stresses/joint_stress_pa": parameters.get("stresses"),
-            "points/displacement": parameters.get("points")}
-    sizes = {"joints": layout.n_joints, "bodies": len(layout.bodies), "supports": len(layout.supports),
-             "active": 0, "points": len(parameters.get("points", ()))}
+    """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these
+    parameters; rows of frames begin without active contact points."""
+    kept = {
+        "snapshots/stress_pa": layout.strain is not None,
+        "stresses/joint_stress_pa": parameters.get("stresses"),
+        "points/displacement": parameters.get("points"),
+    }
+    sizes = {
+        "joints": layout.n_joints,
+        "bodies": len(layout.bodies),
+        "supports": len(layout.supports),
+        "active": 0,
+        "points": len(parameters.get("points", ())),
+    }
     found = {}
     for path, column in schema.COLUMNS.items():
         group = path.partition("/")[0]
@@ -274,16 +349,27 @@ def growing_columns(layout, parameters):
 
 def _create_growing(file, layout, parameters):
     """Empty datasets, {"GROUP/NAME": dataset}; parameters: of the run."""
-    chunks = {"active": 1024, "events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
+    chunks = {
+        "active": 1024,
+        "events": 1024,
+        "static_stage": 1024,
+        "snapshots": CHUNK // SNAPSHOT_SAMPLES,
+    }
     for group in schema.GROWING:
         file.create_group(group)
     made, columns = {}, min(_COLUMNS, layout.n_joints)
     for path, (column, shape) in growing_columns(layout, parameters).items():
         rows = chunks.get(path.partition("/")[0], CHUNK)
         made[path] = file.create_dataset(
-            path, shape=(0, *shape), maxshape=(None, *(size or layout.n_joints for size in shape)), dtype=column.dtype,
-            compression="gzip", compression_opts=_LEVEL, shuffle=True,
-            chunks=(rows, *(size or columns for size in shape)))
+            path,
+            shape=(0, *shape),
+            maxshape=(None, *(size or layout.n_joints for size in shape)),
+            dtype=column.dtype,
+            compression="gzip",
+            compression_opts=_LEVEL,
+            shuffle=True,
+            chunks=(rows, *(size or columns for size in shape)),
+        )
         made[path].attrs["unit"] = column.unit
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
@@ -293,7 +379,7 @@ def _create_growing(file, layout, parameters):
 def _copy(dataset, rows, count):
     """Append the first rows of another dataset, chunk by chunk."""
     for first in range(0, count, dataset.chunks[0]):
-        _extend(dataset, rows[first:min(count, first + dataset.chunks[0])])
+        _extend(dataset, rows[first : min(count, first + dataset.chunks[0])])
 
 
 def _extend(dataset, rows):

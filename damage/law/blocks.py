@@ -1,8 +1,9 @@
-"""Symmetric matrices of a wall by blocks, one for each pair of bodies that contact points join, and their factor.
+"""Symmetric matrices of a wall by blocks, one for each pair of bodies that contact points join, and
+their factor.
 
-Sums and products are made one by one in one order, so that matrices, factors and solutions have the same bits on every
-machine; those of sparse libraries have not.  Bodies are eliminated in the order of minimum degree, ties by their rows.
-"""
+Sums and products are made one by one in one order, so that matrices, factors and solutions have the
+same bits on every machine; those of sparse libraries have not.  Bodies are eliminated in the order
+of minimum degree, ties by their rows."""
 
 from heapq import heappop, heappush
 from itertools import pairwise, starmap
@@ -16,16 +17,17 @@ SIZE = 3
 
 
 class Blocks(NamedTuple):
-    """Lower triangle of a symmetric matrix: row, column: (n,) bodies of each block, rising by rows and in these by
-    columns, all of the diagonal among them; values: (n, coordinates, coordinates)."""
+    """Lower triangle of a symmetric matrix: row, column: (n,) bodies of each block, rising by rows
+    and in these by columns, all of the diagonal among them; values: (n, coordinates,
+    coordinates)."""
 
     row: np.ndarray
     column: np.ndarray
     values: np.ndarray
 
     def bounded(self, free, own):
-        """These with `own` on the diagonal, where coordinates that are not free, bool (n_bodies, coordinates), are
-        coupled to no other."""
+        """These with `own` on the diagonal, where coordinates that are not free, bool (n_bodies,
+        coordinates), are coupled to no other."""
         values = self.values * free[self.row][:, :, None] * free[self.column][:, None, :]
         at = np.arange(free.shape[1])
         values[np.flatnonzero(self.row == self.column)[:, None], at, at] += own
@@ -35,27 +37,45 @@ class Blocks(NamedTuple):
         """The whole matrix, sparse and compressed by rows."""
         size = self.values.shape[1]
         block, k, m = np.nonzero(self.values)
-        value, i, j = self.values[block, k, m], size * self.row[block] + k, size * self.column[block] + m
+        value, i, j = (
+            self.values[block, k, m],
+            size * self.row[block] + k,
+            size * self.column[block] + m,
+        )
         above = self.row[block] != self.column[block]
         n = size * int(np.sum(self.row == self.column))
-        return coo_matrix((np.append(value, value[above]), (np.append(i, j[above]), np.append(j, i[above]))),
-                          shape=(n, n)).tocsr()
+        return coo_matrix(
+            (np.append(value, value[above]), (np.append(i, j[above]), np.append(j, i[above]))),
+            shape=(n, n),
+        ).tocsr()
 
 
 def sum_of_products(n_bodies, bodies, rows, weights):
     """Blocks of the sum of w b b' over vectors b of the coordinates of two bodies each.
 
-    bodies: (2, n), two different ones, or one and a negative number; rows: (2, n, coordinates) of b; weights: w (n,).
-    """
+    bodies: (2, n), two different ones, or one and a negative number; rows: (2, n, coordinates) of
+    b; weights: w (n,)."""
     turned = bodies[0] < bodies[1]
-    (high, low), (of_high, of_low) = (np.where(turned if part.ndim == 2 else turned[:, None], part[::-1], part)
-                                      for part in (bodies, rows))
+    (high, low), (of_high, of_low) = (
+        np.where(turned if part.ndim == 2 else turned[:, None], part[::-1], part)
+        for part in (bodies, rows)
+    )
     both = np.flatnonzero(low >= 0)
-    i, j = np.concatenate([high, low[both], high[both]]), np.concatenate([high, low[both], low[both]])
-    left, right, weights = (np.concatenate(parts) for parts in (
-        (of_high, of_low[both], of_high[both]), (of_high, of_low[both], of_low[both]),
-        (weights, weights[both], weights[both])))
-    number, place = np.unique(np.append(np.arange(n_bodies) * (n_bodies + 1), i * n_bodies + j), return_inverse=True)
+    i, j = (
+        np.concatenate([high, low[both], high[both]]),
+        np.concatenate([high, low[both], low[both]]),
+    )
+    left, right, weights = (
+        np.concatenate(parts)
+        for parts in (
+            (of_high, of_low[both], of_high[both]),
+            (of_high, of_low[both], of_low[both]),
+            (weights, weights[both], weights[both]),
+        )
+    )
+    number, place = np.unique(
+        np.append(np.arange(n_bodies) * (n_bodies + 1), i * n_bodies + j), return_inverse=True
+    )
     place, size = place[n_bodies:], rows.shape[2]
     values = np.zeros((len(number), size, size))
     for k in range(size):
@@ -67,9 +87,9 @@ def sum_of_products(n_bodies, bodies, rows, weights):
 class Factor(NamedTuple):
     """L D L' of Blocks, a body's coordinates in nodes of SIZE, in the order of elimination.
 
-    order: (n_bodies,); per_body: number of nodes of each; start: (nodes + 1,) first block of each column of L; below:
-    (n,) node of each block's row; lower: (n, SIZE, SIZE) these blocks; diagonal, inverse: (nodes, SIZE, SIZE) of D and
-    of its inverse.
+    order: (n_bodies,); per_body: number of nodes of each; start: (nodes + 1,) first block of each
+    column of L; below: (n,) node of each block's row; lower: (n, SIZE, SIZE) these blocks;
+    diagonal, inverse: (nodes, SIZE, SIZE) of D and of its inverse.
     """
 
     order: np.ndarray
@@ -107,12 +127,16 @@ def factorised(blocks):
     start, below = _structure(places, columns, nodes)
     n = nodes * len(order)
     padded = np.zeros((len(values), SIZE * nodes, SIZE * nodes))
-    padded[:, range(size, SIZE * nodes), range(size, SIZE * nodes)] = row[:, None] == column[:, None]
+    padded[:, range(size, SIZE * nodes), range(size, SIZE * nodes)] = (
+        row[:, None] == column[:, None]
+    )
     padded[:, :size, :size] = values
     padded = np.where((places[row] < places[column])[:, None, None], padded.swapaxes(1, 2), padded)
     parts = padded.reshape(-1, nodes, SIZE, nodes, SIZE).swapaxes(2, 3)
-    i, j = (nodes * pick(places[row], places[column])[:, None, None] + at for pick, at in (
-        (np.maximum, np.arange(nodes)[:, None]), (np.minimum, np.arange(nodes))))
+    i, j = (
+        nodes * pick(places[row], places[column])[:, None, None] + at
+        for pick, at in ((np.maximum, np.arange(nodes)[:, None]), (np.minimum, np.arange(nodes)))
+    )
     i, j = np.broadcast_arrays(i, j)
     lower, diagonal = np.zeros((len(below), SIZE, SIZE)), np.empty((n, SIZE, SIZE))
     diagonal[i[i == j]] = parts[i == j]
@@ -123,8 +147,8 @@ def factorised(blocks):
 
 
 def _elimination(pairs, n):
-    """Bodies in the order of minimum degree, and those that the column of L of each of them reaches; pairs: (body,
-    body) that are coupled."""
+    """Bodies in the order of minimum degree, and those that the column of L of each of them
+    reaches; pairs: (body, body) that are coupled."""
     left = {body: set() for body in range(n)}
     for a, b in pairs:
         left[a] |= {b} - {a}
@@ -143,27 +167,37 @@ def _elimination(pairs, n):
 
 
 def _structure(places, columns, nodes):
-    """`start` and `below` of a Factor whose bodies, at these places in the order, have so many nodes each."""
+    """`start` and `below` of a Factor whose bodies, at these places in the order, have so many
+    nodes each."""
     below = []
     for place, of in enumerate(columns):
-        others = [nodes * other + k for other in sorted(places[list(of)].tolist()) for k in range(nodes)]
-        below += [[*range(nodes * place + k + 1, nodes * (place + 1)), *others] for k in range(nodes)]
+        others = [
+            nodes * other + k for other in sorted(places[list(of)].tolist()) for k in range(nodes)
+        ]
+        below += [
+            [*range(nodes * place + k + 1, nodes * (place + 1)), *others] for k in range(nodes)
+        ]
     return np.cumsum([0, *map(len, below)]), np.array([row for rows in below for row in rows], int)
 
 
 def _factorise(start, below, known, lower, diagonal):
-    """Replace the blocks of a symmetric positive definite matrix by those of L D L', as of Factor; returns the inverse
-    blocks of D.  known: column times rows plus row of each block of L, rising."""
+    """Replace the blocks of a symmetric positive definite matrix by those of L D L', as of Factor;
+    returns the inverse blocks of D.  known: column times rows plus row of each block of L,
+    rising."""
     inverse = np.empty_like(diagonal)
     for i, (first, stop) in enumerate(pairwise(start.tolist())):
         a, b, c = diagonal[i]
         cofactors = np.array([_cross(b, c), _cross(c, a), _cross(a, b)])
-        inverse[i] = cofactors / (a[0] * cofactors[0, 0] + a[1] * cofactors[0, 1] + a[2] * cofactors[0, 2])
+        inverse[i] = cofactors / (
+            a[0] * cofactors[0, 0] + a[1] * cofactors[0, 1] + a[2] * cofactors[0, 2]
+        )
         column, rows = lower[first:stop].reshape(-1, SIZE), below[first:stop]
         over = _product(column, inverse[i])
         change = _product(over, column.T).reshape(len(rows), SIZE, len(rows), SIZE)
         under, upper = np.tril_indices(len(rows), -1)
-        lower[np.searchsorted(known, rows[upper] * len(diagonal) + rows[under])] -= change[under, :, upper]
+        lower[np.searchsorted(known, rows[upper] * len(diagonal) + rows[under])] -= change[
+            under, :, upper
+        ]
         each = np.arange(len(rows))
         diagonal[rows] -= change[each, :, each]
         lower[first:stop] = over.reshape(-1, SIZE, SIZE)

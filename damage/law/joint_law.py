@@ -1,31 +1,38 @@
-"""Joint law: stresses, slip, failure and dissipation of a contact point.  All solvers are compared with it.
+"""Joint law: stresses, slip, failure and dissipation of a contact point.  All solvers are compared
+with it.
 
-A contact point of unit area has a normal opening u_n (tension positive) and a shear displacement u_s.  It has linear
-springs, a tension cut-off, Mohr-Coulomb slip, and a bond.  A brittle bond fails at once: exceeding either strength
-removes both.  A bond with fracture energies G_I, G_II softens (`soften`).  After failure the contact point is a dry
-joint with the same friction angle.  Dilation is zero.  Equations (7) to (11) are those of Sarhosis et al. (2021),
-doi:10.1016/j.engstruct.2021.112529, here with tension positive, so that (11) reads |tau| >= c - sigma tan(phi).
-Softening:
+A contact point of unit area has a normal opening u_n (tension positive) and a shear displacement
+u_s.  It has linear springs, a tension cut-off, Mohr-Coulomb slip, and a bond.  A brittle bond fails
+at once: exceeding either strength removes both.  A bond with fracture energies G_I, G_II softens
+(`soften`).  After failure the contact point is a dry joint with the same friction angle.  Dilation
+is zero.  Equations (7) to (11) are those of Sarhosis et al. (2021),
+doi:10.1016/j.engstruct.2021.112529, here with tension positive, so that (11) reads |tau| >= c -
+sigma tan(phi). Softening:
 
     (S1)  sigma <= f_t exp(-kappa)
     (S2)  |tau| <= c exp(-kappa) - sigma tan(phi), never below zero
-    (S3)  d kappa = (1 - GONE) (f_t dw / G_I + c ds / G_II),  kappa = 0 at first, the bond fails at -ln(GONE)
-    (S4)  sigma = k_n u_n while closed; f_t exp(-kappa) u_n / u_max while 0 < u_n <= u_max = w + f_t exp(-kappa) / k_n
-    (S5)  d tau = k_s (d u_s - ds)
+    (S3)  d kappa = (1 - GONE) (f_t dw / G_I + c ds / G_II),  kappa = 0 at first, the bond fails at
+    -ln(GONE)
+    (S4)  sigma = k_n u_n while closed; f_t exp(-kappa) u_n / u_max while 0 < u_n <= u_max = w + f_t
+    exp(-kappa) / k_n (S5)  d tau = k_s (d u_s - ds)
 
-w: largest inelastic opening so far; ds >= 0: increment of inelastic slip.  Tension unloads to the origin, shear with
-the elastic stiffness; friction acts from the start and does not soften.  The limit G -> 0 is the brittle bond.
-Exponential softening of the cohesion and elastic unloading in shear follow Lourenço and Rots (1997, J. Eng. Mech.
-123(7), 660-668).  The last hundredth of the strengths is lost at once; the factor 1 - GONE keeps the fracture energies.
+w: largest inelastic opening so far; ds >= 0: increment of inelastic slip.  Tension unloads to the
+origin, shear with the elastic stiffness; friction acts from the start and does not soften.  The
+limit G -> 0 is the brittle bond. Exponential softening of the cohesion and elastic unloading in
+shear follow Lourenço and Rots (1997, J. Eng. Mech. 123(7), 660-668).  The last hundredth of the
+strengths is lost at once; the factor 1 - GONE keeps the fracture energies.
 
-Crushing is plastic in compression, with or without a bond: perfectly, or with a fracture energy G_c softening:
+Crushing is plastic in compression, with or without a bond: perfectly, or with a fracture energy G_c
+softening:
 
     (C1)  sigma >= -f
-    (C2)  sigma = k_n (u_n + d) while closed; the plastic closure d only grows, and only at sigma = -f
+    (C2)  sigma = k_n (u_n + d) while closed; the plastic closure d only grows, and only at sigma =
+    -f
     (C3)  f = f_c; with a fracture energy f = f_c exp(-f_c d / G_c)
 
-All other equations hold with u_n + d in place of u_n: the joint unloads with k_n and opens at u_n > -d, the friction
-limit follows the reduced sigma, and an intact bond stays intact.  Crushing dissipates f dd, G_c in all by (C3).
+All other equations hold with u_n + d in place of u_n: the joint unloads with k_n and opens at u_n >
+-d, the friction limit follows the reduced sigma, and an intact bond stays intact.  Crushing
+dissipates f dd, G_c in all by (C3).
 
 The functions are scalar and without side effects; they run as plain Python or compiled by numba.
 """
@@ -45,7 +52,8 @@ GONE = 0.01
 
 
 class Material(NamedTuple):
-    """Parameters common to all contact points of a wall; friction: tan(phi) [-], equal before and after failure.
+    """Parameters common to all contact points of a wall; friction: tan(phi) [-], equal before and
+    after failure.
 
     A field that is added has a default that changes nothing (CONTRIBUTING.md).
     """
@@ -59,10 +67,11 @@ def material_of(joint):
 
 
 class LawParameters(NamedTuple):
-    """Parameters of a contact point: normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa] of the
-    intact bond, infinite for a joint that stays elastic; material: Material; mode_i_energy, mode_ii_energy: fracture
-    energies [J/m2], zero for a brittle bond; compressive_strength [Pa], infinite without crushing; crushing_energy: its
-    fracture energy G_c [J/m2], zero where its strength stays."""
+    """Parameters of a contact point: normal_stiffness, shear_stiffness [Pa/m]; tensile_strength,
+    cohesion [Pa] of the intact bond, infinite for a joint that stays elastic; material: Material;
+    mode_i_energy, mode_ii_energy: fracture energies [J/m2], zero for a brittle bond;
+    compressive_strength [Pa], infinite without crushing; crushing_energy: its fracture energy G_c
+    [J/m2], zero where its strength stays."""
 
     normal_stiffness: float
     shear_stiffness: float
@@ -76,10 +85,11 @@ class LawParameters(NamedTuple):
 
 
 class ContactState(NamedTuple):
-    """State of a contact point: normal_stress, shear_stress [Pa]; slip: plastic shear displacement while closed, signed
-    [m]; broken: whether the bond has failed; at_limit: whether it ever failed in shear, or slid afterwards;
-    friction_work, fracture_work: dissipated so far, the latter with crushing [J/m2]; kappa: softening variable [-];
-    gap: largest inelastic opening w [m]; closure: plastic closure d [m]."""
+    """State of a contact point: normal_stress, shear_stress [Pa]; slip: plastic shear displacement
+    while closed, signed [m]; broken: whether the bond has failed; at_limit: whether it ever failed
+    in shear, or slid afterwards; friction_work, fracture_work: dissipated so far, the latter with
+    crushing [J/m2]; kappa: softening variable [-]; gap: largest inelastic opening w [m]; closure:
+    plastic closure d [m]."""
 
     normal_stress: float = 0.0
     shear_stress: float = 0.0
@@ -94,8 +104,9 @@ class ContactState(NamedTuple):
 
 
 class ElasticRange(NamedTuple):
-    """Elastic range of a contact point in its present state: tensile_strength, cohesion [Pa]; tension_stiffness: normal
-    stiffness while open [Pa/m]; friction: coefficient [-]; compressive_strength [Pa]."""
+    """Elastic range of a contact point in its present state: tensile_strength, cohesion [Pa];
+    tension_stiffness: normal stiffness while open [Pa/m]; friction: coefficient [-];
+    compressive_strength [Pa]."""
 
     tensile_strength: float
     cohesion: float
@@ -108,33 +119,42 @@ class ElasticRange(NamedTuple):
 def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, friction):
     """Whether elastic trial stresses are within the remaining strengths, equations (10) and (11).
 
-    If so, `advance` changes the stresses only.  All arguments but friction [-] are stresses [Pa], or forces [N], or,
-    with the result of `elastic_range`, displacements [m].  Strengths: as of `strength_left`.
+    If so, `advance` changes the stresses only.  All arguments but friction [-] are stresses [Pa],
+    or forces [N], or, with the result of `elastic_range`, displacements [m].  Strengths: as of
+    `strength_left`.
     """
-    return (normal_stress <= tensile_strength) & (abs(shear_stress) < cohesion - normal_stress * friction)
+    return (normal_stress <= tensile_strength) & (
+        abs(shear_stress) < cohesion - normal_stress * friction
+    )
 
 
 @register_jitable
 def withstands(normal_stress, compressive_strength):
-    """Whether an elastic trial stress [Pa] causes no crushing, (C1); both arguments may be forces [N]."""
+    """Whether an elastic trial stress [Pa] causes no crushing, (C1); both arguments may be forces
+    [N]."""
     return normal_stress >= -compressive_strength
 
 
 @register_jitable
 def elastic_range(parameters):
-    """Elastic range of an intact contact point in displacements: `stays_elastic(opening, shear, *elastic_range(...))`.
+    """Elastic range of an intact contact point in displacements: `stays_elastic(opening, shear,
+    *elastic_range(...))`.
 
-    Returns the largest opening [m], the largest shear displacement without opening [m], and its reduction per opening
-    [-].  parameters: LawParameters, also of arrays.
+    Returns the largest opening [m], the largest shear displacement without opening [m], and its
+    reduction per opening [-].  parameters: LawParameters, also of arrays.
     """
     kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
-    return (parameters.tensile_strength / kn, parameters.cohesion / ks,
-            kn / ks * friction_left(False, parameters.material))
+    return (
+        parameters.tensile_strength / kn,
+        parameters.cohesion / ks,
+        kn / ks * friction_left(False, parameters.material),
+    )
 
 
 @register_jitable
 def strength_left(broken, parameters, kappa=0.0):
-    """Remaining tensile strength and cohesion [Pa]: zero after failure, else by (S1), (S2); kappa: of softening [-]."""
+    """Remaining tensile strength and cohesion [Pa]: zero after failure, else by (S1), (S2); kappa:
+    of softening [-]."""
     if broken:
         return 0.0, 0.0
     if kappa == 0.0:
@@ -162,7 +182,8 @@ def crushing_strength_left(closure, parameters):
 def tension_stiffness(tensile_strength, gap, normal_stiffness):
     """Secant normal stiffness of an open contact point [Pa/m], (S4).
 
-    tensile_strength: remaining [Pa]; gap: largest inelastic opening [m]; normal_stiffness: elastic [Pa/m].
+    tensile_strength: remaining [Pa]; gap: largest inelastic opening [m]; normal_stiffness: elastic
+    [Pa/m].
     """
     if gap == 0.0:
         return normal_stiffness
@@ -171,31 +192,51 @@ def tension_stiffness(tensile_strength, gap, normal_stiffness):
 
 @register_jitable
 def range_left(state, parameters):
-    """ElasticRange in a ContactState; parameters: LawParameters, also of arrays of contact points in the same state."""
+    """ElasticRange in a ContactState; parameters: LawParameters, also of arrays of contact points
+    in the same state."""
     strength, cohesion = strength_left(state.broken, parameters, state.kappa)
     stiffness = parameters.normal_stiffness
     if state.kappa > 0.0 and not state.broken:
         stiffness = tension_stiffness(strength, state.gap, stiffness)
-    return ElasticRange(strength, cohesion, stiffness, friction_left(state.broken, parameters.material),
-                        crushing_strength_left(state.closure, parameters))
+    return ElasticRange(
+        strength,
+        cohesion,
+        stiffness,
+        friction_left(state.broken, parameters.material),
+        crushing_strength_left(state.closure, parameters),
+    )
 
 
 @register_jitable
 def advance(opening, shear_increment, state, parameters):
     """State of a contact point after a step, equations (7) to (11), (S1) to (S5), (C1) to (C3).
 
-    opening: at the end of the step [m], negative under compression; shear_increment: shear displacement in the step
-    [m]; state: ContactState before it; parameters: LawParameters.  Returns (ContactState, INTACT | TENSION | SHEAR).
-    """
+    opening: at the end of the step [m], negative under compression; shear_increment: shear
+    displacement in the step [m]; state: ContactState before it; parameters: LawParameters.  Returns
+    (ContactState, INTACT | TENSION | SHEAR)."""
     closure, work = crush(opening, state, parameters)
     new, event = advance_uncrushed(opening + closure, shear_increment, state, parameters)
-    return ContactState(new.normal_stress, new.shear_stress, new.slip, new.broken, new.at_limit, new.friction_work,
-                        new.fracture_work + work, new.kappa, new.gap, closure), event
+    return (
+        ContactState(
+            new.normal_stress,
+            new.shear_stress,
+            new.slip,
+            new.broken,
+            new.at_limit,
+            new.friction_work,
+            new.fracture_work + work,
+            new.kappa,
+            new.gap,
+            closure,
+        ),
+        event,
+    )
 
 
 @register_jitable
 def crush(opening, state, parameters):
-    """Plastic closure [m] at an opening [m] by (C1) to (C3), and the work of its growth in the step [J/m2]."""
+    """Plastic closure [m] at an opening [m] by (C1) to (C3), and the work of its growth in the step
+    [J/m2]."""
     strength = crushing_strength_left(state.closure, parameters)
     more, left = closure_growth(-(opening + state.closure), state.closure, strength, parameters)
     if not more > 0.0:
@@ -207,12 +248,13 @@ def crush(opening, state, parameters):
 
 @register_jitable
 def closure_growth(depth, closure, strength, parameters):
-    """Growth of the plastic closure [m] of a contact point pressed by `depth` beyond its rest position, and the
-    strength that is left then [Pa]; a number that is not positive means no growth.
+    """Growth of the plastic closure [m] of a contact point pressed by `depth` beyond its rest
+    position, and the strength that is left then [Pa]; a number that is not positive means no
+    growth.
 
-    depth: closing displacement less the plastic closure [m]; strength: left at the plastic closure [Pa].  The growth m
-    is the smallest solution of k_n (depth - m) = f(closure + m), found by fixed-point iteration from below; below
-    f_c^2 / k_n (snap-back) it may jump.
+    depth: closing displacement less the plastic closure [m]; strength: left at the plastic closure
+    [Pa].  The growth m is the smallest solution of k_n (depth - m) = f(closure + m), found by
+    fixed-point iteration from below; below f_c^2 / k_n (snap-back) it may jump.
     """
     more = depth - strength / parameters.normal_stiffness
     if parameters.crushing_energy == 0.0 or not more > 0.0:
@@ -237,9 +279,22 @@ def advance_uncrushed(opening, shear_increment, state, parameters):
     if gap > 0.0 and opening > 0.0 and not broken:
         sigma = tension_stiffness(strength, gap, parameters.normal_stiffness) * opening  # (S4)
     trial = state.shear_stress + parameters.shear_stiffness * shear_increment  # (8)
-    if stays_elastic(sigma, trial, strength, cohesion, friction_left(broken, material)):  # (10), (11)
-        return ContactState(sigma, trial, state.slip, broken, state.at_limit, state.friction_work,
-                            state.fracture_work, state.kappa, gap), INTACT
+    # (10), (11)
+    if stays_elastic(sigma, trial, strength, cohesion, friction_left(broken, material)):
+        return (
+            ContactState(
+                sigma,
+                trial,
+                state.slip,
+                broken,
+                state.at_limit,
+                state.friction_work,
+                state.fracture_work,
+                state.kappa,
+                gap,
+            ),
+            INTACT,
+        )
     if parameters.mode_i_energy > 0.0 and not broken:
         return soften(opening, trial, state, parameters)
     return break_or_slide(opening, sigma, trial, state, parameters)
@@ -247,7 +302,8 @@ def advance_uncrushed(opening, shear_increment, state, parameters):
 
 @register_jitable
 def break_or_slide(opening, sigma, trial, state, parameters):
-    """State of a brittle bond, or of a failed contact point, beyond its strengths; returns as `advance`.
+    """State of a brittle bond, or of a failed contact point, beyond its strengths; returns as
+    `advance`.
 
     opening: at the end of the step [m]; sigma, trial: elastic normal and shear stress there [Pa].
     """
@@ -271,24 +327,31 @@ def break_or_slide(opening, sigma, trial, state, parameters):
             fracture_work += 0.5 * beyond * beyond / ks
             friction_work += limit * beyond / ks
         else:
-            # Trapezoidal rule over the step, which is the work of central differences on the bodies: the limit changes
-            # with the normal stress, and joints slide mostly while it decreases.
+            # Trapezoidal rule over the step, which is the work of central differences on the
+            # bodies: the limit changes with the normal stress, and joints slide mostly while it
+            # decreases.
             before = max(state.shear_stress if trial > 0.0 else -state.shear_stress, 0.0)
             friction_work += 0.5 * (before + limit) * beyond / ks
         sign = 1.0 if trial > 0.0 else -1.0
         slip += sign * beyond / ks
         tau, at_limit = sign * limit, True
-    return ContactState(sigma, tau, slip, True, at_limit, friction_work, fracture_work, state.kappa, state.gap), event
+    return (
+        ContactState(
+            sigma, tau, slip, True, at_limit, friction_work, fracture_work, state.kappa, state.gap
+        ),
+        event,
+    )
 
 
 @register_jitable
 def soften(opening, trial, state, parameters):
     """State of a softening bond beyond its strengths, (S1) to (S5); returns as `advance`.
 
-    opening: at the end of the step [m]; trial: elastic shear stress there [Pa].  kappa after the step is the smallest
-    solution of the implicit equation kappa = grown(kappa).  `grown` increases with kappa, so that fixed-point iteration
-    from the old kappa converges to it from below.  A solution exists for all fracture energies; below f_t^2 / k_n or
-    c^2 / k_s (snap-back) it may jump.
+    opening: at the end of the step [m]; trial: elastic shear stress there [Pa].  kappa after the
+    step is the smallest solution of the implicit equation kappa = grown(kappa).  `grown` increases
+    with kappa, so that fixed-point iteration from the old kappa converges to it from below.  A
+    solution exists for all fracture energies; below f_t^2 / k_n or c^2 / k_s (snap-back) it may
+    jump.
     """
     kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
     rate_i = (1.0 - GONE) * parameters.tensile_strength / parameters.mode_i_energy
@@ -313,7 +376,9 @@ def soften(opening, trial, state, parameters):
     if opening > 0.0:  # work of the decrease of the secant stiffness
         strength = old_share * parameters.tensile_strength
         old, new = tension_stiffness(strength, state.gap, kn), sigma / opening
-        fracture_work += 0.5 * min(state.gap + strength / kn, opening) * opening * max(old - new, 0.0)
+        fracture_work += (
+            0.5 * min(state.gap + strength / kn, opening) * opening * max(old - new, 0.0)
+        )
     sign = 1.0 if trial > 0.0 else -1.0
     # Trapezoidal rule over the step, as in `break_or_slide`.
     lost = 0.5 * (max(sign * state.shear_stress, 0.0) + tau) * slid
@@ -322,13 +387,26 @@ def soften(opening, trial, state, parameters):
         slip += sign * slid
     if event == SHEAR or (event == TENSION and opening <= 0.0 and slid > 0.0):
         at_limit = True
-    return ContactState(sigma, sign * tau, slip, event != INTACT, at_limit, state.friction_work + (lost - of_the_bond),
-                        fracture_work + of_the_bond, kappa, gap), event
+    return (
+        ContactState(
+            sigma,
+            sign * tau,
+            slip,
+            event != INTACT,
+            at_limit,
+            state.friction_work + (lost - of_the_bond),
+            fracture_work + of_the_bond,
+            kappa,
+            gap,
+        ),
+        event,
+    )
 
 
 @register_jitable
 def on_the_envelope(share, opening, trial, gap, parameters):
-    """Normal stress [Pa], gap [m] and |shear stress| [Pa] at a remaining share of the strengths [-]: (S1), (S2), (S4).
+    """Normal stress [Pa], gap [m] and |shear stress| [Pa] at a remaining share of the strengths
+    [-]: (S1), (S2), (S4).
 
     opening [m]; trial: elastic shear stress [Pa]; gap: largest inelastic opening before [m].
     """
@@ -343,12 +421,16 @@ def on_the_envelope(share, opening, trial, gap, parameters):
 
 @register_jitable
 def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
-    """Elastic energy per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s; stresses [Pa], stiffnesses [Pa/m]."""
-    return (0.5 * normal_stress * normal_stress / normal_stiffness
-            + 0.5 * shear_stress * shear_stress / shear_stiffness)
+    """Elastic energy per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s; stresses [Pa], stiffnesses
+    [Pa/m]."""
+    return (
+        0.5 * normal_stress * normal_stress / normal_stiffness
+        + 0.5 * shear_stress * shear_stress / shear_stiffness
+    )
 
 
 @register_jitable
 def inelastic_opening(opening, normal_stress, normal_stiffness):
-    """Inelastic part of an opening [m], from the normal stress [Pa] and stiffness [Pa/m]; zero where closed."""
+    """Inelastic part of an opening [m], from the normal stress [Pa] and stiffness [Pa/m]; zero
+    where closed."""
     return opening - normal_stress / normal_stiffness if opening > 0.0 else 0.0

@@ -1,8 +1,8 @@
 """Natural modes of a wall with intact joints, and the critical time step of central differences.
 
-Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z, and behind them the
-strain modes where bricks deform.  A contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z +
-rotation r_x), and by the strain modes' displacements there.
+Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z, and
+behind them the strain modes where bricks deform.  A contact at the offset r from a body's centre
+moves by (u_x - rotation r_z, u_z + rotation r_x), and by the strain modes' displacements there.
 """
 
 from copy import deepcopy
@@ -20,20 +20,23 @@ from damage.wall.kinds import CAP_COURSE
 from damage.wall.restraints import top_of
 
 _ROUNDING = 100 * np.finfo(float).eps
-"""A squared frequency below this share of the highest is rounding, of a part that can move freely."""
+"""A squared frequency below this share of the highest is rounding, of a part that can move
+freely."""
 _OF_HIGHEST = 1e-9
 """Tolerance of the highest squared frequency, which is rounded to three digits."""
 _MOST_ITERATIONS, _CONVERGED = 1000, 1e-10
-"""Of the first mode: the error falls by the ratio of the two lowest squared frequencies each time."""
+"""Of the first mode: the error falls by the ratio of the two lowest squared frequencies each
+time."""
 _MOST_KEPT = 8
 _KEPT = {}  # {all that modes or static displacements depend on: these}
 
 
 @dataclass(frozen=True)
 class Modes:
-    """period_s (n_modes,), longest first; shape (n_modes, n_bodies, coordinates) in [m, m, rad, m sqrt(kg) ...],
-    scaled to a mean top-course displacement of 1 m, or, where that is zero, to a largest one of 1 m;
-    critical_time_step_s.  All are rounded (`damage.rounded`), so that the last bits of libraries end here."""
+    """period_s (n_modes,), longest first; shape (n_modes, n_bodies, coordinates) in [m, m, rad, m
+    sqrt(kg) ...], scaled to a mean top-course displacement of 1 m, or, where that is zero, to a
+    largest one of 1 m; critical_time_step_s.  All are rounded (`damage.rounded`), so that the last
+    bits of libraries end here."""
 
     period_s: np.ndarray
     shape: np.ndarray
@@ -47,21 +50,30 @@ def contact_normals(contacts):
 
 
 def kinematic_rows(layout, directions):
-    """What a unit of each coordinate of the first and the second body of each contact adds to the relative displacement
-    of second to first along `directions`, (2, n_contacts, coordinates); zero on the ground.  Directions are the normals
-    or the tangents where bricks deform."""
+    """What a unit of each coordinate of the first and the second body of each contact adds to the
+    relative displacement of second to first along `directions`, (2, n_contacts, coordinates); zero
+    on the ground.  Directions are the normals or the tangents where bricks deform."""
     contacts, bodies, strain = layout.contacts, layout.bodies, layout.strain
     coordinates = 3 + (strain.n_modes if strain else 0)
     found = np.zeros((2, len(contacts), coordinates))
     across = np.any(directions * contact_normals(contacts), axis=1)
-    for rows, body, shape, sign in ((found[0], contacts.first, strain and strain.first, -1.0),
-                                    (found[1], contacts.second, strain and strain.second, 1.0)):
+    for rows, body, shape, sign in (
+        (found[0], contacts.first, strain and strain.first, -1.0),
+        (found[1], contacts.second, strain and strain.second, 1.0),
+    ):
         moving = np.flatnonzero(body >= 0)
         index = body[moving]
         rx, rz = contacts.x[moving] - bodies.x[index], contacts.z[moving] - bodies.z[index]
         dx, dz = directions[moving].T
-        by_modes = () if strain is None else np.where(
-            across[moving, None], strain.shapes[shape[moving], 0], strain.shapes[shape[moving], 1]).T
+        by_modes = (
+            ()
+            if strain is None
+            else np.where(
+                across[moving, None],
+                strain.shapes[shape[moving], 0],
+                strain.shapes[shape[moving], 1],
+            ).T
+        )
         rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *by_modes])
     return found
 
@@ -71,18 +83,25 @@ def kinematic_matrix(layout, directions):
     rows, contacts = kinematic_rows(layout, directions), layout.contacts
     size, ends = rows.shape[2], np.stack([contacts.first, contacts.second])
     side, contact, coordinate = np.nonzero(rows)
-    return coo_matrix((rows[side, contact, coordinate], (contact, size * ends[side, contact] + coordinate)),
-                      shape=(len(contacts), size * len(layout.bodies))).tocsr()
+    return coo_matrix(
+        (rows[side, contact, coordinate], (contact, size * ends[side, contact] + coordinate)),
+        shape=(len(contacts), size * len(layout.bodies)),
+    ).tocsr()
 
 
 def joint_stiffness(layout, factors=(1.0, 1.0)):
-    """Stiffness of all contact points [N/m, N, N m], times factors across and along each, as Blocks."""
+    """Stiffness of all contact points [N/m, N, N m], times factors across and along each, as
+    Blocks."""
     contacts = layout.contacts
     normals, ends = contact_normals(contacts), np.stack([contacts.first, contacts.second])
     rows = [kinematic_rows(layout, directions) for directions in (normals, normals[:, ::-1])]
-    weights = [factor * (stiffness * contacts.area) for factor, stiffness in zip(
-        factors, (contacts.normal_stiffness, contacts.shear_stiffness))]
-    return sum_of_products(len(layout.bodies), np.hstack([ends, ends]), np.hstack(rows), np.hstack(weights))
+    weights = [
+        factor * (stiffness * contacts.area)
+        for factor, stiffness in zip(factors, (contacts.normal_stiffness, contacts.shear_stiffness))
+    ]
+    return sum_of_products(
+        len(layout.bodies), np.hstack([ends, ends]), np.hstack(rows), np.hstack(weights)
+    )
 
 
 def stiffness_matrix(layout):
@@ -91,7 +110,8 @@ def stiffness_matrix(layout):
 
 
 def _stiffness(layout, free, massless=0.0):
-    """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on the diagonal."""
+    """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on
+    the diagonal."""
     joints, own = joint_stiffness(layout), np.zeros((len(layout.bodies), 3))
     free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
     if layout.wall.restraints:
@@ -103,26 +123,28 @@ def _stiffness(layout, free, massless=0.0):
 
 
 def _of_bearing(layout, stiffness):
-    """Stiffness against the horizontal motion of each body (n_bodies,), which the beam of a restraint has [N/m]."""
+    """Stiffness against the horizontal motion of each body (n_bodies,), which the beam of a
+    restraint has [N/m]."""
     return np.where(layout.bodies.course == CAP_COURSE, stiffness, 0.0)
 
 
 def mass_vector(layout):
-    """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of strain modes that a
-    body does not have, and of coordinates that restraints hold."""
+    """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of
+    strain modes that a body does not have, and of coordinates that restraints hold."""
     bodies, strain = layout.bodies, layout.strain
     rigid = np.where(layout.held, 0.0, np.column_stack([bodies.mass, bodies.mass, bodies.inertia]))
     return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
 
 
 def static_displacement(layout):
-    """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its weight, linear;
-    those of the last walls are kept."""
+    """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its
+    weight, linear; those of the last walls are kept."""
     return _kept(_static_displacement, layout, layout.weighing.tobytes())
 
 
 def _static_displacement(layout, weighing):
-    # Joints carry differences of displacements, which rounding would spoil: the bits have to be those of the solution.
+    # Joints carry differences of displacements, which rounding would spoil: the bits have to be
+    # those of the solution.
     free = mass_vector(layout).reshape(len(layout.bodies), -1) > 0
     weight = np.zeros(free.shape)
     weight[:, 1] = -GRAVITY * np.frombuffer(weighing)
@@ -132,18 +154,37 @@ def _static_displacement(layout, weighing):
 def elastic_key(layout):
     """All that masses and stiffnesses of a layout's intact wall depend on, a tuple of bytes."""
     bodies, contacts = layout.bodies, layout.contacts
-    strain = () if layout.strain is None else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
-    return tuple(values.tobytes() for values in (
-        bodies.x, bodies.z, bodies.mass, bodies.inertia, contacts.kind, contacts.first, contacts.second, contacts.x,
-        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies,
-        *strain))
+    strain = (
+        ()
+        if layout.strain is None
+        else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
+    )
+    return tuple(
+        values.tobytes()
+        for values in (
+            bodies.x,
+            bodies.z,
+            bodies.mass,
+            bodies.inertia,
+            contacts.kind,
+            contacts.first,
+            contacts.second,
+            contacts.x,
+            contacts.z,
+            contacts.area,
+            contacts.normal_stiffness,
+            contacts.shear_stiffness,
+            layout.drift_bodies,
+            *strain,
+        )
+    )
 
 
 def natural_modes(layout, n_modes=6):
     """The `n_modes` longest natural periods, their shapes, and 2 / omega_max.
 
-    Those of the last walls are kept: members of an ensemble differ by their strengths alone, which modes do not know.
-    Raises InputError of a wall that has none in the numbers of this machine.
+    Those of the last walls are kept: members of an ensemble differ by their strengths alone, which
+    modes do not know. Raises InputError of a wall that has none in the numbers of this machine.
     """
     return _kept(_natural_modes, layout, n_modes)
 
@@ -174,7 +215,9 @@ def _natural_modes(layout, n_modes):
     n_modes = min(n_modes, matrix.shape[0] - 2)
     try:
         values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
-        highest = eigsh(stiffest, k=1, which="LA", return_eigenvectors=False, tol=_OF_HIGHEST, v0=start)[0]
+        highest = eigsh(
+            stiffest, k=1, which="LA", return_eigenvectors=False, tol=_OF_HIGHEST, v0=start
+        )[0]
     except (ArithmeticError, RuntimeError, ValueError) as error:  # ARPACK's and SuperLU's
         if "alloc" in str(error).lower():
             raise MemoryError(f"for the modes of {layout.n_bricks} bricks") from error
@@ -184,15 +227,22 @@ def _natural_modes(layout, n_modes):
     order = np.argsort(values)
     shapes = np.zeros((n_modes, len(mass)))
     shapes[:, free] = (vectors * scale[:, None]).T[order]
-    return Modes(to_bits(2 * np.pi / np.sqrt(values[order])),
-                 np.stack([_scaled(shape, layout.drift_bodies) for shape in shapes.reshape(
-                     n_modes, len(layout.bodies), -1)]),
-                 down_to_three_digits(2 / np.sqrt(highest)))
+    return Modes(
+        to_bits(2 * np.pi / np.sqrt(values[order])),
+        np.stack(
+            [
+                _scaled(shape, layout.drift_bodies)
+                for shape in shapes.reshape(n_modes, len(layout.bodies), -1)
+            ]
+        ),
+        down_to_three_digits(2 / np.sqrt(highest)),
+    )
 
 
 def first_mode(layout):
-    """Shape (n_bodies, coordinates) of the mode of the longest period, scaled as of Modes, by inverse iteration: free
-    vibration begins with it, so that its bits are those of sums and products alone."""
+    """Shape (n_bodies, coordinates) of the mode of the longest period, scaled as of Modes, by
+    inverse iteration: free vibration begins with it, so that its bits are those of sums and
+    products alone."""
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
     factor, shape = factorised(_stiffness(layout, mass > 0, massless=1.0)), np.zeros(mass.shape)
     shape[:, 0] = 1.0
@@ -206,11 +256,14 @@ def first_mode(layout):
 def _scaled(shape, drift_bodies):
     """The shape (n_bodies, coordinates) of a mode as of Modes."""
     sizes, top = np.abs(shape[:, :2]), shape[drift_bodies, 0].mean()
-    large = shape[:, :2][sizes >= sizes.max() / 2]  # the sign is that of the first one, so that no tie decides
+    # the sign is that of the first one, so that no tie decides
+    large = shape[:, :2][sizes >= sizes.max() / 2]
     return shape / (top if np.abs(top) > 1e-6 * sizes.max() else np.copysign(sizes.max(), large[0]))
 
 
 def _no_modes(layout, problem):
-    return InputError(f"wall {layout.wall.name} has no natural modes ({problem}): expected stiffnesses and masses of "
-                      "masonry, and no part that can move freely, as bricks do that stand on one contact point each; "
-                      "correct the wall, or give more --cells")
+    return InputError(
+        f"wall {layout.wall.name} has no natural modes ({problem}): expected stiffnesses and masses"
+        " of masonry, and no part that can move freely, as bricks do that stand on one contact"
+        " point each; correct the wall, or give more --cells"
+    )

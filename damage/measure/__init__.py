@@ -1,1 +1,2 @@
-"""Measures of a run, from its History: energies, cracks, cycles, periods, summary, tables, warnings."""
+"""Measures of a run, from its History: energies, cracks, cycles, periods, summary, tables,
+warnings."""

@@ -1,9 +1,10 @@
 """Comparison of histories: two solvers, two time steps, two discretisations, a run and an ensemble.
 
-Up to the first failure the drift is compared sample by sample.  After it two correct solutions diverge, since undamped
-joints that open and close amplify rounding errors (the system is chaotic).  Extremes of the entire run are therefore
-compared within TOLERANCES, which are the scatter of one solver under rounding.  A *first* history is compared with a
-*second* one, or with the median of several.
+Up to the first failure the drift is compared sample by sample.  After it two correct solutions
+diverge, since undamped joints that open and close amplify rounding errors (the system is chaotic).
+Extremes of the entire run are therefore compared within TOLERANCES, which are the scatter of one
+solver under rounding.  A *first* history is compared with a *second* one, or with the median of
+several.
 """
 
 from typing import Any, NamedTuple
@@ -17,18 +18,26 @@ from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
 from damage.measure.summary import summarise
 
-DIVERGED = 0.01  # share of the peak drift [-]: two runs have diverged where their drifts differ by more
+# share of the peak drift [-]: two runs have diverged where their drifts differ by more
+DIVERGED = 0.01
 
 
-TOLERANCES = {"max_drift_ratio": (0.0, 0.02), "cycle_length_s": (0.0, 0.02), "period_s": (0.0, 0.005),
-              "peak_base_shear_n": (0.0, 0.06), "DI": (0.003, 0.1), "DI_open": (0.001, 0.3),
-              "DI_slip_shear_limit": (0.003, 0.2), "Psi": (0.1, 0.15)}
-"""{measure: (absolute, in its unit, relative [-])}, of which the larger holds, for two solvers with equal contact
-points: the scatter of one solver under rounding.
+TOLERANCES = {
+    "max_drift_ratio": (0.0, 0.02),
+    "cycle_length_s": (0.0, 0.02),
+    "period_s": (0.0, 0.005),
+    "peak_base_shear_n": (0.0, 0.06),
+    "DI": (0.003, 0.1),
+    "DI_open": (0.001, 0.3),
+    "DI_slip_shear_limit": (0.003, 0.2),
+    "Psi": (0.1, 0.15),
+}
+"""{measure: (absolute, in its unit, relative [-])}, of which the larger holds, for two solvers with
+equal contact points: the scatter of one solver under rounding.
 
-Psi: of the 49 points of `harmonic` and `ida` in `docs/tables` with Psi above 0.5 and more than two runs, the farthest
-run lies within 15 % of the median in 46, within 10 % in 44; YADE within 14 % in the 42 of `crosscheck`.  15 % are 1.6
-times the mean width, or 2.5 times the number of cracks.
+Psi: of the 49 points of `harmonic` and `ida` in `docs/tables` with Psi above 0.5 and more than two
+runs, the farthest run lies within 15 % of the median in 46, within 10 % in 44; YADE within 14 % in
+the 42 of `crosscheck`.  15 % are 1.6 times the mean width, or 2.5 times the number of cracks.
 """
 DRIFT_TOLERANCE = 0.005  # RMS difference of the drift before the first failure over its RMS [-]
 
@@ -55,49 +64,67 @@ COMPARISONS = {}
 def compare(first, others):
     """Comparison of a History with others of the same wall, a plain dictionary.
 
-    first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed", "agrees"}} of the
-    measures of TOLERANCES.  drift, joints: `compare_drift` and `compare_joints` with the first of the others; so are
-    those of COMPARISONS, by their names.  slip: criterion of DI.  agrees: whether all
+    first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed",
+    "agrees"}} of the measures of TOLERANCES.  drift, joints: `compare_drift` and `compare_joints`
+    with the first of the others; so are those of COMPARISONS, by their names.  slip: criterion of
+    DI.  agrees: whether all
     figures and the drift agree.
 
-    Raises InputError where a history has no sample, they are of different walls, or some have a motion and some, as of
-    ground that settles alone, have none.
+    Raises InputError where a history has no sample, they are of different walls, or some have a
+    motion and some, as of ground that settles alone, have none.
     """
     for history in (first, *others):
         check_samples(history)
         if history.wall != first.wall or len(history.bodies) != len(first.bodies):
-            raise InputError(f"{history.path} is of wall {history.wall} with {len(history.bodies)} bodies, "
-                             f"{first.path} of {first.wall} with {len(first.bodies)}; compare runs of one wall")
+            raise InputError(
+                f"{history.path} is of wall {history.wall} with {len(history.bodies)} bodies, "
+                f"{first.path} of {first.wall} with {len(first.bodies)}; compare runs of one wall"
+            )
         if history.moving.empty != first.moving.empty:
             still, moved = (history, first) if history.moving.empty else (first, history)
-            raise InputError(f"{still.path} has no motion, {moved.path} has one; compare runs that both have one, or "
-                             "both settle alone")
+            raise InputError(
+                f"{still.path} has no motion, {moved.path} has one; compare runs that both have"
+                " one, or both settle alone"
+            )
     numbers = _compare_numbers(first, others)
     drift = compare_drift(first, others[0])
     judged = [row["agrees"] for row in (*numbers.values(), drift) if row["agrees"] is not None]
-    return {"first": str(first.path), "others": [str(other.path) for other in others],
-            "slip": "displacement", "figures": numbers,
-            "drift": drift, "joints": compare_joints(first, others[0]),
-            **{name: one.compare(first, others[0]) for name, one in COMPARISONS.items()},
-            "agrees": all(judged)}
+    return {
+        "first": str(first.path),
+        "others": [str(other.path) for other in others],
+        "slip": "displacement",
+        "figures": numbers,
+        "drift": drift,
+        "joints": compare_joints(first, others[0]),
+        **{name: one.compare(first, others[0]) for name, one in COMPARISONS.items()},
+        "agrees": all(judged),
+    }
 
 
 def numbers_of(history):
     """{measure of TOLERANCES: value} of a History, None where a measure does not apply."""
     summary = summarise(history)
-    return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
-            "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
-            "DI": summary["max"]["DI"], "DI_open": summary["max"]["DI_open"],
-            "DI_slip_shear_limit": summary["max_shear_limit"]["DI_slip"],
-            "Psi": summary["max_psi"]}
+    return {
+        "max_drift_ratio": summary["max_drift_ratio"],
+        "cycle_length_s": cycle_length(history.series),
+        "period_s": summary["period_s"],
+        "peak_base_shear_n": summary["peak_base_shear_n"],
+        "DI": summary["max"]["DI"],
+        "DI_open": summary["max"]["DI_open"],
+        "DI_slip_shear_limit": summary["max_shear_limit"]["DI_slip"],
+        "Psi": summary["max_psi"],
+    }
 
 
 def cycle_length(series):
-    """Mean duration of the full cycles of the drift in the rest stage of the first event [s], None without one; series:
-    of a History."""
+    """Mean duration of the full cycles of the drift in the rest stage of the first event [s], None
+    without one; series: of a History."""
     rest = series[(series["stage"] == "rest") & (series["shock"] == 1)]
-    crossings = upward_crossings(rest["time_s"], rest["drift_ratio"], rearm=0.0)  # every one, ripples too
-    return float((crossings[-1] - crossings[0]) / (len(crossings) - 1)) if len(crossings) > 1 else None
+    # every one, ripples too
+    crossings = upward_crossings(rest["time_s"], rest["drift_ratio"], rearm=0.0)
+    return (
+        float((crossings[-1] - crossings[0]) / (len(crossings) - 1)) if len(crossings) > 1 else None
+    )
 
 
 def _compare_numbers(first, others):
@@ -109,13 +136,19 @@ def _compare_numbers(first, others):
             continue
         median = float(np.median(values))
         allowed = allowed_difference(name, median)
-        rows[name] = {"first": mine[name], "median": median, "range": [min(values), max(values)],
-                      "allowed": allowed, "agrees": bool(abs(mine[name] - median) <= allowed)}
+        rows[name] = {
+            "first": mine[name],
+            "median": median,
+            "range": [min(values), max(values)],
+            "allowed": allowed,
+            "agrees": bool(abs(mine[name] - median) <= allowed),
+        }
     return rows
 
 
 def allowed_difference(name, value):
-    """Largest allowed difference of a measure of TOLERANCES from `value` of the second history, in its unit."""
+    """Largest allowed difference of a measure of TOLERANCES from `value` of the second history, in
+    its unit."""
     absolute, relative = TOLERANCES[name]
     return max(absolute, relative * abs(value))
 
@@ -123,14 +156,17 @@ def allowed_difference(name, value):
 def compare_drift(first, second):
     """Differences of the drift ratios of two Histories over time, a plain dictionary.
 
-    first_failure_s: time of the first failure in either run [s], None without one; rms_before_failure: RMS difference
-    up to it over the RMS of the first run [-], compared with `allowed` in `agrees`, both None where it came before the
-    drift that is compared; lag_s: by how much the second run lags behind the first [s]; diverged_at_s: first time at
-    which they differ by more than DIVERGED of the peak [s], None where they never do;
+    first_failure_s: time of the first failure in either run [s], None without one;
+    rms_before_failure: RMS difference up to it over the RMS of the first run [-], compared with
+    `allowed` in `agrees`, both None where it came before the drift that is compared; lag_s: by how
+    much the second run lags behind the first [s]; diverged_at_s: first time at which they differ by
+    more than DIVERGED of the peak [s], None where they never do;
     rms_whole: the RMS difference of the entire runs [-].
     """
     time, here, there = _common_drift(first, second)
-    breaks = [history.events["time_s"][history.events["kind"].isin(BREAKS)] for history in (first, second)]
+    breaks = [
+        history.events["time_s"][history.events["kind"].isin(BREAKS)] for history in (first, second)
+    ]
     failure = float(np.concatenate(breaks).min(initial=np.inf))
     before = time <= failure
     difference, rms = here - there, None
@@ -139,23 +175,35 @@ def compare_drift(first, second):
         rms = float(np.sqrt(np.mean(difference[before] ** 2)) / scale) if scale > NOISE else 0.0
     peak = np.abs(here).max(initial=NOISE)
     apart = np.flatnonzero(np.abs(difference) > DIVERGED * peak)
-    return {"first_failure_s": None if np.isinf(failure) else failure, "rms_before_failure": rms,
-            "allowed": DRIFT_TOLERANCE, "agrees": None if rms is None else bool(rms <= DRIFT_TOLERANCE),
-            "lag_s": _lag(time, here, there), "diverged_at_s": float(time[apart[0]]) if len(apart) else None,
-            "rms_whole": float(np.sqrt(np.mean(difference**2) / np.mean(here**2))) if peak > NOISE else 0.0}
+    return {
+        "first_failure_s": None if np.isinf(failure) else failure,
+        "rms_before_failure": rms,
+        "allowed": DRIFT_TOLERANCE,
+        "agrees": None if rms is None else bool(rms <= DRIFT_TOLERANCE),
+        "lag_s": _lag(time, here, there),
+        "diverged_at_s": float(time[apart[0]]) if len(apart) else None,
+        "rms_whole": (
+            float(np.sqrt(np.mean(difference**2) / np.mean(here**2))) if peak > NOISE else 0.0
+        ),
+    }
 
 
 def _common_drift(first, second):
-    """Times that both runs cover [s], and both drift ratios there, each (n,): outside the settlement and settling
-    stages, or in the settlement where there is no other.
+    """Times that both runs cover [s], and both drift ratios there, each (n,): outside the
+    settlement and settling stages, or in the settlement where there is no other.
 
-    Interpolated by cubic splines: linear interpolation between samples of 2 ms would reduce the amplitude of a
-    vibration of 0.06 s by 0.4 %.
+    Interpolated by cubic splines: linear interpolation between samples of 2 ms would reduce the
+    amplitude of a vibration of 0.06 s by 0.4 %.
     """
     from scipy.interpolate import CubicSpline
 
-    frames = [history.series if history.moving.empty else history.moving for history in (first, second)]
-    start, end = max(frame["time_s"].iloc[0] for frame in frames), min(frame["time_s"].iloc[-1] for frame in frames)
+    frames = [
+        history.series if history.moving.empty else history.moving for history in (first, second)
+    ]
+    start, end = (
+        max(frame["time_s"].iloc[0] for frame in frames),
+        min(frame["time_s"].iloc[-1] for frame in frames),
+    )
     time = frames[0]["time_s"].to_numpy()
     time = time[(time >= start) & (time <= end)]
     if len(time) < 4:
@@ -164,94 +212,138 @@ def _common_drift(first, second):
 
 
 def _lag(time, here, there):
-    """Lag of the second drift behind the first [s]: the peak of their cross-correlation, by a parabola."""
+    """Lag of the second drift behind the first [s]: the peak of their cross-correlation, by a
+    parabola."""
     if len(time) < 8 or min(np.abs(here).max(), np.abs(there).max()) <= NOISE:
         return 0.0
     step = (time[-1] - time[0]) / (len(time) - 1)
     product = np.correlate(there, here, mode="full")
     k = int(np.clip(np.argmax(product), 1, len(product) - 2))
-    low, mid, high = product[k - 1:k + 2]
+    low, mid, high = product[k - 1 : k + 2]
     curvature = low - 2 * mid + high
     fine = 0.5 * (low - high) / curvature if curvature != 0 else 0.0
     return float((k + fine - (len(here) - 1)) * step)
 
 
 def joints_ever(history):
-    """States that the joints of a History ever had: a DataFrame indexed by (first_body, second_body).
+    """States that the joints of a History ever had: a DataFrame indexed by (first_body,
+    second_body).
 
-    The contact points between two bodies are one joint, so that runs of different discretisations can be compared; all
-    supports are body -1, so that runs on one support and on one below each brick can be, too.
-    Columns: opened (by more than THRESHOLD), slipped (ever at the shear limit) and broken (failed), bool;
-    first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place; state: index of
-    `damage.history.moments.STATES` from opened and slipped.
+    The contact points between two bodies are one joint, so that runs of different discretisations
+    can be compared; all supports are body -1, so that runs on one support and on one below each
+    brick can be, too.
+    Columns: opened (by more than THRESHOLD), slipped (ever at the shear limit) and broken (failed),
+    bool; first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place;
+    state: index of `damage.history.moments.STATES` from opened and slipped.
     """
     breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
-    points = pd.DataFrame({
-        "opened": (history.opening_m > THRESHOLD).any(axis=0), "slipped": history.at_limit.any(axis=0),
-        "broken": history.broken.any(axis=0), "first_break_s": first.to_numpy(),
-        "x_m": history.joints["x_m"], "z_m": history.joints["z_m"]})
-    joints = points.groupby(joint_keys(history)).agg({"opened": "max", "slipped": "max", "broken": "max",
-                                                      "first_break_s": "min", "x_m": "mean", "z_m": "mean"})
+    points = pd.DataFrame(
+        {
+            "opened": (history.opening_m > THRESHOLD).any(axis=0),
+            "slipped": history.at_limit.any(axis=0),
+            "broken": history.broken.any(axis=0),
+            "first_break_s": first.to_numpy(),
+            "x_m": history.joints["x_m"],
+            "z_m": history.joints["z_m"],
+        }
+    )
+    joints = points.groupby(joint_keys(history)).agg(
+        {
+            "opened": "max",
+            "slipped": "max",
+            "broken": "max",
+            "first_break_s": "min",
+            "x_m": "mean",
+            "z_m": "mean",
+        }
+    )
     joints["state"] = state_codes(joints["opened"], joints["slipped"])
     return joints
 
 
 def joint_keys(history):
-    """First and second body of each contact point of a History, by which `joints_ever` has its joints."""
+    """First and second body of each contact point of a History, by which `joints_ever` has its
+    joints."""
     return [history.joints["first_body"].clip(lower=-1), history.joints["second_body"]]
 
 
 def compare_joints(first, second):
     """Agreement of two Histories on the joints that failed in either run, a plain dictionary.
 
-    broke_in_either, broke_in_both, same_state: numbers of joints; kappa: `cohens_kappa` of their states;
-    median_break_time_difference_s: of the joints that failed in both [s], None without any.
+    broke_in_either, broke_in_both, same_state: numbers of joints; kappa: `cohens_kappa` of their
+    states; median_break_time_difference_s: of the joints that failed in both [s], None without any.
     """
     here, there = joints_ever(first), joints_ever(second)
     either = here["broken"] | there["broken"]
     both = here["broken"] & there["broken"]
     shift = (here["first_break_s"] - there["first_break_s"])[both].dropna()
-    return {"broke_in_either": int(either.sum()), "broke_in_both": int(both.sum()),
-            "kappa": cohens_kappa(here["state"][either], there["state"][either]),
-            "same_state": int((here["state"] == there["state"])[either].sum()),
-            "median_break_time_difference_s": float(shift.abs().median()) if len(shift) else None}
+    return {
+        "broke_in_either": int(either.sum()),
+        "broke_in_both": int(both.sum()),
+        "kappa": cohens_kappa(here["state"][either], there["state"][either]),
+        "same_state": int((here["state"] == there["state"])[either].sum()),
+        "median_break_time_difference_s": float(shift.abs().median()) if len(shift) else None,
+    }
 
 
 def cohens_kappa(here, there):
-    """Cohen's kappa [-] (1960, doi:10.1177/001316446002000104) of two classifications; None where they are empty.
+    """Cohen's kappa [-] (1960, doi:10.1177/001316446002000104) of two classifications; None where
+    they are empty.
 
-    here, there: (n,) indices of `damage.history.moments.STATES`.  1: they agree in all; 0: as often as by chance.
-    """
+    here, there: (n,) indices of `damage.history.moments.STATES`.  1: they agree in all; 0: as often
+    as by chance."""
     here, there = np.asarray(here), np.asarray(there)
     if len(here) == 0:
         return None
-    shares = np.array([[np.mean(values == state) for state in range(len(STATES))] for values in (here, there)])
+    shares = np.array(
+        [[np.mean(values == state) for state in range(len(STATES))] for values in (here, there)]
+    )
     chance, observed = float(shares[0] @ shares[1]), float(np.mean(here == there))
     return 1.0 if chance == 1.0 else (observed - chance) / (1 - chance)
 
 
 def describe(result):
     """The result of `compare` as text, a line each for people."""
-    lines = [f"first:  {result['first']}", *(f"others: {path}" for path in result["others"]),
-             f"{'':22s}{'first':>12s}{'median':>12s}{'range':>26s}{'allowed':>12s}"]
+    lines = [
+        f"first:  {result['first']}",
+        *(f"others: {path}" for path in result["others"]),
+        f"{'':22s}{'first':>12s}{'median':>12s}{'range':>26s}{'allowed':>12s}",
+    ]
     for name, row in result["figures"].items():
         low, high = row["range"]
-        lines.append(f"{name:22s}{row['first']:12.5g}{row['median']:12.5g}{low:13.5g}{high:13.5g}"
-                     f"{row['allowed']:12.3g}  {'agrees' if row['agrees'] else 'DIFFERS'}")
+        lines.append(
+            f"{name:22s}{row['first']:12.5g}{row['median']:12.5g}{low:13.5g}{high:13.5g}"
+            f"{row['allowed']:12.3g}  {'agrees' if row['agrees'] else 'DIFFERS'}"
+        )
     drift, joints = result["drift"], result["joints"]
-    span = ("of the whole run, in which nothing fails" if drift["first_failure_s"] is None
-            else f"before the first failure at {drift['first_failure_s']:.4f} s")
+    span = (
+        "of the whole run, in which nothing fails"
+        if drift["first_failure_s"] is None
+        else f"before the first failure at {drift['first_failure_s']:.4f} s"
+    )
     diverged = "never" if drift["diverged_at_s"] is None else f"at {drift['diverged_at_s']:.3f} s"
-    judged = "not compared, nothing moved yet" if drift["agrees"] is None else (
-        f"RMS {100 * drift['rms_before_failure']:.3f} % (allowed {100 * drift['allowed']:.1f} %)  "
-        f"{'agrees' if drift['agrees'] else 'DIFFERS'}")
-    lines.append(f"drift {span}: {judged}; diverged by 1 % of the peak {diverged}; lag {1e3 * drift['lag_s']:.2f} ms")
+    judged = (
+        "not compared, nothing moved yet"
+        if drift["agrees"] is None
+        else (
+            f"RMS {100 * drift['rms_before_failure']:.3f} % (allowed {100 * drift['allowed']:.1f}"
+            f" %)  {'agrees' if drift['agrees'] else 'DIFFERS'}"
+        )
+    )
+    lines.append(
+        f"drift {span}: {judged}; diverged by 1 % of the peak {diverged}; lag"
+        f" {1e3 * drift['lag_s']:.2f} ms"
+    )
     if joints["kappa"] is not None:
-        lines.append(f"joints between bricks: {joints['broke_in_either']} failed in either run, "
-                     f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "
-                     f"kappa {joints['kappa']:.3f}")
+        lines.append(
+            f"joints between bricks: {joints['broke_in_either']} failed in either run, "
+            f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "
+            f"kappa {joints['kappa']:.3f}"
+        )
     for name, one in COMPARISONS.items():
         lines += one.describe(result[name])
-    lines.append("verdict: " + ("within the tolerances" if result["agrees"] else "NOT within the tolerances"))
+    lines.append(
+        "verdict: " + ("within the tolerances" if result["agrees"] else "NOT within the tolerances")
+    )
     return "\n".join(lines)

@@ -2,21 +2,25 @@
 
 P. A. Korswagen's damage parameter for light damage of masonry (dissertation, TU Delft),
 
-    Psi = 2 n^0.15 c_w^0.3,   c_w = sum(c_i^2 L_i) / sum(c_i L_i)  [mm],   c_i^2 = opening^2 + slip^2
+    Psi = 2 n^0.15 c_w^0.3,   c_w = sum(c_i^2 L_i) / sum(c_i L_i)  [mm],   c_i^2 = opening^2 +
+    slip^2
 
-with the number n of cracks and the length L_i of each cracked contact point.  Psi = 1 is one crack that is just
-visible (0.1 mm), about 2 one of 1 mm, 3.5 the end of light damage (5 mm).
+with the number n of cracks and the length L_i of each cracked contact point.  Psi = 1 is one crack
+that is just visible (0.1 mm), about 2 one of 1 mm, 3.5 the end of light damage (5 mm).
 
-Slip is the present offset of the two faces (`History.slip_by`).  A contact point is cracked over its tributary length
-where its width c_i reaches 0.02 mm.  This is below the visible width, so that values of Psi below 1 exist as they do in
-Korswagen's work.  Cracked lengths closer than 10 mm are one crack: a stepped crack through bed and head joints counts
-once.  All criteria refer to the state at the sample, not to the largest so far.
+Slip is the present offset of the two faces (`History.slip_by`).  A contact point is cracked over
+its tributary length where its width c_i reaches 0.02 mm.  This is below the visible width, so that
+values of Psi below 1 exist as they do in Korswagen's work.  Cracked lengths closer than 10 mm are
+one crack: a stepped crack through bed and head joints counts once.  All criteria refer to the state
+at the sample, not to the largest so far.
 """
 
 import numpy as np
 import pandas as pd
 import scipy  # spatial where it is used: it starts slowly
-from scipy.sparse import coo_matrix  # SciPy 1.11 takes graphs with the long indices of a coo_array for empty ones
+
+# SciPy 1.11 takes graphs with the long indices of a coo_array for empty ones
+from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from damage.checks import check_positive
@@ -36,16 +40,20 @@ _PRECISION = 1e-6  # histories store widths in single precision: 0.1 mm comes ba
 
 
 def psi_value(count, mean_width):
-    """Psi [-] of a number of cracks and their mean width c_w [m]; 0 without a crack; scalars or arrays.
+    """Psi [-] of a number of cracks and their mean width c_w [m]; 0 without a crack; scalars or
+    arrays.
 
     >>> round(float(psi_value(1, 0.1e-3)), 3), round(float(psi_value(0, 0.0)), 3)
     (1.002, 0.0)
     """
-    return 2 * np.asarray(count, float) ** 0.15 * (np.asarray(mean_width, float) / MILLIMETRE) ** 0.3
+    return (
+        2 * np.asarray(count, float) ** 0.15 * (np.asarray(mean_width, float) / MILLIMETRE) ** 0.3
+    )
 
 
 def mean_width(width, length):
-    """Mean crack width c_w = sum(c^2 L) / sum(c L) over the last axis, in the unit of width; 0 without a crack.
+    """Mean crack width c_w = sum(c^2 L) / sum(c L) over the last axis, in the unit of width; 0
+    without a crack.
 
     width: (..., n), 0 where not cracked; length: (n,) [m].
     """
@@ -95,17 +103,24 @@ def crack_numbers(is_cracked, pairs):
 def crack_table(ends, opening, slip, threshold=THRESHOLD):
     """Table of the cracked segments, ordered by crack.
 
-    ends: (n, 2, 2) [m], both ends (x, z) of each segment; opening, slip: (n,) [m], slip signed; threshold: crack width
-    from which a segment is cracked [m].
-    Returns a DataFrame: crack (from 1), joint (index of the segment), ENDS, length_m, opening_m, slip_m, width_m.
-    """
+    ends: (n, 2, 2) [m], both ends (x, z) of each segment; opening, slip: (n,) [m], slip signed;
+    threshold: crack width from which a segment is cracked [m].
+    Returns a DataFrame: crack (from 1), joint (index of the segment), ENDS, length_m, opening_m,
+    slip_m, width_m."""
     opening, slip = np.asarray(opening, float), np.asarray(slip, float)
     width = np.hypot(opening, slip)
     numbers = crack_numbers(cracked(width, threshold), close_pairs(ends))
-    table = pd.DataFrame({
-        "crack": numbers, "joint": np.arange(len(width)), **dict(zip(ENDS, ends.reshape(-1, 4).T)),
-        "length_m": np.abs(ends[:, 1] - ends[:, 0]).sum(axis=1),
-        "opening_m": opening, "slip_m": slip, "width_m": width})
+    table = pd.DataFrame(
+        {
+            "crack": numbers,
+            "joint": np.arange(len(width)),
+            **dict(zip(ENDS, ends.reshape(-1, 4).T)),
+            "length_m": np.abs(ends[:, 1] - ends[:, 0]).sum(axis=1),
+            "opening_m": opening,
+            "slip_m": slip,
+            "width_m": width,
+        }
+    )
     return table[numbers > 0].sort_values(["crack", "joint"], ignore_index=True)
 
 
@@ -117,20 +132,28 @@ def ends_of(table):
 def cracks_at(history, sample, threshold=THRESHOLD):
     """`crack_table` of a History at a sample, with slip by displacement.
 
-    sample: index into its series, negative ones from the end; threshold: crack width [m].  Raises InputError where
-    there is no such sample.
+    sample: index into its series, negative ones from the end; threshold: crack width [m].  Raises
+    InputError where there is no such sample.
     """
     n_times = len(history.series)
     if not -n_times <= sample < n_times:
-        raise InputError(f"sample {sample!r}: expected a whole number from 0 to {n_times - 1}; "
-                         "choose one of them")
-    return crack_table(tributary_ends(history.joints), history.opening_m[sample],
-                       history.slip_by("displacement")[sample], threshold)
+        raise InputError(
+            f"sample {sample!r}: expected a whole number from 0 to {n_times - 1}; "
+            "choose one of them"
+        )
+    return crack_table(
+        tributary_ends(history.joints),
+        history.opening_m[sample],
+        history.slip_by("displacement")[sample],
+        threshold,
+    )
 
 
 def psi(table):
     """Psi [-] of a `crack_table`."""
-    return float(psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"])))
+    return float(
+        psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"]))
+    )
 
 
 def psi_history(history, threshold=PSI_FROM):
@@ -140,7 +163,8 @@ def psi_history(history, threshold=PSI_FROM):
     mean_width_m (c_w), max_width_m (0 without a crack).
     """
     opening, slip = history.active.opening_m, history.active.slip_by("displacement")
-    # Where opening and |slip| both stay below 0.7 of the threshold, the width stays below it: most contact points.
+    # Where opening and |slip| both stay below 0.7 of the threshold, the width stays below it: most
+    # contact points.
     least = threshold * 0.7
     wide = (opening >= least).any(axis=0) | (np.abs(slip) >= least).any(axis=0)
     ever = history.active.joints[wide]
@@ -151,15 +175,24 @@ def psi_history(history, threshold=PSI_FROM):
     length = joints["length_m"].to_numpy()
     count = count_cracks(is_cracked, close_pairs(tributary_ends(history.joints)[ever]))
     mean = mean_width(width, length)
-    return pd.DataFrame({
-        "time_s": history.series["time_s"].to_numpy(), "psi": psi_value(count, mean), "cracks": count,
-        "crack_length_m": is_cracked @ length, "mean_width_m": mean, "max_width_m": width.max(axis=1, initial=0.0)})
+    return pd.DataFrame(
+        {
+            "time_s": history.series["time_s"].to_numpy(),
+            "psi": psi_value(count, mean),
+            "cracks": count,
+            "crack_length_m": is_cracked @ length,
+            "mean_width_m": mean,
+            "max_width_m": width.max(axis=1, initial=0.0),
+        }
+    )
 
 
 def count_cracks(is_cracked, pairs):
-    """Number of cracks at each sample, (n_times,) int; is_cracked: (n_times, n) bool; pairs: from `close_pairs`.
+    """Number of cracks at each sample, (n_times,) int; is_cracked: (n_times, n) bool; pairs: from
+    `close_pairs`.
 
-    One graph serves all samples at which a segment changes; its nodes are the segments of each of them.
+    One graph serves all samples at which a segment changes; its nodes are the segments of each of
+    them.
     """
     changed = np.ones(len(is_cracked), bool)
     changed[1:] = (is_cracked[1:] != is_cracked[:-1]).any(axis=1)
@@ -172,17 +205,28 @@ def count_cracks(is_cracked, pairs):
     return np.bincount(np.nonzero(states)[0][first], minlength=len(states))[np.cumsum(changed) - 1]
 
 
-@measure({
-    "max_crack_width_mm, residual_crack_width_mm": Column(
-        "mm", "width of the widest crack, sqrt(opening² + slip²), where it reaches `psi_from_mm`; largest over the "
-        "run, and at its end"),
-    "max_psi, residual_psi": Column("1", "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3 of the cracks from "
-                                    "`psi_from_mm` on")})
+@measure(
+    {
+        "max_crack_width_mm, residual_crack_width_mm": Column(
+            "mm",
+            "width of the widest crack, sqrt(opening² + slip²), where it reaches `psi_from_mm`;"
+            " largest over the run, and at its end",
+        ),
+        "max_psi, residual_psi": Column(
+            "1",
+            "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3 of the cracks from "
+            "`psi_from_mm` on",
+        ),
+    }
+)
 def psi_summary(history, psi_from=PSI_FROM):
     """Psi and crack widths of a History; psi_from: width from which a crack counts [m].
 
     Those at its end are None where the run is not complete (`damage.measure.summary.summarise`).
     """
     over_time = psi_history(history, psi_from)
-    return [value for values in (over_time["max_width_m"] / MILLIMETRE, over_time["psi"])
-            for value in (float(values.max()), float(values.iloc[-1]) if history.complete else None)]
+    return [
+        value
+        for values in (over_time["max_width_m"] / MILLIMETRE, over_time["psi"])
+        for value in (float(values.max()), float(values.iloc[-1]) if history.complete else None)
+    ]

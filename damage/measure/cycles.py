@@ -1,5 +1,5 @@
-"""Cycles of the drift, the damage index cycle by cycle (definitions: `docs/reference/measures.md`), events of a
-sequence, and periods."""
+"""Cycles of the drift, the damage index cycle by cycle (definitions: `docs/reference/measures.md`),
+events of a sequence, and periods."""
 
 import numpy as np
 import pandas as pd
@@ -11,15 +11,23 @@ from damage.measure.damage_index import CRITERIA
 from damage.units import MILLIMETRE
 
 
-@measure({
-    "last_cycle_s": Column("s", "length of the last cycle that begins while the base moves; it may end in free "
-                           "vibration"),
-    "first_free_cycle_s": Column("s", "length of the first cycle that begins after the base has come to rest"),
-    "period_elongation": Column("1", "`first_free_cycle_s` over `eigen_period_s`")})
+@measure(
+    {
+        "last_cycle_s": Column(
+            "s",
+            "length of the last cycle that begins while the base moves; it may end in free "
+            "vibration",
+        ),
+        "first_free_cycle_s": Column(
+            "s", "length of the first cycle that begins after the base has come to rest"
+        ),
+        "period_elongation": Column("1", "`first_free_cycle_s` over `eigen_period_s`"),
+    }
+)
 def cycle_measures(history):
-    """Durations of the last driven and the first free one of the `drift_cycles` of a History.  Driven cycles have the
-    period of the motion, so that the elongation is of the free one.  None where there is no such cycle, and in
-    quasi-static runs."""
+    """Durations of the last driven and the first free one of the `drift_cycles` of a History.
+    Driven cycles have the period of the motion, so that the elongation is of the free one.  None
+    where there is no such cycle, and in quasi-static runs."""
     if history.loading.drive.base is None:
         return None
     driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
@@ -29,9 +37,9 @@ def cycle_measures(history):
 
 
 def drift_cycles(history):
-    """Start and end of the cycles of the drift in the last event of a History, two arrays (k, 2) [s]: of those that
-    begin while the base moves, and of those that begin afterwards.  A cycle lasts from one upward zero crossing of the
-    drift ratio to the next."""
+    """Start and end of the cycles of the drift in the last event of a History, two arrays (k, 2)
+    [s]: of those that begin while the base moves, and of those that begin afterwards.  A cycle
+    lasts from one upward zero crossing of the drift ratio to the next."""
     series = history.moving[history.moving["shock"] == history.series["shock"].iloc[-1]]
     crossings = upward_crossings(series["time_s"], series["drift_ratio"])
     cycles = np.column_stack([crossings[:-1], crossings[1:]])
@@ -44,82 +52,137 @@ def _motion_end(series):
     return series.loc[series["stage"] == "motion", "time_s"].max()
 
 
-BY_OTHERS = {f"{prefix}{component}": (slip, component) for slip, prefix in CRITERIA.items() if prefix
-             for component in ("DI_slip", "DI")}
-"""{column: (criterion, component)} of the components that depend on slip, by the other slip criteria."""
-CYCLE_COLUMNS = ("shock", "cycle", "kind", "start_s", "end_s", "duration_s", "max_drift_ratio",
-                 *(f"max_{name}" for name in COMPONENTS), *(f"max_{name}" for name in BY_OTHERS),
-                 "cumulative_max_DI", "cumulative_max_accumulated_DI", "cumulative_max_shear_limit_DI", "slip")
+BY_OTHERS = {
+    f"{prefix}{component}": (slip, component)
+    for slip, prefix in CRITERIA.items()
+    if prefix
+    for component in ("DI_slip", "DI")
+}
+"""{column: (criterion, component)} of the components that depend on slip, by the other slip
+criteria."""
+CYCLE_COLUMNS = (
+    "shock",
+    "cycle",
+    "kind",
+    "start_s",
+    "end_s",
+    "duration_s",
+    "max_drift_ratio",
+    *(f"max_{name}" for name in COMPONENTS),
+    *(f"max_{name}" for name in BY_OTHERS),
+    "cumulative_max_DI",
+    "cumulative_max_accumulated_DI",
+    "cumulative_max_shear_limit_DI",
+    "slip",
+)
 
 
 def index_by_all(history):
-    """Damage index of a History by all slip criteria: a DataFrame, a row a sample, columns COMPONENTS (slip by
-    displacement), then BY_OTHERS [-]."""
+    """Damage index of a History by all slip criteria: a DataFrame, a row a sample, columns
+    COMPONENTS (slip by displacement), then BY_OTHERS [-]."""
     index = {slip: history.index(slip=slip) for slip in CRITERIA}
     return index["displacement"][list(COMPONENTS)].assign(
-        **{name: index[slip][component] for name, (slip, component) in BY_OTHERS.items()})
+        **{name: index[slip][component] for name, (slip, component) in BY_OTHERS.items()}
+    )
 
 
 def cycles_table(history):
-    """Table of the cycles of a History, a DataFrame: for each event the driven cycles, then the free ones.  The columns
-    are CYCLE_COLUMNS; `damage.measure.dictionary.CYCLES` says what they are."""
-    values = index_by_all(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
-                                           time_s=history.series["time_s"])
+    """Table of the cycles of a History, a DataFrame: for each event the driven cycles, then the
+    free ones.  The columns are CYCLE_COLUMNS; `damage.measure.dictionary.CYCLES` says what they
+    are."""
+    values = index_by_all(history).assign(
+        drift_ratio=history.series["drift_ratio"].abs(), time_s=history.series["time_s"]
+    )
     rows = []
     for event, members in history.series.groupby("shock"):
         mine = values.loc[members.index]
-        for number, (kind, start, end) in enumerate(_cycles(moving(members), history.loading), start=1):
+        for number, (kind, start, end) in enumerate(
+            _cycles(moving(members), history.loading), start=1
+        ):
             within = mine[mine["time_s"].between(start, end)].max()
             so_far = mine[mine["time_s"] <= end].max()
-            rows.append({"shock": event, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
-                         "duration_s": end - start}
-                        | {f"max_{name}": within[name] for name in values if name != "time_s"}
-                        | {f"cumulative_max_{name}": so_far[name]
-                           for name in ("DI", "accumulated_DI", "shear_limit_DI")}
-                        | {"slip": "displacement"})
+            rows.append(
+                {
+                    "shock": event,
+                    "cycle": number,
+                    "kind": kind,
+                    "start_s": start,
+                    "end_s": end,
+                    "duration_s": end - start,
+                }
+                | {f"max_{name}": within[name] for name in values if name != "time_s"}
+                | {
+                    f"cumulative_max_{name}": so_far[name]
+                    for name in ("DI", "accumulated_DI", "shear_limit_DI")
+                }
+                | {"slip": "displacement"}
+            )
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
 
 def shocks_table(history):
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
-    `damage.measure.dictionary.SHOCKS`.  Residual values are None of an event without a settling stage."""
+    `damage.measure.dictionary.SHOCKS`.  Residual values are None of an event without a settling
+    stage."""
     cracks, rows = psi_history(history), []
-    values = index_by_all(history).assign(psi=cracks["psi"], crack_width_mm=cracks["max_width_m"] / MILLIMETRE)
+    values = index_by_all(history).assign(
+        psi=cracks["psi"], crack_width_mm=cracks["max_width_m"] / MILLIMETRE
+    )
     offset = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE
     failed = history.states.broken.sum(axis=1)
-    before = 0.0, np.nan_to_num(history.static.get("broken_joints", 0))  # largest offset [mm], failed contact points
+    # largest offset [mm], failed contact points
+    before = 0.0, np.nan_to_num(history.static.get("broken_joints", 0))
     for event, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
         end = members.index[-1]
-        row = {"shock": event, "motion": history.event_loadings[event - 1].name,
-               "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
-               "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
-               "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
+        row = {
+            "shock": event,
+            "motion": history.event_loadings[event - 1].name,
+            "factor": history.sequence[event - 1],
+            "start_s": members["time_s"].iloc[0],
+            "end_s": members["time_s"].iloc[-1],
+            "max_drift_ratio": members["drift_ratio"].abs().max(),
+            "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None,
+        }
         mine = values.loc[members.index]
         for name in mine:
-            row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
-        rows.append(row | {"offset_before_mm": before[0], "offset_after_mm": offset[end],
-                           "newly_failed": int(failed[end] - before[1])})
+            row |= {
+                f"max_{name}": mine[name].max(),
+                f"residual_{name}": mine[name].iloc[-1] if settled else None,
+            }
+        rows.append(
+            row
+            | {
+                "offset_before_mm": before[0],
+                "offset_after_mm": offset[end],
+                "newly_failed": int(failed[end] - before[1]),
+            }
+        )
         before = offset[end], failed[end]
     return pd.DataFrame(rows).assign(slip="displacement")
 
 
 def _cycles(series, loading):
-    """(kind, start, end) of the complete cycles [s]; kind: "driven" or "free"; series: of one event, not settling."""
+    """(kind, start, end) of the complete cycles [s]; kind: "driven" or "free"; series: of one
+    event, not settling."""
     if loading.drive.quasi_static or len(series) == 0:
         return []
     time_s = series["time_s"].to_numpy()
     edges = time_s[0] + loading.cycle_edges_s
     half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
-    driven = [("driven", start, end) for start, end in zip(edges, edges[1:]) if end <= time_s[-1] + half_a_sample]
+    driven = [
+        ("driven", start, end)
+        for start, end in zip(edges, edges[1:])
+        if end <= time_s[-1] + half_a_sample
+    ]
     crossings = upward_crossings(time_s, series["drift_ratio"])
     crossings = crossings[crossings > _motion_end(series)] if loading.drive.base else crossings
     return driven + [("free", start, end) for start, end in zip(crossings, crossings[1:])]
 
 
 REARM = 0.02
-"""Share of the largest |drift| [-] below zero that the drift must reach before its next upward crossing counts, so that
-ripples around zero are not counted as cycles."""
+"""Share of the largest |drift| [-] below zero that the drift must reach before its next upward
+crossing counts, so that ripples around zero are not counted as cycles."""
 NOISE = 1e-12
 """Drift ratio [-] below which a wall counts as at rest; rounding errors reach 1e-16."""
 
@@ -127,8 +190,8 @@ NOISE = 1e-12
 def upward_crossings(time_s, value, rearm=REARM):
     """Times at which `value` crosses zero upwards, (k,) [s], linearly interpolated between samples.
 
-    time_s, value: (n_times,); rearm [-].  A crossing counts if the value has been below -max(rearm max|value|, NOISE)
-    since the crossing before.
+    time_s, value: (n_times,); rearm [-].  A crossing counts if the value has been below -max(rearm
+    max|value|, NOISE) since the crossing before.
 
     >>> t = np.linspace(0, 1, 1001)
     >>> upward_crossings(t, np.sin(2 * np.pi * 4 * (t - 0.1))).round(6)
@@ -137,7 +200,8 @@ def upward_crossings(time_s, value, rearm=REARM):
     time_s, value = np.asarray(time_s, float), np.asarray(value, float)
     level = max(rearm * np.abs(value).max(initial=0.0), NOISE)
     up = np.flatnonzero((value[:-1] < 0) & (value[1:] >= 0))
-    # `armed[i]`: how often the value has fallen below -level up to sample i; one crossing counts for each time.
+    # `armed[i]`: how often the value has fallen below -level up to sample i; one crossing counts
+    # for each time.
     armed = np.cumsum(np.diff((value < -level).astype(int), prepend=0) > 0)
     _, first = np.unique(armed[up], return_index=True)
     up = up[first[armed[up][first] > 0]]
@@ -150,15 +214,18 @@ def period_of(history):
     """Natural period of a History of free vibration [s]; None for another loading."""
     if not history.loading.drive.first_mode_m_s:
         return None
-    return natural_period(history.moving["time_s"].to_numpy(), history.moving["drift_ratio"].to_numpy())
+    return natural_period(
+        history.moving["time_s"].to_numpy(), history.moving["drift_ratio"].to_numpy()
+    )
 
 
 def natural_period(time_s, displacement):
-    """Period of the dominant vibration [s]: that of the sinusoid with an offset that fits best by least squares.
+    """Period of the dominant vibration [s]: that of the sinusoid with an offset that fits best by
+    least squares.
 
-    time_s, displacement: (n_times,), equally spaced.  The search is around the highest peak of the Fourier spectrum,
-    and exact for a single undamped sinusoid.  None for fewer than three cycles or 16 samples, and where the
-    displacement varies by less than NOISE.
+    time_s, displacement: (n_times,), equally spaced.  The search is around the highest peak of the
+    Fourier spectrum, and exact for a single undamped sinusoid.  None for fewer than three cycles or
+    16 samples, and where the displacement varies by less than NOISE.
     """
     from scipy.optimize import minimize_scalar
 
@@ -175,8 +242,14 @@ def natural_period(time_s, displacement):
     def misfit(frequency):
         phase = 2 * np.pi * frequency * time_s
         basis = np.column_stack([np.cos(phase), np.sin(phase), np.ones_like(phase)])
-        return np.sum((basis @ np.linalg.lstsq(basis, displacement, rcond=None)[0] - displacement) ** 2)
+        return np.sum(
+            (basis @ np.linalg.lstsq(basis, displacement, rcond=None)[0] - displacement) ** 2
+        )
 
-    best = minimize_scalar(misfit, bounds=((peak - 1) * width, (peak + 1) * width), method="bounded",
-                           options={"xatol": 1e-6 * width})
+    best = minimize_scalar(
+        misfit,
+        bounds=((peak - 1) * width, (peak + 1) * width),
+        method="bounded",
+        options={"xatol": 1e-6 * width},
+    )
     return float(1 / best.x)

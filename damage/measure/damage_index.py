@@ -1,9 +1,10 @@
-"""Maximum and residual damage index of a run, by all criteria of slip, and its drift, that of each storey, too.
+"""Maximum and residual damage index of a run, by all criteria of slip, and its drift, that of each
+storey, too.
 
-A storey of a wall with floors reaches from floor to floor, the first from the base, the last to the bricks whose
-displacement is the wall's drift.  Its drift ratio is the difference of the displacements at its two ends over the
-difference of their heights.  A slab's place is its middle; a timber floor's is the course below it, over the length
-that it covers.
+A storey of a wall with floors reaches from floor to floor, the first from the base, the last to the
+bricks whose displacement is the wall's drift.  Its drift ratio is the difference of the
+displacements at its two ends over the difference of their heights.  A slab's place is its middle; a
+timber floor's is the course below it, over the length that it covers.
 """
 
 import numpy as np
@@ -20,24 +21,40 @@ def _names(kind, slip):
     return ", ".join(f"{kind}_{CRITERIA[slip]}{name}" for name in COMPONENTS)
 
 
-@measure({
-    _names("max", "displacement"): Column("1", "each its own maximum over the run, slip by displacement"),
-    _names("residual", "displacement"): Column("1", "the last state of the settling stage, or of a collapse"),
-    _names("max", "accumulated"): Column("1", "the same with slip accumulated"),
-    _names("residual", "accumulated"): Column("1", "the same with slip accumulated"),
-    _names("max", "shear-limit"): Column("1", "the same with slip by the shear limit"),
-    _names("residual", "shear-limit"): Column("1", "the same with slip by the shear limit")})
+@measure(
+    {
+        _names("max", "displacement"): Column(
+            "1", "each its own maximum over the run, slip by displacement"
+        ),
+        _names("residual", "displacement"): Column(
+            "1", "the last state of the settling stage, or of a collapse"
+        ),
+        _names("max", "accumulated"): Column("1", "the same with slip accumulated"),
+        _names("residual", "accumulated"): Column("1", "the same with slip accumulated"),
+        _names("max", "shear-limit"): Column("1", "the same with slip by the shear limit"),
+        _names("residual", "shear-limit"): Column("1", "the same with slip by the shear limit"),
+    }
+)
 def index_measures(history, threshold, drift_limit, slip):
-    """Damage index of a History; arguments, and what is maximum and residual: `damage.measure.summary.summarise`."""
+    """Damage index of a History; arguments, and what is maximum and residual:
+    `damage.measure.summary.summarise`."""
     values = []
     for criterion in (slip, "accumulated", "shear-limit"):
         over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
-        values += [*over_time.max(), *(over_time.iloc[-1] if history.complete else [None] * len(COMPONENTS))]
+        values += [
+            *over_time.max(),
+            *(over_time.iloc[-1] if history.complete else [None] * len(COMPONENTS)),
+        ]
     return values
 
 
-@measure({"max_drift_ratio, residual_drift_ratio": Column("1", "largest absolute drift ratio; drift ratio at the end, "
-                                                          "with its sign")})
+@measure(
+    {
+        "max_drift_ratio, residual_drift_ratio": Column(
+            "1", "largest absolute drift ratio; drift ratio at the end, with its sign"
+        )
+    }
+)
 def drift_measures(history):
     """Drift of a History; the residual is None where the run is not complete."""
     drift = history.series["drift_ratio"]
@@ -48,8 +65,8 @@ _TINY = 1e-6  # [m]
 
 
 def storey_drifts(history):
-    """Heights (n_ends,) [m] of the storeys' ends, the base among them, and drift ratios (n_snapshots, n_storeys) [-] of
-    a History; of a wall without floors there is one storey."""
+    """Heights (n_ends,) [m] of the storeys' ends, the base among them, and drift ratios
+    (n_snapshots, n_storeys) [-] of a History; of a wall without floors there is one storey."""
     top = float(history.attributes["drift_height_m"])
     levels = {}
     for z, chosen in (_place(history, place) for place in history.plan.floors):
@@ -59,18 +76,24 @@ def storey_drifts(history):
     moved = history.displacement[:, :, 0].astype(float)
     sample = np.searchsorted(history.series["time_s"].to_numpy(), history.snapshot_time_s - 1e-9)
     sample = np.minimum(sample, len(history.series) - 1)
-    ends = [np.zeros(len(moved)), *(moved[:, levels[z]].mean(axis=1) for z in sorted(levels)),
-            history.series["top_displacement_m"].to_numpy()[sample]]
+    ends = [
+        np.zeros(len(moved)),
+        *(moved[:, levels[z]].mean(axis=1) for z in sorted(levels)),
+        history.series["top_displacement_m"].to_numpy()[sample],
+    ]
     return heights, np.diff(np.column_stack(ends), axis=1) / np.diff(heights)
 
 
 def _place(history, place):
-    """Height [m] and bodies, an index array, of a floor, whose place is a damage.wall.floors.FloorPlace."""
+    """Height [m] and bodies, an index array, of a floor, whose place is a
+    damage.wall.floors.FloorPlace."""
     (floor, left, right, first, above), bodies = place, history.bodies
     z, x, course = (bodies[name].to_numpy() for name in ("z_m", "x_m", "course"))
     if floor.is_body:
         middle = (first + above) / 2 * history.masonry_wall.brick.height
-        chosen = (course < -1) & (np.abs(z - middle) < _TINY) & (np.abs(x - (left + right) / 2) < _TINY)
+        chosen = (
+            (course < -1) & (np.abs(z - middle) < _TINY) & (np.abs(x - (left + right) / 2) < _TINY)
+        )
     else:
         half = bodies["length_m"].to_numpy() / 2
         chosen = (course == first) & (x + half > left + _TINY) & (x - half < right - _TINY)
@@ -78,7 +101,15 @@ def _place(history, place):
 
 
 def storeys_table(history):
-    """A row for each storey of a History, from the base upwards; columns: `damage.measure.dictionary.STOREYS`."""
+    """A row for each storey of a History, from the base upwards; columns:
+    `damage.measure.dictionary.STOREYS`."""
     heights, drift = storey_drifts(history)
-    return pd.DataFrame({"storey": np.arange(1, len(heights)), "bottom_m": heights[:-1], "top_m": heights[1:],
-                         "max_drift_ratio": np.abs(drift).max(axis=0), "residual_drift_ratio": drift[-1]})
+    return pd.DataFrame(
+        {
+            "storey": np.arange(1, len(heights)),
+            "bottom_m": heights[:-1],
+            "top_m": heights[1:],
+            "max_drift_ratio": np.abs(drift).max(axis=0),
+            "residual_drift_ratio": drift[-1],
+        }
+    )

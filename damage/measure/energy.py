@@ -10,25 +10,32 @@ DISSIPATED = ("friction_energy_j", "fracture_energy_j", "damping_energy_j")
 ENERGY_ERROR, ENERGY_FAILURE = 0.01, 1.0
 """Energy balance errors [-] above which a run has a warning, and above which it has failed.
 
-In the runs of `docs/tables` walls that stand have errors up to 0.021 in YADE and 0.0042 in the reference solver, those
-that collapse up to 0.25 and 0.016.  The first limit is above all walls that stand in the reference solver, the second
-is the entire input.
+In the runs of `docs/tables` walls that stand have errors up to 0.021 in YADE and 0.0042 in the
+reference solver, those that collapse up to 0.25 and 0.016.  The first limit is above all walls that
+stand in the reference solver, the second is the entire input.
 """
 NOISE = 1e-12
-"""Share of weight times height [-] below which an input is rounding error: less than a microjoule for a façade wall,
-whose input in free vibration is a millijoule."""
+"""Share of weight times height [-] below which an input is rounding error: less than a microjoule
+for a façade wall, whose input in free vibration is a millijoule."""
 
 
 def energy_groups(series):
     """Energies over time by group, {name: (n_times,)} [J]; series: of a History.
 
-    input_energy_j: work of the base and of prescribed velocities; stored_energy_j: kinetic, elastic and potential;
-    dissipated_energy_j: friction and fracture in the joints; damping_energy_j: viscous damping.  NaN where the solver
-    does not record a term.  The input is the sum of the others, less the energy stored at the first sample.
+    input_energy_j: work of the base and of prescribed velocities; stored_energy_j: kinetic, elastic
+    and potential; dissipated_energy_j: friction and fracture in the joints; damping_energy_j:
+    viscous damping.  NaN where the solver does not record a term.  The input is the sum of the
+    others, less the energy stored at the first sample.
     """
-    stored, dissipated = (series[list(names)].sum(axis=1, min_count=1) for names in (STORED, DISSIPATED[:2]))
-    return {"input_energy_j": series["input_energy_j"].to_numpy(), "stored_energy_j": stored.to_numpy(),
-            "dissipated_energy_j": dissipated.to_numpy(), "damping_energy_j": series["damping_energy_j"].to_numpy()}
+    stored, dissipated = (
+        series[list(names)].sum(axis=1, min_count=1) for names in (STORED, DISSIPATED[:2])
+    )
+    return {
+        "input_energy_j": series["input_energy_j"].to_numpy(),
+        "stored_energy_j": stored.to_numpy(),
+        "dissipated_energy_j": dissipated.to_numpy(),
+        "damping_energy_j": series["damping_energy_j"].to_numpy(),
+    }
 
 
 def known_energies(series):
@@ -37,12 +44,14 @@ def known_energies(series):
 
 
 def noise_j(mass_kg, height_m):
-    """Least input energy [J] for an energy balance error of a wall of this mass [kg] and height [m]."""
+    """Least input energy [J] for an energy balance error of a wall of this mass [kg] and height
+    [m]."""
     return NOISE * mass_kg * GRAVITY * height_m
 
 
 def imbalance(series):
-    """Imbalance of the energies, (n_times,) [J]: stored and dissipated less input, relative to the first sample."""
+    """Imbalance of the energies, (n_times,) [J]: stored and dissipated less input, relative to the
+    first sample."""
     total = sum(series[name].to_numpy() for name in (*STORED, *DISSIPATED))
     total = total - series["input_energy_j"].to_numpy()
     return total - total[0]
@@ -51,7 +60,8 @@ def imbalance(series):
 def energy_error(series, noise=0.0):
     """Energy balance error [-]: largest |imbalance| over `energy_scale`, without settling stages.
 
-    series: of a History; noise: least scale [J].  None where the scale is not above it, or below two samples.
+    series: of a History; noise: least scale [J].  None where the scale is not above it, or below
+    two samples.
     """
     before = series[series["stage"] != "settling"]
     if len(before) < 2:
@@ -61,26 +71,34 @@ def energy_error(series, noise=0.0):
 
 
 def energy_error_of(history):
-    """Energy balance error of a History [-] (`energy_error`); None where its input is rounding error (`noise_j`)."""
-    return energy_error(history.series, noise_j(history.bodies["mass_kg"].sum(), history.attributes["height_m"]))
+    """Energy balance error of a History [-] (`energy_error`); None where its input is rounding
+    error (`noise_j`)."""
+    return energy_error(
+        history.series, noise_j(history.bodies["mass_kg"].sum(), history.attributes["height_m"])
+    )
 
 
 def balance_error(history):
-    """Energy balance error of a History [-] (`energy_error_of`); None for quasi-static runs of YADE, whose damping
-    energy is computed from the balance."""
-    return None if history.solver == "yade" and history.loading.drive.quasi_static else energy_error_of(history)
+    """Energy balance error of a History [-] (`energy_error_of`); None for quasi-static runs of
+    YADE, whose damping energy is computed from the balance."""
+    return (
+        None
+        if history.solver == "yade" and history.loading.drive.quasi_static
+        else energy_error_of(history)
+    )
 
 
 def energy_scale(series):
-    """Reference energy of the imbalance [J]: the largest |input|, or the first kinetic energy if that is larger."""
+    """Reference energy of the imbalance [J]: the largest |input|, or the first kinetic energy if
+    that is larger."""
     return max(np.abs(series["input_energy_j"]).max(), series["kinetic_energy_j"].iloc[0])
 
 
 class Balance:
     """Energy balance error (`energy_error`) of a run in progress; noise: least scale [J].
 
-    state: what it knows so far, (4,): imbalance of the first sample, largest one relative to it, scale [J], samples.
-    """
+    state: what it knows so far, (4,): imbalance of the first sample, largest one relative to it,
+    scale [J], samples."""
 
     def __init__(self, noise):
         self._noise, self.state = noise, np.zeros(4)
@@ -91,8 +109,14 @@ class Balance:
         first, largest, scale, n = self.state
         if n == 0:
             first, scale = excess[0], rows["kinetic_energy_j"][0]
-        self.state = np.array([first, max(largest, np.abs(excess - first).max()),
-                               max(scale, np.abs(rows["input_energy_j"]).max()), n + len(excess)])
+        self.state = np.array(
+            [
+                first,
+                max(largest, np.abs(excess - first).max()),
+                max(scale, np.abs(rows["input_energy_j"]).max()),
+                n + len(excess),
+            ]
+        )
 
     @property
     def error(self):
@@ -101,18 +125,30 @@ class Balance:
         return largest / scale if n > 1 and scale > self._noise else None
 
 
-@measure({
-    "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
-    "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break and as "
-                                                   "joints crush, up to the run's end"),
-    "dissipated_energy_j": Column("J", "their sum"),
-    "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
-    "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out")})
+@measure(
+    {
+        "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
+        "friction_energy_j, fracture_energy_j": Column(
+            "J",
+            "taken by sliding, and lost as bonds soften and break and as "
+            "joints crush, up to the run's end",
+        ),
+        "dissipated_energy_j": Column("J", "their sum"),
+        "damping_energy_j": Column(
+            "J", "taken by viscous damping, settling stages left out; zero without `--beta`"
+        ),
+        "energy_error_fraction": Column(
+            "1", "largest imbalance over the largest input, settling stages left out"
+        ),
+    }
+)
 def energy_measures(history):
-    """Energies at the end of a History [J], and its `balance_error`.  The damping of settling stages is a numerical
-    means and not part of the model."""
+    """Energies at the end of a History [J], and its `balance_error`.  The damping of settling
+    stages is a numerical means and not part of the model."""
     series = history.series
-    friction, fracture, given = (float(series[name].iloc[-1]) for name in (
-        "friction_energy_j", "fracture_energy_j", "input_energy_j"))
+    friction, fracture, given = (
+        float(series[name].iloc[-1])
+        for name in ("friction_energy_j", "fracture_energy_j", "input_energy_j")
+    )
     damping = float(np.diff(series["damping_energy_j"], prepend=0.0)[is_moving(series)].sum())
     return given, friction, fracture, friction + fracture, damping, balance_error(history)

@@ -1,13 +1,15 @@
-"""Stresses of joints (`--stresses`): forces in contact points, thrust in piers and arches, histories of one joint.
+"""Stresses of joints (`--stresses`): forces in contact points, thrust in piers and arches,
+histories of one joint.
 
-A section of a pier is all of its bed joints at one height, one of an arch all of its upright joints at one place.  With
-the stresses sigma (tension positive), tau and areas A of its contact points, at s along the section from its middle:
+A section of a pier is all of its bed joints at one height, one of an arch all of its upright joints
+at one place.  With the stresses sigma (tension positive), tau and areas A of its contact points, at
+s along the section from its middle:
 
     N = sum sigma A,   V = sum tau A,   M = sum sigma A s,   e = M / N
 
-e is the eccentricity: where the thrust passes.  Joints that transmit no tension are pressed all over up to e = 1/6 of
-the section's length.  Places and directions are those of the undeformed wall: a joint that has turned by an angle has
-its forces along axes turned so.
+e is the eccentricity: where the thrust passes.  Joints that transmit no tension are pressed all
+over up to e = 1/6 of the section's length.  Places and directions are those of the undeformed wall:
+a joint that has turned by an angle has its forces along axes turned so.
 """
 
 import re
@@ -28,115 +30,182 @@ _SAME = 1e-6  # [m]
 def check_stresses(history):
     """Raise InputError where a History holds no stresses of joints."""
     if history.joint_stress_pa is None:
-        raise InputError(f"{history.path} has no stresses of joints: expected a run with --stresses; run it again so")
+        raise InputError(
+            f"{history.path} has no stresses of joints: expected a run with --stresses; run it"
+            " again so"
+        )
 
 
 def contact_forces(history, sample):
-    """Forces of the first body on the second in all contact points at a sample, along x and z, (n_joints, 2) [N]."""
+    """Forces of the first body on the second in all contact points at a sample, along x and z,
+    (n_joints, 2) [N]."""
     check_stresses(history)
-    normal, shear = -history.joint_stress_pa[sample].astype(float).T * history.joints["area_m2"].to_numpy()
+    normal, shear = (
+        -history.joint_stress_pa[sample].astype(float).T * history.joints["area_m2"].to_numpy()
+    )
     bed = (history.joints["kind"] == "bed").to_numpy()
     return np.column_stack([np.where(bed, shear, normal), np.where(bed, normal, shear)])
 
 
 def sections(history):
-    """Sections of the piers, and of arches: [(part, left, right [m], is_bed, place [m] across, rows of the joints)];
-    left, right: of the pier along x, or of the arch along z; part: "pier 1", ... from the left, "arch 1", ..."""
+    """Sections of the piers, and of arches: [(part, left, right [m], is_bed, place [m] across, rows
+    of the joints)]; left, right: of the pier along x, or of the arch along z; part: "pier 1", ...
+    from the left, "arch 1", ..."""
     joints, found = history.joints, []
-    x, z, is_bed = joints["x_m"].to_numpy(), joints["z_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
+    x, z, is_bed = (
+        joints["x_m"].to_numpy(),
+        joints["z_m"].to_numpy(),
+        (joints["kind"] == "bed").to_numpy(),
+    )
     for number, (left, right) in enumerate(history.plan.piers, 1):
         inside = is_bed & (x > left - _SAME) & (x < right + _SAME)
         found += [(f"pier {number}", left, right, True, *one) for one in _by_place(z, inside)]
-    for number, lintel in enumerate((one for one in history.plan.lintels if one.lintel.kind == "arch"), 1):
+    for number, lintel in enumerate(
+        (one for one in history.plan.lintels if one.lintel.kind == "arch"), 1
+    ):
         upright = ~is_bed & _in_arch(history, lintel)
         at = np.flatnonzero(upright)
-        found += [(f"arch {number}", z[at].min(), z[at].max(), False, *one) for one in _by_place(x, upright)]
+        found += [
+            (f"arch {number}", z[at].min(), z[at].max(), False, *one)
+            for one in _by_place(x, upright)
+        ]
     return found
 
 
 def _in_arch(history, lintel):
-    """Flags (n_joints,) of the contact points of an arch's bricks, whose place is a damage.wall.lintels.Place."""
+    """Flags (n_joints,) of the contact points of an arch's bricks, whose place is a
+    damage.wall.lintels.Place."""
     joints, course = history.joints, history.bodies["course"].to_numpy()
     first, second = (joints[f"{side}_body"].to_numpy() for side in ("first", "second"))
-    of_arch = (course[np.maximum(first, 0)] == ARCH_COURSE) & (first >= 0) | (course[second] == ARCH_COURSE)
-    return of_arch & (joints["x_m"] > lintel.left - _SAME) & (joints["x_m"] < lintel.right + _SAME).to_numpy()
+    of_arch = (course[np.maximum(first, 0)] == ARCH_COURSE) & (first >= 0) | (
+        course[second] == ARCH_COURSE
+    )
+    return (
+        of_arch
+        & (joints["x_m"] > lintel.left - _SAME)
+        & (joints["x_m"] < lintel.right + _SAME).to_numpy()
+    )
 
 
 def _by_place(places, chosen):
     """[(place, rows)] of the chosen contact points, rising."""
     rounded_off = np.round(places / _SAME).astype(int)
-    return [(float(places[rows[0]]), rows) for rows in (
-        np.flatnonzero(chosen & (rounded_off == one)) for one in np.unique(rounded_off[chosen]))]
+    return [
+        (float(places[rows[0]]), rows)
+        for rows in (
+            np.flatnonzero(chosen & (rounded_off == one)) for one in np.unique(rounded_off[chosen])
+        )
+    ]
 
 
 def sections_table(history, moments=MOMENTS):
-    """Forces in the sections of piers and arches at moments (`choose_samples`), a DataFrame, a row a section and
-    moment; columns: SECTIONS."""
+    """Forces in the sections of piers and arches at moments (`choose_samples`), a DataFrame, a row
+    a section and moment; columns: SECTIONS."""
     check_stresses(history)
     area, length = (history.joints[name].to_numpy() for name in ("area_m2", "length_m"))
     places, rows, of = history.joints[["x_m", "z_m"]].to_numpy(), [], sections(history)
     for moment, sample in zip(moments, choose_samples(history, moments)):
-        stress, time_s = history.joint_stress_pa[sample].astype(float), float(history.series["time_s"].iloc[sample])
+        stress, time_s = (
+            history.joint_stress_pa[sample].astype(float),
+            float(history.series["time_s"].iloc[sample]),
+        )
         for part, *_, is_bed, across, joints in of:
             along, (sigma, tau) = places[joints, 0 if is_bed else 1], stress[joints].T
             middle, normal = np.average(along, weights=area[joints]), sigma @ area[joints]
             moment_n_m = (sigma * area[joints]) @ (along - middle)
             away = moment_n_m / normal if normal < 0 else np.nan
             thrust = (middle + away, across) if is_bed else (across, middle + away)
-            rows.append((moment, time_s, part, across, length[joints].sum(), normal, tau @ area[joints], moment_n_m,
-                         *thrust, away, away / length[joints].sum()))
+            rows.append(
+                (
+                    moment,
+                    time_s,
+                    part,
+                    across,
+                    length[joints].sum(),
+                    normal,
+                    tau @ area[joints],
+                    moment_n_m,
+                    *thrust,
+                    away,
+                    away / length[joints].sum(),
+                )
+            )
     return pd.DataFrame(rows, columns=list(SECTIONS))
 
 
-_AT = {"moment": Column("", "rest, max (of the damage index), end, or a time"), "time_s": Column("s", "of the sample")}
+_AT = {
+    "moment": Column("", "rest, max (of the damage index), end, or a time"),
+    "time_s": Column("s", "of the sample"),
+}
 SECTIONS = _AT | {
-    "part": Column("", "pier 1, ... from the left, with its bed joints; arch 1, ... with its upright joints"),
+    "part": Column(
+        "", "pier 1, ... from the left, with its bed joints; arch 1, ... with its upright joints"
+    ),
     "place_m": Column("m", "of the section: height of a pier's, along the wall of an arch's"),
     "length_m": Column("m", "of the section"),
     "normal_force_n": Column("N", "tension positive"),
     "shear_force_n": Column("N", "on the part below, or to the left, along the section"),
-    "moment_n_m": Column("N m", "of the normal stresses about the section's middle, tension on its right or upper end "
-                         "positive"),
+    "moment_n_m": Column(
+        "N m",
+        "of the normal stresses about the section's middle, tension on its right or upper end "
+        "positive",
+    ),
     "thrust_x_m": Column("m", "where the thrust passes, along the wall; empty under tension"),
     "thrust_z_m": Column("m", "the same, upwards"),
     "eccentricity_m": Column("m", "of the thrust from the section's middle"),
-    "eccentricity_over_length": Column("1", "over the section's length: pressed all over up to 1/6"),
+    "eccentricity_over_length": Column(
+        "1", "over the section's length: pressed all over up to 1/6"
+    ),
 }
 
 
 def stresses_table(history, moments=MOMENTS):
-    """Stresses of all contact points at moments (`choose_samples`), a DataFrame, a row a contact point and moment;
-    columns: STRESSES."""
+    """Stresses of all contact points at moments (`choose_samples`), a DataFrame, a row a contact
+    point and moment; columns: STRESSES."""
     check_stresses(history)
-    table = history.joints.rename_axis("joint").reset_index()[["joint", "kind", "x_m", "z_m", "area_m2"]]
+    table = history.joints.rename_axis("joint").reset_index()[
+        ["joint", "kind", "x_m", "z_m", "area_m2"]
+    ]
     found = []
     for moment, sample in zip(moments, choose_samples(history, moments)):
         force = contact_forces(history, sample)
-        found.append(table.assign(
-            moment=moment, time_s=history.series["time_s"].iloc[sample],
-            normal_stress_pa=history.joint_stress_pa[sample, :, 0],
-            shear_stress_pa=history.joint_stress_pa[sample, :, 1], force_x_n=force[:, 0], force_z_n=force[:, 1]))
+        found.append(
+            table.assign(
+                moment=moment,
+                time_s=history.series["time_s"].iloc[sample],
+                normal_stress_pa=history.joint_stress_pa[sample, :, 0],
+                shear_stress_pa=history.joint_stress_pa[sample, :, 1],
+                force_x_n=force[:, 0],
+                force_z_n=force[:, 1],
+            )
+        )
     return pd.concat(found, ignore_index=True)[list(STRESSES)]
 
 
 STRESSES = _AT | {
-    "joint": Column("index", "row of `joints` of the history"), "kind": Column("code", "bed, head, brick"),
-    "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),
+    "joint": Column("index", "row of `joints` of the history"),
+    "kind": Column("code", "bed, head, brick"),
+    "x_m": Column("m", "place in the undeformed wall, along it"),
+    "z_m": Column("m", "the same, upwards"),
     "area_m2": Column("m2", "tributary length times the thickness"),
-    "normal_stress_pa": Column("Pa", "tension positive"), "shear_stress_pa": Column("Pa", "signed as the slip"),
+    "normal_stress_pa": Column("Pa", "tension positive"),
+    "shear_stress_pa": Column("Pa", "signed as the slip"),
     "force_x_n": Column("N", "of the first body on the second, along the wall"),
     "force_z_n": Column("N", "the same, upwards"),
 }
 
 
 def joint_of(history, name):
-    """Row of a contact point by its name: its number, X,Z of the nearest one [m], or bed:X,Z, head:X,Z of a kind.
+    """Row of a contact point by its name: its number, X,Z of the nearest one [m], or bed:X,Z,
+    head:X,Z of a kind.
 
     Raises InputError where there is none, or the nearest is further away than a brick is long.
     """
     joints, words = history.joints, str(name)
-    expected = (f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m], or bed:X,Z, "
-                "head:X,Z")
+    expected = (
+        f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m],"
+        " or bed:X,Z, head:X,Z"
+    )
     if re.fullmatch(r"\d+", words):
         if int(words) >= len(joints):
             raise InputError(f"{expected}; choose another")
@@ -152,74 +221,119 @@ def joint_of(history, name):
     away = np.hypot(chosen["x_m"] - x, chosen["z_m"] - z)
     row = int(away.fillna(np.inf).idxmin())
     if not away[row] <= history.masonry_wall.brick.length:
-        raise InputError(f"{expected}: the nearest, {row}, is at {joints['x_m'][row]:.4g},{joints['z_m'][row]:.4g}; "
-                         "choose another")
+        raise InputError(
+            f"{expected}: the nearest, {row}, is at"
+            f" {joints['x_m'][row]:.4g},{joints['z_m'][row]:.4g}; choose another"
+        )
     return row
 
 
 def joint_history(history, joint):
-    """Stresses and motion of a contact point over time, a DataFrame, a row a sample; columns: JOINT; joint: as of
-    `joint_of`."""
+    """Stresses and motion of a contact point over time, a DataFrame, a row a sample; columns:
+    JOINT; joint: as of `joint_of`."""
     check_stresses(history)
     row = joint_of(history, joint)
     normal, shear = history.joint_stress_pa[:, row].T
-    return pd.DataFrame({
-        "time_s": history.series["time_s"].to_numpy(), "stage": history.series["stage"].astype(str),
-        "normal_stress_pa": normal, "shear_stress_pa": shear, "opening_m": history.opening_m[:, row],
-        "slip_m": history.slip_m[:, row],
-        "offset_m": history.offset_m[:, row],
-        "broken": history.broken[:, row], "at_shear_limit": history.at_limit[:, row]})
+    return pd.DataFrame(
+        {
+            "time_s": history.series["time_s"].to_numpy(),
+            "stage": history.series["stage"].astype(str),
+            "normal_stress_pa": normal,
+            "shear_stress_pa": shear,
+            "opening_m": history.opening_m[:, row],
+            "slip_m": history.slip_m[:, row],
+            "offset_m": history.offset_m[:, row],
+            "broken": history.broken[:, row],
+            "at_shear_limit": history.at_limit[:, row],
+        }
+    )
 
 
 JOINT = {
-    "time_s": Column("s", "since the start of the (first) motion"), "stage": Column("", "of the run"),
+    "time_s": Column("s", "since the start of the (first) motion"),
+    "stage": Column("", "of the run"),
     **{name: STRESSES[name] for name in ("normal_stress_pa", "shear_stress_pa")},
-    "opening_m": Column("m", "inelastic opening"), "slip_m": Column("m", "accumulated slip, signed"),
-    "offset_m": Column("m", "offset of the faces, signed"), "broken": Column("bool", "whether the bond has failed"),
-    "at_shear_limit": Column("bool", "whether it has failed in shear or slid, ever")}
+    "opening_m": Column("m", "inelastic opening"),
+    "slip_m": Column("m", "accumulated slip, signed"),
+    "offset_m": Column("m", "offset of the faces, signed"),
+    "broken": Column("bool", "whether the bond has failed"),
+    "at_shear_limit": Column("bool", "whether it has failed in shear or slid, ever"),
+}
 
 
 def points_table(history):
-    """Displacements of the material points of a History (`--point`) over time, a DataFrame, a row a point and sample;
-    columns: POINTS.  Raises InputError where it has none."""
+    """Displacements of the material points of a History (`--point`) over time, a DataFrame, a row a
+    point and sample; columns: POINTS.  Raises InputError where it has none."""
     if history.point_displacement is None:
-        raise InputError(f"{history.path} has no material points: expected a run with --point X Z; run it again so")
+        raise InputError(
+            f"{history.path} has no material points: expected a run with --point X Z; run it"
+            " again so"
+        )
     places, moved = np.array(history.points, float), history.point_displacement
-    return pd.concat([pd.DataFrame({
-        "point": k + 1, "x_m": x, "z_m": z, "time_s": history.series["time_s"].to_numpy(),
-        "displacement_x_m": moved[:, k, 0], "displacement_z_m": moved[:, k, 1]})
-        for k, (x, z) in enumerate(places)], ignore_index=True)
+    return pd.concat(
+        [
+            pd.DataFrame(
+                {
+                    "point": k + 1,
+                    "x_m": x,
+                    "z_m": z,
+                    "time_s": history.series["time_s"].to_numpy(),
+                    "displacement_x_m": moved[:, k, 0],
+                    "displacement_z_m": moved[:, k, 1],
+                }
+            )
+            for k, (x, z) in enumerate(places)
+        ],
+        ignore_index=True,
+    )
 
 
 POINTS = {
-    "point": Column("1", "number, in the order of --point"), "x_m": STRESSES["x_m"], "z_m": STRESSES["z_m"],
+    "point": Column("1", "number, in the order of --point"),
+    "x_m": STRESSES["x_m"],
+    "z_m": STRESSES["z_m"],
     "time_s": JOINT["time_s"],
     "displacement_x_m": Column("m", "along the wall, since the end of the static stage"),
-    "displacement_z_m": Column("m", "the same, upwards")}
+    "displacement_z_m": Column("m", "the same, upwards"),
+}
 
 
 def stress_report(history, moments=MOMENTS, joints=()):
-    """The stresses of a History, a dictionary: at each moment extremes over the contact points, and the section of each
-    pier and arch with the largest eccentricity; of chosen joints (`joint_of`) their extremes over time."""
+    """The stresses of a History, a dictionary: at each moment extremes over the contact points, and
+    the section of each pier and arch with the largest eccentricity; of chosen joints (`joint_of`)
+    their extremes over time."""
     table, of_points = sections_table(history, moments), stresses_table(history, moments)
     rows = {str(name): joint_of(history, name) for name in joints}
-    return {"wall": history.wall, "moments": [
-        {"moment": moment, "time_s": float(one["time_s"].iloc[0]),
-         **_extremes(one[["normal_stress_pa", "shear_stress_pa"]].to_numpy()),
-         "sections": _most_eccentric(table[table["moment"] == moment])}
-        for moment, one in of_points.groupby("moment", sort=False)],
-        "joints": [{"name": name, "joint": row, **_extremes(history.joint_stress_pa[:, row])}
-                   for name, row in rows.items()]}
+    return {
+        "wall": history.wall,
+        "moments": [
+            {
+                "moment": moment,
+                "time_s": float(one["time_s"].iloc[0]),
+                **_extremes(one[["normal_stress_pa", "shear_stress_pa"]].to_numpy()),
+                "sections": _most_eccentric(table[table["moment"] == moment]),
+            }
+            for moment, one in of_points.groupby("moment", sort=False)
+        ],
+        "joints": [
+            {"name": name, "joint": row, **_extremes(history.joint_stress_pa[:, row])}
+            for name, row in rows.items()
+        ],
+    }
 
 
 def _extremes(stresses):
     """Least and largest of normal and shear stresses (n, 2) [Pa], by the names of the report."""
-    return {f"{which}_{kind}_stress_pa": float(getattr(of, which)())
-            for kind, of in zip(("normal", "shear"), stresses.T) for which in ("min", "max")}
+    return {
+        f"{which}_{kind}_stress_pa": float(getattr(of, which)())
+        for kind, of in zip(("normal", "shear"), stresses.T)
+        for which in ("min", "max")
+    }
 
 
 def _most_eccentric(table):
-    """Of each part the section with the largest eccentricity, the first where all are under tension: dictionaries."""
+    """Of each part the section with the largest eccentricity, the first where all are under
+    tension: dictionaries."""
     away = table["eccentricity_over_length"].abs().fillna(-1.0)
     rows = away.groupby(table["part"], sort=False).idxmax()
     return table.loc[rows].drop(columns=["moment", "time_s"]).to_dict("records")
@@ -229,14 +343,27 @@ def describe(report):
     """A `stress_report` as text for people."""
     lines = [f"stresses of the joints of {report['wall']}, tension positive"]
     for one in report["moments"]:
-        lines.append(f"{one['moment']}, {one['time_s']:.3f} s: normal {_range(one, 'normal')}, shear "
-                     f"{_range(one, 'shear')} MPa")
-        lines += [f"  {part['part']} at {part['place_m']:.3f} m: N {part['normal_force_n'] / 1e3:.3f} kN, V "
-                  f"{part['shear_force_n'] / 1e3:.3f} kN, M {part['moment_n_m'] / 1e3:.3f} kN m, e / L "
-                  f"{part['eccentricity_over_length']:.3f}" for part in one["sections"]]
-    return "\n".join(lines + [f"joint {one['joint']} ({one['name']}): normal {_range(one, 'normal')}, shear "
-                              f"{_range(one, 'shear')} MPa" for one in report["joints"]])
+        lines.append(
+            f"{one['moment']}, {one['time_s']:.3f} s: normal {_range(one, 'normal')}, shear "
+            f"{_range(one, 'shear')} MPa"
+        )
+        lines += [
+            f"  {part['part']} at {part['place_m']:.3f} m: N {part['normal_force_n'] / 1e3:.3f} kN,"
+            f" V {part['shear_force_n'] / 1e3:.3f} kN, M {part['moment_n_m'] / 1e3:.3f} kN m, e / L"
+            f" {part['eccentricity_over_length']:.3f}"
+            for part in one["sections"]
+        ]
+    return "\n".join(
+        lines
+        + [
+            f"joint {one['joint']} ({one['name']}): normal {_range(one, 'normal')}, shear "
+            f"{_range(one, 'shear')} MPa"
+            for one in report["joints"]
+        ]
+    )
 
 
 def _range(numbers, kind):
-    return " to ".join(f"{numbers[f'{which}_{kind}_stress_pa'] / 1e6 + 0.0:.4f}" for which in ("min", "max"))
+    return " to ".join(
+        f"{numbers[f'{which}_{kind}_stress_pa'] / 1e6 + 0.0:.4f}" for which in ("min", "max")
+    )

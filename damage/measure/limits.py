@@ -11,8 +11,8 @@ from damage.history.schema import Column, measure
 class Limits:
     """Published limits of a measure, in rising order, and the damage classes between them.
 
-    name: column of the table; measure: "drift" (maximum drift ratio), "psi" (maximum Psi) or "width" (of the widest
-    crack); bounds: (n,) limits [-], of a width [mm];
+    name: column of the table; measure: "drift" (maximum drift ratio), "psi" (maximum Psi) or
+    "width" (of the widest crack); bounds: (n,) limits [-], of a width [mm];
     classes: (n + 1,) names, a value equal to a bound is in the upper class; source: publication.
     """
 
@@ -27,7 +27,10 @@ class Limits:
         """Text: the classes with the bounds between them, then the source."""
         unit, factor = {"drift": (" %", 100), "psi": ("", 1), "width": (" mm", 1)}[self.measure]
         bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]
-        words = [self.classes[0], *(word for pair in zip(bounds, self.classes[1:]) for word in pair)]
+        words = [
+            self.classes[0],
+            *(word for pair in zip(bounds, self.classes[1:]) for word in pair),
+        ]
         return f"{', '.join(words)}; {self.source}"
 
     def classify(self, value):
@@ -36,35 +39,73 @@ class Limits:
         >>> LIMITS[2].classify(0.0009)
         'minor'
         """
-        return None if value is None else self.classes[int(np.searchsorted(self.bounds, value, side="right"))]
+        return (
+            None
+            if value is None
+            else self.classes[int(np.searchsorted(self.bounds, value, side="right"))]
+        )
 
 
-_KORSWAGEN = ("P. A. Korswagen, dissertation on light damage of masonry, TU Delft: in-plane tests of {} walls, "
-              "light damage from {} to {} % drift")
+_KORSWAGEN = (
+    "P. A. Korswagen, dissertation on light damage of masonry, TU Delft: in-plane tests of {}"
+    " walls, light damage from {} to {} % drift"
+)
 _LIGHT = ("none", "light", "beyond light")
 LIMITS = (
-    Limits("drift_class_korswagen_clay", "drift", (0.00058, 0.0048), _LIGHT,
-           _KORSWAGEN.format("clay brick", 0.058, 0.48)),
-    Limits("drift_class_korswagen_calcium_silicate", "drift", (0.00050, 0.0029), _LIGHT,
-           _KORSWAGEN.format("calcium silicate", 0.050, 0.29)),
-    Limits("drift_class_graziotti", "drift", (0.0007, 0.0012), ("none", "minor", "beyond minor"),
-           "Graziotti et al., shake-table tests of a terraced house's end unit, as cited by Sarhosis et al. "
-           "(2021), section 1: 0.07 % no damage, 0.12 % minor structural damage"),
-    Limits("drift_class_en_1998_1", "drift", (0.005, 0.0075, 0.01),
-           ("up to 0.5 %", "up to 0.75 %", "up to 1 %", "over 1 %"),
-           "EN 1998-1, 4.4.3.2, as cited by Sarhosis et al. (2021), section 2: storey drift under the frequent "
-           "earthquake with brittle, ductile, no non-structural elements attached"),
-    Limits("drift_class_asce_7_16", "drift", (1 / 600, 1 / 400), ("up to 1/600", "up to 1/400", "over 1/400"),
-           "ASCE 7-16, as cited by Sarhosis et al. (2021), section 2: usual allowable drift"),
-    Limits("psi_class", "psi", (1.0, 2.0, 3.5, 8.0),
-           ("not visible", "visible", "light", "beyond light", "near collapse"),
-           "P. A. Korswagen, dissertation on light damage of masonry, TU Delft: Psi = 1 just visible (0.1 mm), 2 "
-           "about 1 mm, 3.5 about 5 mm and the end of light damage, 8 near collapse"),
-    Limits("crack_width_class", "width", (0.1, 1.0, 5.0, 15.0, 25.0),
-           ("negligible", "very slight", "slight", "moderate", "severe", "very severe"),
-           "Burland et al. (1977), with the angular distortion of Boscardin and Cording (1989, "
-           "doi:10.1061/(ASCE)0733-9410(1989)115:1(1)): visible damage by the widest crack, one of 3 mm or more "
-           "counted by its width alone"),
+    Limits(
+        "drift_class_korswagen_clay",
+        "drift",
+        (0.00058, 0.0048),
+        _LIGHT,
+        _KORSWAGEN.format("clay brick", 0.058, 0.48),
+    ),
+    Limits(
+        "drift_class_korswagen_calcium_silicate",
+        "drift",
+        (0.00050, 0.0029),
+        _LIGHT,
+        _KORSWAGEN.format("calcium silicate", 0.050, 0.29),
+    ),
+    Limits(
+        "drift_class_graziotti",
+        "drift",
+        (0.0007, 0.0012),
+        ("none", "minor", "beyond minor"),
+        "Graziotti et al., shake-table tests of a terraced house's end unit, as cited by Sarhosis"
+        " et al. (2021), section 1: 0.07 % no damage, 0.12 % minor structural damage",
+    ),
+    Limits(
+        "drift_class_en_1998_1",
+        "drift",
+        (0.005, 0.0075, 0.01),
+        ("up to 0.5 %", "up to 0.75 %", "up to 1 %", "over 1 %"),
+        "EN 1998-1, 4.4.3.2, as cited by Sarhosis et al. (2021), section 2: storey drift under the"
+        " frequent earthquake with brittle, ductile, no non-structural elements attached",
+    ),
+    Limits(
+        "drift_class_asce_7_16",
+        "drift",
+        (1 / 600, 1 / 400),
+        ("up to 1/600", "up to 1/400", "over 1/400"),
+        "ASCE 7-16, as cited by Sarhosis et al. (2021), section 2: usual allowable drift",
+    ),
+    Limits(
+        "psi_class",
+        "psi",
+        (1.0, 2.0, 3.5, 8.0),
+        ("not visible", "visible", "light", "beyond light", "near collapse"),
+        "P. A. Korswagen, dissertation on light damage of masonry, TU Delft: Psi = 1 just visible"
+        " (0.1 mm), 2 about 1 mm, 3.5 about 5 mm and the end of light damage, 8 near collapse",
+    ),
+    Limits(
+        "crack_width_class",
+        "width",
+        (0.1, 1.0, 5.0, 15.0, 25.0),
+        ("negligible", "very slight", "slight", "moderate", "severe", "very severe"),
+        "Burland et al. (1977), with the angular distortion of Boscardin and Cording (1989,"
+        " doi:10.1061/(ASCE)0733-9410(1989)115:1(1)): visible damage by the widest crack, one of 3"
+        " mm or more counted by its width alone",
+    ),
 )
 
 
@@ -75,6 +116,7 @@ def bound(name, number):
 
 @measure({one.name: Column("", one.description) for one in LIMITS})
 def classes(max_drift_ratio, max_psi, max_crack_width_mm):
-    """Classes of a maximum drift ratio [-], a maximum Psi [-] and a widest crack [mm] by all LIMITS."""
+    """Classes of a maximum drift ratio [-], a maximum Psi [-] and a widest crack [mm] by all
+    LIMITS."""
     values = {"drift": max_drift_ratio, "psi": max_psi, "width": max_crack_width_mm}
     return [limits.classify(values[limits.measure]) for limits in LIMITS]

@@ -5,7 +5,17 @@ import pandas as pd
 from damage.history.moments import check_samples
 from damage.history.schema import each
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
-from damage.measure import brick_stress, cracks, cycles, damage_index, energy, ground, joints, limits, pushed
+from damage.measure import (
+    brick_stress,
+    cracks,
+    cycles,
+    damage_index,
+    energy,
+    ground,
+    joints,
+    limits,
+    pushed,
+)
 from damage.measure.columns import PARAMETERS, RUN
 from damage.measure.cracks import PSI_FROM
 from damage.measure.evidence import evidence_for, outside
@@ -15,15 +25,29 @@ from damage.units import MILLIMETRE
 from damage.wall.lintels import elastic_share
 
 _MODULES = {
-    "Index, drift": [damage_index], "Forces": [pushed], "Cycles and period": [cycles],
-    "Cracks": [cracks, joints, brick_stress], "Ground": [ground], "Energy": [energy],
-    "Classes by published limits": [limits]}
-REGISTER = {section: [one for module in modules for one in vars(module).values()
-                      if hasattr(one, "columns") and one.__module__ == module.__name__]
-            for section, modules in _MODULES.items()}
-"""{section of the document: functions with `damage.history.schema.measure`}, in the order of summary.csv."""
-MEASURES = {section: {several: column for one in functions for several, column in one.columns.items()}
-            for section, functions in REGISTER.items()}
+    "Index, drift": [damage_index],
+    "Forces": [pushed],
+    "Cycles and period": [cycles],
+    "Cracks": [cracks, joints, brick_stress],
+    "Ground": [ground],
+    "Energy": [energy],
+    "Classes by published limits": [limits],
+}
+REGISTER = {
+    section: [
+        one
+        for module in modules
+        for one in vars(module).values()
+        if hasattr(one, "columns") and one.__module__ == module.__name__
+    ]
+    for section, modules in _MODULES.items()
+}
+"""{section of the document: functions with `damage.history.schema.measure`}, in the order of
+summary.csv."""
+MEASURES = {
+    section: {several: column for one in functions for several, column in one.columns.items()}
+    for section, functions in REGISTER.items()
+}
 """{section of the document: {names: Column}} of the results."""
 
 
@@ -33,10 +57,19 @@ def unit_in(name):
     >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
     ('mm', '1', '')
     """
-    return next((known[name].unit for known in map(each, (PARAMETERS, RUN, *MEASURES.values())) if name in known), "")
+    return next(
+        (
+            known[name].unit
+            for known in map(each, (PARAMETERS, RUN, *MEASURES.values()))
+            if name in known
+        ),
+        "",
+    )
 
 
-def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
+def flat_summary(
+    history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM
+):
     """{column: value} of what a History is, and of all MEASURES; arguments: of `summarise`.
 
     Raises InputError where the history has no sample.
@@ -44,14 +77,28 @@ def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="di
     check_samples(history)
     elastic = elastic_share(history.plan, history.joints, history.bodies)
     numbers = {
-        "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
+        "wall": history.wall,
+        "solver": history.solver,
+        "motion": history.loading.name,
         "record_unit": record_unit(history),
-        "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
-        "slip": slip, "psi_from_mm": psi_from / MILLIMETRE,
+        "status": history.status,
+        "complete": history.complete,
+        "collapsed_at_s": history.collapsed_at_s,
+        "slip": slip,
+        "psi_from_mm": psi_from / MILLIMETRE,
         "total_joint_length_m": float(history.joint_length_m.sum()),
-        "elastic_joint_share": elastic.of_all, "elastic_joint_share_above_openings": elastic.above_openings,
-        **motion_measures(history), "lost_by_lines": history.loading.lost_by_lines}
-    asked = {"history": history, "threshold": threshold, "drift_limit": drift_limit, "slip": slip, "psi_from": psi_from}
+        "elastic_joint_share": elastic.of_all,
+        "elastic_joint_share_above_openings": elastic.above_openings,
+        **motion_measures(history),
+        "lost_by_lines": history.loading.lost_by_lines,
+    }
+    asked = {
+        "history": history,
+        "threshold": threshold,
+        "drift_limit": drift_limit,
+        "slip": slip,
+        "psi_from": psi_from,
+    }
     for function in (one for functions in REGISTER.values() for one in functions):
         known = numbers | asked
         numbers |= function(**{name: known[name] for name in function.arguments})
@@ -59,27 +106,35 @@ def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="di
     return numbers | {"evidence": found, "outside_validity": "; ".join(outside(found)) or None}
 
 
-def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
-    """Summary of a History, a plain dictionary; units in the names, in MEASURES and in `damage.measure.columns`.
+def summarise(
+    history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM
+):
+    """Summary of a History, a plain dictionary; units in the names, in MEASURES and in
+    `damage.measure.columns`.
 
-    threshold: of opening and slip in the damage index [m]; drift_limit: of its drift component [-]; slip: criterion of
-    `max` and `residual`; psi_from: width from which a crack counts in Psi [m].
+    threshold: of opening and slip in the damage index [m]; drift_limit: of its drift component [-];
+    slip: criterion of `max` and `residual`; psi_from: width from which a crack counts in Psi [m].
 
-    max: maximum of each component over the run, not at one time; residual: the index in the last state of the settling
-    stage, or at collapse, None where the run is not complete; max_accumulated, residual_shear_limit and so on: by the
-    other criteria; warnings: conditions under which results are doubtful (`damage.measure.warnings`); evidence: which
-    quantities are inside the range of validity (`damage.measure.evidence`).
+    max: maximum of each component over the run, not at one time; residual: the index in the last
+    state of the settling stage, or at collapse, None where the run is not complete;
+    max_accumulated, residual_shear_limit and so on: by the other criteria; warnings: conditions
+    under which results are doubtful (`damage.measure.warnings`); evidence: which quantities are
+    inside the range of validity (`damage.measure.evidence`).
 
     Raises InputError where the history has no sample.
     """
     numbers = flat_summary(history, threshold, drift_limit, slip, psi_from)
-    index = {f"{kind}{ending}": {name: numbers.pop(f"{kind}{ending}_{name}") for name in COMPONENTS}
-             for ending in ("", "_accumulated", "_shear_limit") for kind in ("max", "residual")}
+    index = {
+        f"{kind}{ending}": {name: numbers.pop(f"{kind}{ending}_{name}") for name in COMPONENTS}
+        for ending in ("", "_accumulated", "_shear_limit")
+        for kind in ("max", "residual")
+    }
     index |= {kind: None for kind in index if kind.startswith("residual") and not history.complete}
     return numbers | index | {"warnings": warnings_of(history)}
 
 
 def evidence_of(history):
-    """The range of validity (`docs/model/validity.md`) of a History, a DataFrame, a row a quantity: value, least, most,
-    unit and whether this run is inside, None where the quantity does not apply."""
+    """The range of validity (`docs/model/validity.md`) of a History, a DataFrame, a row a quantity:
+    value, least, most, unit and whether this run is inside, None where the quantity does not
+    apply."""
     return pd.DataFrame(summarise(history)["evidence"]).T.rename_axis("quantity")

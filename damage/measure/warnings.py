@@ -14,20 +14,33 @@ AT_REST = 1e-5
 
 
 def warnings_of(history):
-    """Conditions under which the results of a History are doubtful, a list of Warned: texts with a `code`; those that
-    `damage.run` gave first.  Of one without a sample: those of its static stage."""
+    """Conditions under which the results of a History are doubtful, a list of Warned: texts with a
+    `code`; those that `damage.run` gave first.  Of one without a sample: those of its static
+    stage."""
     if len(history.series) == 0:
-        return [*history.heard, *(Warned("static_stage", text) for text in static_warnings(history))]
+        return [
+            *history.heard,
+            *(Warned("static_stage", text) for text in static_warnings(history)),
+        ]
     share = elastic_share(history.plan, history.joints, history.bodies)
-    found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(balance_error(history)),
-             "elastic_share": warn_of_share(share), "ended_joints": warn_of_ends(history),
-             "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.plan),
-             "slabs": warn_of_slabs(history.plan)}
-    return [*history.heard, *(Warned(code, text) for code, texts in found.items() for text in texts)]
+    found = {
+        "static_stage": static_warnings(history),
+        "energy_balance": energy_warnings(balance_error(history)),
+        "elastic_share": warn_of_share(share),
+        "ended_joints": warn_of_ends(history),
+        "splitting": warn_of_splitting(history),
+        "courses": warn_of_courses(history.plan),
+        "slabs": warn_of_slabs(history.plan),
+    }
+    return [
+        *history.heard,
+        *(Warned(code, text) for code, texts in found.items() for text in texts),
+    ]
 
 
 def static_warnings(history):
-    """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at rest."""
+    """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at
+    rest."""
     static, found = history.static, []
     failed = static["broken_joints"]
     if len(history.series):  # less those without a bond: dry joints, and what a survey took
@@ -35,8 +48,10 @@ def static_warnings(history):
     if failed > 0:
         found.append(f"{failed:.0f} contact points failed under gravity, before the motion")
     if static["unbalanced_force"] > AT_REST:
-        found.append(f"the motion began before the wall was at rest: unbalanced force "
-                     f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}")
+        found.append(
+            "the motion began before the wall was at rest: unbalanced force "
+            f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}"
+        )
     return found
 
 
@@ -44,8 +59,11 @@ def energy_warnings(error):
     """Warnings of an energy balance error [-] or None, a list of str."""
     if error is None or error <= ENERGY_ERROR:
         return []
-    return [f"energy balance error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not "
-            "trust this run; give a smaller --dt (docs/model/validity.md, energy balance)"]
+    return [
+        f"energy balance error {100 * error:.3g} % of the input, expected up to"
+        f" {100 * ENERGY_ERROR:g} %: do not trust this run; give a smaller --dt"
+        " (docs/model/validity.md, energy balance)"
+    ]
 
 
 def warn_of_ends(history):
@@ -54,17 +72,30 @@ def warn_of_ends(history):
     if ended is None:
         return []
     collide = bool(history.parameters.get("new_contacts"))
-    others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
-              "the bricks collide as rectangles with rounded corners" if collide else
-              "bricks find no new contacts, so that results of bricks there are not valid from then on; give "
-              "--new-contacts")
+    others = (
+        "bricks that meet anew touch at corners and faces alone"
+        if history.solver == "yade"
+        else (
+            "the bricks collide as rectangles with rounded corners"
+            if collide
+            else (
+                "bricks find no new contacts, so that results of bricks there are not valid from"
+                " then on; give --new-contacts"
+            )
+        )
+    )
     count, row, sample = ended
     first = f"{count} joints ended, the first" if count > 1 else "1 joint ended,"
-    return [f"{first} {_at(history, row, sample)}: its faces no longer overlap"
-            f"{' or are apart' if collide else ''}, it has no forces any more; {others}"]
+    return [
+        f"{first} {_at(history, row, sample)}: its faces no longer overlap"
+        f"{' or are apart' if collide else ''}, it has no forces any more; {others}"
+    ]
 
 
 def _at(history, row, sample):
     """Text: a contact point (row) and the time of a sample."""
     joint, time_s = history.joints.iloc[row], history.series["time_s"].iloc[sample]
-    return f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t = {time_s:.2f} s)"
+    return (
+        f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t ="
+        f" {time_s:.2f} s)"
+    )

@@ -1,4 +1,5 @@
-"""Mechanics of a wall: bodies, interfaces between them, contact points and the joint law, and the time step.
+"""Mechanics of a wall: bodies, interfaces between them, contact points and the joint law, and the
+time step.
 
 Its functions take numbers of one wall, or vectors of those of eight (`eight`).
 """

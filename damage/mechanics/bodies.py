@@ -1,8 +1,8 @@
 """Motion of the bodies in a time step: central differences, damping of velocities, strain modes.
 
-The generalized coordinates of a rigid body are its displacements along x and z and its rotation from x towards z; its
-strain modes are behind them.  All of them obey the same equation.  Where the inverse mass is zero, the velocity is
-prescribed.
+The generalized coordinates of a rigid body are its displacements along x and z and its rotation
+from x towards z; its strain modes are behind them.  All of them obey the same equation.  Where the
+inverse mass is zero, the velocity is prescribed.
 """
 
 from damage.elementary import cos, sin
@@ -62,15 +62,21 @@ SMALL = 0.01
 
 @compiled
 def set_bench(n, tables, controls, field, step):
-    """Write the parameters of a step to the bench; returns whether mass-proportional or local damping acts."""
+    """Write the parameters of a step to the bench; returns whether mass-proportional or local
+    damping acts."""
     damped = False
     for w in range(len(controls)):
         dt, local = controls[w, TIME_STEP], controls[w, LOCAL]
         base_x, base_z, gravity = field[w, step, 0], field[w, step, 1], field[w, step, 2]
         alpha = controls[w, ALPHA] + tables.relaxation[0, 0, w]
         damped |= alpha > 0.0 or local > 0.0
-        keep_bench(wall_of(n, w), tables.bench, 0, True, Bench(
-            base_x, base_z, base_z + gravity, dt, alpha, local, controls[w, BETA] / dt))
+        keep_bench(
+            wall_of(n, w),
+            tables.bench,
+            0,
+            True,
+            Bench(base_x, base_z, base_z + gravity, dt, alpha, local, controls[w, BETA] / dt),
+        )
     return damped
 
 
@@ -85,7 +91,8 @@ def move_all(n, tables, strain, controls, damped):
 
 @inlined
 def move_bodies(n, tables, strain, controls, damped):
-    """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have no strain modes."""
+    """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have
+    no strain modes."""
     alike, sums, inertia = True, tables.sums, tables.inertia
     bench = bench_of(table_width(n), tables.bench, 0)
     for w in range(len(controls)):
@@ -93,9 +100,15 @@ def move_bodies(n, tables, strain, controls, damped):
     for b in range(0, len(tables.turning), rows_of(n)):
         lost = zero(n)
         x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
-        swept_x, driven_x, taken_x, vx = move_coordinate(n, inertia, b, X, bench, bench.base_x, fx, damped)
-        swept_z, driven_z, taken_z, vz = move_coordinate(n, inertia, b, Z, bench, bench.pull_z, fz, damped)
-        _, driven, taken, turning = move_coordinate(n, inertia, b, ROTATION, bench, 0.0, moment, damped)
+        swept_x, driven_x, taken_x, vx = move_coordinate(
+            n, inertia, b, X, bench, bench.base_x, fx, damped
+        )
+        swept_z, driven_z, taken_z, vz = move_coordinate(
+            n, inertia, b, Z, bench, bench.pull_z, fz, damped
+        )
+        _, driven, taken, turning = move_coordinate(
+            n, inertia, b, ROTATION, bench, 0.0, moment, damped
+        )
         put(n, tables, b, x + bench.step * vx, z + bench.step * vz, rotation + bench.step * turning)
         add_part(n, sums, SWEPT_X, b, swept_x)
         add_part(n, sums, SWEPT_Z, b, swept_z)
@@ -114,8 +127,14 @@ def move_bodies(n, tables, strain, controls, damped):
 def coordinates(n, places, every, b):
     """x, z and rotation of body b, and the forces on these; every: numbers of all rows."""
     if rows_of(n) == 1:
-        return (place_of(n, places, b, X), place_of(n, places, b, Z), place_of(n, places, b, ROTATION),
-                force_of(n, places, b, X), force_of(n, places, b, Z), force_of(n, places, b, ROTATION))
+        return (
+            place_of(n, places, b, X),
+            place_of(n, places, b, Z),
+            place_of(n, places, b, ROTATION),
+            force_of(n, places, b, X),
+            force_of(n, places, b, Z),
+            force_of(n, places, b, ROTATION),
+        )
     x, z = four(n, places, every, b, COS1)[2:]
     rotation, fx, fz, moment = four(n, places, every, b, PLACE + ROTATION)
     return x, z, rotation, fx, fz, moment
@@ -123,7 +142,8 @@ def coordinates(n, places, every, b):
 
 @inlined
 def put(n, tables, b, x, z, angle):
-    """Write coordinates of body b, cosine less one and sine of its rotation, and forces that are zero."""
+    """Write coordinates of body b, cosine less one and sine of its rotation, and forces that are
+    zero."""
     places, (cos1, sine), none = tables.bodies, small_rotation(angle), zero(n)
     if rows_of(n) == 1:
         for k in range(RIGID):
@@ -143,7 +163,8 @@ def put(n, tables, b, x, z, angle):
 
 @compiled
 def turn_far(n, places, b, far, angle):
-    """Write cosine less one, and sine, of those rotations `far` (bits) of body b that are not small."""
+    """Write cosine less one, and sine, of those rotations `far` (bits) of body b that are not
+    small."""
     for w in range(lanes(n)):
         if far >> w & 1:
             row = b + w if rows_of(n) > 1 else b
@@ -153,10 +174,13 @@ def turn_far(n, places, b, far, angle):
 
 @inlined
 def small_rotation(angle):
-    """Cosine less one, and sine, of an angle below SMALL [rad], by series with a remainder below 1e-17."""
+    """Cosine less one, and sine, of an angle below SMALL [rad], by series with a remainder below
+    1e-17."""
     square = angle * angle
-    return (-0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30))),
-            angle * (1.0 - square * (1 / 6) * (1.0 - square * (1 / 20) * (1.0 - square * (1 / 42)))))
+    return (
+        -0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30))),
+        angle * (1.0 - square * (1 / 6) * (1.0 - square * (1 / 20) * (1.0 - square * (1 / 42)))),
+    )
 
 
 @inlined
@@ -168,24 +192,29 @@ def total(n, sums, kind):
     store(n, sums, kind, 0, value)
 
 
-# --- a coordinate -----------------------------------------------------------------------------------
+# --- a coordinate ---------------------------------------------------------------------------------
+
 
 @inlined
 def move_coordinate(n, inertia, b, k, bench, field, force, damped):
     """`advance` coordinate k of body b without mass scaling; field: as of `rates`."""
-    old, mass, free = velocity_of(n, inertia, b, k), mass_of(n, inertia, b, k), inverse_mass_of(n, inertia, b, k)
+    old, mass, free = (
+        velocity_of(n, inertia, b, k),
+        mass_of(n, inertia, b, k),
+        inverse_mass_of(n, inertia, b, k),
+    )
     rate, resistance = rates(n, old, free, bench, field, force, damped)
     return advance(n, inertia, b, k, bench.step, rate - resistance, mass * resistance, force)
 
 
 @inlined
 def rates(n, old, free, bench, field, force, damped):
-    """Acceleration of a coordinate without damping, and its deceleration by damping [m/s2 or rad/s2]; both zero where
-    its velocity is prescribed.
+    """Acceleration of a coordinate without damping, and its deceleration by damping [m/s2 or
+    rad/s2]; both zero where its velocity is prescribed.
 
-    old: velocity; free: inverse mass; field: acceleration of the base plus gravity along the coordinate; both act
-    against its direction.  damped: whether the bench has damping: mass-proportional, and Cundall's local damping, a
-    share of |rate| against the velocity.
+    old: velocity; free: inverse mass; field: acceleration of the base plus gravity along the
+    coordinate; both act against its direction.  damped: whether the bench has damping:
+    mass-proportional, and Cundall's local damping, a share of |rate| against the velocity.
     """
     rate, resistance = either(free > 0.0, force * free - field, 0.0), zero(n)
     if damped:
@@ -196,33 +225,49 @@ def rates(n, old, free, bench, field, force, damped):
 
 @inlined
 def advance(n, inertia, b, k, dt, rate, lost, force):
-    """Advance the velocity of coordinate k of body b by a step; lost: mass times deceleration by damping [N or N m].
+    """Advance the velocity of coordinate k of body b by a step; lost: mass times deceleration by
+    damping [N or N m].
 
-    Returns the sum of its momenta before and after [kg m/s], with which the field does work, zero where the velocity is
-    prescribed; the powers of that against the force of the contact points, zero where it is free, and of the damping
-    [W]; and the velocity.
+    Returns the sum of its momenta before and after [kg m/s], with which the field does work, zero
+    where the velocity is prescribed; the powers of that against the force of the contact points,
+    zero where it is free, and of the damping [W]; and the velocity.
     """
-    old, mass, free = velocity_of(n, inertia, b, k), mass_of(n, inertia, b, k), inverse_mass_of(n, inertia, b, k)
+    old, mass, free = (
+        velocity_of(n, inertia, b, k),
+        mass_of(n, inertia, b, k),
+        inverse_mass_of(n, inertia, b, k),
+    )
     new = old + dt * rate
     store(n, inertia, b, VELOCITY + 3 * k, new)
-    return (either(free > 0.0, mass * (old + new), 0.0), -either(free > 0.0, 0.0, force * new),
-            lost * (old + 0.5 * dt * rate), new)
+    return (
+        either(free > 0.0, mass * (old + new), 0.0),
+        -either(free > 0.0, 0.0, force * new),
+        lost * (old + 0.5 * dt * rate),
+        new,
+    )
 
 
-# --- strain modes: mode m of a body is its coordinate RIGID + m --------------------------------------
+# --- strain modes: mode m of a body is its coordinate RIGID + m -----------------------------------
+
 
 @inlined
 def move_modes(n, tables, bench, strain, dt, b, lost, damped):
-    """Advance velocities and amplitudes of all modes of body b by a step; returns `lost` plus the powers of their
-    damping [W].
+    """Advance velocities and amplitudes of all modes of body b by a step; returns `lost` plus the
+    powers of their damping [W].
 
-    The damping of a mode itself is implicit, so that it does not shorten the stable time step.  dt: time step [s], a
-    number where it is equal in all walls: the division is then one of numbers; damped: as of `rates`.
+    The damping of a mode itself is implicit, so that it does not shorten the stable time step.  dt:
+    time step [s], a number where it is equal in all walls: the division is then one of numbers;
+    damped: as of `rates`.
     """
-    places, inertia, one = tables.bodies, tables.inertia, wall_of(n, 0)  # masses are equal in all walls
+    # masses are equal in all walls
+    places, inertia, one = tables.bodies, tables.inertia, wall_of(n, 0)
     for m in range(strain.shapes.shape[2]):
         k, half = RIGID + m, 0.5 * dt * strain.damping[b, m]
-        old, place, free = velocity_of(n, inertia, b, k), place_of(n, places, b, k), inverse_mass_of(one, inertia, b, k)
+        old, place, free = (
+            velocity_of(n, inertia, b, k),
+            place_of(n, places, b, k),
+            inverse_mass_of(one, inertia, b, k),
+        )
         force = force_of(n, places, b, k) - strain.stiffness[b, m] * place
         rate, resistance = rates(n, old, free, bench, 0.0, force, damped)
         new = ((1.0 - half) * old + dt * (rate - resistance)) * (1.0 / (1.0 + half))
@@ -230,11 +275,15 @@ def move_modes(n, tables, bench, strain, dt, b, lost, damped):
         store(n, places, b, PLACE + k, place + dt * new)
         store(n, inertia, b, VELOCITY + 3 * k, new)
         store(n, places, b, first_force(places) + k, 0.0)
-        lost = lost + mass_of(one, inertia, b, k) * (resistance + strain.damping[b, m] * middle) * middle
+        lost = (
+            lost
+            + mass_of(one, inertia, b, k) * (resistance + strain.damping[b, m] * middle) * middle
+        )
     return lost
 
 
-# --- kinetic energy ---------------------------------------------------------------------------------
+# --- kinetic energy -------------------------------------------------------------------------------
+
 
 @compiled
 def adapt(n, tables, strain, controls):
@@ -242,9 +291,20 @@ def adapt(n, tables, strain, controls):
     sums, inertia, relaxation = tables.sums, tables.inertia, tables.relaxation
     sums[KINETIC] = 0.0
     for b in range(len(inertia)):
-        add_part(n, sums, KINETIC, b, kinetic_energy(
-            n, inertia, b, velocity_of(n, inertia, b, X), velocity_of(n, inertia, b, Z),
-            velocity_of(n, inertia, b, ROTATION)))
+        add_part(
+            n,
+            sums,
+            KINETIC,
+            b,
+            kinetic_energy(
+                n,
+                inertia,
+                b,
+                velocity_of(n, inertia, b, X),
+                velocity_of(n, inertia, b, Z),
+                velocity_of(n, inertia, b, ROTATION),
+            ),
+        )
         if strain is not None:
             add_part(n, sums, KINETIC, b, kinetic_of_modes(n, inertia, strain, b))
     total(n, sums, KINETIC)
@@ -252,15 +312,18 @@ def adapt(n, tables, strain, controls):
         kinetic = sums[KINETIC, 0, w]
         share, last = controls[w, ADAPTIVE], relaxation[0, 1, w]
         relaxation[0, 0, w] = adaptive_damping(kinetic, last, share, controls[w, TIME_STEP])
-        relaxation[0, 1, w] = kinetic if share > 0.0 else 0.0  # a wall that relaxes later begins without
+        # a wall that relaxes later begins without
+        relaxation[0, 1, w] = kinetic if share > 0.0 else 0.0
 
 
 @inlined
 def adaptive_damping(kinetic, last, share, dt):
-    """Mass-proportional damping [1/s] for static solutions: Cundall's adaptive global damping, as in UDEC.
+    """Mass-proportional damping [1/s] for static solutions: Cundall's adaptive global damping, as
+    in UDEC.
 
-    Its power is a constant share [-] of the rate of change of the kinetic energy, so that it adapts to the dominant
-    mode.  kinetic, last: kinetic energy now and in the last step [J]; dt: time step [s].
+    Its power is a constant share [-] of the rate of change of the kinetic energy, so that it adapts
+    to the dominant mode.  kinetic, last: kinetic energy now and in the last step [J]; dt: time step
+    [s].
     """
     if not kinetic > 0.0:
         return 0.0
@@ -272,7 +335,9 @@ def adaptive_damping(kinetic, last, share, dt):
 def kinetic_energy(n, inertia, b, x, z, rotation):
     """Kinetic energy of the rigid motion of body b with these velocities [J]."""
     linear = x * x + z * z
-    return 0.5 * (mass_of(n, inertia, b, X) * linear + mass_of(n, inertia, b, ROTATION) * rotation * rotation)
+    return 0.5 * (
+        mass_of(n, inertia, b, X) * linear + mass_of(n, inertia, b, ROTATION) * rotation * rotation
+    )
 
 
 @inlined
@@ -297,7 +362,10 @@ def energies_of_modes(n, tables, strain):
     bodies, inertia, dt = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0).step
     for b in range(len(strain.stiffness)):
         for m in range(strain.shapes.shape[2]):
-            place, velocity = place_of(n, bodies, b, RIGID + m), velocity_of(n, inertia, b, RIGID + m)
+            place, velocity = (
+                place_of(n, bodies, b, RIGID + m),
+                velocity_of(n, inertia, b, RIGID + m),
+            )
             rate = force_of(n, bodies, b, RIGID + m) - strain.stiffness[b, m] * place
             rate = rate * inverse_mass_of(one, inertia, b, RIGID + m)
             velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])

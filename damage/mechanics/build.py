@@ -31,26 +31,41 @@ CAPACITY = 100_000
 def build(layout, material):
     """The Tables of a damage.wall.layout.Layout with a damage.law.joint_law.Material.
 
-    Its contacts are the contact points of the layout or, if it has them, their parallel elements.  Its bodies are those
-    of the layout, then the supports.
+    Its contacts are the contact points of the layout or, if it has them, their parallel elements.
+    Its bodies are those of the layout, then the supports.
     """
     row, share = contact_rows(layout)
     interfaces, middle = _interfaces(layout, row)
     contacts, n_bodies = _contacts(layout, row, share, middle), len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
     radiation = _radiation(layout, row if n_modes else row[interfaces["start"]])
-    tables = make_tables(n_bodies + len(layout.supports), RIGID + n_modes, interfaces, contacts, len(radiation),
-                         n_bodies if top_of(layout.wall) else 0, CAPACITY)
+    tables = make_tables(
+        n_bodies + len(layout.supports),
+        RIGID + n_modes,
+        interfaces,
+        contacts,
+        len(radiation),
+        n_bodies if top_of(layout.wall) else 0,
+        CAPACITY,
+    )
     system = system_of(tables, 0)
     _set_strengths(system.strengths, layout, row, share)
-    intact = range_left(ContactState(), LawParameters(
-        contacts["kn"], contacts["ks"], system.strengths["tensile_strength"], system.strengths["cohesion"], material,
-        compressive_strength=system.strengths["compressive_strength"]))
+    intact = range_left(
+        ContactState(),
+        LawParameters(
+            contacts["kn"],
+            contacts["ks"],
+            system.strengths["tensile_strength"],
+            system.strengths["cohesion"],
+            material,
+            compressive_strength=system.strengths["compressive_strength"],
+        ),
+    )
     for name, of in intact._asdict().items():
         system.states[f"elastic_{name}"] = of
     system.states["idle"] = -1.0
     sum_springs(system, material, layout.strain)
-    system.radiation[:len(radiation)] = radiation
+    system.radiation[: len(radiation)] = radiation
     system.mass[:n_bodies, :RIGID] = layout.bodies.mass[:, None]
     system.mass[:n_bodies, ROTATION] = layout.bodies.inertia
     if layout.strain:
@@ -61,7 +76,10 @@ def build(layout, material):
         beam = layout.bodies.course == CAP_COURSE
         system.bearings["load"] = layout.load_mass
         if top.stiffness:
-            system.bearings["stiffness"][beam], system.bearings["play"][beam] = top.stiffness, top.play
+            system.bearings["stiffness"][beam], system.bearings["play"][beam] = (
+                top.stiffness,
+                top.play,
+            )
             system.bearings["limit"][beam] = top.friction * GRAVITY * layout.top_mass
     return tables
 
@@ -82,40 +100,62 @@ def strain_tables(layout):
     if of is None:
         return None
     resting = np.zeros((len(layout.supports), of.n_modes))
-    return Strain(np.vstack([of.stiffness, resting]), np.vstack([of.damping, resting]), of.shapes,
-                  np.column_stack([of.first, of.second])[row].astype(INDEX))
+    return Strain(
+        np.vstack([of.stiffness, resting]),
+        np.vstack([of.damping, resting]),
+        of.shapes,
+        np.column_stack([of.first, of.second])[row].astype(INDEX),
+    )
 
 
 def contact_rows(layout):
-    """For each contact of the tables the row of the contact point in the layout, (contacts,), and its share of the area
-    [-], (contacts,) or 1."""
+    """For each contact of the tables the row of the contact point in the layout, (contacts,), and
+    its share of the area [-], (contacts,) or 1."""
     if layout.fibres is None:
         return np.arange(len(layout.contacts)), 1.0
     return layout.fibres.contact, layout.fibres.share
 
 
 def _contacts(layout, row, share, middle):
-    """Table CONTACT; row, share: of `contact_rows`; middle: (x, z) of the interface of each contact [m]."""
+    """Table CONTACT; row, share: of `contact_rows`; middle: (x, z) of the interface of each contact
+    [m]."""
     contacts = layout.contacts
     area = contacts.area[row] * share
     return table(
-        CONTACT, len(row), area=area,
+        CONTACT,
+        len(row),
+        area=area,
         # Offsets follow the joint's axes: along +x in bed joints, along -z in head joints.
-        offset=np.where(contacts.upright[row], middle[1] - contacts.z[row], contacts.x[row] - middle[0]),
-        kn=contacts.normal_stiffness[row] * area, ks=contacts.shear_stiffness[row] * area)
+        offset=np.where(
+            contacts.upright[row], middle[1] - contacts.z[row], contacts.x[row] - middle[0]
+        ),
+        kn=contacts.normal_stiffness[row] * area,
+        ks=contacts.shear_stiffness[row] * area,
+    )
 
 
 def _set_strengths(strengths, layout, row, share):
     """Fill the table STRENGTHS; row, share: of `contact_rows`."""
     contacts, joint, bonds = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
     area = contacts.area[row] * share
-    mode_i, mode_ii = (0.0, 0.0) if layout.fibres or not joint.softens else (
-        np.where((contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, to_bits(energy))
-        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy))
-    for name, values in (("tensile_strength", bonds.tensile_strength), ("cohesion", bonds.cohesion),
-                         ("mode_i_energy", mode_i), ("mode_ii_energy", mode_ii),
-                         ("compressive_strength", contacts.compressive_strength[row]),
-                         ("crushing_energy", to_bits(joint.compressive_fracture_energy or 0.0))):
+    mode_i, mode_ii = (
+        (0.0, 0.0)
+        if layout.fibres or not joint.softens
+        else (
+            np.where(
+                (contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, to_bits(energy)
+            )
+            for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
+        )
+    )
+    for name, values in (
+        ("tensile_strength", bonds.tensile_strength),
+        ("cohesion", bonds.cohesion),
+        ("mode_i_energy", mode_i),
+        ("mode_ii_energy", mode_ii),
+        ("compressive_strength", contacts.compressive_strength[row]),
+        ("crushing_energy", to_bits(joint.compressive_fracture_energy or 0.0)),
+    ):
         strengths[name] = values * area
 
 
@@ -129,40 +169,72 @@ def _interfaces(layout, row):
     changes = np.any([np.diff(first) != 0, np.diff(second) != 0], axis=0)
     start = np.append(0, np.flatnonzero(changes) + 1)
     stop = np.append(start[1:], len(row))
-    middle = [(np.minimum.reduceat(place[row], start) + np.maximum.reduceat(place[row], start)) / 2
-              for place in (contacts.x, contacts.z)]
+    middle = [
+        (np.minimum.reduceat(place[row], start) + np.maximum.reduceat(place[row], start)) / 2
+        for place in (contacts.x, contacts.z)
+    ]
     x = np.append(bodies.x, layout.supports.x)
     z = np.append(bodies.z, np.zeros(len(layout.supports)))
     a, b = first[start], second[start]
     upright = contacts.upright[row][start]
     least, most = slide_limits(contacts.first[row][start], b, upright, bodies)
-    interfaces = table(INTERFACE, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
-                       bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, slide_least=least, slide_most=most,
-                       head=upright)
+    interfaces = table(
+        INTERFACE,
+        len(start),
+        ax=middle[0] - x[a],
+        az=middle[1] - z[a],
+        bx=middle[0] - x[b],
+        bz=middle[1] - z[b],
+        a=a,
+        b=b,
+        start=start,
+        stop=stop,
+        slide_least=least,
+        slide_most=most,
+        head=upright,
+    )
     return interfaces, [np.repeat(values, stop - start) for values in middle]
 
 
 def sum_springs(system, material, strain=None):
-    """Write the resultant springs of intact interfaces into the tables, and the limits up to which these hold.
+    """Write the resultant springs of intact interfaces into the tables, and the limits up to which
+    these hold.
 
-    strain: of the layout, None where bricks are rigid; between deformable bricks contact points are evaluated one by
-    one.
+    strain: of the layout, None where bricks are rigid; between deformable bricks contact points are
+    evaluated one by one.
     """
-    interfaces, contacts, strengths, limits = system.interfaces, system.contacts, system.strengths, system.limits
+    interfaces, contacts, strengths, limits = (
+        system.interfaces,
+        system.contacts,
+        system.strengths,
+        system.limits,
+    )
     start = interfaces["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
-    for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):
+    for name, values in (
+        ("kn", kn),
+        ("ks", ks),
+        ("kn_offset", kn * offset),
+        ("kn_offset2", kn * offset**2),
+    ):
         interfaces[name] = np.add.reduceat(values, start)
     interfaces["reach"] = np.maximum.reduceat(np.abs(offset), start)
     with np.errstate(divide="ignore", invalid="ignore"):
         opening, slide, ratio = elastic_range(
-            LawParameters(kn, ks, strengths["tensile_strength"], strengths["cohesion"], material))
+            LawParameters(kn, ks, strengths["tensile_strength"], strengths["cohesion"], material)
+        )
         limits[:, LARGEST_OPENING] = np.minimum.reduceat(opening, start)
         limits[:, LARGEST_SLIDE] = np.minimum.reduceat(slide, start)
     interfaces["slide_loss"] = ratio[start]
-    # The limit at the outermost contact point bounds all others only where they have the same ratio of stiffness and
-    # friction; elsewhere a limit of -inf has every contact point evaluated by itself.
-    alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
-    # Contacts that can crush, those of deformable bricks, and failed ones are evaluated by themselves, too.
+    # The limit at the outermost contact point bounds all others only where they have the same ratio
+    # of stiffness and friction; elsewhere a limit of -inf has every contact point evaluated by
+    # itself.
+    alike = np.isclose(
+        np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0
+    )
+    # Contacts that can crush, those of deformable bricks, and failed ones are evaluated by
+    # themselves, too.
     alike &= (strengths["compressive_strength"] == np.inf) & (strain is None)
-    limits[~np.logical_and.reduceat(alike, start) | (limits[:, HAS_FAILED] > 0), LARGEST_OPENING] = -np.inf
+    limits[
+        ~np.logical_and.reduceat(alike, start) | (limits[:, HAS_FAILED] > 0), LARGEST_OPENING
+    ] = -np.inf

@@ -2,25 +2,27 @@
 
 Bricks are rectangles with rounded corners here (spheropolygons, Alonso-Marroquin 2008).
 
-A loose brick is a rectangle with rounded corners: a core, smaller than the brick by the radius r on all sides, and all
-places within r of it.  With d the distance of a corner of one core from the nearest point of the other core, a pair of
-bodies stores
+A loose brick is a rectangle with rounded corners: a core, smaller than the brick by the radius r on
+all sides, and all places within r of it.  With d the distance of a corner of one core from the
+nearest point of the other core, a pair of bodies stores
 
     V = sum over the corners of both cores of  k/2 max(0, 2 r - d - rest)^2
 
-The force k (2 r - d - rest) acts along d, halfway between the corner and that point, with opposite signs on both.  d is
-continuously differentiable, so that corners, edges and faces need no cases of their own.  Each touching corner has a
-tangential spring, limited by friction and deleted when they part, and a dashpot.
+The force k (2 r - d - rest) acts along d, halfway between the corner and that point, with opposite
+signs on both.  d is continuously differentiable, so that corners, edges and faces need no cases of
+their own.  Each touching corner has a tangential spring, limited by friction and deleted when they
+part, and a dashpot.
 
-`rest` is the overlap at which a corner bears nothing: zero between bodies that meet.  Bodies that become neighbours
-while they overlap keep that overlap, and it decreases as they move apart; where a joint ends while it bears, it is
-such that the corners store what the joint had stored.
+`rest` is the overlap at which a corner bears nothing: zero between bodies that meet.  Bodies that
+become neighbours while they overlap keep that overlap, and it decreases as they move apart; where a
+joint ends while it bears, it is such that the corners store what the joint had stored.
 
-A pair of bodies is jointed until its joint has ended, and loose from then on.  The search for loose pairs begins when
-the first joint of a wall ends.
+A pair of bodies is jointed until its joint has ended, and loose from then on.  The search for loose
+pairs begins when the first joint of a wall ends.
 
-The step (`damage.mechanics.step`) calls `may_end`, `ends_too` and `hand_over` of joints, `add_forces`, and the sample
-`energy_stored`; their argument `loose` is None, and they do nothing, in walls whose bricks do not collide.
+The step (`damage.mechanics.step`) calls `may_end`, `ends_too` and `hand_over` of joints,
+`add_forces`, and the sample `energy_stored`; their argument `loose` is None, and they do nothing,
+in walls whose bricks do not collide.
 """
 
 from typing import NamedTuple
@@ -48,12 +50,15 @@ from damage.wall.kinematics import CORNER_RADIUS
 
 CORNERS = 4
 CENTRE_X, CENTRE_Z, LEFT, RIGHT, LOW, HIGH = range(6)
-"""Columns of `cores`: where a body's place is counted from, and the edges of its core from there, in its axes [m]."""
+"""Columns of `cores`: where a body's place is counted from, and the edges of its core from there,
+in its axes [m]."""
 TOUCHING, REST, SLIDE, VISCOUS = range(4)
-"""Of a corner in `springs`: 1 while it touches; rest overlap [m]; tangential spring [m]; force of the dashpot [N]."""
+"""Of a corner in `springs`: 1 while it touches; rest overlap [m]; tangential spring [m]; force of
+the dashpot [N]."""
 PAIRS, SEARCHES, WANTED, INSIDE, FULL = range(5)
-"""Entries of `counts`: pairs in the list; searches so far; 1 to have the next step search, as when the first joint has
-ended; how often a corner of a core lay inside another, where no normal is defined; pairs that did not fit."""
+"""Entries of `counts`: pairs in the list; searches so far; 1 to have the next step search, as when
+the first joint has ended; how often a corner of a core lay inside another, where no normal is
+defined; pairs that did not fit."""
 STORED, LARGEST = range(2)
 """Entries of `energy`: stored in loose contacts now [J]; largest overlap so far [m]."""
 MOST_NEIGHBOURS = 16
@@ -61,16 +66,20 @@ MOST_NEIGHBOURS = 16
 MARGIN = 4.0
 """By how many radii two bodies may be apart to be neighbours."""
 IMPACT_DAMPING = 0.2
-"""Share of critical damping of a corner that touches: alone it bounces back with half of its speed."""
+"""Share of critical damping of a corner that touches: alone it bounces back with half of its
+speed."""
 GROUND_M = 20.0
-"""Distance by which the ground reaches beyond the wall, and its depth, for bricks that fall on it [m]."""
+"""Distance by which the ground reaches beyond the wall, and its depth, for bricks that fall on it
+[m]."""
 STEP_SHARE = 0.07
-"""Time step over the root of mass over stiffness of a corner: a brick that bounces then keeps its energy to 0.5 %."""
+"""Time step over the root of mass over stiffness of a corner: a brick that bounces then keeps its
+energy to 0.5 %."""
 
 
 class Touch(NamedTuple):
-    """Of all loose contacts: radius of the corners [m], normal and tangential stiffness of a corner [N/m], friction
-    between bricks and on supports [-], share of critical damping of a corner that touches [-]."""
+    """Of all loose contacts: radius of the corners [m], normal and tangential stiffness of a corner
+    [N/m], friction between bricks and on supports [-], share of critical damping of a corner that
+    touches [-]."""
 
     radius: float
     kn: float
@@ -84,12 +93,13 @@ class Touch(NamedTuple):
 class Loose(NamedTuple):
     """Tables of the loose contacts of one wall.
 
-    cores: (bodies, 6), the supports last; bounds: (bodies, 4) left, right, low and high edge of each body and its
-    margin at the last search, in which it had the places `seen` (bodies, 3) [m, m, rad]; order: (bodies,) of their left
-    edges; pairs: (capacity, 2) bodies, the lower row first; springs: (capacity, 8, 4), corners of the first body, then
-    of the second; kept_pairs, kept_springs: those of the last list; first: (bodies,), following: (capacity,) chain of
-    the pairs of the last list by their first body; joints: (2 interfaces,), those of body b from row joints_start[b]
-    to joints_start[b + 1]; joined: (bodies,) stamps of the search.
+    cores: (bodies, 6), the supports last; bounds: (bodies, 4) left, right, low and high edge of
+    each body and its margin at the last search, in which it had the places `seen` (bodies, 3) [m,
+    m, rad]; order: (bodies,) of their left edges; pairs: (capacity, 2) bodies, the lower row first;
+    springs: (capacity, 8, 4), corners of the first body, then of the second; kept_pairs,
+    kept_springs: those of the last list; first: (bodies,), following: (capacity,) chain of the
+    pairs of the last list by their first body; joints: (2 interfaces,), those of body b from row
+    joints_start[b] to joints_start[b + 1]; joined: (bodies,) stamps of the search.
     """
 
     touch: Touch
@@ -119,19 +129,41 @@ def stiffness_for(mass, time_step):
 def build_loose(layout, system, time_step, material):
     """The Loose contacts of a layout and of the System of its Tables.
 
-    The joints of this System on supports end, too, from now on: where a brick has slid by its length.  The ground
-    reaches GROUND_M beyond the wall and below it, without gaps between supports.
+    The joints of this System on supports end, too, from now on: where a brick has slid by its
+    length.  The ground reaches GROUND_M beyond the wall and below it, without gaps between
+    supports.
     """
     bodies, supports = layout.bodies, layout.supports
     radius = CORNER_RADIUS * layout.wall.brick.length
     kn = stiffness_for(bodies.mass[bodies.mass > 0].min(), time_step)
     touch = Touch(radius, kn, 0.4 * kn, material.friction, material.friction, IMPACT_DAMPING)
-    edges = np.concatenate([[supports.left[0] - GROUND_M], (supports.right[:-1] + supports.left[1:]) / 2,
-                            [supports.right[-1] + GROUND_M]])
-    half_x, half_z, at = bodies.length / 2 - radius, bodies.height / 2 - radius, np.zeros(len(supports))
-    cores = np.vstack([
-        np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
-        np.column_stack([supports.x, at, edges[:-1] - supports.x, edges[1:] - supports.x, at - GROUND_M, at - radius])])
+    edges = np.concatenate(
+        [
+            [supports.left[0] - GROUND_M],
+            (supports.right[:-1] + supports.left[1:]) / 2,
+            [supports.right[-1] + GROUND_M],
+        ]
+    )
+    half_x, half_z, at = (
+        bodies.length / 2 - radius,
+        bodies.height / 2 - radius,
+        np.zeros(len(supports)),
+    )
+    cores = np.vstack(
+        [
+            np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
+            np.column_stack(
+                [
+                    supports.x,
+                    at,
+                    edges[:-1] - supports.x,
+                    edges[1:] - supports.x,
+                    at - GROUND_M,
+                    at - radius,
+                ]
+            ),
+        ]
+    )
     interfaces = system.interfaces
     grounded = interfaces["a"] >= len(bodies)
     length = bodies.length[interfaces["b"][grounded]]
@@ -140,19 +172,30 @@ def build_loose(layout, system, time_step, material):
 
 
 def make_loose(touch, cores, first, second):
-    """Loose of bodies with these cores (bodies, 6); first, second: (interfaces,) rows of the bodies of each joint."""
+    """Loose of bodies with these cores (bodies, 6); first, second: (interfaces,) rows of the bodies
+    of each joint."""
     n = len(cores)
     room = MOST_NEIGHBOURS * n
     ends = np.concatenate([first, second]).astype(np.int64)
     by_body = np.argsort(ends, kind="stable")
     return Loose(
-        touch=touch, cores=cores, bounds=np.zeros((n, 4)), seen=np.zeros((n, 3)),
-        order=np.argsort(cores[:, CENTRE_X], kind="stable"), pairs=np.zeros((room, 2), np.int64),
+        touch=touch,
+        cores=cores,
+        bounds=np.zeros((n, 4)),
+        seen=np.zeros((n, 3)),
+        order=np.argsort(cores[:, CENTRE_X], kind="stable"),
+        pairs=np.zeros((room, 2), np.int64),
         springs=np.zeros((room, 2 * CORNERS, 4)),
-        kept_pairs=np.zeros((room, 2), np.int64), kept_springs=np.zeros((room, 2 * CORNERS, 4)),
-        first=np.zeros(n, np.int64), following=np.zeros(room, np.int64),
-        joints=by_body % max(len(first), 1), joints_start=np.searchsorted(ends[by_body], np.arange(n + 1)),
-        joined=np.full(n, -1), counts=np.zeros(5, np.int64), energy=np.zeros(2))
+        kept_pairs=np.zeros((room, 2), np.int64),
+        kept_springs=np.zeros((room, 2 * CORNERS, 4)),
+        first=np.zeros(n, np.int64),
+        following=np.zeros(room, np.int64),
+        joints=by_body % max(len(first), 1),
+        joints_start=np.searchsorted(ends[by_body], np.arange(n + 1)),
+        joined=np.full(n, -1),
+        counts=np.zeros(5, np.int64),
+        energy=np.zeros(2),
+    )
 
 
 class Arms(NamedTuple):
@@ -165,8 +208,8 @@ class Arms(NamedTuple):
 
 
 class Near(NamedTuple):
-    """A corner of one core and the nearest point of another: their distance [m], the direction from that point to the
-    corner [-], and the place halfway between them [m]."""
+    """A corner of one core and the nearest point of another: their distance [m], the direction from
+    that point to the corner [-], and the place halfway between them [m]."""
 
     distance: float
     nx: float
@@ -175,12 +218,13 @@ class Near(NamedTuple):
     z: float
 
 
-# --- forces -----------------------------------------------------------------------------------------
+# --- forces ---------------------------------------------------------------------------------------
+
 
 @compiled
 def add_forces(n, tables, loose, dt):
-    """Add the forces of all loose contacts to those on the bodies, if there are any, and search for neighbours first
-    where a body has moved far enough; dt: time since they were last found [s]."""
+    """Add the forces of all loose contacts to those on the bodies, if there are any, and search for
+    neighbours first where a body has moved far enough; dt: time since they were last found [s]."""
     if loose is None:
         return
     if loose.counts[SEARCHES] + loose.counts[WANTED] > 0:
@@ -202,7 +246,8 @@ def energy_stored(n, loose):
 
 @compiled
 def push_corner(n, tables, loose, row, k, dt):
-    """Forces between a corner of one core of a pair, that of its spring k, and the core of the other body."""
+    """Forces between a corner of one core of a pair, that of its spring k, and the core of the
+    other body."""
     p, c = bodies_of(loose, row, k)
     radius = loose.touch.radius
     near = nearest(n, tables, loose, p, c, k % CORNERS, 3.0 * radius)
@@ -224,12 +269,21 @@ def push_corner(n, tables, loose, row, k, dt):
 def push_touching(n, tables, loose, row, k, near, depth, dt):
     """Forces of a corner that touches at a Near, compressed by a depth [m].
 
-    Friction and the dashpot take half of what they would at the force before, and half at the force now: so central
-    differences do work on the bodies, and the balance is that of the elastic part.
+    Friction and the dashpot take half of what they would at the force before, and half at the force
+    now: so central differences do work on the bodies, and the balance is that of the elastic part.
     """
-    (p, c), touch, springs, inertia = bodies_of(loose, row, k), loose.touch, loose.springs, tables.inertia
-    arms = Arms(near.x - centre_of(n, tables, loose, p, X), near.z - centre_of(n, tables, loose, p, Z),
-                near.x - centre_of(n, tables, loose, c, X), near.z - centre_of(n, tables, loose, c, Z))
+    (p, c), touch, springs, inertia = (
+        bodies_of(loose, row, k),
+        loose.touch,
+        loose.springs,
+        tables.inertia,
+    )
+    arms = Arms(
+        near.x - centre_of(n, tables, loose, p, X),
+        near.z - centre_of(n, tables, loose, p, Z),
+        near.x - centre_of(n, tables, loose, c, X),
+        near.z - centre_of(n, tables, loose, c, Z),
+    )
     vx, vz = relative_velocity(n, inertia, p, c, arms)
     closing, sliding = (vx * near.nx + vz * near.nz) * dt, (vz * near.nx - vx * near.nz) * dt
     free_p, free_c = inverse_mass_of(n, inertia, p, Z), inverse_mass_of(n, inertia, c, Z)
@@ -243,7 +297,10 @@ def push_touching(n, tables, loose, row, k, near, depth, dt):
     loose.energy[STORED] += 0.5 * (touch.kn * depth * depth + touch.ks * new * new)
     springs[row, k, TOUCHING] = 1.0 if depth > 0.0 else 0.0
     springs[row, k, SLIDE], springs[row, k, VISCOUS] = new, viscous
-    fx, fz = normal * near.nx + touch.ks * new * near.nz, normal * near.nz - touch.ks * new * near.nx
+    fx, fz = (
+        normal * near.nx + touch.ks * new * near.nz,
+        normal * near.nz - touch.ks * new * near.nx,
+    )
     push_body(n, tables.bodies, p, fx, fz, arms.px * fz - arms.pz * fx)
     push_body(n, tables.bodies, c, -fx, -fz, -(arms.cx * fz - arms.cz * fx))
 
@@ -251,15 +308,26 @@ def push_touching(n, tables, loose, row, k, near, depth, dt):
 @inlined
 def relative_velocity(n, inertia, p, c, arms):
     """Velocity along x and z of body p relative to body c, where the Arms meet [m/s]."""
-    turning_p, turning_c = velocity_of(n, inertia, p, ROTATION), velocity_of(n, inertia, c, ROTATION)
-    return (velocity_of(n, inertia, p, X) - turning_p * arms.pz - velocity_of(n, inertia, c, X) + turning_c * arms.cz,
-            velocity_of(n, inertia, p, Z) + turning_p * arms.px - velocity_of(n, inertia, c, Z) - turning_c * arms.cx)
+    turning_p, turning_c = (
+        velocity_of(n, inertia, p, ROTATION),
+        velocity_of(n, inertia, c, ROTATION),
+    )
+    return (
+        velocity_of(n, inertia, p, X)
+        - turning_p * arms.pz
+        - velocity_of(n, inertia, c, X)
+        + turning_c * arms.cz,
+        velocity_of(n, inertia, p, Z)
+        + turning_p * arms.px
+        - velocity_of(n, inertia, c, Z)
+        - turning_c * arms.cx,
+    )
 
 
 @inlined
 def dashpot_force(touch, inverse, depth, closing, dt):
-    """Force of the dashpot of a corner, which never pulls on it [N]; inverse: sum of the inverse masses of both bodies
-    [1/kg]; closing: by which they move apart in the step of dt [m]."""
+    """Force of the dashpot of a corner, which never pulls on it [N]; inverse: sum of the inverse
+    masses of both bodies [1/kg]; closing: by which they move apart in the step of dt [m]."""
     if not (depth > 0.0 and dt > 0.0):
         return 0.0
     viscosity = 2.0 * touch.damping * np.sqrt(touch.kn / inverse) if inverse > 0.0 else 0.0
@@ -287,8 +355,8 @@ def turn_of(n, tables, b):
 
 @compiled
 def nearest(n, tables, loose, p, c, corner, reach):
-    """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core of body c; farther
-    than `reach` [m] the distance may be any above it."""
+    """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core
+    of body c; farther than `reach` [m] the distance may be any above it."""
     cores = loose.cores
     right, high = corner == 0 or corner == 3, corner < 2
     cos, sin = turn_of(n, tables, p)
@@ -307,12 +375,17 @@ def nearest(n, tables, loose, p, c, corner, reach):
     if distance <= 0.0:
         return Near(0.0, 0.0, 0.0, 0.0, 0.0)
     half_x, half_z = 0.5 * (x + on_x), 0.5 * (z + on_z)
-    return Near(distance, (cos * apart_x - sin * apart_z) / distance, (sin * apart_x + cos * apart_z) / distance,
-                centre_of(n, tables, loose, c, X) + cos * half_x - sin * half_z,
-                centre_of(n, tables, loose, c, Z) + sin * half_x + cos * half_z)
+    return Near(
+        distance,
+        (cos * apart_x - sin * apart_z) / distance,
+        (sin * apart_x + cos * apart_z) / distance,
+        centre_of(n, tables, loose, c, X) + cos * half_x - sin * half_z,
+        centre_of(n, tables, loose, c, Z) + sin * half_x + cos * half_z,
+    )
 
 
-# --- neighbours -------------------------------------------------------------------------------------
+# --- neighbours -----------------------------------------------------------------------------------
+
 
 @compiled
 def have_moved(n, tables, loose):
@@ -320,7 +393,9 @@ def have_moved(n, tables, loose):
     cores, seen = loose.cores, loose.seen
     for b in range(len(cores)):
         reach = max(-cores[b, LEFT], cores[b, RIGHT]) + max(-cores[b, LOW], cores[b, HIGH])
-        moved = abs(place_of(n, tables.bodies, b, X) - seen[b, X]) + abs(place_of(n, tables.bodies, b, Z) - seen[b, Z])
+        moved = abs(place_of(n, tables.bodies, b, X) - seen[b, X]) + abs(
+            place_of(n, tables.bodies, b, Z) - seen[b, Z]
+        )
         turned = abs(place_of(n, tables.bodies, b, ROTATION) - seen[b, ROTATION])
         if moved + turned * reach > 0.5 * MARGIN * loose.touch.radius:
             return True
@@ -329,7 +404,8 @@ def have_moved(n, tables, loose):
 
 @compiled
 def search(n, tables, loose):
-    """List the pairs of bodies that are near each other and not jointed: sort by their left edges and sweep."""
+    """List the pairs of bodies that are near each other and not jointed: sort by their left edges
+    and sweep."""
     order, bounds, counts, inertia = loose.order, loose.bounds, loose.counts, tables.inertia
     counts[SEARCHES], counts[WANTED] = counts[SEARCHES] + 1, 0
     bound(n, tables, loose)
@@ -343,7 +419,12 @@ def search(n, tables, loose):
             if bounds[b, 0] > bounds[a, 1]:
                 break
             is_free = inverse_mass_of(n, inertia, a, Z) + inverse_mass_of(n, inertia, b, Z) > 0.0
-            if bounds[b, 2] <= bounds[a, 3] and bounds[a, 2] <= bounds[b, 3] and loose.joined[b] != a and is_free:
+            if (
+                bounds[b, 2] <= bounds[a, 3]
+                and bounds[a, 2] <= bounds[b, 3]
+                and loose.joined[b] != a
+                and is_free
+            ):
                 list_pair(n, tables, loose, a, b)
 
 
@@ -373,13 +454,24 @@ def bound(n, tables, loose):
     cores, bounds, grown = loose.cores, loose.bounds, (1.0 + 0.5 * MARGIN) * loose.touch.radius
     for b in range(len(cores)):
         cos, sin = turn_of(n, tables, b)
-        half_x, half_z = 0.5 * (cores[b, RIGHT] - cores[b, LEFT]), 0.5 * (cores[b, HIGH] - cores[b, LOW])
-        off_x, off_z = 0.5 * (cores[b, RIGHT] + cores[b, LEFT]), 0.5 * (cores[b, HIGH] + cores[b, LOW])
+        half_x, half_z = (
+            0.5 * (cores[b, RIGHT] - cores[b, LEFT]),
+            0.5 * (cores[b, HIGH] - cores[b, LOW]),
+        )
+        off_x, off_z = (
+            0.5 * (cores[b, RIGHT] + cores[b, LEFT]),
+            0.5 * (cores[b, HIGH] + cores[b, LOW]),
+        )
         x = centre_of(n, tables, loose, b, X) + cos * off_x - sin * off_z
         z = centre_of(n, tables, loose, b, Z) + sin * off_x + cos * off_z
         wide = half_x * abs(cos) + half_z * abs(sin) + grown
         tall = half_x * abs(sin) + half_z * abs(cos) + grown
-        bounds[b, 0], bounds[b, 1], bounds[b, 2], bounds[b, 3] = x - wide, x + wide, z - tall, z + tall
+        bounds[b, 0], bounds[b, 1], bounds[b, 2], bounds[b, 3] = (
+            x - wide,
+            x + wide,
+            z - tall,
+            z + tall,
+        )
         for k in range(RIGID):
             loose.seen[b, k] = place_of(n, tables.bodies, b, k)
         loose.joined[b] = -1
@@ -432,7 +524,8 @@ def carry_over(loose, row):
 
 @inlined
 def copy_springs(springs, row, others, other):
-    """Copy the springs of a pair to another row, one by one, since slices would have to be counted."""
+    """Copy the springs of a pair to another row, one by one, since slices would have to be
+    counted."""
     for k in range(2 * CORNERS):
         for i in range(springs.shape[2]):
             others[other, k, i] = springs[row, k, i]
@@ -440,28 +533,34 @@ def copy_springs(springs, row, others, other):
 
 @compiled
 def meet(n, tables, loose, row, energy):
-    """Start a loose pair whose overlapping corners store an energy [J], equal parts each; returns what they store: zero
-    where none overlaps, at most that of an overlap of a radius in each."""
+    """Start a loose pair whose overlapping corners store an energy [J], equal parts each; returns
+    what they store: zero where none overlaps, at most that of an overlap of a radius in each."""
     overlapping, wide = 0, 2.0 * loose.touch.radius
     loose.springs[row] = 0.0
     for k in range(2 * CORNERS):
         p, c = bodies_of(loose, row, k)
-        loose.springs[row, k, REST] = max(wide - nearest(n, tables, loose, p, c, k % CORNERS, wide).distance, 0.0)
+        loose.springs[row, k, REST] = max(
+            wide - nearest(n, tables, loose, p, c, k % CORNERS, wide).distance, 0.0
+        )
         overlapping += loose.springs[row, k, REST] > 0.0
     if overlapping == 0:
         return 0.0
-    depth = min(np.sqrt(2.0 * max(energy, 0.0) / (overlapping * loose.touch.kn)), loose.touch.radius)
+    depth = min(
+        np.sqrt(2.0 * max(energy, 0.0) / (overlapping * loose.touch.kn)), loose.touch.radius
+    )
     for k in range(2 * CORNERS):
         if loose.springs[row, k, REST] > 0.0:
             loose.springs[row, k, REST] -= depth
     return 0.5 * overlapping * loose.touch.kn * depth * depth
 
 
-# --- joints that end --------------------------------------------------------------------------------
+# --- joints that end ------------------------------------------------------------------------------
+
 
 @inlined
 def may_end(n, loose, motion):
-    """Flags of the walls in which an interface may end at this RelativeMotion although it is intact."""
+    """Flags of the walls in which an interface may end at this RelativeMotion although it is
+    intact."""
     if loose is None:
         return flags_of(n, 0)
     return is_turned(motion)
@@ -469,22 +568,27 @@ def may_end(n, loose, motion):
 
 @inlined
 def is_turned(motion):
-    """Whether a corner of one brick, at most a brick's length away, can lie in the other by a radius."""
+    """Whether a corner of one brick, at most a brick's length away, can lie in the other by a
+    radius."""
     return abs(motion.rotation) > CORNER_RADIUS
 
 
 @inlined
 def ends_too(n, tables, loose, p, step, motion):
-    """Whether an interface whose faces overlap ends at this RelativeMotion; step: number of the step in the log.
+    """Whether an interface whose faces overlap ends at this RelativeMotion; step: number of the
+    step in the log.
 
-    It ends as all of it gapes by more than two radii; and any that is not elastic as a rounded corner of one body lies
-    by a radius in the other, which contact points within the faces do not resist: what was left of its bond has failed
-    then.
+    It ends as all of it gapes by more than two radii; and any that is not elastic as a rounded
+    corner of one body lies by a radius in the other, which contact points within the faces do not
+    resist: what was left of its bond has failed then.
     """
     if loose is None:
         return False
     interface, failed = tables.interfaces[p], load(n, tables.limits, p, HAS_FAILED)
-    if failed == FAILED and motion.opening - interface.reach * abs(motion.rotation) > 2.0 * loose.touch.radius:
+    if (
+        failed == FAILED
+        and motion.opening - interface.reach * abs(motion.rotation) > 2.0 * loose.touch.radius
+    ):
         return True
     if failed < ENDING and is_turned(motion) and corner_inside(n, tables, loose, interface):
         return break_bonds(n, tables, interface, step, motion)
@@ -493,7 +597,8 @@ def ends_too(n, tables, loose, p, step, motion):
 
 @compiled
 def break_bonds(n, tables, interface, step, motion):
-    """Let all bonds of an interface fail, and log those that were intact; returns False where it is elastic."""
+    """Let all bonds of an interface fail, and log those that were intact; returns False where it is
+    elastic."""
     for i in range(interface.start, interface.stop):
         of = strengths_of(n, tables.strengths, i)
         if of.tensile_strength == np.inf and of.cohesion == np.inf:
@@ -502,7 +607,9 @@ def break_bonds(n, tables, interface, step, motion):
         if load(n, tables.states, i, contacts.BROKEN) == 0.0:
             trial, area = contacts.present_forces(n, tables, i, motion), tables.contacts[i].area
             store(n, tables.states, i, contacts.BROKEN, 1.0)
-            contacts.log_event(tables, n.lane, step, i, TENSION, (trial.sigma / area, trial.tau / area, 0.0, 0.0))
+            contacts.log_event(
+                tables, n.lane, step, i, TENSION, (trial.sigma / area, trial.tau / area, 0.0, 0.0)
+            )
     return True
 
 
@@ -511,8 +618,10 @@ def corner_inside(n, tables, loose, interface):
     """Whether a rounded corner of one body of an interface lies by a radius in the other body."""
     radius = loose.touch.radius
     for corner in range(CORNERS):
-        if (nearest(n, tables, loose, interface.a, interface.b, corner, radius).distance < radius
-                or nearest(n, tables, loose, interface.b, interface.a, corner, radius).distance < radius):
+        if (
+            nearest(n, tables, loose, interface.a, interface.b, corner, radius).distance < radius
+            or nearest(n, tables, loose, interface.b, interface.a, corner, radius).distance < radius
+        ):
             return True
     return False
 
@@ -521,7 +630,8 @@ def corner_inside(n, tables, loose, interface):
 def hand_over(n, tables, loose, interface, energy):
     """List the bodies of an interface that has ended as a loose pair.
 
-    energy: elastic energy that the interface had stored [J], which counts as friction unless corners store it.
+    energy: elastic energy that the interface had stored [J], which counts as friction unless
+    corners store it.
     """
     if loose is None:
         return

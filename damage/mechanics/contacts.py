@@ -1,8 +1,9 @@
-"""Forces of single contact points: linear springs within their elastic range, the joint law beyond it.
+"""Forces of single contact points: linear springs within their elastic range, the joint law beyond
+it.
 
-`STATES` is the state of a contact point after the last evaluation of the law.  From that state on it is a linear
-spring, until a trial state leaves the elastic range of the state.  `n`: width of the step (`damage.mechanics.eight`),
-in functions that evaluate the law of a single wall.
+`STATES` is the state of a contact point after the last evaluation of the law.  From that state on
+it is a linear spring, until a trial state leaves the elastic range of the state.  `n`: width of the
+step (`damage.mechanics.eight`), in functions that evaluate the law of a single wall.
 """
 
 from typing import NamedTuple
@@ -17,13 +18,30 @@ from damage.mechanics.eight import add, bits, either, load, store, store_where, 
 from damage.mechanics.interfaces import Resultant
 from damage.mechanics.tables import FRACTURE, FRICTION, OPENED, SLIPPED, STATES, Reading
 
-NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(STATES.index, (
-    "normal_stress", "shear_stress", "broken", "at_limit", "slip", "kappa", "closure", "shear0", "idle", "passed"))
-TENSION_STIFFNESS, LEFT = STATES.index("elastic_tension_stiffness"), STATES.index("elastic_tensile_strength")
+NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(
+    STATES.index,
+    (
+        "normal_stress",
+        "shear_stress",
+        "broken",
+        "at_limit",
+        "slip",
+        "kappa",
+        "closure",
+        "shear0",
+        "idle",
+        "passed",
+    ),
+)
+TENSION_STIFFNESS, LEFT = (
+    STATES.index("elastic_tension_stiffness"),
+    STATES.index("elastic_tensile_strength"),
+)
 
 
 class Trial(NamedTuple):
-    """Elastic trial state of a contact point: opening plus plastic closure [m], normal and shear force [N]."""
+    """Elastic trial state of a contact point: opening plus plastic closure [m], normal and shear
+    force [N]."""
 
     opening: float
     sigma: float
@@ -46,19 +64,28 @@ def elastic_trial(n, tables, i, motion):
     contact, states = tables.contacts[i], tables.states
     opening = motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)
     stiffness = either(opening > 0.0, load(n, states, i, TENSION_STIFFNESS), contact.kn)
-    return Trial(opening, stiffness * opening, load(n, states, i, SHEAR_STRESS)
-                 + contact.ks * (motion.shear - load(n, states, i, SHEAR0)))
+    return Trial(
+        opening,
+        stiffness * opening,
+        load(n, states, i, SHEAR_STRESS) + contact.ks * (motion.shear - load(n, states, i, SHEAR0)),
+    )
 
 
 @inlined
 def stays_open(n, states, i, opening):
-    """Whether failed contact point i with this opening [m] is open and free of forces, so that no law is evaluated."""
-    return (0.0 < opening) & (opening <= load(n, states, i, IDLE)) & (load(n, states, i, SHEAR_STRESS) == 0.0)
+    """Whether failed contact point i with this opening [m] is open and free of forces, so that no
+    law is evaluated."""
+    return (
+        (0.0 < opening)
+        & (opening <= load(n, states, i, IDLE))
+        & (load(n, states, i, SHEAR_STRESS) == 0.0)
+    )
 
 
 @inlined
 def present_forces(n, tables, i, motion):
-    """Trial of contact point i after the law was evaluated: its forces are zero where it stays open."""
+    """Trial of contact point i after the law was evaluated: its forces are zero where it stays
+    open."""
     trial = elastic_trial(n, tables, i, motion)
     is_open = stays_open(n, tables.states, i, trial.opening)
     return Trial(trial.opening, either(is_open, 0.0, trial.sigma), either(is_open, 0.0, trial.tau))
@@ -78,8 +105,8 @@ def present_resultant(n, tables, points, motion):
 
 @inlined
 def elastic_resultant(n, tables, points, motion, which):
-    """Resultant of Points as springs [N, N m], and those of the walls `which` (flags) in which all stay in their
-    elastic range."""
+    """Resultant of Points as springs [N, N m], and those of the walls `which` (flags) in which all
+    stay in their elastic range."""
     states = tables.states
     normal, shear, couple, elastic = zero(n), zero(n), zero(n), which
     for i in range(points.start, points.stop):
@@ -87,7 +114,9 @@ def elastic_resultant(n, tables, points, motion, which):
         is_open = stays_open(n, states, i, trial.opening) & which
         if bits(is_open):
             store_where(n, states, i, SHEAR0, is_open, motion.shear)
-        within = joint_law.stays_elastic(trial.sigma, trial.tau, left.tensile_strength, left.cohesion, left.friction)
+        within = joint_law.stays_elastic(
+            trial.sigma, trial.tau, left.tensile_strength, left.cohesion, left.friction
+        )
         within = within & joint_law.withstands(trial.sigma, left.compressive_strength)
         elastic = elastic & (within | is_open)
         normal = normal + either(is_open, 0.0, trial.sigma)
@@ -103,7 +132,9 @@ def intact_resultant(n, tables, i, motion, which):
     # Adding zero, as the law adds closure and earlier force, turns -0 into +0: the bits stay equal.
     sigma = contact.kn * (motion.opening + contact.offset * motion.rotation + 0.0)
     tau, left = contact.ks * motion.shear + 0.0, rows.range_now(n, tables.states, i)
-    elastic = joint_law.stays_elastic(sigma, tau, left.tensile_strength, left.cohesion, left.friction)
+    elastic = joint_law.stays_elastic(
+        sigma, tau, left.tensile_strength, left.cohesion, left.friction
+    )
     return Resultant(sigma, tau, sigma * contact.offset), elastic & which
 
 
@@ -112,19 +143,25 @@ def is_intact_spring(n, states, i):
     """Whether the forces of contact point i follow from its displacements and stiffnesses alone."""
     left = rows.range_now(n, states, i)
     unloaded = (load(n, states, i, SHEAR_STRESS) == 0.0) & (load(n, states, i, SHEAR0) == 0.0)
-    return unloaded & (load(n, states, i, IDLE) < 0.0) & (load(n, states, i, KAPPA) == 0.0) & (
-        left.compressive_strength == np.inf)
+    return (
+        unloaded
+        & (load(n, states, i, IDLE) < 0.0)
+        & (load(n, states, i, KAPPA) == 0.0)
+        & (left.compressive_strength == np.inf)
+    )
 
 
 @inlined
 def remember(n, tables, points, motion, which):
-    """Store the forces of Points that stayed elastic in the walls `which` (flags), for the work of slip and crushing
-    in a later step."""
+    """Store the forces of Points that stayed elastic in the walls `which` (flags), for the work of
+    slip and crushing in a later step."""
     states = tables.states
     for i in range(points.start, points.stop):
         crushes = which & (rows.range_now(n, states, i).compressive_strength < np.inf)
         if bits(crushes):
-            store_where(n, states, i, NORMAL_STRESS, crushes, elastic_trial(n, tables, i, motion).sigma)
+            store_where(
+                n, states, i, NORMAL_STRESS, crushes, elastic_trial(n, tables, i, motion).sigma
+            )
         moves = which & ((load(n, states, i, IDLE) >= 0.0) | (load(n, states, i, KAPPA) > 0.0))
         if bits(moves):
             more = tables.contacts[i].ks * (motion.shear - load(n, states, i, SHEAR0))
@@ -169,13 +206,23 @@ def law_resultant(n, tables, law, points, step, motion, before, damped):
 def ask_law(n, tables, material, i, trial, shear):
     """Evaluate the joint law of contact point i, and write its new state and works into the tables.
 
-    trial: Trial; shear: shear displacement now [m].  Returns as `joint_law.advance`, with forces [N]
+    trial: Trial; shear: shear displacement now [m].  Returns as `joint_law.advance`, with forces
+    [N]
     and works [J].
     """
     contact, states, energy = tables.contacts[i], tables.states, tables.energy
     of = rows.strengths_of(n, tables.strengths, i)
-    parameters = LawParameters(contact.kn, contact.ks, of.tensile_strength, of.cohesion, material, of.mode_i_energy,
-                               of.mode_ii_energy, of.compressive_strength, of.crushing_energy)
+    parameters = LawParameters(
+        contact.kn,
+        contact.ks,
+        of.tensile_strength,
+        of.cohesion,
+        material,
+        of.mode_i_energy,
+        of.mode_ii_energy,
+        of.compressive_strength,
+        of.crushing_energy,
+    )
     old = rows.law_state(n, states, i)
     opening = trial.opening - load(n, states, i, CLOSURE)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
@@ -192,7 +239,8 @@ def ask_law(n, tables, material, i, trial, shear):
 
 @inlined
 def correct_fracture(n, tables, i, last, trial, new, event):
-    """Take back what the joint law counts too much where the bond of contact point i ceases to be intact.
+    """Take back what the joint law counts too much where the bond of contact point i ceases to be
+    intact.
 
     By central differences the force of a bond that fails in a step does half of the step's work on
     the bodies, while the law counts its energy at the end of the step; and the law of a softening
@@ -201,8 +249,9 @@ def correct_fracture(n, tables, i, last, trial, new, event):
     """
     contact, sigma, tau = tables.contacts[i], new.normal_stress, new.shear_stress
     if event != INTACT:
-        work = ((trial.sigma - sigma) * (trial.sigma - last.sigma) / contact.kn
-                + (trial.tau - tau) * (trial.tau - last.tau) / contact.ks)
+        work = (trial.sigma - sigma) * (trial.sigma - last.sigma) / contact.kn + (
+            trial.tau - tau
+        ) * (trial.tau - last.tau) / contact.ks
         add(n, tables.energy, 0, FRACTURE, -0.5 * work)
     elif new.kappa > 0.0:
         slid = (abs(trial.tau) - abs(tau)) / contact.ks
@@ -212,7 +261,8 @@ def correct_fracture(n, tables, i, last, trial, new, event):
 
 @inlined
 def log(n, tables, threshold, i, step, trial, new, event):
-    """Log the failure of contact point i, and the first times that its opening and slip exceed the threshold [m]."""
+    """Log the failure of contact point i, and the first times that its opening and slip exceed the
+    threshold [m]."""
     contact, passed = tables.contacts[i], int(load(n, tables.states, i, PASSED))
     opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, contact.kn)
     opens = opening > threshold and not passed & 1
@@ -230,8 +280,8 @@ def log(n, tables, threshold, i, step, trial, new, event):
 
 @compiled
 def log_event(tables, w, step, i, kind, values):
-    """Append an event of wall w with its stresses [Pa], opening and slip [m].  Events beyond the capacity are counted
-    but not stored, so that the caller detects the overflow."""
+    """Append an event of wall w with its stresses [Pa], opening and slip [m].  Events beyond the
+    capacity are counted but not stored, so that the caller detects the overflow."""
     row = tables.n_events[w, 0]
     tables.n_events[w, 0] += 1
     if row < tables.events.shape[1]:
@@ -242,16 +292,25 @@ def log_event(tables, w, step, i, kind, values):
 
 @inlined
 def let_go(n, tables, i, motion):
-    """Set the forces of contact point i to zero, one step after the faces of its interface ceased to overlap.
+    """Set the forces of contact point i to zero, one step after the faces of its interface ceased
+    to overlap.
 
-    The readings of that earlier step stay, except for the stresses.  By the trapezoidal rule of central differences, a
-    force that vanishes in a step still does half of its work; the remaining elastic energy counts as friction.
+    The readings of that earlier step stay, except for the stresses.  By the trapezoidal rule of
+    central differences, a force that vanishes in a step still does half of its work; the remaining
+    elastic energy counts as friction.
     """
     states, energy, contact = tables.states, tables.energy, tables.contacts[i]
     last = rows.reading_of(n, tables.readings, i)
     sigma, tau, slid = last.sigma * contact.area, last.tau * contact.area, motion.shear - last.shear
-    add(n, energy, 0, FRICTION, 0.5 * sigma * (
-        motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)))
+    add(
+        n,
+        energy,
+        0,
+        FRICTION,
+        0.5
+        * sigma
+        * (motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)),
+    )
     add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
     store(n, states, i, NORMAL_STRESS, 0.0)
     store(n, states, i, SHEAR_STRESS, 0.0)
@@ -260,11 +319,16 @@ def let_go(n, tables, i, motion):
 
 @inlined
 def read(n, tables, i, motion, which):
-    """Write opening, shear displacement [m] and stresses [Pa] of contact point i into the readings of the walls `which`
-    (flags).
+    """Write opening, shear displacement [m] and stresses [Pa] of contact point i into the readings
+    of the walls `which` (flags).
 
     Called after its forces are known: it is then a spring about its new state.
     """
     trial, area = present_forces(n, tables, i, motion), tables.contacts[i].area
-    rows.keep_reading(n, tables.readings, i, which, Reading(
-        trial.opening, motion.shear, trial.sigma / area, trial.tau / area))
+    rows.keep_reading(
+        n,
+        tables.readings,
+        i,
+        which,
+        Reading(trial.opening, motion.shear, trial.sigma / area, trial.tau / area),
+    )

@@ -1,16 +1,18 @@
-"""Widths of a step: one wall, or eight walls at once in the SIMD lanes of vectors with element-wise arithmetic.
+"""Widths of a step: one wall, or eight walls at once in the SIMD lanes of vectors with element-wise
+arithmetic.
 
-Tables are arrays (rows, fields, W) of float64, contiguous, the wall last.  The functions of a step take a width `n` as
-first argument, and numba compiles them for its type: ONE and a `Lane`, a wall of a table of eight, give single numbers,
-EIGHT gives vectors, and so does ROWS: of eight rows of a table of one wall.
+Tables are arrays (rows, fields, W) of float64, contiguous, the wall last.  The functions of a step
+take a width `n` as first argument, and numba compiles them for its type: ONE and a `Lane`, a wall
+of a table of eight, give single numbers, EIGHT gives vectors, and so does ROWS: of eight rows of a
+table of one wall.
 
     x = load(n, table, row, field)                              # a number, or those of eight walls
     store(n, table, row, field, either(x > 0.0, 2.0 * x, 0.0))
 
-numba has no type of vectors, and vectorizes loops only where it can prove that no arrays overlap.  Compiled, the type
-is a vector of LLVM, on any machine; where numba is switched off, it is a numpy array.  Each operation is rounded by
-itself, so that every lane has the same bits as a single number.  Where a register holds four numbers (AVX2), LLVM uses
-two registers for a vector.
+numba has no type of vectors, and vectorizes loops only where it can prove that no arrays overlap.
+Compiled, the type is a vector of LLVM, on any machine; where numba is switched off, it is a numpy
+array.  Each operation is rounded by itself, so that every lane has the same bits as a single
+number.  Where a register holds four numbers (AVX2), LLVM uses two registers for a vector.
 """
 
 import operator
@@ -27,13 +29,22 @@ WIDTH = 8
 
 
 def argument(kind):
-    """A NamedTuple class for arguments of compiled functions: numba gets their type from themselves, found once.
+    """A NamedTuple class for arguments of compiled functions: numba gets their type from
+    themselves, found once.
 
-    numba 0.56, which Debian 12 has, would read names of fields from freed memory, often not know a type again, and keep
-    800 bytes a call.  Without `_asdict` it asks for `_numba_type_` instead.
+    numba 0.56, which Debian 12 has, would read names of fields from freed memory, often not know a
+    type again, and keep 800 bytes a call.  Without `_asdict` it asks for `_numba_type_` instead.
     """
-    return type(kind.__name__, (kind,), {"__doc__": kind.__doc__, "__module__": kind.__module__, "_asdict": property(),
-                                         "_numba_type_": cached_property(typeof)})
+    return type(
+        kind.__name__,
+        (kind,),
+        {
+            "__doc__": kind.__doc__,
+            "__module__": kind.__module__,
+            "_asdict": property(),
+            "_numba_type_": cached_property(typeof),
+        },
+    )
 
 
 @argument
@@ -73,11 +84,12 @@ def is_wide(n):
 
 
 def _part(n, table, row, field):
-    return table[row, field] if isinstance(n, Eight) else table[row:row + WIDTH, field, 0]
+    return table[row, field] if isinstance(n, Eight) else table[row : row + WIDTH, field, 0]
 
 
 def load(n, table, row, field):
-    """A number, or a vector of those of all walls, or of all rows, of a table in the order of columns."""
+    """A number, or a vector of those of all walls, or of all rows, of a table in the order of
+    columns."""
     return np.copy(_part(n, table, row, field)) if is_wide(n) else table[row, field, n.lane]
 
 
@@ -113,7 +125,11 @@ def flags_of(n, whole):
 
 def bits(flags):
     """Flags, a vector or a bool, as bits of an integer, the first flag as the lowest bit."""
-    return sum(1 << w for w, flag in enumerate(flags) if flag) if isinstance(flags, np.ndarray) else int(flags)
+    return (
+        sum(1 << w for w, flag in enumerate(flags) if flag)
+        if isinstance(flags, np.ndarray)
+        else int(flags)
+    )
 
 
 def lanes(n):
@@ -137,14 +153,16 @@ def rows_of(n):
 
 
 def in_blocks(n, row):
-    """The width by which `row`, as of `rows_of` a width, is read from a table whose last axis is eight rows."""
+    """The width by which `row`, as of `rows_of` a width, is read from a table whose last axis is
+    eight rows."""
     return EIGHT if isinstance(n, Rows) else Lane(row % WIDTH)
 
 
 def four(n, table, rows, k, field):
-    """Four fields from `field` on of row rows[k], or as vectors those of rows[k] to rows[k + WIDTH - 1]."""
+    """Four fields from `field` on of row rows[k], or as vectors those of rows[k] to rows[k + WIDTH
+    - 1]."""
     if isinstance(n, Rows):
-        return tuple(table[rows[k:k + WIDTH], field + i, 0] for i in range(4))
+        return tuple(table[rows[k : k + WIDTH], field + i, 0] for i in range(4))
     return tuple(load(n, table, rows[k], field + i) for i in range(4))
 
 
@@ -152,14 +170,15 @@ def put_four(n, table, rows, k, field, values):
     """Write four values into the fields that `four` gives."""
     for i, value in enumerate(values):
         if isinstance(n, Rows):
-            table[rows[k:k + WIDTH], field + i, 0] = value
+            table[rows[k : k + WIDTH], field + i, 0] = value
         else:
             store(n, table, rows[k], field + i, value)
 
 
 def add_three(n, table, first, second, k, field, to_first, to_second):
-    """Add three values to fields from `field` on of row first[k], and three to those of second[k]; of ROWS also of the
-    rows that follow, one pair after the other, since pairs may share rows, and zero to the field before."""
+    """Add three values to fields from `field` on of row first[k], and three to those of second[k];
+    of ROWS also of the rows that follow, one pair after the other, since pairs may share rows, and
+    zero to the field before."""
     for j in range(rows_of(n)):
         for rows, values in ((first, to_first), (second, to_second)):
             for i, value in enumerate(values):
@@ -167,8 +186,8 @@ def add_three(n, table, first, second, k, field, to_first, to_second):
 
 
 def add_part(n, sums, kind, row, value):
-    """Add a value of `row`, or of eight rows from it on, to its partial sum: rows 0, 8, 16 and so on have the first,
-    rows 1, 9, 17 and so on the second; sums: (kinds, WIDTH, W)."""
+    """Add a value of `row`, or of eight rows from it on, to its partial sum: rows 0, 8, 16 and so
+    on have the first, rows 1, 9, 17 and so on the second; sums: (kinds, WIDTH, W)."""
     if isinstance(n, Rows):
         sums[kind, :, 0] += value
     else:
@@ -194,7 +213,9 @@ def with_lane(value, w, number):
 
 def either(condition, x, y):
     """x where the condition holds, else y; for vectors and for single numbers."""
-    return np.where(condition, x, y) if isinstance(condition, np.ndarray) else (x if condition else y)
+    return (
+        np.where(condition, x, y) if isinstance(condition, np.ndarray) else (x if condition else y)
+    )
 
 
 class Vector(types.Type):
@@ -243,16 +264,23 @@ def _spread(builder, kind, value):
     return _mixed(builder, builder.insert_element(none, value, _INT(0)), none, [0] * WIDTH)
 
 
-# --- operations -------------------------------------------------------------------------------------
+# --- operations -----------------------------------------------------------------------------------
+
 
 def _operation(function, typer, make, *operands):
-    """Register an operation; typer: the type of its result from those of its operands, or None; make: its LLVM
-    instruction from the builder and vectors; operands: types of them that it takes."""
+    """Register an operation; typer: the type of its result from those of its operands, or None;
+    make: its LLVM instruction from the builder and vectors; operands: types of them that it
+    takes."""
     type_callable(function)(lambda _context: typer)
 
     def lower(_context, builder, signature, values):
-        return make(builder, *(value if kind == FLAGS else _spread(builder, kind, value)
-                               for kind, value in zip(signature.args, values)))
+        return make(
+            builder,
+            *(
+                value if kind == FLAGS else _spread(builder, kind, value)
+                for kind, value in zip(signature.args, values)
+            ),
+        )
 
     for kinds in operands:
         lower_builtin(function, *kinds)(lower)
@@ -260,8 +288,14 @@ def _operation(function, typer, make, *operands):
 
 def _binary(function, result, make):
     """Register an operation on two vectors of numbers, or on a vector and a number."""
-    _operation(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None, make,
-               (NUMBERS, NUMBERS), (NUMBERS, types.Float), (types.Float, NUMBERS))
+    _operation(
+        function,
+        lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None,
+        make,
+        (NUMBERS, NUMBERS),
+        (NUMBERS, types.Float),
+        (types.Float, NUMBERS),
+    )
 
 
 def _comparison(sign):
@@ -270,15 +304,26 @@ def _comparison(sign):
 
 def _without_sign(builder, x):
     longs = ir.VectorType(_LONG, WIDTH)
-    return builder.bitcast(builder.and_(builder.bitcast(x, longs), ir.Constant(longs, [2**63 - 1] * WIDTH)),
-                           _VECTORS[NUMBERS])
+    return builder.bitcast(
+        builder.and_(builder.bitcast(x, longs), ir.Constant(longs, [2**63 - 1] * WIDTH)),
+        _VECTORS[NUMBERS],
+    )
 
 
-for _function, _make in ((operator.add, ir.IRBuilder.fadd), (operator.sub, ir.IRBuilder.fsub),
-                         (operator.mul, ir.IRBuilder.fmul), (operator.truediv, ir.IRBuilder.fdiv)):
+for _function, _make in (
+    (operator.add, ir.IRBuilder.fadd),
+    (operator.sub, ir.IRBuilder.fsub),
+    (operator.mul, ir.IRBuilder.fmul),
+    (operator.truediv, ir.IRBuilder.fdiv),
+):
     _binary(_function, NUMBERS, _make)
-for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, "<"), (operator.le, "<="),
-                         (operator.eq, "==")):
+for _function, _sign in (
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.eq, "=="),
+):
     _binary(_function, FLAGS, _comparison(_sign))
 for _function, _make in ((operator.and_, ir.IRBuilder.and_), (operator.or_, ir.IRBuilder.or_)):
     _operation(_function, lambda x, y: FLAGS if x == y == FLAGS else None, _make, (FLAGS, FLAGS))
@@ -286,11 +331,12 @@ for _function, _make in ((operator.neg, ir.IRBuilder.fneg), (abs, _without_sign)
     _operation(_function, lambda x: NUMBERS if x == NUMBERS else None, _make, (NUMBERS,))
 
 
-# --- the functions above ----------------------------------------------------------------------------
+# --- the functions above --------------------------------------------------------------------------
+
 
 def _compiles(function, typer):
-    """Decorator of what writes the LLVM code of a call of this function; typer: the type of its result from those of
-    its arguments."""
+    """Decorator of what writes the LLVM code of a call of this function; typer: the type of its
+    result from those of its arguments."""
     type_callable(function)(lambda _context: typer)
     return lower_builtin(function, types.VarArg(types.Any))
 
@@ -298,7 +344,9 @@ def _compiles(function, typer):
 @_compiles(bits, lambda flags: types.intp)
 def _bits(_context, builder, signature, values):
     (flags,) = values
-    return builder.zext(builder.bitcast(flags, ir.IntType(WIDTH)) if signature.args[0] == FLAGS else flags, _LONG)
+    return builder.zext(
+        builder.bitcast(flags, ir.IntType(WIDTH)) if signature.args[0] == FLAGS else flags, _LONG
+    )
 
 
 @_compiles(flags_of, lambda n, whole: FLAGS if _is_wide(n) else types.boolean)
@@ -310,7 +358,9 @@ def _flags_of(_context, builder, signature, values):
 
 @_compiles(zero, _numbers)
 def _zero(_context, builder, signature, values):
-    return _spread(builder, types.float64, _REAL(0.0)) if _is_wide(signature.args[0]) else _REAL(0.0)
+    return (
+        _spread(builder, types.float64, _REAL(0.0)) if _is_wide(signature.args[0]) else _REAL(0.0)
+    )
 
 
 @_compiles(lanes, lambda n: types.intp)
@@ -333,8 +383,11 @@ def _same(_context, _builder, _signature, values):
 def _wall_of(context, builder, signature, values):
     if signature.args[0].instance_class is not Eight:
         return values[0]
-    return context.make_tuple(builder, signature.return_type, [context.cast(builder, values[1], signature.args[1],
-                                                                            types.intp)])
+    return context.make_tuple(
+        builder,
+        signature.return_type,
+        [context.cast(builder, values[1], signature.args[1], types.intp)],
+    )
 
 
 @_compiles(in_blocks, lambda n, row: _width(Eight if n.instance_class is Rows else Lane))
@@ -354,7 +407,9 @@ def _with_lane(_context, builder, signature, values):
     return builder.insert_element(value, number, w) if signature.args[0] == NUMBERS else number
 
 
-@_compiles(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
+@_compiles(
+    either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x
+)
 def _either(_context, builder, signature, values):
     condition, x, y = values
     if signature.return_type == NUMBERS:
@@ -363,13 +418,20 @@ def _either(_context, builder, signature, values):
 
 
 def _pointer(context, builder, signature, values):
-    """LLVM pointer to a number or a vector of a table; fields of the table follow one another by its width."""
+    """LLVM pointer to a number or a vector of a table; fields of the table follow one another by
+    its width."""
     n, kind, *kinds = signature.args[:4]
     array = context.make_array(kind)(context, builder, values[1])
-    row, field = (context.cast(builder, value, one, types.intp) for value, one in zip(values[2:4], kinds))
-    place = builder.mul(row, _LONG(8) if kind.layout == "F" else cgutils.unpack_tuple(builder, array.strides)[0])
+    row, field = (
+        context.cast(builder, value, one, types.intp) for value, one in zip(values[2:4], kinds)
+    )
+    place = builder.mul(
+        row, _LONG(8) if kind.layout == "F" else cgutils.unpack_tuple(builder, array.strides)[0]
+    )
     width = 1 if n.instance_class in (One, Rows) else WIDTH
-    apart = cgutils.unpack_tuple(builder, array.strides)[1] if kind.layout == "F" else _LONG(8 * width)
+    apart = (
+        cgutils.unpack_tuple(builder, array.strides)[1] if kind.layout == "F" else _LONG(8 * width)
+    )
     place = builder.add(place, builder.mul(field, apart))
     if n.instance_class is Lane:
         place = builder.add(place, builder.mul(builder.extract_value(values[0], 0), _LONG(8)))
@@ -408,26 +470,35 @@ def _add_part(context, builder, signature, values):
     n, kind, of_kind, of_row = signature.args[:4]
     part = builder.and_(context.cast(builder, values[3], of_row, types.intp), _LONG(WIDTH - 1))
     at = _width(One) if n.instance_class is Rows else n
-    pointer = _pointer(context, builder, typing.signature(types.none, at, kind, of_kind, types.intp),
-                       [values[0], values[1], values[2], _LONG(0) if n.instance_class is Rows else part])
+    pointer = _pointer(
+        context,
+        builder,
+        typing.signature(types.none, at, kind, of_kind, types.intp),
+        [values[0], values[1], values[2], _LONG(0) if n.instance_class is Rows else part],
+    )
     value = _value(context, builder, signature, values)
     pointer = builder.bitcast(pointer, value.type.as_pointer())
     builder.store(builder.fadd(builder.load(pointer, align=8), value), pointer, align=8)
     return context.get_dummy_value()
 
 
-# --- four fields of rows that an array names ----------------------------------------------------------
+# --- four fields of rows that an array names ------------------------------------------------------
 
 # Shuffles of two vectors: their even elements alternately, and their odd elements.
-_EVEN, _ODD = ([k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + pair)] for k in (0, 1))
+_EVEN, _ODD = (
+    [k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + pair)] for k in (0, 1)
+)
 # Shuffles of two vectors of pairs: the first pairs of each four alternately, and the second pairs.
-_FRONT, _BACK = ([four + k + i for four in range(0, WIDTH, 4) for k in (pair, WIDTH + pair) for i in (0, 1)]
-                 for pair in (0, 2))
+_FRONT, _BACK = (
+    [four + k + i for four in range(0, WIDTH, 4) for k in (pair, WIDTH + pair) for i in (0, 1)]
+    for pair in (0, 2)
+)
 _FOURS = [list(range(four, four + 4)) for four in range(0, WIDTH, 4)]
 
 
 def _as_rows(builder, a, b, c, d):
-    """WIDTH rows of four numbers from four vectors: in registers, which is faster than number by number."""
+    """WIDTH rows of four numbers from four vectors: in registers, which is faster than number by
+    number."""
     low = [_mixed(builder, a, b, order) for order in (_EVEN, _ODD)]
     high = [_mixed(builder, c, d, order) for order in (_EVEN, _ODD)]
     both = [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
@@ -443,13 +514,19 @@ def _as_columns(builder, rows):
 
 
 def _named(context, builder, signature, values, rows):
-    """Pointers to the first of four fields of each row that argument number `rows` names, an array of uint32."""
+    """Pointers to the first of four fields of each row that argument number `rows` names, an array
+    of uint32."""
     n, kind, names = signature.args[0], signature.args[1], signature.args[rows]
     places = context.make_array(names)(context, builder, values[rows]).data
     k, field = (4, 5) if len(values) == 8 else (3, 4)
     first = context.cast(builder, values[k], signature.args[k], types.intp)
-    kinds = typing.signature(types.none, _width(One) if n.instance_class is Rows else n, kind, names.dtype,
-                             signature.args[field])
+    kinds = typing.signature(
+        types.none,
+        _width(One) if n.instance_class is Rows else n,
+        kind,
+        names.dtype,
+        signature.args[field],
+    )
     for k in range(WIDTH if n.instance_class is Rows else 1):
         row = builder.load(builder.gep(places, [builder.add(first, _LONG(k))]))
         yield _pointer(context, builder, kinds, [values[0], values[1], row, values[field]])
@@ -461,19 +538,29 @@ def _four(context, builder, signature, values):
     if signature.args[0].instance_class is not Rows:
         found = [builder.load(builder.gep(pointers[0], [_INT(i)]), align=8) for i in range(4)]
     else:
-        found = _as_columns(builder, [builder.load(builder.bitcast(pointer, _FOUR.as_pointer()), align=8)
-                                      for pointer in pointers])
+        found = _as_columns(
+            builder,
+            [
+                builder.load(builder.bitcast(pointer, _FOUR.as_pointer()), align=8)
+                for pointer in pointers
+            ],
+        )
     return context.make_tuple(builder, signature.return_type, found)
 
 
 @_compiles(put_four, lambda n, table, rows, k, field, values: types.none)
 def _put_four(context, builder, signature, values):
-    pointers, four_of = [*_named(context, builder, signature, values, 2)], [
-        builder.extract_value(values[5], i) for i in range(4)]
+    pointers, four_of = (
+        [*_named(context, builder, signature, values, 2)],
+        [builder.extract_value(values[5], i) for i in range(4)],
+    )
     if signature.args[0].instance_class is not Rows:
         pairs = [(value, builder.gep(pointers[0], [_INT(i)])) for i, value in enumerate(four_of)]
     else:
-        pairs = zip(_as_rows(builder, *four_of), [builder.bitcast(one, _FOUR.as_pointer()) for one in pointers])
+        pairs = zip(
+            _as_rows(builder, *four_of),
+            [builder.bitcast(one, _FOUR.as_pointer()) for one in pointers],
+        )
     for value, place in pairs:
         builder.store(value, place, align=8)
     return context.get_dummy_value()
@@ -481,51 +568,75 @@ def _put_four(context, builder, signature, values):
 
 def _added(context, builder, signature, values, rows, three):
     """Pointers and what to add there, for one of both sets of rows of `add_three`."""
-    pointers, three = [*_named(context, builder, signature, values, rows)], [
-        builder.extract_value(three, i) for i in range(3)]
+    pointers, three = (
+        [*_named(context, builder, signature, values, rows)],
+        [builder.extract_value(three, i) for i in range(3)],
+    )
     if signature.args[0].instance_class is not Rows:
         return [(builder.gep(pointers[0], [_INT(i)]), one) for i, one in enumerate(three)]
-    before = [builder.bitcast(builder.gep(pointer, [_INT(-1)]), _FOUR.as_pointer()) for pointer in pointers]
+    before = [
+        builder.bitcast(builder.gep(pointer, [_INT(-1)]), _FOUR.as_pointer())
+        for pointer in pointers
+    ]
     return zip(before, _as_rows(builder, ir.Constant(_VECTORS[NUMBERS], [0.0] * WIDTH), *three))
 
 
 @_compiles(add_three, lambda n, table, first, second, k, field, to_first, to_second: types.none)
 def _add_three(context, builder, signature, values):
-    both = [_added(context, builder, signature, values, rows, three)
-            for rows, three in ((2, values[6]), (3, values[7]))]
+    both = [
+        _added(context, builder, signature, values, rows, three)
+        for rows, three in ((2, values[6]), (3, values[7]))
+    ]
     pairs = [one for pair in zip(*both) for one in pair]
     for place, one in pairs:
         builder.store(builder.fadd(builder.load(place, align=8), one), place, align=8)
     return context.get_dummy_value()
 
 
-# --- records ------------------------------------------------------------------------------------------
+# --- records --------------------------------------------------------------------------------------
+
 
 def reader(kind, names, prefix=""):
-    """A function (n, table, row) that returns a row as NamedTuple `kind`, of numbers or of vectors, flags as bool.
+    """A function (n, table, row) that returns a row as NamedTuple `kind`, of numbers or of vectors,
+    flags as bool.
 
-    names: of the table's fields; prefix: of those of the NamedTuple.  A new field needs no change here.
+    names: of the table's fields; prefix: of those of the NamedTuple.  A new field needs no change
+    here.
     """
     places = [names.index(prefix + name) for name in kind._fields]
     are_flags = [kind.__annotations__[name] is bool for name in kind._fields]
 
     def read(n, table, row):
-        return kind(*(load(n, table, row, place) > 0.0 if is_flag else load(n, table, row, place)
-                      for place, is_flag in zip(places, are_flags)))
+        return kind(
+            *(
+                load(n, table, row, place) > 0.0 if is_flag else load(n, table, row, place)
+                for place, is_flag in zip(places, are_flags)
+            )
+        )
 
-    @_compiles(read, lambda n, table, row: types.BaseTuple.from_types(
-        [types.boolean if is_flag else _numbers(n) for is_flag in are_flags], kind))
+    @_compiles(
+        read,
+        lambda n, table, row: types.BaseTuple.from_types(
+            [types.boolean if is_flag else _numbers(n) for is_flag in are_flags], kind
+        ),
+    )
     def _read_all(context, builder, signature, values):
         found = _fields(context, builder, signature, values, places)
-        return context.make_tuple(builder, signature.return_type, [
-            builder.fcmp_ordered(">", one, _REAL(0.0)) if is_flag else one for one, is_flag in zip(found, are_flags)])
+        return context.make_tuple(
+            builder,
+            signature.return_type,
+            [
+                builder.fcmp_ordered(">", one, _REAL(0.0)) if is_flag else one
+                for one, is_flag in zip(found, are_flags)
+            ],
+        )
 
     return read
 
 
 def writer(kind, names, prefix=""):
-    """A function (n, table, row, which, record) that writes a NamedTuple `kind` into a row where the flags `which` are
-    set; arguments as of `reader`."""
+    """A function (n, table, row, which, record) that writes a NamedTuple `kind` into a row where
+    the flags `which` are set; arguments as of `reader`."""
     places = [names.index(prefix + name) for name in kind._fields]
 
     def keep(n, table, row, which, record):
@@ -538,9 +649,19 @@ def writer(kind, names, prefix=""):
         old = _fields(context, builder, signature, values, places)
         of_field = typing.signature(types.none, *signature.args[:3], types.intp)
         for k, (place, before, one) in enumerate(zip(places, old, signature.args[4])):
-            value = _value(context, builder, typing.signature(types.none, signature.args[0], one),
-                           [builder.extract_value(values[4], k)])
-            _write(context, builder, of_field, [*values[:3], _LONG(place)], builder.select(values[3], value, before))
+            value = _value(
+                context,
+                builder,
+                typing.signature(types.none, signature.args[0], one),
+                [builder.extract_value(values[4], k)],
+            )
+            _write(
+                context,
+                builder,
+                of_field,
+                [*values[:3], _LONG(place)],
+                builder.select(values[3], value, before),
+            )
         return context.get_dummy_value()
 
     return keep
@@ -554,6 +675,7 @@ def _fields(context, builder, signature, values, places):
 
 def column(first, apart):
     """A function (n, table, row, k) that loads the field `first` + k `apart`."""
+
     @register_jitable
     def read(n, table, row, k):
         return load(n, table, row, first + k * apart)

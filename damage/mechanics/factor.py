@@ -1,4 +1,5 @@
-"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor (`damage.mechanics.scaling`)."""
+"""The mass matrix of selective mass scaling, M + dt^2/2 K0 + dt/2 C0, and its factor
+(`damage.mechanics.scaling`)."""
 
 import hashlib
 
@@ -11,14 +12,16 @@ from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 from damage.wall.soil import radiation_times
 
 MASSLESS = 1e-30
-"""What stands for the mass of a coordinate without one, whose velocity is prescribed [kg or kg m2]."""
+"""What stands for the mass of a coordinate without one, whose velocity is prescribed [kg or kg
+m2]."""
 _MOST_KEPT = 8
 _KEPT = {}  # {key: ScaledMass}, the last used at the end
 
 
 def scaled_mass(layout, time_step, beta, held=()):
-    """The ScaledMass of a layout for a time step and stiffness-proportional damping [s], with bodies (rows) of which
-    coordinates are `held` (their numbers): their velocity is prescribed; those of the last walls are kept."""
+    """The ScaledMass of a layout for a time step and stiffness-proportional damping [s], with
+    bodies (rows) of which coordinates are `held` (their numbers): their velocity is prescribed;
+    those of the last walls are kept."""
     numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
     key = hashlib.sha256(b"|".join((*elastic_key(layout), damping, numbers.tobytes()))).digest()
@@ -29,8 +32,9 @@ def scaled_mass(layout, time_step, beta, held=()):
 
 
 class ScaledMass:
-    """Mass matrix of a wall with selective mass scaling; key: of all that it depends on; whole: of all bodies, as
-    damage.law.blocks.Blocks, in which prescribed velocities are coupled to no other."""
+    """Mass matrix of a wall with selective mass scaling; key: of all that it depends on; whole: of
+    all bodies, as damage.law.blocks.Blocks, in which prescribed velocities are coupled to no
+    other."""
 
     def __init__(self, key, layout, time_step, beta, held):
         self.key, self.beta = key, beta
@@ -51,12 +55,16 @@ class ScaledMass:
         start = np.append(factor.start, np.full(nodes * supports, factor.start[-1]))
         at_rest = np.tile(np.eye(RIGID), (nodes * supports, 1, 1))
         return Matrix(
-            body=np.repeat(order, nodes), first=np.tile(first, len(order)),
-            count=np.tile(count, len(order)), start=start.astype(ROW),
-            below=factor.below.astype(ROW), lower=factor.lower,
+            body=np.repeat(order, nodes),
+            first=np.tile(first, len(order)),
+            count=np.tile(count, len(order)),
+            start=start.astype(ROW),
+            below=factor.below.astype(ROW),
+            lower=factor.lower,
             diagonal=np.concatenate([factor.diagonal, MASSLESS * at_rest]),
             inverse=np.concatenate([factor.inverse, at_rest / MASSLESS]),
-            room=np.zeros((0, 0, 1)))
+            room=np.zeros((0, 0, 1)),
+        )
 
 
 def _scaled(layout, time_step, beta, held):

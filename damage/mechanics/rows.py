@@ -2,8 +2,26 @@
 
 from damage.law.joint_law import ContactState, ElasticRange
 from damage.mechanics.compiled import inlined
-from damage.mechanics.eight import add, add_three, column, either, four, in_blocks, load, reader, writer
-from damage.mechanics.interfaces import Dashpots, Limits, Line, Pose, RelativeMotion, Resultant, Springs
+from damage.mechanics.eight import (
+    add,
+    add_three,
+    column,
+    either,
+    four,
+    in_blocks,
+    load,
+    reader,
+    writer,
+)
+from damage.mechanics.interfaces import (
+    Dashpots,
+    Limits,
+    Line,
+    Pose,
+    RelativeMotion,
+    Resultant,
+    Springs,
+)
 from damage.mechanics.tables import (
     COS1,
     INVERSE_MASS,
@@ -29,7 +47,10 @@ from damage.mechanics.tables import (
 )
 
 law_state, keep_law_state = reader(ContactState, STATES), writer(ContactState, STATES)
-range_now, keep_range = reader(ElasticRange, STATES, "elastic_"), writer(ElasticRange, STATES, "elastic_")
+range_now, keep_range = (
+    reader(ElasticRange, STATES, "elastic_"),
+    writer(ElasticRange, STATES, "elastic_"),
+)
 strengths_of = reader(Strengths, STRENGTHS)
 reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
 bench_of, keep_bench = reader(Bench, Bench._fields), writer(Bench, Bench._fields)
@@ -63,10 +84,19 @@ def pose_at(n, bodies, rows, p):
 
 @inlined
 def push_at(n, bodies, first, second, p, forces, which):
-    """Add BodyForces to rigid bodies first[p] and second[p], or to eight of both from there on, where `which` is."""
+    """Add BodyForces to rigid bodies first[p] and second[p], or to eight of both from there on,
+    where `which` is."""
     x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
-    add_three(n, bodies, first, second, p, PLACE + RIGID, (x, z, either(which, forces.moment_a, 0.0)),
-              (-x, -z, -either(which, forces.moment_b, 0.0)))
+    add_three(
+        n,
+        bodies,
+        first,
+        second,
+        p,
+        PLACE + RIGID,
+        (x, z, either(which, forces.moment_a, 0.0)),
+        (-x, -z, -either(which, forces.moment_b, 0.0)),
+    )
 
 
 @inlined
@@ -86,7 +116,8 @@ def push(n, bodies, interface, forces, which):
     push_body(n, bodies, interface.b, -x, -z, -either(which, forces.moment_b, 0.0))
 
 
-# --- coordinate k of body b: X, Z, ROTATION, then strain modes ---------------------------------------
+# --- coordinate k of body b: X, Z, ROTATION, then strain modes ------------------------------------
+
 
 @inlined
 def first_force(bodies):
@@ -101,6 +132,10 @@ def force_of(n, bodies, b, k):
 
 
 place_of = column(PLACE, 1)
-velocity_of, mass_of, inverse_mass_of = column(VELOCITY, 3), column(MASS, 3), column(INVERSE_MASS, 3)
-"""(n, table, row, k): value [m or rad], of `bodies`; of `inertia` velocity half a step ago, mass and its inverse, zero
-where the velocity is prescribed."""
+velocity_of, mass_of, inverse_mass_of = (
+    column(VELOCITY, 3),
+    column(MASS, 3),
+    column(INVERSE_MASS, 3),
+)
+"""(n, table, row, k): value [m or rad], of `bodies`; of `inertia` velocity half a step ago, mass
+and its inverse, zero where the velocity is prescribed."""

@@ -1,7 +1,7 @@
 """Samples of a wall: contact data, displacements of the bodies, forces on the supports, energies.
 
-Contact data (opening, slip, offset, state) are those of the contact points of failed interfaces, and zero elsewhere.
-"""
+Contact data (opening, slip, offset, state) are those of the contact points of failed interfaces,
+and zero elsewhere."""
 
 from typing import NamedTuple
 
@@ -14,13 +14,21 @@ from damage.mechanics.bodies import energies_of_modes, kinetic_energy
 from damage.mechanics.collisions import energy_stored
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
-from damage.mechanics.rows import bench_of, force_of, inverse_mass_of, mass_of, place_of, reading_of, velocity_of
+from damage.mechanics.rows import (
+    bench_of,
+    force_of,
+    inverse_mass_of,
+    mass_of,
+    place_of,
+    reading_of,
+    velocity_of,
+)
 from damage.mechanics.scaling import scaled_kinetic_energy
 from damage.mechanics.tables import HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6
-"""Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks and of
-loose contacts [J]; and length of the totals."""
+"""Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of
+deformable bricks and of loose contacts [J]; and length of the totals."""
 
 
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)
@@ -41,10 +49,11 @@ class Stiffness(NamedTuple):
 class Samples(NamedTuple):
     """Samples of one or several walls.
 
-    contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; stress: (walls,
-    samples, 2, contacts) normal, tension positive, and shear [Pa], of no contacts where not asked for; displacement:
-    (walls, samples, bodies, coordinates) [m, m, rad, m sqrt(kg) ...], the supports last; support_force: (walls,
-    samples, supports, 3) of the wall on them [N, N, N m]; totals: (walls, samples, TOTALS).
+    contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy
+    [J]; stress: (walls, samples, 2, contacts) normal, tension positive, and shear [Pa], of no
+    contacts where not asked for; displacement: (walls, samples, bodies, coordinates) [m, m, rad, m
+    sqrt(kg) ...], the supports last; support_force: (walls, samples, supports, 3) of the wall on
+    them [N, N, N m]; totals: (walls, samples, TOTALS).
     """
 
     contacts: np.ndarray
@@ -56,12 +65,17 @@ class Samples(NamedTuple):
 
     @classmethod
     def none(cls, n_walls, n_samples, system, n_supports, with_stresses=True):
-        """Samples with all values zero; system: System of one of the walls, whose last bodies are the supports."""
+        """Samples with all values zero; system: System of one of the walls, whose last bodies are
+        the supports."""
         n_contacts, n_bodies = len(system.contacts), len(system.place)
-        return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
-                   np.zeros((n_walls, n_samples, 2, n_contacts * with_stresses)),
-                   np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
-                   np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
+        return cls(
+            np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)),
+            np.zeros((n_walls, n_samples, n_contacts)),
+            np.zeros((n_walls, n_samples, 2, n_contacts * with_stresses)),
+            np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
+            np.zeros((n_walls, n_samples, n_supports, RIGID)),
+            np.zeros((n_walls, n_samples, TOTALS)),
+        )
 
     def of(self, wall, count):
         """Views of the first samples of one wall, without the axis of walls."""
@@ -70,7 +84,8 @@ class Samples(NamedTuple):
 
 @argument
 class Sampling(NamedTuple):
-    """Where samples are written: Stiffness and Samples of the walls, and (walls,) numbers of samples
+    """Where samples are written: Stiffness and Samples of the walls, and (walls,) numbers of
+    samples
     written, which grow."""
 
     stiffness: Stiffness
@@ -107,7 +122,9 @@ def observe_stored(n, tables, ending, sampling):
     stiffness = sampling.stiffness
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
         now = reading_of(n, tables.readings, c)
-        stored = stiffness.area[c] * elastic_energy(now.sigma, now.tau, stiffness.normal[c], stiffness.shear[c])
+        stored = stiffness.area[c] * elastic_energy(
+            now.sigma, now.tau, stiffness.normal[c], stiffness.shear[c]
+        )
         for w in range(lanes(n)):
             if ending >> w & 1:
                 sampling.samples.stored[w, sampling.taken[w], c] = lane(stored, w)
@@ -137,14 +154,17 @@ def state_of(n, states, c):
 
 @inlined
 def observe_contact(n, tables, sampling, w, c):
-    """Write inelastic opening, slip and offset [m] of contact c, and correct its stored energy where a softened bond
-    unloads with a secant stiffness.
+    """Write inelastic opening, slip and offset [m] of contact c, and correct its stored energy
+    where a softened bond unloads with a secant stiffness.
 
-    opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part.
-    """
+    opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement
+    less its elastic part."""
     samples, k = sampling.samples, sampling.taken[w]
     contact, states, now = tables.contacts[c], tables.states, reading_of(n, tables.readings, c)
-    broken, softened = load(n, states, c, contacts.BROKEN) > 0.0, load(n, states, c, contacts.KAPPA) > 0.0
+    broken, softened = (
+        load(n, states, c, contacts.BROKEN) > 0.0,
+        load(n, states, c, contacts.KAPPA) > 0.0,
+    )
     force = now.sigma * contact.area
     inelastic = now.opening - force / contact.kn
     opening = offset = 0.0
@@ -171,8 +191,8 @@ def positive(value):
 
 @inlined
 def observe_places(n, tables, sampling, w):
-    """Write displacements of the bodies, forces on the supports and, where there is room for them, stresses into the
-    next sample of wall w; n: its width."""
+    """Write displacements of the bodies, forces on the supports and, where there is room for them,
+    stresses into the next sample of wall w; n: its width."""
     samples, k = sampling.samples, sampling.taken[w]
     bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
     supports = displacement.shape[2] - support_force.shape[2]
@@ -198,22 +218,24 @@ def energies_of_bodies(n, tables, matrix, strain):
 
 @inlined
 def kinetic_energy_of(n, tables):
-    """Kinetic energy of rigid motion at the time of the displacements [J], to which velocities are advanced by half a
-    step."""
+    """Kinetic energy of rigid motion at the time of the displacements [J], to which velocities are
+    advanced by half a step."""
     bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
     energy, half = zero(n), 0.5 * bench.step
     for b in range(len(bodies)):
         x = half_step_on(n, bodies, inertia, b, X, bench.base_x, half)
         z = half_step_on(n, bodies, inertia, b, Z, bench.pull_z, half)
-        rotation = velocity_of(n, inertia, b, ROTATION) + half * force_of(n, bodies, b, ROTATION) * inverse_mass_of(
-            n, inertia, b, ROTATION)
+        rotation = velocity_of(n, inertia, b, ROTATION) + half * force_of(
+            n, bodies, b, ROTATION
+        ) * inverse_mass_of(n, inertia, b, ROTATION)
         energy = energy + kinetic_energy(n, inertia, b, x, z, rotation)
     return energy
 
 
 @inlined
 def half_step_on(n, bodies, inertia, b, k, field, half):
-    """Velocity of a coordinate, advanced by half a step; field: acceleration of the base and gravity [m/s2]."""
+    """Velocity of a coordinate, advanced by half a step; field: acceleration of the base and
+    gravity [m/s2]."""
     free, force = inverse_mass_of(n, inertia, b, k), force_of(n, bodies, b, k)
     return velocity_of(n, inertia, b, k) + either(free > 0.0, half * (force * free - field), 0.0)
 
@@ -222,8 +244,8 @@ def half_step_on(n, bodies, inertia, b, k, field, half):
 def input_of_half_a_step(n, tables):
     """Work [J] of the base and of prescribed velocities in the half step before the displacements.
 
-    A step adds the work from half a step before its forces to half a step after them; at a sample the last half is
-    missing.
+    A step adds the work from half a step before its forces to half a step after them; at a sample
+    the last half is missing.
     """
     bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
     power = zero(n)
@@ -231,7 +253,11 @@ def input_of_half_a_step(n, tables):
         for axis in range(RIGID):
             swept, velocity = zero(n), velocity_of(n, inertia, b, axis)
             if axis != ROTATION:
-                swept = mass_of(n, inertia, b, axis) * (bench.base_x if axis == X else bench.base_z) * velocity
+                swept = (
+                    mass_of(n, inertia, b, axis)
+                    * (bench.base_x if axis == X else bench.base_z)
+                    * velocity
+                )
             driven = force_of(n, bodies, b, axis) * velocity
             power = power + either(inverse_mass_of(n, inertia, b, axis) == 0.0, driven, swept)
     return -0.5 * bench.step * power

@@ -38,7 +38,8 @@ class Node(NamedTuple):
 
 @inlined
 def move_scaled(n, tables, matrix, strain, damped):
-    """Advance all bodies by a step with mass scaling; damped: as of `damage.mechanics.bodies.rates`."""
+    """Advance all bodies by a step with mass scaling; damped: as of
+    `damage.mechanics.bodies.rates`."""
     places, sums, room = tables.bodies, tables.sums, matrix.room
     dt = bench_of(n, tables.bench, 0).step
     find_rates(n, tables, matrix, strain, damped)
@@ -124,17 +125,21 @@ def less(one, other):
 @inlined
 def product(blocks, i, of):
     """Node: block i (3, 3) times a Node."""
-    return Node(blocks[i, 0, 0] * of.x + blocks[i, 0, 1] * of.z + blocks[i, 0, 2] * of.r,
-                blocks[i, 1, 0] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 1, 2] * of.r,
-                blocks[i, 2, 0] * of.x + blocks[i, 2, 1] * of.z + blocks[i, 2, 2] * of.r)
+    return Node(
+        blocks[i, 0, 0] * of.x + blocks[i, 0, 1] * of.z + blocks[i, 0, 2] * of.r,
+        blocks[i, 1, 0] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 1, 2] * of.r,
+        blocks[i, 2, 0] * of.x + blocks[i, 2, 1] * of.z + blocks[i, 2, 2] * of.r,
+    )
 
 
 @inlined
 def product_across(blocks, i, of):
     """Node: block i (3, 3), transposed, times a Node."""
-    return Node(blocks[i, 0, 0] * of.x + blocks[i, 1, 0] * of.z + blocks[i, 2, 0] * of.r,
-                blocks[i, 0, 1] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 2, 1] * of.r,
-                blocks[i, 0, 2] * of.x + blocks[i, 1, 2] * of.z + blocks[i, 2, 2] * of.r)
+    return Node(
+        blocks[i, 0, 0] * of.x + blocks[i, 1, 0] * of.z + blocks[i, 2, 0] * of.r,
+        blocks[i, 0, 1] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 2, 1] * of.r,
+        blocks[i, 0, 2] * of.x + blocks[i, 1, 2] * of.z + blocks[i, 2, 2] * of.r,
+    )
 
 
 @compiled

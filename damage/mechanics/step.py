@@ -1,15 +1,17 @@
 """The time step: move the bodies, evaluate every interface and every loose contact, sum the forces.
 
-This is the definition of the model.  It runs one wall or eight at once (`n`, `damage.mechanics.eight`), compiled by
-numba or as plain Python (NUMBA_DISABLE_JIT=1); a wall has the same bits in both widths, whatever the others do.  Of
-eight walls, some leave their elastic range, are failed, or end, which bits of integers say; the joint law is evaluated
-for one wall at a time.
+This is the definition of the model.  It runs one wall or eight at once (`n`,
+`damage.mechanics.eight`), compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1); a wall has
+the same bits in both widths, whatever the others do.  Of eight walls, some leave their elastic
+range, are failed, or end, which bits of integers say; the joint law is evaluated for one wall at a
+time.
 
-Python calls three functions: `advance` by many steps, each of which is `step_once`; `find_forces` at displacements that
-it has set; and `look`, which writes a sample.  A wall *ends* at the steps at which a sample of it is taken: its contact
-points are then evaluated one by one.
+Python calls three functions: `advance` by many steps, each of which is `step_once`; `find_forces`
+at displacements that it has set; and `look`, which writes a sample.  A wall *ends* at the steps at
+which a sample of it is taken: its contact points are then evaluated one by one.
 
-Time integration is by central differences: velocities at half steps, displacements and forces at full steps.
+Time integration is by central differences: velocities at half steps, displacements and forces at
+full steps.
 """
 
 from typing import NamedTuple
@@ -92,25 +94,35 @@ class Asked(NamedTuple):
 def advance(n, tables, model, controls, field, clock, stops, sampling):
     """Advance all walls to the last of the steps at which one ends, and write samples.
 
-    On entry the forces must be those at the present displacements.  On return, and at each sample, forces and readings
-    (opening, shear displacement and stresses of every contact point) are those at the displacements.
+    On entry the forces must be those at the present displacements.  On return, and at each sample,
+    forces and readings (opening, shear displacement and stresses of every contact point) are those
+    at the displacements.
 
-    tables, model: Tables and Model; controls: (walls, 5) of `damage.mechanics.tables.TIME_STEP` to ADAPTIVE;
-    field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in each step and the one after the
-    last [m/s2]; clock: (walls,) numbers of steps before; stops: (stops, 2) rising numbers of steps from now, and the
-    walls (bits) of which a sample is written there, all of them at the last; sampling: Sampling.
+    tables, model: Tables and Model; controls: (walls, 5) of `damage.mechanics.tables.TIME_STEP` to
+    ADAPTIVE;
+    field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in each step
+    and the one after the last [m/s2]; clock: (walls,) numbers of steps before; stops: (stops, 2)
+    rising numbers of steps from now, and the walls (bits) of which a sample is written there, all
+    of them at the last; sampling: Sampling.
     """
     damped = controls[:, BETA].any() or len(tables.radiation) > 0
     walls, turns = (1 << len(controls)) - 1, tables.turning[:, 0].any()
-    step = k = stops[0, 0] * 0  # of no literal type, for which numba would compile all of it once more
+    # of no literal type, for which numba would compile all of it once more
+    step = k = stops[0, 0] * 0
     mark_used(n, tables, model.strain, walls)
     if damped:
         remember_last(n, tables, model.strain, walls)
     while k < len(stops):
         step += 1
         ending = stops[k, 1] if step >= stops[k, 0] else 0
-        step_once(n, tables, model, controls, field, Asked(
-            clock, step, walls, ending, damped, turns, controls[0, TIME_STEP]))
+        step_once(
+            n,
+            tables,
+            model,
+            controls,
+            field,
+            Asked(clock, step, walls, ending, damped, turns, controls[0, TIME_STEP]),
+        )
         if ending:
             look(n, tables, model, controls, field, step, ending, sampling)
             if damped:
@@ -129,17 +141,19 @@ def step_once(n, tables, model, controls, field, asked):
 
 @entry
 def look(n, tables, model, controls, field, step, which, sampling):
-    """Write a sample of the walls `which` (bits) at their present displacements; step: row of the field; otherwise as
-    `advance`."""
+    """Write a sample of the walls `which` (bits) at their present displacements; step: row of the
+    field; otherwise as `advance`."""
     set_bench(n, tables, controls, field, step)
     observe(n, tables, model, which, sampling)
 
 
-# --- motion -----------------------------------------------------------------------------------------
+# --- motion ---------------------------------------------------------------------------------------
+
 
 @compiled
 def move(n, tables, strain, matrix, controls, field, step):
-    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
+    """Advance velocities and displacements of all bodies by a step; add the work of input and
+    damping [J].
 
     controls, field: as of `advance`; step: row of the field.
     """
@@ -161,17 +175,19 @@ def move(n, tables, strain, matrix, controls, field, step):
         tables.energy[0, DAMPING, w] += sums[TAKEN, 0, w] * dt
 
 
-# --- forces -----------------------------------------------------------------------------------------
+# --- forces ---------------------------------------------------------------------------------------
+
 
 @entry
 def find_forces(n, tables, model, asked):
-    """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on entry, or are made
-    so where nothing has moved; tables, model, asked: Tables, Model, Asked.
+    """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on
+    entry, or are made so where nothing has moved; tables, model, asked: Tables, Model, Asked.
 
-    Intact interfaces come first, each by its resultant springs, then the others contact point by contact point.
+    Intact interfaces come first, each by its resultant springs, then the others contact point by
+    contact point.
     """
     if asked.since == 0.0:
-        tables.bodies[:, rows.first_force(tables.bodies):] = 0.0
+        tables.bodies[:, rows.first_force(tables.bodies) :] = 0.0
         tables.bench[0, STEP] = 0.0
         mark_used(n, tables, model.strain, asked.walls)
     tables.sums[DAMPED] = 0.0
@@ -185,12 +201,19 @@ def find_forces(n, tables, model, asked):
     collisions.add_forces(n, tables, model.loose, asked.since)
     if asked.damped:
         total(n, tables.sums, DAMPED)
-        store(n, tables.energy, 0, DAMPING, load(n, tables.energy, 0, DAMPING) + load(n, tables.sums, DAMPED, 0))
+        store(
+            n,
+            tables.energy,
+            0,
+            DAMPING,
+            load(n, tables.energy, 0, DAMPING) + load(n, tables.sums, DAMPED, 0),
+        )
 
 
 @compiled
 def mark_used(n, tables, strain, walls):
-    """Mark the contact points between deformable bricks that are no intact springs in any of the walls (bits)."""
+    """Mark the contact points between deformable bricks that are no intact springs in any of the
+    walls (bits)."""
     if strain is not None:
         for i in range(len(tables.contacts)):
             tables.used[i] = bits(contacts.is_intact_spring(n, tables.states, i)) & walls != walls
@@ -202,14 +225,22 @@ def hold_rotations(n, tables):
     for b in range(len(tables.turning)):
         stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
         moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
-        add(n, tables.bodies, b, rows.first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
+        add(
+            n,
+            tables.bodies,
+            b,
+            rows.first_force(tables.bodies) + ROTATION,
+            -either(stiffness > 0.0, moment, 0.0),
+        )
 
 
 @compiled
 def hold_top(n, tables):
-    """Add the forces of the bearing of a restrained top, and of the constant load on it, to those of its beam.
+    """Add the forces of the bearing of a restrained top, and of the constant load on it, to those
+    of its beam.
 
-    The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip is friction.
+    The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip
+    is friction.
     """
     bench = rows.bench_of(n, tables.bench, 0)
     gravity = bench.pull_z - bench.base_z
@@ -220,7 +251,9 @@ def hold_top(n, tables):
         slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
         slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
         force = trial - stiffness * (slipped - slip)
-        rows.keep_bearing(n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force))
+        rows.keep_bearing(
+            n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force)
+        )
         add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
         add(n, tables.bodies, b, rows.first_force(tables.bodies) + X, -force)
         add(n, tables.bodies, b, rows.first_force(tables.bodies) + Z, -weighs * gravity)
@@ -228,7 +261,8 @@ def hold_top(n, tables):
 
 @inlined
 def forces_of_springs(n, tables, loose, asked):
-    """Add the forces of intact interfaces, but in the walls that end; returns whether there are others."""
+    """Add the forces of intact interfaces, but in the walls that end; returns whether there are
+    others."""
     if asked.damped:
         return forces_of_damped(n, tables, loose, asked.ending)
     return forces_of_undamped(n, tables, loose, asked.ending)
@@ -236,7 +270,8 @@ def forces_of_springs(n, tables, loose, asked):
 
 @compiled
 def forces_of_undamped(n, tables, loose, ending):
-    """`forces_of_intact` without damping, compiled apart: a branch inside would need too many registers."""
+    """`forces_of_intact` without damping, compiled apart: a branch inside would need too many
+    registers."""
     return forces_of_intact(widest(n), tables, loose, ending, False)
 
 
@@ -248,7 +283,8 @@ def forces_of_damped(n, tables, loose, ending):
 
 @inlined
 def forces_of_intact(n, tables, loose, ending, damped):
-    """Add the forces of intact interfaces, but in the walls `ending` (bits); returns whether there are others.
+    """Add the forces of intact interfaces, but in the walls `ending` (bits); returns whether there
+    are others.
 
     n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall.
     """
@@ -279,13 +315,17 @@ def forces_of_intact(n, tables, loose, ending, damped):
 @inlined
 def moved(n, tables, p):
     """Frame and RelativeMotion of interface p, or of eight from there on."""
-    return interfaces.relative_motion(rows.line_of(n, tables, p), rows.pose_at(n, tables.bodies, tables.first, p),
-                                      rows.pose_at(n, tables.bodies, tables.second, p))
+    return interfaces.relative_motion(
+        rows.line_of(n, tables, p),
+        rows.pose_at(n, tables.bodies, tables.first, p),
+        rows.pose_at(n, tables.bodies, tables.second, p),
+    )
 
 
 @compiled
 def forces_of_others(n, tables, model, asked, singly):
-    """Add the forces of the interfaces that are not intact, if `singly` of all, contact point by contact point.
+    """Add the forces of the interfaces that are not intact, if `singly` of all, contact point by
+    contact point.
 
     Once the faces have ceased to overlap, forces are zero from the next step on, permanently.
     """
@@ -301,10 +341,11 @@ def forces_of_others(n, tables, model, asked, singly):
 
 @inlined
 def forces_by_contacts(n, tables, model, asked, p, here):
-    """Add the forces of interface p in the walls `here` (bits), evaluated contact point by contact point.
+    """Add the forces of interface p in the walls `here` (bits), evaluated contact point by contact
+    point.
 
-    Those that share a RelativeMotion (all between rigid bricks, one between deformable ones) are springs while all stay
-    in their elastic range, else the joint law applies.
+    Those that share a RelativeMotion (all between rigid bricks, one between deformable ones) are
+    springs while all stay in their elastic range, else the joint law applies.
     """
     interface, strain, lives = tables.interfaces[p], model.strain, flags_of(n, here)
     frame, motion = moved(n, tables, p)
@@ -323,19 +364,24 @@ def forces_by_contacts(n, tables, model, asked, p, here):
         for i in range(interface.start, interface.stop):
             at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
             contacts.read(n, tables, i, at_point, flags_of(n, to_read))
-    rows.push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
+    rows.push(
+        n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives
+    )
 
 
 @inlined
 def ends_now(n, tables, loose, asked, p, here, motion):
     """Walls of `here` (bits) in which interface p ends at this RelativeMotion: there it is ENDING.
 
-    A failed one ends as its faces cease to overlap; also as of `damage.mechanics.collisions.ends_too`.
+    A failed one ends as its faces cease to overlap; also as of
+    `damage.mechanics.collisions.ends_too`.
     """
     interface = tables.interfaces[p]
     over = bits(load(n, tables.limits, p, HAS_FAILED) == FAILED) & here
     if over:
-        over &= bits((motion.shear <= interface.slide_least) | (motion.shear >= interface.slide_most))
+        over &= bits(
+            (motion.shear <= interface.slide_least) | (motion.shear >= interface.slide_most)
+        )
     if over == 0 and collisions.ends_too(n, tables, loose, p, asked.clock[0] + asked.step, motion):
         over = 1
     if over:
@@ -354,13 +400,16 @@ def fail(n, tables, p, w, failed):
 
 @inlined
 def let_go(n, tables, model, p, gone):
-    """Set the forces of interface p to zero, permanently, in those of the walls `gone` (bits) in which it is ENDING;
-    from then on its bodies collide."""
+    """Set the forces of interface p to zero, permanently, in those of the walls `gone` (bits) in
+    which it is ENDING; from then on its bodies collide."""
     interface = tables.interfaces[p]
     for w in range(lanes(n)):
         one = wall_of(n, w)
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
-            before, motion = load(one, tables.energy, 0, FRICTION), of_wall(moved(n, tables, p)[1], w)
+            before, motion = (
+                load(one, tables.energy, 0, FRICTION),
+                of_wall(moved(n, tables, p)[1], w),
+            )
             for i in range(interface.start, interface.stop):
                 at_point = motion_at(one, tables.bodies, model.strain, interface, i, motion)
                 contacts.let_go(one, tables, i, at_point)
@@ -378,7 +427,8 @@ def last_row(strain, p, start):
 
 @inlined
 def forces_of_points(n, tables, model, asked, points, motion, here):
-    """Resultant of Points of an interface that have a RelativeMotion [N, N m], in the walls `here` (bits)."""
+    """Resultant of Points of an interface that have a RelativeMotion [N, N m], in the walls `here`
+    (bits)."""
     p, damped, lives = points.p, asked.damped, flags_of(n, here)
     simple = is_known_intact(tables, model.strain, points.start)
     if simple:
@@ -395,7 +445,9 @@ def forces_of_points(n, tables, model, asked, points, motion, here):
     if damped:
         changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, points.row))
     if beyond:
-        resultant, changed = by_law(n, tables, model, asked, points, motion, beyond, (resultant, changed))
+        resultant, changed = by_law(
+            n, tables, model, asked, points, motion, beyond, (resultant, changed)
+        )
     if damped:
         resultant = damp(n, tables, points.row, motion, resultant, changed, lives)
     return resultant
@@ -403,7 +455,8 @@ def forces_of_points(n, tables, model, asked, points, motion, here):
 
 @inlined
 def is_known_intact(tables, strain, i):
-    """Whether contact point i between deformable bricks is marked as an intact spring in all walls."""
+    """Whether contact point i between deformable bricks is marked as an intact spring in all
+    walls."""
     if strain is None:
         return False
     return tables.used[i] == 0
@@ -411,15 +464,16 @@ def is_known_intact(tables, strain, i):
 
 @inlined
 def by_law(n, tables, model, asked, points, motion, beyond, elastic):
-    """Resultant of Points, and its change since the last step, by the joint law in the walls `beyond` (bits), in the
-    others as `elastic`."""
+    """Resultant of Points, and its change since the last step, by the joint law in the walls
+    `beyond` (bits), in the others as `elastic`."""
     resultant, changed = elastic
     for w in range(lanes(n)):
         if beyond >> w & 1:
             one, now, step = wall_of(n, w), of_wall(motion, w), asked.clock[w] + asked.step
             before = motion_before(one, tables, model.strain, points, now, asked.damped)
             of_points, change, failed = contacts.law_resultant(
-                one, tables, model.law, points, step, now, before, asked.damped)
+                one, tables, model.law, points, step, now, before, asked.damped
+            )
             resultant, changed = with_wall(resultant, w, of_points), with_wall(changed, w, change)
             if failed:
                 fail(n, tables, points.p, w, FAILED)
@@ -436,21 +490,27 @@ def of_wall(motion, w):
 @inlined
 def with_wall(resultant, w, of_wall):
     """Resultant with that of wall w replaced."""
-    return Resultant(with_lane(resultant.normal, w, of_wall.normal), with_lane(resultant.shear, w, of_wall.shear),
-                     with_lane(resultant.couple, w, of_wall.couple))
+    return Resultant(
+        with_lane(resultant.normal, w, of_wall.normal),
+        with_lane(resultant.shear, w, of_wall.shear),
+        with_lane(resultant.couple, w, of_wall.couple),
+    )
 
 
 @inlined
 def motion_before(n, tables, strain, points, motion, damped):
-    """RelativeMotion of Points of one wall in the last step, stored where the wall damps, else by velocities; the
-    present one between deformable bricks."""
+    """RelativeMotion of Points of one wall in the last step, stored where the wall damps, else by
+    velocities; the present one between deformable bricks."""
     if damped and (rows.bench_of(n, tables.bench, 0).rate > 0.0 or len(tables.radiation) > 0):
         return rows.last_motion(n, tables.last, points.row)
     if strain is not None:
         return motion
     interface = tables.interfaces[points.p]
-    return interfaces.relative_motion(rows.line_of(n, tables, points.p), pose_before(n, tables, interface.a),
-                                      pose_before(n, tables, interface.b))[1]
+    return interfaces.relative_motion(
+        rows.line_of(n, tables, points.p),
+        pose_before(n, tables, interface.a),
+        pose_before(n, tables, interface.b),
+    )[1]
 
 
 @compiled
@@ -459,16 +519,21 @@ def pose_before(n, tables, b):
     places, inertia, dt = tables.bodies, tables.inertia, rows.bench_of(n, tables.bench, 0).step
     angle = rows.place_of(n, places, b, ROTATION) - dt * rows.velocity_of(n, inertia, b, ROTATION)
     cos1, sine = small_rotation(angle) if abs(angle) < SMALL else (cos(angle) - 1.0, sin(angle))
-    return Pose(rows.place_of(n, places, b, X) - dt * rows.velocity_of(n, inertia, b, X),
-                rows.place_of(n, places, b, Z) - dt * rows.velocity_of(n, inertia, b, Z), cos1, sine)
+    return Pose(
+        rows.place_of(n, places, b, X) - dt * rows.velocity_of(n, inertia, b, X),
+        rows.place_of(n, places, b, Z) - dt * rows.velocity_of(n, inertia, b, Z),
+        cos1,
+        sine,
+    )
 
 
-# --- damping of interfaces --------------------------------------------------------------------------
+# --- damping of interfaces ------------------------------------------------------------------------
+
 
 @inlined
 def damp(n, tables, row, motion, resultant, changed, which):
-    """Resultant with stiffness-proportional damping and dashpots [N, N m]; stores motion and elastic resultant for the
-    next step, and adds up the work, in the walls `which` (flags).
+    """Resultant with stiffness-proportional damping and dashpots [N, N m]; stores motion and
+    elastic resultant for the next step, and adds up the work, in the walls `which` (flags).
 
     changed: change of the elastic resultant since the last step.
     """
@@ -479,8 +544,14 @@ def damp(n, tables, row, motion, resultant, changed, which):
     viscous, work = interfaces.add_viscous(bench.rate, motion, before, resultant, changed)
     if len(tables.radiation) > 0:
         viscous, of_dashpots, more = interfaces.add_dashpots(
-            rows.dashpots_of(n, tables.radiation, row), rows.dashpots_last(n, tables.radiation, row), bench.step,
-            motion, before, viscous, changed)
+            rows.dashpots_of(n, tables.radiation, row),
+            rows.dashpots_last(n, tables.radiation, row),
+            bench.step,
+            motion,
+            before,
+            viscous,
+            changed,
+        )
         rows.keep_dashpots(n, tables.radiation, row, which, of_dashpots)
         work = work + more
     add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
@@ -489,8 +560,8 @@ def damp(n, tables, row, motion, resultant, changed, which):
 
 @compiled
 def remember_last(n, tables, strain, which):
-    """Store present motions and resultants of all interfaces, for stiffness-proportional damping in the next step, in
-    the walls `which` (bits)."""
+    """Store present motions and resultants of all interfaces, for stiffness-proportional damping in
+    the next step, in the walls `which` (bits)."""
     asked = flags_of(n, which)
     for p in range(len(tables.interfaces)):
         interface, motion = tables.interfaces[p], moved(n, tables, p)[1]
@@ -499,15 +570,21 @@ def remember_last(n, tables, strain, which):
             points = Points(p, start, start + size, last_row(strain, p, start))
             here = motion_at(n, tables.bodies, strain, interface, start, motion)
             rows.keep_motion(n, tables.last, points.row, asked, here)
-            rows.keep_resultant(n, tables.last, points.row, asked, contacts.present_resultant(
-                n, tables, points, here))
+            rows.keep_resultant(
+                n,
+                tables.last,
+                points.row,
+                asked,
+                contacts.present_resultant(n, tables, points, here),
+            )
             start += size
 
 
-# --- strain modes of deformable bricks ----------------------------------------------------------------
-# Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact forces on the opening
-# and shear displacement by a unit of the mode.  Its mass, stiffness, damping and shape are equal in all walls that step
-# together.  Theory: `damage.wall.strain`.
+# --- strain modes of deformable bricks ------------------------------------------------------------
+# Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact
+# forces on the opening and shear displacement by a unit of the mode.  Its mass, stiffness, damping
+# and shape are equal in all walls that step together.  Theory: `damage.wall.strain`.
+
 
 @inlined
 def deforms(strain):
@@ -517,7 +594,8 @@ def deforms(strain):
 
 @inlined
 def points_at_once(strain, interface):
-    """Number of contact points that share a RelativeMotion: all of an interface between rigid bricks, else one."""
+    """Number of contact points that share a RelativeMotion: all of an interface between rigid
+    bricks, else one."""
     if strain is None:
         return ROW(interface.stop - interface.start)
     return ROW(1)
@@ -525,10 +603,17 @@ def points_at_once(strain, interface):
 
 @inlined
 def motion_at(n, bodies, strain, interface, i, motion):
-    """RelativeMotion at contact i: that of the interface plus the displacements by the strain modes of both bricks."""
+    """RelativeMotion at contact i: that of the interface plus the displacements by the strain modes
+    of both bricks."""
     if strain is None:
         return motion
-    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    a, b, at_a, at_b, shapes = (
+        interface.a,
+        interface.b,
+        strain.rows[i, 0],
+        strain.rows[i, 1],
+        strain.shapes,
+    )
     opening, shear = zero(n), zero(n)
     for m in range(shapes.shape[2]):
         qa, qb = rows.place_of(n, bodies, a, RIGID + m), rows.place_of(n, bodies, b, RIGID + m)
@@ -539,10 +624,17 @@ def motion_at(n, bodies, strain, interface, i, motion):
 
 @inlined
 def push_modes(n, bodies, strain, interface, i, resultant, which):
-    """Add a contact's Resultant to the generalized forces of both bricks' modes, in the walls `which` (flags)."""
+    """Add a contact's Resultant to the generalized forces of both bricks' modes, in the walls
+    `which` (flags)."""
     if strain is None:
         return
-    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    a, b, at_a, at_b, shapes = (
+        interface.a,
+        interface.b,
+        strain.rows[i, 0],
+        strain.rows[i, 1],
+        strain.shapes,
+    )
     normal, shear = either(which, resultant.normal, 0.0), either(which, resultant.shear, 0.0)
     for m in range(shapes.shape[2]):
         k = rows.first_force(bodies) + RIGID + m

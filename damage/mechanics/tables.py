@@ -1,11 +1,11 @@
 """Tables of a wall that a time step reads and writes, with the unit of each field.
 
-The joint law is homogeneous in the area.  Its parameters here are those of a contact point times its area, so that it
-returns forces and works in place of stresses and works per area.
+The joint law is homogeneous in the area.  Its parameters here are those of a contact point times
+its area, so that it returns forces and works in place of stresses and works per area.
 
-What differs between walls is in arrays (rows, fields, W), the wall last, of one wall or of eight that step together
-(`damage.mechanics.eight`); what is equal in all of them has no such axis.  `System` has the tables of one wall, views
-of these arrays.
+What differs between walls is in arrays (rows, fields, W), the wall last, of one wall or of eight
+that step together (`damage.mechanics.eight`); what is equal in all of them has no such axis.
+`System` has the tables of one wall, views of these arrays.
 """
 
 from collections import namedtuple
@@ -18,30 +18,33 @@ from damage.law.joint_law import ContactState, ElasticRange, Material
 from damage.mechanics.eight import WIDTH, argument
 
 X, Z, ROTATION = range(3)
-"""Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was built along x and z
-[m], rotation from x towards z [rad]."""
+"""Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was
+built along x and z [m], rotation from x towards z [rad]."""
 RIGID = 3
 """Number of coordinates of a rigid body."""
 COS1, SIN, PLACE = range(3)
-"""Fields of `bodies`: cosine of the rotation less one, its sine, the coordinates from PLACE on, then their forces."""
+"""Fields of `bodies`: cosine of the rotation less one, its sine, the coordinates from PLACE on,
+then their forces."""
 VELOCITY, MASS, INVERSE_MASS = range(3)
 """Fields of `inertia`: of coordinate k at 3 k from these."""
 OPENED, SLIPPED = 3, 4
-"""Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the threshold of damage."""
+"""Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the
+threshold of damage."""
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)
 """Entries of `energy` [J]."""
 REAL, INDEX, ROW = np.float64, np.uint32, np.uint64
 PARTS = 8
-"""Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so on."""
+"""Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so
+on."""
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC, DAMPED, SUMS = range(7)
-"""Rows of `sums`: momenta along x and z, power of prescribed velocities, power of damping, kinetic energy, work of the
-damping of interfaces."""
+"""Rows of `sums`: momenta along x and z, power of prescribed velocities, power of damping, kinetic
+energy, work of the damping of interfaces."""
 
 
 class Bench(NamedTuple):
-    """The only row of `bench`, parameters of a step: acceleration of the base along x and z, and with gravity along z
-    [m/s2]; time step [s]; mass-proportional [1/s] and local damping [-]; stiffness-proportional damping over the time
-    step [-]."""
+    """The only row of `bench`, parameters of a step: acceleration of the base along x and z, and
+    with gravity along z [m/s2]; time step [s]; mass-proportional [1/s] and local damping [-];
+    stiffness-proportional damping over the time step [-]."""
 
     base_x: float
     base_z: float
@@ -54,13 +57,14 @@ class Bench(NamedTuple):
 
 STEP = Bench._fields.index("step")
 TIME_STEP, LOCAL, ALPHA, BETA, ADAPTIVE = range(5)
-"""Columns of `controls`, a row for each wall: time step [s]; local damping [-]; mass-proportional [1/s] and
-stiffness-proportional damping [s]; adaptive damping as the share of the rate of change of the kinetic energy [-]."""
+"""Columns of `controls`, a row for each wall: time step [s]; local damping [-]; mass-proportional
+[1/s] and stiffness-proportional damping [s]; adaptive damping as the share of the rate of change of
+the kinetic energy [-]."""
 
 
 class Bearing(NamedTuple):
-    """A row of `bearings`: stiffness [N/m], limit: largest force while it slips [N], play [m], load: mass that the
-    constant load weighs [kg]; slip [m] and force [N] now."""
+    """A row of `bearings`: stiffness [N/m], limit: largest force while it slips [N], play [m],
+    load: mass that the constant load weighs [kg]; slip [m] and force [N] now."""
 
     stiffness: float
     limit: float
@@ -71,7 +75,8 @@ class Bearing(NamedTuple):
 
 
 class Strengths(NamedTuple):
-    """Strengths [N] and fracture energies [J] of a contact point: as of LawParameters, times its area."""
+    """Strengths [N] and fracture energies [J] of a contact point: as of LawParameters, times its
+    area."""
 
     tensile_strength: float
     cohesion: float
@@ -82,8 +87,8 @@ class Strengths(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """Of a contact point: opening plus plastic closure, negative under compression, and shear displacement [m]; normal
-    stress, tension positive, and shear stress [Pa]."""
+    """Of a contact point: opening plus plastic closure, negative under compression, and shear
+    displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
     opening: float
     shear: float
@@ -94,7 +99,8 @@ class Reading(NamedTuple):
 def _row(*fields):
     """Structured dtype of a table from its fields (name, type, unit, meaning)."""
     row = np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
-    return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row  # plain Python, too: fields as attributes
+    # plain Python, too: fields as attributes
+    return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row
 
 
 INTERFACE = _row(  # equal in all walls that step together
@@ -107,7 +113,12 @@ INTERFACE = _row(  # equal in all walls that step together
     ("kn_offset", REAL, "N", "sum of kn offset over the contact points"),
     ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
     ("reach", REAL, "m", "offset of the outermost contact point"),
-    ("slide_loss", REAL, "-", "reduction of the largest elastic shear displacement by an opening at the reach"),
+    (
+        "slide_loss",
+        REAL,
+        "-",
+        "reduction of the largest elastic shear displacement by an opening at the reach",
+    ),
     ("head", REAL, "-", "1 for an upright interface, 0 for a bed joint"),
     ("a", INDEX, "-", "row of body a"),
     ("b", INDEX, "-", "row of body b"),
@@ -121,7 +132,8 @@ LIMITS = "largest_opening", "largest_slide", "failed"
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
 LINES = INTERFACE.names[:11]
 """Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
-CONTACT = _row(  # of a contact point, equal in all walls that step together; stiffnesses times its area
+# of a contact point, equal in all walls that step together; stiffnesses times its area
+CONTACT = _row(
     ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
     ("area", REAL, "m2", ""),
     ("kn", REAL, "N/m", "normal stiffness"),
@@ -133,31 +145,42 @@ LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple
 RADIATION = "across", "along", "last_normal", "last_shear", "last_couple"
 """Fields of `radiation`: Dashpots, and their Resultant in the last step."""
 OF_STEP = "shear0", "idle", "passed"
-"""Fields of a state that the step adds: shear displacement at which the contact had `shear_stress` [m]; opening up to
-which the law of a failed, open contact is not evaluated, negative before [m]; thresholds exceeded so far: 1 opened, 2
-slipped, 3 both."""
+"""Fields of a state that the step adds: shear displacement at which the contact had `shear_stress`
+[m]; opening up to which the law of a failed, open contact is not evaluated, negative before [m];
+thresholds exceeded so far: 1 opened, 2 slipped, 3 both."""
 STATES = *ContactState._fields, *(f"elastic_{name}" for name in ElasticRange._fields), *OF_STEP
-"""Fields of the state of a contact point: of the joint law, its elastic range, both times its area, and OF_STEP."""
+"""Fields of the state of a contact point: of the joint law, its elastic range, both times its area,
+and OF_STEP."""
 
 
-class System(namedtuple("System", (
-        "place velocity force mass inverse_mass trig interfaces limits contacts strengths states readings "
-        "energy events values n_events relaxation last turning bearings radiation"))):
+class System(
+    namedtuple(
+        "System",
+        "place velocity force mass inverse_mass trig interfaces limits contacts strengths states"
+        " readings energy events values n_events relaxation last turning bearings radiation",
+    )
+):
     """Tables of one wall.
 
-    place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last, strain modes behind the rigid
-        coordinates [m or rad and per second, N or N m, kg or kg m2]; velocities are those half a step ago; forces are
-        those of the contact points; an inverse mass of zero prescribes a velocity
+    place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last, strain
+    modes behind the rigid
+        coordinates [m or rad and per second, N or N m, kg or kg m2]; velocities are those half a
+        step ago; forces are those of the contact points; an inverse mass of zero prescribes a
+        velocity
     trig: (bodies, 2) cosine of the rotation less one, and its sine
-    interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states (STATES): contacts in the
+    interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states
+    (STATES): contacts in the
         order of their interfaces
     readings: (4, contacts) displacements and stresses at the last sample, READINGS
     energy: (4,) INPUT to DAMPING [J]
-    events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa], opening and slip [m];
+    events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa],
+    opening and slip [m];
         n_events: (1,)
     relaxation: (2,) adaptive mass-proportional damping [1/s], kinetic energy of the last step [J]
-    last: (interfaces, LAST) for stiffness-proportional damping; a row for each contact where bricks deform
-    turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad], and the rotation at
+    last: (interfaces, LAST) for stiffness-proportional damping; a row for each contact where bricks
+    deform
+    turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad],
+    and the rotation at
         which it has no moment [rad]
     bearings (Bearing): (bodies,) what is between a restrained top and the ground, none without
     radiation: (rows of `last`, RADIATION) dashpots of the soil, none without soil
@@ -167,21 +190,29 @@ class System(namedtuple("System", (
 
 
 @argument
-class Tables(namedtuple("Tables", (
-        "bodies inertia interfaces limits contacts strengths states readings energy events values n_events "
-        "relaxation last turning bearings radiation bench sums others used lines first second every"))):
-    """Tables of one wall or of eight, with the fields of System that change or differ, (rows, fields, W).
+class Tables(
+    namedtuple(
+        "Tables",
+        "bodies inertia interfaces limits contacts strengths states readings energy events values"
+        " n_events relaxation last turning bearings radiation bench sums others used lines first"
+        " second every",
+    )
+):
+    """Tables of one wall or of eight, with the fields of System that change or differ, (rows,
+    fields, W).
 
-    bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of each coordinate;
-    energy, relaxation: (1, fields, W); events, values, n_events: the wall first; first, second: (interfaces,) rows of
-    the bodies; every: (bodies,) all rows; lines: (blocks of eight interfaces, LINES, 8), copied by `copy_lines`.
+    bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of
+    each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
+    first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
+    eight interfaces, LINES, 8), copied by `copy_lines`.
 
-    Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is evaluated contact point
-    by contact point; used: (contacts,) 0 where a contact point is an intact spring in all walls.
+    Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
+    evaluated contact point by contact point; used: (contacts,) 0 where a contact point is an intact
+    spring in all walls.
 
-    Tables of a single wall have rows up to a multiple of eight; interfaces there join the last body to itself without
-    springs and stay intact.  Its inertia, limits, last and radiation are in the order of columns: a field of eight rows
-    is a vector.
+    Tables of a single wall have rows up to a multiple of eight; interfaces there join the last body
+    to itself without springs and stay intact.  Its inertia, limits, last and radiation are in the
+    order of columns: a field of eight rows is a vector.
     """
 
 
@@ -189,15 +220,18 @@ SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
 WORK = "bench", "sums", "others", "used", "lines", "first", "second", "every"
 
 
-def make_tables(n_bodies, coordinates, interfaces, contacts, n_dashpots, n_bearings, capacity, width=1):
-    """Tables of walls with these interfaces and contacts, all else zero; n_dashpots, n_bearings: rows of `radiation`
-    and `bearings`; capacity: largest number of events."""
+def make_tables(
+    n_bodies, coordinates, interfaces, contacts, n_dashpots, n_bearings, capacity, width=1
+):
+    """Tables of walls with these interfaces and contacts, all else zero; n_dashpots, n_bearings:
+    rows of `radiation` and `bearings`; capacity: largest number of events."""
+
     def up(rows):
         return rows if width > 1 else -(-rows // 8) * 8
 
     c, p, blocks = len(contacts), up(len(interfaces)), -(-len(interfaces) // 8)
     first, second = (np.full(p, n_bodies - 1, INDEX) for _ in range(2))
-    first[:len(interfaces)], second[:len(interfaces)] = interfaces["a"], interfaces["b"]
+    first[: len(interfaces)], second[: len(interfaces)] = interfaces["a"], interfaces["b"]
 
     def zeros(rows, fields):
         return aligned_zeros(rows, fields, width)
@@ -209,42 +243,73 @@ def make_tables(n_bodies, coordinates, interfaces, contacts, n_dashpots, n_beari
     limits = by_columns(len(interfaces), len(LIMITS))
     limits[:, :HAS_FAILED] = np.inf  # places that no wall takes stay intact
     return Tables(
-        bodies=zeros(up(n_bodies), 2 + 2 * coordinates), inertia=by_columns(n_bodies, 3 * coordinates),
-        interfaces=interfaces, limits=limits, contacts=contacts, strengths=zeros(c, len(STRENGTHS)),
-        states=zeros(c, len(STATES)), readings=zeros(c, len(READINGS)), energy=zeros(1, 4),
-        events=np.zeros((width, capacity, 3), np.int64), values=np.zeros((width, capacity, 4)),
-        n_events=np.zeros((width, 1), np.int64), relaxation=zeros(1, 2), last=by_columns(n_last, len(LAST)),
-        turning=zeros(n_bodies, 2), bearings=zeros(n_bearings, len(Bearing._fields)),
-        radiation=by_columns(n_dashpots, len(RADIATION)), bench=zeros(1, len(Bench._fields)), sums=zeros(SUMS, PARTS),
-        others=np.zeros(p, np.uint8), used=np.zeros(c, np.uint8), lines=aligned_zeros(blocks, len(LINES), 8),
-        first=first, second=second, every=np.arange(up(n_bodies), dtype=INDEX))
+        bodies=zeros(up(n_bodies), 2 + 2 * coordinates),
+        inertia=by_columns(n_bodies, 3 * coordinates),
+        interfaces=interfaces,
+        limits=limits,
+        contacts=contacts,
+        strengths=zeros(c, len(STRENGTHS)),
+        states=zeros(c, len(STATES)),
+        readings=zeros(c, len(READINGS)),
+        energy=zeros(1, 4),
+        events=np.zeros((width, capacity, 3), np.int64),
+        values=np.zeros((width, capacity, 4)),
+        n_events=np.zeros((width, 1), np.int64),
+        relaxation=zeros(1, 2),
+        last=by_columns(n_last, len(LAST)),
+        turning=zeros(n_bodies, 2),
+        bearings=zeros(n_bearings, len(Bearing._fields)),
+        radiation=by_columns(n_dashpots, len(RADIATION)),
+        bench=zeros(1, len(Bench._fields)),
+        sums=zeros(SUMS, PARTS),
+        others=np.zeros(p, np.uint8),
+        used=np.zeros(c, np.uint8),
+        lines=aligned_zeros(blocks, len(LINES), 8),
+        first=first,
+        second=second,
+        every=np.arange(up(n_bodies), dtype=INDEX),
+    )
 
 
 def copy_lines(tables):
     """Copy LINES from the interfaces into `lines`."""
     for field, name in enumerate(LINES):
-        tables.lines[:, field].flat[:len(tables.interfaces)] = tables.interfaces[name]
+        tables.lines[:, field].flat[: len(tables.interfaces)] = tables.interfaces[name]
 
 
 def aligned_zeros(*shape):
-    """Array of zeros that is aligned to the 64 bytes of a cache line, so that a vector lies in one line."""
+    """Array of zeros that is aligned to the 64 bytes of a cache line, so that a vector lies in one
+    line."""
     n = int(np.prod(shape))
     bytes_ = np.zeros(8 * n + 64, np.uint8)
     first = -bytes_.ctypes.data % 64
-    return bytes_[first:first + 8 * n].view(float).reshape(shape)
+    return bytes_[first : first + 8 * n].view(float).reshape(shape)
 
 
 def join(members):
-    """Tables of walls that step together, of one or eight; members: (Tables, place in them) of each."""
+    """Tables of walls that step together, of one or eight; members: (Tables, place in them) of
+    each."""
     old = members[0][0]
-    new = make_tables(len(old.turning), old.inertia.shape[1] // 3, old.interfaces.copy(), old.contacts.copy(),
-                      len(old.radiation), len(old.bearings), old.events.shape[1],
-                      width=1 if len(members) == 1 else WIDTH)
+    new = make_tables(
+        len(old.turning),
+        old.inertia.shape[1] // 3,
+        old.interfaces.copy(),
+        old.contacts.copy(),
+        len(old.radiation),
+        len(old.bearings),
+        old.events.shape[1],
+        width=1 if len(members) == 1 else WIDTH,
+    )
     for w, (tables, lane) in enumerate(members):
-        logged = {"n_events": 1, "events": int(tables.n_events[lane, 0]), "values": int(tables.n_events[lane, 0])}
+        logged = {
+            "n_events": 1,
+            "events": int(tables.n_events[lane, 0]),
+            "values": int(tables.n_events[lane, 0]),
+        }
         for name, from_, to in zip(Tables._fields, tables, new):
             if name in LOGS:
-                to[w, :logged[name]] = from_[lane, :logged[name]]  # its events as far as there are any
+                # its events as far as there are any
+                to[w, : logged[name]] = from_[lane, : logged[name]]
             elif name not in SHARED + WORK:
                 rows = min(len(from_), len(to))
                 to[:rows, :, w] = from_[:rows, :, lane]
@@ -256,25 +321,46 @@ def system_of(tables, w):
     """System of wall w of Tables."""
     n, inertia = len(tables.turning), tables.inertia[..., w]
     damped = len(tables.interfaces if inertia.shape[1] == 3 * RIGID else tables.contacts)
-    trig, place, force = np.split(tables.bodies[:n, :, w], [PLACE, PLACE + inertia.shape[1] // 3], axis=1)
+    trig, place, force = np.split(
+        tables.bodies[:n, :, w], [PLACE, PLACE + inertia.shape[1] // 3], axis=1
+    )
     return System(
-        place=place, force=force, trig=trig,
-        velocity=inertia[:n, VELOCITY::3], mass=inertia[:n, MASS::3], inverse_mass=inertia[:n, INVERSE_MASS::3],
-        interfaces=tables.interfaces, contacts=tables.contacts,
-        limits=tables.limits[:len(tables.interfaces), :, w],
+        place=place,
+        force=force,
+        trig=trig,
+        velocity=inertia[:n, VELOCITY::3],
+        mass=inertia[:n, MASS::3],
+        inverse_mass=inertia[:n, INVERSE_MASS::3],
+        interfaces=tables.interfaces,
+        contacts=tables.contacts,
+        limits=tables.limits[: len(tables.interfaces), :, w],
         strengths=_records(tables.strengths, STRENGTHS, w),
-        states=_records(tables.states, STATES, w), readings=tables.readings[..., w].T, energy=tables.energy[0, :, w],
-        events=tables.events[w], values=tables.values[w], n_events=tables.n_events[w],
-        relaxation=tables.relaxation[0, :, w], last=tables.last[:damped, :, w], turning=tables.turning[..., w],
-        bearings=_records(tables.bearings, Bearing._fields, w), radiation=tables.radiation[:damped, :, w])
+        states=_records(tables.states, STATES, w),
+        readings=tables.readings[..., w].T,
+        energy=tables.energy[0, :, w],
+        events=tables.events[w],
+        values=tables.values[w],
+        n_events=tables.n_events[w],
+        relaxation=tables.relaxation[0, :, w],
+        last=tables.last[:damped, :, w],
+        turning=tables.turning[..., w],
+        bearings=_records(tables.bearings, Bearing._fields, w),
+        radiation=tables.radiation[:damped, :, w],
+    )
 
 
 def _records(table, names, w):
     """View of wall w of a table as a structured array with named fields."""
     rows, fields, width = table.shape
     size = 8 * fields * width
-    row = np.dtype({"names": names, "formats": [REAL] * fields, "itemsize": size,
-                    "offsets": [8 * (k * width + w) for k in range(fields)]})
+    row = np.dtype(
+        {
+            "names": names,
+            "formats": [REAL] * fields,
+            "itemsize": size,
+            "offsets": [8 * (k * width + w) for k in range(fields)],
+        }
+    )
     return table.reshape(rows, fields * width).view(row)[:, 0]
 
 
@@ -288,9 +374,10 @@ def table(dtype, n, **fields):
 
 @argument
 class Strain(NamedTuple):
-    """Strain modes of deformable bricks: stiffness, damping: (bodies, modes) of each mode [1/s2, 1/s], the supports
-    last; shapes: (kinds, 2, modes) displacement along the normal and the tangent of a contact point by a unit of each
-    [1/sqrt(kg)]; rows: (contacts, 2) of these, in bodies a and b."""
+    """Strain modes of deformable bricks: stiffness, damping: (bodies, modes) of each mode [1/s2,
+    1/s], the supports last; shapes: (kinds, 2, modes) displacement along the normal and the tangent
+    of a contact point by a unit of each [1/sqrt(kg)]; rows: (contacts, 2) of these, in bodies a and
+    b."""
 
     stiffness: np.ndarray
     damping: np.ndarray
@@ -300,12 +387,13 @@ class Strain(NamedTuple):
 
 @argument
 class Matrix(NamedTuple):
-    """Mass matrix of selective mass scaling as a block factor L D L', its nodes in the order of elimination; a node has
-    three coordinates of a body.
+    """Mass matrix of selective mass scaling as a block factor L D L', its nodes in the order of
+    elimination; a node has three coordinates of a body.
 
-    body, first, count: (nodes,) row of its body, the first of its coordinates and their number; start: (nodes + 1,)
-    first block of each column of L; below: (blocks,) node of each block's row; lower: (blocks, 3, 3) these blocks;
-    diagonal, inverse: (nodes, 3, 3) blocks of D, zero where massless and prescribed, and of its inverse;
+    body, first, count: (nodes,) row of its body, the first of its coordinates and their number;
+    start: (nodes + 1,) first block of each column of L; below: (blocks,) node of each block's row;
+    lower: (blocks, 3, 3) these blocks; diagonal, inverse: (nodes, 3, 3) blocks of D, zero where
+    massless and prescribed, and of its inverse;
     room: (nodes, 6, W) work array.
     """
 

@@ -1,4 +1,5 @@
-"""Columns of text, time and acceleration: CSV as programs and countries write it, and plain text with blanks."""
+"""Columns of text, time and acceleration: CSV as programs and countries write it, and plain text
+with blanks."""
 
 import math
 import re
@@ -11,13 +12,23 @@ from damage.fields import Column
 from damage.motion.record import MOST_SAMPLES, _shown
 from damage.units import GRAVITY
 
-UNITS_M_S2 = {"m_s2": 1.0, "cm_s2": 0.01, "mm_s2": 0.001, "gal": 0.01, "g": GRAVITY, "mg": GRAVITY / 1000}
-"""Units of the acceleration, and their factors to m/s2; 1 gal is 1 cm/s2, 1 mg a thousandth of g."""
+UNITS_M_S2 = {
+    "m_s2": 1.0,
+    "cm_s2": 0.01,
+    "mm_s2": 0.001,
+    "gal": 0.01,
+    "g": GRAVITY,
+    "mg": GRAVITY / 1000,
+}
+"""Units of the acceleration, and their factors to m/s2; 1 gal is 1 cm/s2, 1 mg a thousandth of
+g."""
 
 COLUMNS = {"time": Column("s", "of a sample"), "acceleration": Column("as named", "of the ground")}
-EXPECTED_HEADER = ("two columns, separated as the rows: time_s and one of "
-                   + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
-                   + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"')
+EXPECTED_HEADER = (
+    "two columns, separated as the rows: time_s and one of "
+    + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
+    + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"'
+)
 EXPECTED_UNIT = f"a header such as time_s,acc_m_s2, or --unit {'|'.join(UNITS_M_S2)}"
 
 _TIME = re.compile(r"(?:time|t) *[ _\[(] *(?:s|sec|seconds?) *[\])]?")
@@ -29,7 +40,8 @@ _FORTRAN = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3}(?![\d
 
 
 def read_columns(
-        path, lines: list[str], unit=None, sample_step_s=None) -> tuple[float, float, np.ndarray, str]:
+    path, lines: list[str], unit=None, sample_step_s=None
+) -> tuple[float, float, np.ndarray, str]:
     """Time step and first time [s], accelerations (n_samples,) [m/s2], and their unit with what
     says so, of a table: time and acceleration, or the acceleration alone where `sample_step_s` is
     given.
@@ -45,19 +57,30 @@ def read_columns(
     if len(rows) < 2:
         raise InputError(f"{path}: {len(rows)} data rows; expected 2 or more of time_s,acc_m_s2")
     if len(rows) > MOST_SAMPLES:
-        raise InputError(f"{path}: {len(rows)} samples; expected up to {MOST_SAMPLES}, cut the record")
+        raise InputError(
+            f"{path}: {len(rows)} samples; expected up to {MOST_SAMPLES}, cut the record"
+        )
     first = rows[0][1].rstrip(" ,;\t")
     separator = _separator(first)
     alone = len(first.split(separator)) == 1
     if alone and sample_step_s is None:
-        raise bad_line(path, *rows[0], "has one column", "two, time and one component of the "
-                       "acceleration, with a comma, a semicolon, a tabulator or blanks between; of "
-                       "accelerations alone give --sample-step S")
+        raise bad_line(
+            path,
+            *rows[0],
+            "has one column",
+            "two, time and one component of the "
+            "acceleration, with a comma, a semicolon, a tabulator or blanks between; of "
+            "accelerations alone give --sample-step S",
+        )
     named_by = header or _comment_above(lines, rows[0][0])
     named = _named_unit(named_by[1], separator, alone)
     if header and not named:
-        raise bad_line(path, *header, "is an unknown header", f"{EXPECTED_HEADER}; name the unit "
-                       "there, and begin lines above the header with #")
+        raise bad_line(
+            path,
+            *header,
+            "is an unknown header",
+            f"{EXPECTED_HEADER}; name the unit there, and begin lines above the header with #",
+        )
     names = ["acceleration"] if alone else ["time", "acceleration"]
     table = CsvTable(path, names, rows, separator, COLUMNS)
     table.refuse_empty(*names)
@@ -101,8 +124,12 @@ def _unit(path, header: tuple[int, str], named, given) -> tuple[str, str]:
     """(unit, words that say it and where it was named) by the header, a line (number, text), and
     the unit that it names or None, or by --unit, which cannot replace it."""
     if given and named and UNITS_M_S2[given] != UNITS_M_S2[named]:
-        raise bad_line(path, *header, f"names {named}, --unit {given}",
-                       "the same unit; leave --unit out, or correct the header")
+        raise bad_line(
+            path,
+            *header,
+            f"names {named}, --unit {given}",
+            "the same unit; leave --unit out, or correct the header",
+        )
     if given:
         return given, f"{given} (--unit)"
     if not named:
@@ -114,7 +141,8 @@ def _unit(path, header: tuple[int, str], named, given) -> tuple[str, str]:
 def _separator(line: str) -> str | None:
     """The separator of the columns of a data line; None: blanks.
 
-    >>> [_separator(line) for line in ("0.01,0.2", "0.01, 0.2", "0,01;0,2", "0,01 0,2", " 0.01  .2 ")]
+    >>> lines = "0.01,0.2", "0.01, 0.2", "0,01;0,2", "0,01 0,2", " 0.01  .2 "
+    >>> [_separator(line) for line in lines]
     [',', ',', ';', None, None]
     """
     if ";" in line:
@@ -133,19 +161,30 @@ def _plain_unit(unit: str) -> str:
     """
     unit = re.sub(r"^in ", "", unit)
     unit = re.sub(r"[ ^*()._/]", "", unit).replace("sec", "s")
-    unit = re.sub(r"(?<=m)(?:ss|s-?[2²\ufffd])$", "_s2", unit)  # \ufffd: an exponent of a text that is not in UTF-8
+    # \ufffd: an exponent of a text that is not in UTF-8
+    unit = re.sub(r"(?<=m)(?:ss|s-?[2²\ufffd])$", "_s2", unit)
     return "gal" if unit == "gals" else unit
 
 
 def numbers(path, number: int, line: str) -> list[float]:
-    """The finite numbers of one line, separated by blanks or by the sign of the next fixed column."""
+    """The finite numbers of one line, separated by blanks or by the sign of the next fixed
+    column."""
     cells = line.split()
     if not all(map(is_number, cells)):
         cells = [part for cell in cells for part in _fixed_columns(cell)]
     if not all(map(is_number, cells)):
         joined = re.search(r"\.\d+\.\d", line)
-        raise bad_line(path, number, line, "is not numeric", "a blank between numbers, which touch here" if joined else
-                       "numbers; comments start with #")
+        raise bad_line(
+            path,
+            number,
+            line,
+            "is not numeric",
+            (
+                "a blank between numbers, which touch here"
+                if joined
+                else "numbers; comments start with #"
+            ),
+        )
     values = [as_float(cell) for cell in cells]
     if not all(map(math.isfinite, values)):
         raise bad_line(path, number, line, "is not finite", "no NaN or inf, fill or cut the gap")
@@ -155,11 +194,13 @@ def numbers(path, number: int, line: str) -> list[float]:
 def _fixed_columns(cell: str) -> list[str]:
     """The numbers of a cell that touch by their signs; the cell where it is no such.
 
-    >>> _fixed_columns("-0.100E+00-0.200E-01-0.5"), _fixed_columns("1.52.5"), _fixed_columns("2018-01-08")
+    >>> tuple(map(_fixed_columns, ("-0.100E+00-0.200E-01-0.5", "1.52.5", "2018-01-08")))
     (['-0.100E+00', '-0.200E-01', '-0.5'], ['1.52.5'], ['2018-01-08'])
     """
     parts = _FORTRAN.findall(cell)
-    return parts if "".join(parts) == cell and all(part[0] in "+-" for part in parts[1:]) else [cell]
+    return (
+        parts if "".join(parts) == cell and all(part[0] in "+-" for part in parts[1:]) else [cell]
+    )
 
 
 def bad_line(path, number: int, line: str, problem: str, expected: str) -> InputError:
@@ -174,7 +215,8 @@ Room for the rounding of the printed times: four decimals at 150 Hz are 0.75 % o
 """
 
 LONGEST_STEP_S = 0.05
-"""Of a record's samples: beyond it nothing above 10 Hz is recorded, and walls have their first mode at 5 to 30 Hz."""
+"""Of a record's samples: beyond it nothing above 10 Hz is recorded, and walls have their first mode
+at 5 to 30 Hz."""
 
 _ROUNDED_SHARE = 0.05
 """Of the steps that differ from the usual one: fewer are lost samples, more are rounding."""
@@ -185,13 +227,16 @@ _WAY_OUT = "write seconds, or give --sample-step S, the time between two samples
 def check_step(path, step_s: float):
     """Raise InputError where samples are too far apart for the motion of a wall."""
     if step_s > LONGEST_STEP_S:
-        raise InputError(f"{path}: a time step of {step_s:g} s; expected at most {LONGEST_STEP_S:g} s, or the motion "
-                         f"of a wall is not in the record: {_WAY_OUT}")
+        raise InputError(
+            f"{path}: a time step of {step_s:g} s; expected at most {LONGEST_STEP_S:g} s, or the"
+            f" motion of a wall is not in the record: {_WAY_OUT}"
+        )
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of times that no clock shows, which are refused
 def uniform_step(path, lines: list[int], time_s: np.ndarray, given_s: float | None = None) -> float:
-    """The constant step [s] of a column of times (n_samples,) in these lines; given_s: what --sample-step says of it.
+    """The constant step [s] of a column of times (n_samples,) in these lines; given_s: what
+    --sample-step says of it.
 
     Raises InputError with the line, or with what the column has in place of seconds.
     """
@@ -206,18 +251,28 @@ def uniform_step(path, lines: list[int], time_s: np.ndarray, given_s: float | No
         _refuse_rounded(path, time_s, steps, usual)
     if not steps.min() > 0:
         k = int(np.argmax(steps <= 0))
-        raise InputError(f"{path}: line {lines[k + 1]}: time {time_s[k + 1]:g} s after {time_s[k]:g} s;"
-                         " expected times that increase, sort the rows")
+        raise InputError(
+            f"{path}: line {lines[k + 1]}: time {time_s[k + 1]:g} s after {time_s[k]:g} s;"
+            " expected times that increase, sort the rows"
+        )
     if not uniform:
         k = int(np.argmax(np.abs(steps - usual)))
-        raise InputError(f"{path}: line {lines[k + 1]}: a step of {steps[k]:g} s among {usual:g} s;"
-                         f" expected uniform times within {TIME_TOLERANCE:.0%} of the step, resample the record")
+        raise InputError(
+            f"{path}: line {lines[k + 1]}: a step of {steps[k]:g} s among {usual:g} s;"
+            f" expected uniform times within {TIME_TOLERANCE:.0%} of the step, resample the record"
+        )
     # twelve digits: the 0.01 s that was meant, not the nearest double of 0.29 s / 29
     step = float(f"{step:.12g}")
     if step > LONGEST_STEP_S and step == round(step) <= 50:
-        what = "sample numbers, or milliseconds at 1000 Hz" if step == 1 else "milliseconds, or every so many samples"
-        raise InputError(f"{path}: times {time_s[0]:g}, {time_s[1]:g}, {time_s[2 % time_s.size]:g}, ... are no seconds "
-                         f"but {what}; expected a step of at most {LONGEST_STEP_S:g} s: {_WAY_OUT}")
+        what = (
+            "sample numbers, or milliseconds at 1000 Hz"
+            if step == 1
+            else "milliseconds, or every so many samples"
+        )
+        raise InputError(
+            f"{path}: times {time_s[0]:g}, {time_s[1]:g}, {time_s[2 % time_s.size]:g}, ... are no"
+            f" seconds but {what}; expected a step of at most {LONGEST_STEP_S:g} s: {_WAY_OUT}"
+        )
     return step
 
 
@@ -226,12 +281,19 @@ def _refuse_rounded(path, time_s, steps, usual):
     decimals = _decimals(time_s)
     last_place = 10.0**-decimals
     unlike = np.abs(steps - usual) > 0.5 * last_place
-    if steps.min() < 0 or np.ptp(steps) > 1.5 * last_place or unlike.sum() < max(2, _ROUNDED_SHARE * steps.size):
+    if (
+        steps.min() < 0
+        or np.ptp(steps) > 1.5 * last_place
+        or unlike.sum() < max(2, _ROUNDED_SHARE * steps.size)
+    ):
         return
     places = f"{decimals} decimal{'s' if decimals != 1 else ''}"
-    raise InputError(f"{path}: times are rounded to {places}: {time_s.size} samples from {time_s[0]:g} to "
-                     f"{time_s[-1]:g} s; expected steps that are equal within {TIME_TOLERANCE:.0%}: write times with "
-                     f"{decimals + 1} or more decimals, or give --sample-step S, the time between two samples [s]")
+    raise InputError(
+        f"{path}: times are rounded to {places}: {time_s.size} samples from {time_s[0]:g} to"
+        f" {time_s[-1]:g} s; expected steps that are equal within {TIME_TOLERANCE:.0%}: write times"
+        f" with {decimals + 1} or more decimals, or give --sample-step S, the time between two"
+        " samples [s]"
+    )
 
 
 def _decimals(time_s) -> int:
@@ -244,14 +306,20 @@ def _decimals(time_s) -> int:
 
 
 def _given_step(path, time_s, given_s: float) -> float:
-    """The step by --sample-step; InputError unless the times are multiples of it in seconds or milliseconds, as far as
-    they are rounded, or numbers of samples."""
+    """The step by --sample-step; InputError unless the times are multiples of it in seconds or
+    milliseconds, as far as they are rounded, or numbers of samples."""
     if not (math.isfinite(given_s) and given_s > 0):
-        raise InputError(f"--sample-step {given_s:g}: expected the time between two samples [s]; correct it")
+        raise InputError(
+            f"--sample-step {given_s:g}: expected the time between two samples [s]; correct it"
+        )
     elapsed, numbers = time_s - time_s[0], np.arange(time_s.size)
-    room = 10.0**-_decimals(time_s)
+    room = 10.0 ** -_decimals(time_s)
     for step in (given_s, 1e3 * given_s, 1.0):
-        if np.abs(elapsed - step * numbers).max() <= max(TIME_TOLERANCE * step, room if step != 1.0 else 0.0):
+        if np.abs(elapsed - step * numbers).max() <= max(
+            TIME_TOLERANCE * step, room if step != 1.0 else 0.0
+        ):
             return given_s
-    raise InputError(f"{path}: times step by {np.median(np.diff(time_s)):g} s, --sample-step by {given_s:g} s; "
-                     "expected the same; leave --sample-step out, or keep the column of accelerations alone")
+    raise InputError(
+        f"{path}: times step by {np.median(np.diff(time_s)):g} s, --sample-step by {given_s:g} s; "
+        "expected the same; leave --sample-step out, or keep the column of accelerations alone"
+    )

@@ -20,11 +20,20 @@ SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)
 AVERAGE_PERIODS_S = tuple(np.geomspace(0.01, 1.0, 10))
 """Periods of AvgSa [s]: ten, equally far apart in their logarithm."""
 
-APPLIED = ("pgv_m_s", "pgv_rotd100_m_s", "avg_sa_g", "sa_eigen_period_g", "arias_m_s", "d5_75_s", "d5_95_s")
+APPLIED = (
+    "pgv_m_s",
+    "pgv_rotd100_m_s",
+    "avg_sa_g",
+    "sa_eigen_period_g",
+    "arias_m_s",
+    "d5_75_s",
+    "d5_95_s",
+)
 """Keys of `applied_measures`."""
 
 MOST_END_VELOCITY, WARNED_END_VELOCITY = 0.2, 0.5
-"""Velocities at a motion's end, as shares of PGV, above which `describe` notes it and a run warns of it.
+"""Velocities at a motion's end, as shares of PGV, above which `describe` notes it and a run warns
+of it.
 
 Windows of studies/stations.csv leave up to 0.27; BLOP_HGE, whose baseline steps, leaves 1.
 """
@@ -49,9 +58,9 @@ def pgv_cm_s(record: Record) -> float:
 def pgv_m_s(record: Record) -> float:
     """Peak velocity of a base that moves as the record says, from rest at the first sample [m/s].
 
-    Exact for acceleration that is linear between samples, which is how a run applies it: the velocity's peak is at a
-    sample or where the acceleration passes zero between two.  Nothing is filtered: a baseline that is off counts.
-    """
+    Exact for acceleration that is linear between samples, which is how a run applies it: the
+    velocity's peak is at a sample or where the acceleration passes zero between two.  Nothing is
+    filtered: a baseline that is off counts."""
     a, step_s = record.acceleration_m_s2, record.time_step_s
     at_samples = scipy.integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
     turns = np.flatnonzero(a[:-1] * a[1:] < 0)
@@ -61,26 +70,37 @@ def pgv_m_s(record: Record) -> float:
 
 
 def rotd100(record: Record, across: Record) -> dict:
-    """Largest of all horizontal directions (RotD100: D. M. Boore, 2010, Bull. Seism. Soc. Am. 100(4), 1830-1835) of two
-    components at right angles with the same step, length and start: "pga_rotd100_g", "pgv_rotd100_cm_s" and
-    "sa_rotd100_g", the 5 % spectrum, {period [s]: ordinate [g]}.
+    """Largest of all horizontal directions (RotD100: D. M. Boore, 2010, Bull. Seism. Soc. Am.
+    100(4), 1830-1835) of two components at right angles with the same step, length and start:
+    "pga_rotd100_g", "pgv_rotd100_cm_s" and "sa_rotd100_g", the 5 % spectrum, {period [s]: ordinate
+    [g]}.
 
     The largest of all directions is the largest length of the vector of both components.
     """
     pair = [one.acceleration_m_s2 for one in (record, across)]
     step_s = record.time_step_s
-    spectrum = {str(period): float(np.hypot(*(oscillator_response(one, step_s, period) for one in pair)).max())
-                / GRAVITY for period in SPECTRUM_PERIODS_S}
-    return {"pga_rotd100_g": float(np.hypot(*pair).max()) / GRAVITY, "pgv_rotd100_cm_s": 100.0 * pgv_rotd100_m_s(
-        record, across), "sa_rotd100_g": spectrum}
+    spectrum = {
+        str(period): (
+            float(np.hypot(*(oscillator_response(one, step_s, period) for one in pair)).max())
+            / GRAVITY
+        )
+        for period in SPECTRUM_PERIODS_S
+    }
+    return {
+        "pga_rotd100_g": float(np.hypot(*pair).max()) / GRAVITY,
+        "pgv_rotd100_cm_s": 100.0 * pgv_rotd100_m_s(record, across),
+        "sa_rotd100_g": spectrum,
+    }
 
 
 INSTANTS = 16
-"""Parts of each time step of a record at whose ends `pgv_rotd100_m_s` looks for the peak velocity."""
+"""Parts of each time step of a record at whose ends `pgv_rotd100_m_s` looks for the peak
+velocity."""
 
 
 def pgv_rotd100_m_s(record: Record, across: Record) -> float:
-    """As `pgv_m_s`, in the direction in which it is largest [m/s]; the velocity is exact at each instant looked at."""
+    """As `pgv_m_s`, in the direction in which it is largest [m/s]; the velocity is exact at each
+    instant looked at."""
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
 
     def velocity(one):
@@ -92,22 +112,28 @@ def pgv_rotd100_m_s(record: Record, across: Record) -> float:
 
 
 def avg_sa_g(record: Record) -> float:
-    """AvgSa: geometric mean of the 5 % pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of them is.
+    """AvgSa: geometric mean of the 5 % pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of
+    them is.
 
-    L. Eads, E. Miranda, D. G. Lignos (2015), Average spectral acceleration as an intensity measure for collapse risk
-    assessment, Earthq. Eng. Struct. Dyn. 44(12), doi:10.1002/eqe.2575, with periods of its own: those of stiff houses.
-    """
-    return float(np.prod(response_spectrum(record, AVERAGE_PERIODS_S)) ** (1 / len(AVERAGE_PERIODS_S)))
+    L. Eads, E. Miranda, D. G. Lignos (2015), Average spectral acceleration as an intensity measure
+    for collapse risk assessment, Earthq. Eng. Struct. Dyn. 44(12), doi:10.1002/eqe.2575, with
+    periods of its own: those of stiff houses."""
+    return float(
+        np.prod(response_spectrum(record, AVERAGE_PERIODS_S)) ** (1 / len(AVERAGE_PERIODS_S))
+    )
 
 
-def applied_measures(record: Record | None, eigen_period_s: float | None, across: Record | None = None) -> dict:
-    """Measures of the horizontal motion as a run applied it, under the keys APPLIED; None where one does not apply.
+def applied_measures(
+    record: Record | None, eigen_period_s: float | None, across: Record | None = None
+) -> dict:
+    """Measures of the horizontal motion as a run applied it, under the keys APPLIED; None where one
+    does not apply.
 
-    record: that motion, after baseline, band-pass, window and scale, or None where the base stands still;
-    eigen_period_s: of the intact wall [s], or None; across: the other horizontal component, which is not applied, or
-    None.
-    The spectral ones have 5 % damping and the rest after the motion, as long as the longest period, in which an
-    oscillator may swing further than during a short motion.
+    record: that motion, after baseline, band-pass, window and scale, or None where the base stands
+    still; eigen_period_s: of the intact wall [s], or None; across: the other horizontal component,
+    which is not applied, or None.
+    The spectral ones have 5 % damping and the rest after the motion, as long as the longest period,
+    in which an oscillator may swing further than during a short motion.
     """
     if record is None:
         return dict.fromkeys(APPLIED)
@@ -115,10 +141,13 @@ def applied_measures(record: Record | None, eigen_period_s: float | None, across
         "pgv_m_s": lambda: pgv_m_s(record),
         "pgv_rotd100_m_s": lambda: None if across is None else pgv_rotd100_m_s(record, across),
         "avg_sa_g": lambda: avg_sa_g(rested(record, AVERAGE_PERIODS_S[-1])),
-        "sa_eigen_period_g": lambda: None if eigen_period_s is None else sa_g(record, eigen_period_s),
+        "sa_eigen_period_g": lambda: (
+            None if eigen_period_s is None else sa_g(record, eigen_period_s)
+        ),
         "arias_m_s": lambda: arias_m_s(record),
         "d5_75_s": lambda: significant_duration_s(record, 0.05, 0.75),
-        "d5_95_s": lambda: significant_duration_s(record, 0.05, 0.95)}
+        "d5_95_s": lambda: significant_duration_s(record, 0.05, 0.95),
+    }
     return {name: _where_it_applies(measures[name]) for name in APPLIED}
 
 
@@ -146,11 +175,15 @@ def arias_m_s(record: Record) -> float:
     return math.pi / (2 * GRAVITY) * float(_squared_acceleration_integral(record)[-1])
 
 
-def significant_duration_s(record: Record, start_fraction: float = 0.05, end_fraction: float = 0.75) -> float:
+def significant_duration_s(
+    record: Record, start_fraction: float = 0.05, end_fraction: float = 0.75
+) -> float:
     """Time between two fractions of the Arias intensity, linear between samples [s]."""
     if not 0 <= start_fraction < end_fraction <= 1:
-        raise InputError(f"fractions {start_fraction!r} and {end_fraction!r} of the Arias intensity;"
-                         " expected 0 <= start < end <= 1, such as 0.05 and 0.75")
+        raise InputError(
+            f"fractions {start_fraction!r} and {end_fraction!r} of the Arias intensity;"
+            " expected 0 <= start < end <= 1, such as 0.05 and 0.75"
+        )
     integral = _squared_acceleration_integral(record)
     if integral[-1] == 0:
         raise InputError(f"{record.name}: no motion, all samples are 0; expected some to measure")
@@ -161,7 +194,9 @@ def significant_duration_s(record: Record, start_fraction: float = 0.05, end_fra
 
 def _squared_acceleration_integral(record: Record) -> np.ndarray:
     """Running integral of the squared acceleration, trapezoidal, (n_samples,) [m2/s3]."""
-    return scipy.integrate.cumulative_trapezoid(record.acceleration_m_s2**2, dx=record.time_step_s, initial=0.0)
+    return scipy.integrate.cumulative_trapezoid(
+        record.acceleration_m_s2**2, dx=record.time_step_s, initial=0.0
+    )
 
 
 def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.ndarray:
@@ -179,8 +214,19 @@ def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.nd
         raise InputError(f"periods {periods_s.tolist()!r} s; expected positive, finite numbers")
     if not 0 <= damping < 1:
         raise InputError(f"damping ratio {damping!r}; expected 0 <= ratio < 1, such as 0.05")
-    return np.array([np.abs(oscillator_response(record.acceleration_m_s2, record.time_step_s, period, damping)).max()
-                     for period in periods_s]) / GRAVITY
+    return (
+        np.array(
+            [
+                np.abs(
+                    oscillator_response(
+                        record.acceleration_m_s2, record.time_step_s, period, damping
+                    )
+                ).max()
+                for period in periods_s
+            ]
+        )
+        / GRAVITY
+    )
 
 
 def oscillator_response(
@@ -201,12 +247,17 @@ def oscillator_response(
     start = acceleration_m_s2[:-1]
     change = np.diff(acceleration_m_s2)
     phi0, phi1 = _ramp_weights(pole * time_step_s, time_step_s)
-    state = scipy.signal.lfilter([1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1))
+    state = scipy.signal.lfilter(
+        [1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1)
+    )
     state = np.concatenate(([0.0], state[:-1]))  # (n_samples - 1,) at the start of each step
     instants = math.ceil(POINTS_PER_PERIOD * time_step_s / period_s)
     if instants * start.size > MOST_VALUES:
-        raise InputError(f"a period of {period_s:g} s of {start.size} samples {time_step_s:g} s apart: expected up to "
-                         f"{MOST_VALUES} instants in all, {POINTS_PER_PERIOD} a period; resample the record")
+        raise InputError(
+            f"a period of {period_s:g} s of {start.size} samples {time_step_s:g} s apart: expected"
+            f" up to {MOST_VALUES} instants in all, {POINTS_PER_PERIOD} a period; resample the"
+            " record"
+        )
     response = np.empty((instants, start.size))
     for number, part in enumerate(np.arange(1, instants + 1) / instants):
         elapsed_s = part * time_step_s
@@ -225,8 +276,8 @@ def _ramp_weights(exponent: complex, elapsed_s: float) -> tuple[complex, complex
 def end_velocity_m_s(record: Record) -> float:
     """Velocity of the base at the last sample, from rest at the first [m/s].
 
-    It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the motion leave more.
-    """
+    It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the
+    motion leave more."""
     return float(scipy.integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
 
 
@@ -235,15 +286,19 @@ def end_warnings(record: Record) -> list[str]:
     moving, peak = abs(end_velocity_m_s(record)), pgv_m_s(record)
     if moving <= WARNED_END_VELOCITY * peak:
         return []
-    return [f"when the motion ends the base still moves at {moving:.3g} m/s, {100 * moving / peak:.0f} % of PGV: PGV "
-            "is that of a baseline or a window; give --band LOW_HZ HIGH_HZ, --baseline ORDER or another --window"]
+    return [
+        f"when the motion ends the base still moves at {moving:.3g} m/s, {100 * moving / peak:.0f}"
+        " % of PGV: PGV is that of a baseline or a window; give --band LOW_HZ HIGH_HZ, --baseline"
+        " ORDER or another --window"
+    ]
 
 
 def summary(record: Record) -> dict:
     """Intensity measures of a record as it is, under the keys of the command line's JSON.
 
-    PGA [g], PGV and the velocity at the end [cm/s], Arias intensity [m/s], durations [s], AvgSa [g] and the 5 %
-    spectrum [g], {period [s]: ordinate}.  Those in APPLIED are the ones that a run with this motion has.
+    PGA [g], PGV and the velocity at the end [cm/s], Arias intensity [m/s], durations [s], AvgSa [g]
+    and the 5 % spectrum [g], {period [s]: ordinate}.  Those in APPLIED are the ones that a run with
+    this motion has.
     Raises InputError for a record without motion.
     """
     spectrum_g = response_spectrum(record, SPECTRUM_PERIODS_S)
@@ -260,13 +315,13 @@ def summary(record: Record) -> dict:
 
 
 def motion_summary(loading, eigen_period_s=None) -> dict:
-    """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared it; of a wall with
-    that first period [s] also "sa_eigen_period_g", of the motion `for_period`.
+    """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared
+    it; of a wall with that first period [s] also "sa_eigen_period_g", of the motion `for_period`.
 
-    Beside the measures: "motion", its name; "unit" of the file's samples, and what says so; "gravity_m_s2", 1 g;
-    "scale", "window_s", "baseline_order" and "band_hz" as given; "time_step_s" of the record, "interpolated_for_s" and
-    "lost_by_lines" of the Recorded; "filtered", the names of the measures that are of a band-passed motion: all of them
-    or none.
+    Beside the measures: "motion", its name; "unit" of the file's samples, and what says so;
+    "gravity_m_s2", 1 g; "scale", "window_s", "baseline_order" and "band_hz" as given; "time_step_s"
+    of the record, "interpolated_for_s" and "lost_by_lines" of the Recorded; "filtered", the names
+    of the measures that are of a band-passed motion: all of them or none.
     """
     if eigen_period_s is not None:
         loading = loading.for_period(eigen_period_s)
@@ -275,11 +330,20 @@ def motion_summary(loading, eigen_period_s=None) -> dict:
         measures["sa_eigen_period_g"] = sa_g(loading.applied(), eigen_period_s)
     if loading.across is not None:
         measures |= rotd100(loading.applied(), loading.applied_across())
-    return {"motion": loading.name, "unit": loading.record.unit, "gravity_m_s2": GRAVITY, "scale": loading.scale,
-            "window_s": loading.window_s, "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
-            "time_step_s": loading.record.time_step_s, "interpolated_for_s": loading.interpolated_for_s,
-            "lost_by_lines": loading.lost_by_lines,
-            "filtered": [] if loading.band_hz is None else list(measures), **measures}
+    return {
+        "motion": loading.name,
+        "unit": loading.record.unit,
+        "gravity_m_s2": GRAVITY,
+        "scale": loading.scale,
+        "window_s": loading.window_s,
+        "baseline_order": loading.baseline_order,
+        "band_hz": loading.band_hz,
+        "time_step_s": loading.record.time_step_s,
+        "interpolated_for_s": loading.interpolated_for_s,
+        "lost_by_lines": loading.lost_by_lines,
+        "filtered": [] if loading.band_hz is None else list(measures),
+        **measures,
+    }
 
 
 _SPECTRA = "sa_g", "sa_rotd100_g"
@@ -288,28 +352,47 @@ _SPECTRA = "sa_g", "sa_rotd100_g"
 def _describe_sampling(found: dict) -> str:
     """How walls take the samples of a `motion_summary`, in words."""
     if found["interpolated_for_s"] is None:
-        return (f"taken as it is by walls of a first period from {LEAST_A_PERIOD * found['time_step_s']:g} s, by "
-                "stiffer ones interpolated (--period T1_S shows that motion)")
-    return (f"interpolated (band-limited) for a wall of {found['interpolated_for_s']:g} s; lines between samples would "
-            f"take off {100 * found['lost_by_lines']:.2g} % at that period")
+        return (
+            "taken as it is by walls of a first period from"
+            f" {LEAST_A_PERIOD * found['time_step_s']:g} s, by stiffer ones interpolated (--period"
+            " T1_S shows that motion)"
+        )
+    return (
+        f"interpolated (band-limited) for a wall of {found['interpolated_for_s']:g} s; lines"
+        f" between samples would take off {100 * found['lost_by_lines']:.2g} % at that period"
+    )
 
 
 def describe(found: dict) -> str:
     """A `motion_summary` as lines for people."""
     names = list(found)
-    measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name not in _SPECTRA}
-    band = "none (--band LOW_HZ HIGH_HZ for a band-pass)" if found["band_hz"] is None else \
-        "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
-    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2",
-             f"unit of the file: {found['unit'] or 'm_s2 (made in Python)'}", f"filter: {band}",
-             f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}"]
+    measures = {
+        name: found[name] for name in names[names.index("filtered") + 1 :] if name not in _SPECTRA
+    }
+    band = (
+        "none (--band LOW_HZ HIGH_HZ for a band-pass)"
+        if found["band_hz"] is None
+        else "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
+    )
+    lines = [
+        f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2",
+        f"unit of the file: {found['unit'] or 'm_s2 (made in Python)'}",
+        f"filter: {band}",
+        f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}",
+    ]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
-    lines += [f"{name}({period} s){value:>{25 - len(period) - len(name)}.4f}" for name in _SPECTRA if name in found
-              for period, value in found[name].items()]
+    lines += [
+        f"{name}({period} s){value:>{25 - len(period) - len(name)}.4f}"
+        for name in _SPECTRA
+        if name in found
+        for period, value in found[name].items()
+    ]
     if abs(found["end_velocity_cm_s"]) > MOST_END_VELOCITY * found["pgv_cm_s"]:
-        lines.append("note: the base still moves when the motion ends; PGV, Arias intensity and durations include what "
-                     "the baseline or the window adds (--baseline ORDER, --band LOW_HZ HIGH_HZ and another --window "
-                     "change it)")
+        lines.append(
+            "note: the base still moves when the motion ends; PGV, Arias intensity and durations"
+            " include what the baseline or the window adds (--baseline ORDER, --band LOW_HZ HIGH_HZ"
+            " and another --window change it)"
+        )
     return "\n".join(lines)
 
 
@@ -318,20 +401,27 @@ _POWERS = {"arias_m_s": 2, "d5_75_s": 0, "d5_95_s": 0}
 
 
 def motion_measures(history):
-    """{measure: value} of APPLIED for the strongest event of a History; None where a measure does not apply.
+    """{measure: value} of APPLIED for the strongest event of a History; None where a measure does
+    not apply.
 
-    Units: `damage.measure.columns.PARAMETERS`.  They are read from the history.  In older files, which lack them, those
-    of a harmonic motion are computed, and those of a record are None, as its samples are not in the file.
+    Units: `damage.measure.columns.PARAMETERS`.  They are read from the history.  In older files,
+    which lack them, those of a harmonic motion are computed, and those of a record are None, as its
+    samples are not in the file.
     """
     found = {name: history.parameters.get(name) for name in APPLIED}
     if not any(name in history.parameters for name in APPLIED):
         found = applied_measures(history.loading.applied(), history.eigen_period_s)
     factor = history.strongest_factor
-    return {name: value if value is None else value * factor ** _POWERS.get(name, 1) for name, value in found.items()}
+    return {
+        name: value if value is None else value * factor ** _POWERS.get(name, 1)
+        for name, value in found.items()
+    }
 
 
 def record_unit(history):
-    """Which unit the records of a History were taken to be in, and what says so; None without a record, or in an older
-    file."""
+    """Which unit the records of a History were taken to be in, and what says so; None without a
+    record, or in an older file."""
     origins = [loading.as_dict().get("horizontal") or {} for loading in history.event_loadings]
-    return "; ".join(dict.fromkeys(origin["unit"] for origin in origins if origin.get("unit"))) or None
+    return (
+        "; ".join(dict.fromkeys(origin["unit"] for origin in origins if origin.get("unit"))) or None
+    )

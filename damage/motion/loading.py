@@ -1,7 +1,7 @@
 """Loadings of a run: a harmonic base motion, a record, a push, or an initial velocity.
 
-Each is a `Loading` with a `name` fit for a file name; `as_dict` is what a history keeps of it, `loading_from_dict`
-makes the record again.
+Each is a `Loading` with a `name` fit for a file name; `as_dict` is what a history keeps of it,
+`loading_from_dict` makes the record again.
 """
 
 import math
@@ -30,12 +30,15 @@ from damage.units import GRAVITY
 class Drive:
     """Prescribed motion of a wall; None where the loading prescribes nothing.
 
-    base: time_s (n,) -> (n, 2), acceleration along x and z of the frame in which the wall and all supports are
+    base: time_s (n,) -> (n, 2), acceleration along x and z of the frame in which the wall and all
+    supports are
         computed [m/s2];
-    supports: time_s (n,), x_m (k,) -> (n, k, 3), displacement in that frame of the supports whose reference points
+    supports: time_s (n,), x_m (k,) -> (n, k, 3), displacement in that frame of the supports whose
+    reference points
         stand at x_m [m, m, rad];
-    top: time_s (n,), height_m -> (n,), horizontal displacement of the bodies that carry the top, at that height [m];
-    top_rotates: whether these may rotate while they are moved; top_stiffness: of a rotational spring between each of
+    top: time_s (n,), height_m -> (n,), horizontal displacement of the bodies that carry the top, at
+    that height [m]; top_rotates: whether these may rotate while they are moved; top_stiffness: of a
+    rotational spring between each of
         them and what moves it [N m/rad];
     first_mode_m_s: velocity of the top in the first mode at time zero [m/s];
     local_damping: Cundall's, of a quasi-static loading [-]; None of a dynamic one.
@@ -56,26 +59,31 @@ class Drive:
 
 
 def mean_velocities(displacement, interval_s, n, place):
-    """Mean velocities in the first n intervals (n, ...) [m/s, of rotations rad/s], of a displacement(time_s, place) as
-    `Drive.top` and `Drive.supports` are: constant within each interval, they lead to the displacement at its end.  None
-    where there is none."""
-    return displacement and np.diff(displacement(np.arange(n + 1) * interval_s, place), axis=0) / interval_s
+    """Mean velocities in the first n intervals (n, ...) [m/s, of rotations rad/s], of a
+    displacement(time_s, place) as `Drive.top` and `Drive.supports` are: constant within each
+    interval, they lead to the displacement at its end.  None where there is none."""
+    return (
+        displacement
+        and np.diff(displacement(np.arange(n + 1) * interval_s, place), axis=0) / interval_s
+    )
 
 
 PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
 """Of a base motion: least and largest period of a harmonic one [s], peak [g], cycles."""
 SINE_SAMPLES = 400
-"""In a cycle of a harmonic motion as a record: lines between are off by (pi / 400)^2 / 2 = 3e-5 of the peak."""
+"""In a cycle of a harmonic motion as a record: lines between are off by (pi / 400)^2 / 2 = 3e-5 of
+the peak."""
 
 
 class Loading:
     """Base of all loadings; its values are those of one that prescribes nothing.
 
-    drive: what it prescribes on a wall, a Drive, whose base moves by base_acceleration; duration_s: of the base's
-    motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of
-    the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None
-    where unknown; lost_by_lines: of an interpolated record, else None; moves: whether there is a motion at all.
-    Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
+    drive: what it prescribes on a wall, a Drive, whose base moves by base_acceleration; duration_s:
+    of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
+    peak_g: largest acceleration of the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral
+    acceleration at 0.2 s [g] of the base along the wall, None where unknown; lost_by_lines: of an
+    interpolated record, else None; moves: whether there is a motion at all. Every one has a name,
+    too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
     duration_s = 0.0
@@ -89,12 +97,13 @@ class Loading:
         return Drive(base=self.base_acceleration)
 
     def length_s(self, height: float) -> float:
-        """Time from zero to the end of everything that is prescribed, on a wall whose top is at a height [m]: [s]."""
+        """Time from zero to the end of everything that is prescribed, on a wall whose top is at a
+        height [m]: [s]."""
         return self.duration_s
 
     def preferred_step_s(self, max_step_s: float) -> float:
-        """The time step that fits the motion, at most max_step_s [s]: here to its first six digits, which a run
-        prints, so that it can be repeated from them."""
+        """The time step that fits the motion, at most max_step_s [s]: here to its first six digits,
+        which a run prints, so that it can be repeated from them."""
         return float(f"{max_step_s:.5e}")
 
     def for_period(self, period_s: float) -> "Loading":
@@ -102,12 +111,13 @@ class Loading:
         return self
 
     def applied(self) -> Record | None:
-        """The base's motion along the wall as a record; None where it stands still, and of what a history keeps of a
-        recorded motion, which is without its samples."""
+        """The base's motion along the wall as a record; None where it stands still, and of what a
+        history keeps of a recorded motion, which is without its samples."""
         return None
 
     def applied_across(self) -> Record | None:
-        """The motion at right angles to the wall, which is not applied, as a record; None where it is not known."""
+        """The motion at right angles to the wall, which is not applied, as a record; None where it
+        is not known."""
         return None
 
 
@@ -118,11 +128,23 @@ class Harmonic(Loading):
     period_s [s]; amplitude_g [g]; cycles: how many.
     """
 
-    period_s: float = quantity("s", *PERIODS_S, (0.01, 10), "machines; a hundred times the period of a house's wall",
-                               others={"ms": 1e-3}, called="harmonic period [s]")
-    amplitude_g: float = quantity("g", 0, HIGHEST_G, (1e-4, 2), "times the largest factor of `--sequence`: traffic; "
-                                  "strong shaking tables", called="harmonic amplitude [g]", others={
-                                      "%": 0.01, "m/s2": 1 / GRAVITY, "cm/s2": 0.01 / GRAVITY})
+    period_s: float = quantity(
+        "s",
+        *PERIODS_S,
+        (0.01, 10),
+        "machines; a hundred times the period of a house's wall",
+        others={"ms": 1e-3},
+        called="harmonic period [s]",
+    )
+    amplitude_g: float = quantity(
+        "g",
+        0,
+        HIGHEST_G,
+        (1e-4, 2),
+        "times the largest factor of `--sequence`: traffic; strong shaking tables",
+        called="harmonic amplitude [g]",
+        others={"%": 0.01, "m/s2": 1 / GRAVITY, "cm/s2": 0.01 / GRAVITY},
+    )
     cycles: int = quantity("1", 1, MOST_CYCLES, whole=True, default=3, called="cycles")
 
     __post_init__ = check_fields
@@ -155,10 +177,14 @@ class Harmonic(Loading):
         return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
     def applied(self) -> Record | None:
-        """As of any Loading, by SINE_SAMPLES a cycle as far as a record's steps allow; None where it has too many."""
+        """As of any Loading, by SINE_SAMPLES a cycle as far as a record's steps allow; None where
+        it has too many."""
         shortest, longest = prepare.TIME_STEPS_S
-        samples = 4 * max(math.ceil(self.period_s / longest / 4),  # four, so that a sample is at every peak
-                          min(SINE_SAMPLES // 4, int(self.period_s / shortest / 4)))
+        # four, so that a sample is at every peak
+        samples = 4 * max(
+            math.ceil(self.period_s / longest / 4),
+            min(SINE_SAMPLES // 4, int(self.period_s / shortest / 4)),
+        )
         if samples * self.cycles >= prepare.MOST_SAMPLES // 2:
             return None
         time_s = np.arange(samples * self.cycles + 1) * (self.period_s / samples)
@@ -175,30 +201,46 @@ class Harmonic(Loading):
         return self.amplitude_g * GRAVITY * sin_of_turns(time_s / self.period_s)
 
     def as_dict(self) -> dict:
-        return {"kind": "harmonic", "name": self.name, "period_s": float(self.period_s),
-                "amplitude_g": float(self.amplitude_g), "cycles": int(self.cycles),
-                "duration_s": float(self.duration_s)}
+        return {
+            "kind": "harmonic",
+            "name": self.name,
+            "period_s": float(self.period_s),
+            "amplitude_g": float(self.amplitude_g),
+            "cycles": int(self.cycles),
+            "duration_s": float(self.duration_s),
+        }
 
 
 @dataclass(frozen=True)
 class Recorded(Loading):
-    """Base acceleration of a record, after baseline, band-pass, interpolation, window and scale, in this order.
+    """Base acceleration of a record, after baseline, band-pass, interpolation, window and scale, in
+    this order.
 
     record: horizontal component.
     scale: factor on both components.
     window_s: start and end [s] of the part that is used, or None for all of it.
     vertical: component along z with the same step, length and start, or None.
-    across: horizontal component at right angles, which is not applied and of which the largest of all directions is
+    across: horizontal component at right angles, which is not applied and of which the largest of
+    all directions is
         known (RotD100), with the same step, length and start, or None.
     baseline_order: order of the polynomial that is taken off, or None.
     band_hz: corners of the zero-phase band-pass [Hz], or None.
-    interpolated_for_s: first period [s] of the wall for which both components are interpolated, band-limited
+    interpolated_for_s: first period [s] of the wall for which both components are interpolated,
+    band-limited
         (`for_period`), or None: lines between the record's samples.
     """
 
     record: Record
-    scale: float = text(default=1.0, usual=plausible(0.01, 100, "", "without its sign; the records of studies that "
-                                                     "ship get up to 10", others={"%": 0.01}))
+    scale: float = text(
+        default=1.0,
+        usual=plausible(
+            0.01,
+            100,
+            "",
+            "without its sign; the records of studies that ship get up to 10",
+            others={"%": 0.01},
+        ),
+    )
     window_s: tuple[float, float] | None = None
     vertical: Record | None = None
     baseline_order: int | None = None
@@ -236,14 +278,15 @@ class Recorded(Loading):
         return prepare.scaled(record, self.scale)
 
     def for_period(self, period_s: float) -> "Recorded":
-        """As of any Loading: interpolated where the record has fewer than LEAST_A_PERIOD samples in the period."""
+        """As of any Loading: interpolated where the record has fewer than LEAST_A_PERIOD samples in
+        the period."""
         coarse = self.record.time_step_s > period_s / prepare.LEAST_A_PERIOD
         return replace(self, interpolated_for_s=float(period_s)) if coarse else self
 
     @property
     def lost_by_lines(self) -> float | None:
-        """Share of the motion at the wall's first period that lines between the record's samples would take off, where
-        it is interpolated: 1 - sinc^2(step / period)."""
+        """Share of the motion at the wall's first period that lines between the record's samples
+        would take off, where it is interpolated: 1 - sinc^2(step / period)."""
         if self.interpolated_for_s is None:
             return None
         return float(1 - np.sinc(self.record.time_step_s / self.interpolated_for_s) ** 2)
@@ -279,12 +322,14 @@ class Recorded(Loading):
         return max(map(pga_g, self.motion))
 
     def preferred_step_s(self, max_step_s: float) -> float:
-        """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost between steps."""
+        """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost
+        between steps."""
         step_s = self.motion[0].time_step_s
         return step_s / prepare.whole_steps(step_s, max_step_s)
 
     def base_acceleration(self, time_s) -> np.ndarray:
-        """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the first and
+        """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the
+        first and
         after the last."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         acceleration = np.zeros((time_s.size, 2))
@@ -295,23 +340,31 @@ class Recorded(Loading):
     def as_dict(self) -> dict:
         """Everything that defines the motion but the samples, fit for JSON."""
         return RecordedMotion(
-            name=self.name, horizontal=_origin(self.record),
-            vertical=_origin(self.vertical), across=_origin(self.across),
-            time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=pga_g(self.motion[0]),
-            sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]), window_s=_floats(self.window_s),
+            name=self.name,
+            horizontal=_origin(self.record),
+            vertical=_origin(self.vertical),
+            across=_origin(self.across),
+            time_step_s=float(self.record.time_step_s),
+            scale=float(self.scale),
+            pga_g=pga_g(self.motion[0]),
+            sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]),
+            window_s=_floats(self.window_s),
             baseline_order=None if self.baseline_order is None else int(self.baseline_order),
-            band_hz=_floats(self.band_hz), duration_s=float(self.duration_s),
-            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines).as_dict()
+            band_hz=_floats(self.band_hz),
+            duration_s=float(self.duration_s),
+            interpolated_for_s=self.interpolated_for_s,
+            lost_by_lines=self.lost_by_lines,
+        ).as_dict()
 
 
 @dataclass(frozen=True)
 class RecordedMotion(Loading):
     """A `Recorded` as read from a history: without the samples, which stay in the record's file.
 
-    horizontal, vertical, across: {"record": its name, "file": without its folder, "sha256", "start_utc", "unit", and
-    "given" where it was given how to read it} of the components; time_step_s: of the record's file [s]; pga_g,
-    sa_02_s_g: of the motion as it was used [g]; the rest as in `Recorded`.  None is what an older file does not say.
-    """
+    horizontal, vertical, across: {"record": its name, "file": without its folder, "sha256",
+    "start_utc", "unit", and "given" where it was given how to read it} of the components;
+    time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the
+    rest as in `Recorded`.  None is what an older file does not say."""
 
     name: str
     horizontal: dict = field(default_factory=dict)
@@ -329,17 +382,25 @@ class RecordedMotion(Loading):
     across: dict | None = None
 
     def base_acceleration(self, _time_s):
-        raise InputError(f"{self.name}: a history does not hold the samples of its record; expected the record's file; "
-                         "read that")
+        raise InputError(
+            f"{self.name}: a history does not hold the samples of its record; expected the record's"
+            " file; read that"
+        )
 
     def unscaled(self, record: Record) -> Record:
         """The horizontal component as it was prepared, at scale 1, made from its record."""
-        return Recorded(record, window_s=self.window_s, baseline_order=self.baseline_order, band_hz=self.band_hz,
-                        interpolated_for_s=self.interpolated_for_s).motion[0]
+        return Recorded(
+            record,
+            window_s=self.window_s,
+            baseline_order=self.baseline_order,
+            band_hz=self.band_hz,
+            interpolated_for_s=self.interpolated_for_s,
+        ).motion[0]
 
     def as_dict(self) -> dict:
-        """The table of which `loading_from_dict` makes this again, fit for JSON; a motion whose samples were taken as
-        they are says nothing of interpolation, one without another component nothing of it."""
+        """The table of which `loading_from_dict` makes this again, fit for JSON; a motion whose
+        samples were taken as they are says nothing of interpolation, one without another component
+        nothing of it."""
         table = {"kind": "record", **asdict(self)}
         if self.across is None:
             del table["across"]
@@ -370,8 +431,12 @@ class FreeVibration(Loading):
         return Drive(first_mode_m_s=self.top_velocity_m_s)
 
     def as_dict(self) -> dict:
-        return {"kind": "free_vibration", "name": self.name, "top_velocity_m_s": float(self.top_velocity_m_s),
-                "duration_s": self.duration_s}
+        return {
+            "kind": "free_vibration",
+            "name": self.name,
+            "top_velocity_m_s": float(self.top_velocity_m_s),
+            "duration_s": self.duration_s,
+        }
 
 
 @dataclass(frozen=True)
@@ -387,55 +452,74 @@ class AtRest(Loading):
 
 BOUNDARIES = ("cantilever", "fixed")
 EASE_S = 0.1
-"""Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first period,
+"""Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first
+period,
 so that it does not make the wall vibrate."""
 DRIFTS_PCT, SPEEDS_M_S = (1e-6, 100.0), (1e-6, 1.0)
-"""Least and largest drift that a top is pushed to [%], and speed [m/s]: less is rounding, more is not quasi-static."""
+"""Least and largest drift that a top is pushed to [%], and speed [m/s]: less is rounding, more is
+not quasi-static."""
 
 
 @dataclass(frozen=True)
 class TopDisplacement(Loading):
-    """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the base
+    """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the
+    base
     stands still.
 
     amplitudes_pct: drift ratios [%] to go to, in this order.
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
     boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
-    speed_m_s: of the top [m/s]; local_damping [-], where the solver damps locally: the result depends on
-        both when they are not slow and high; top_rotation: stiffness of a rotational spring between the top and the
-        machine that moves it [N m/rad], of each body that carries the top; 0: free.
+    speed_m_s: of the top [m/s]; local_damping [-], where the solver damps locally: the result
+    depends on
+        both when they are not slow and high; top_rotation: stiffness of a rotational spring between
+        the top and the machine that moves it [N m/rad], of each body that carries the top; 0: free.
     """
 
-    amplitudes_pct: tuple[float, ...] = text(usual=plausible(
-        1e-4, 20, "%", "a joint stays elastic; slender piers topple"))
+    amplitudes_pct: tuple[float, ...] = text(
+        usual=plausible(1e-4, 20, "%", "a joint stays elastic; slender piers topple")
+    )
     cycles: int = quantity("1", 0, 1000, whole=True, default=2, called="cycles")
     boundary: str = choice(BOUNDARIES, default="cantilever", called="boundary")
     speed_m_s: float = quantity("m/s", *SPEEDS_M_S, default=5e-3, called="speed [m/s]")
-    local_damping: float = quantity("1", 0, 0.7, default=0.7, called="local damping")  # beyond, steps are unstable
-    top_rotation: float = quantity("N m/rad", 0, 1e12, default=0.0, called="--top-rotation [N m/rad]")
+    # beyond, steps are unstable
+    local_damping: float = quantity("1", 0, 0.7, default=0.7, called="local damping")
+    top_rotation: float = quantity(
+        "N m/rad", 0, 1e12, default=0.0, called="--top-rotation [N m/rad]"
+    )
 
     def __post_init__(self):
         check_fields(self)
         if self.top_rotation and self.boundary == "fixed":
-            raise InputError(f"--top-rotation {self.top_rotation:g} with --boundary fixed: expected a top that may "
-                             "rotate; leave one of them out")
+            raise InputError(
+                f"--top-rotation {self.top_rotation:g} with --boundary fixed: expected a top that"
+                " may rotate; leave one of them out"
+            )
         if not self.amplitudes_pct:
             raise InputError("no drift to push the top to; expected one or more [%]; give some")
         for drift in self.amplitudes_pct:
             check_range("drift [%]", drift, *DRIFTS_PCT)
         if len(self.amplitudes_pct) > 1000:
-            raise InputError(f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give fewer")
+            raise InputError(
+                f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give"
+                " fewer"
+            )
 
     @property
     def name(self) -> str:
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
-        return f"{kind}_{self.boundary}" + (f"_top-rotation-{self.top_rotation:g}" if self.top_rotation else "")
+        return f"{kind}_{self.boundary}" + (
+            f"_top-rotation-{self.top_rotation:g}" if self.top_rotation else ""
+        )
 
     @property
     def drive(self) -> Drive:
-        return Drive(top=self.top_displacement, top_rotates=self.boundary != "fixed",
-                     top_stiffness=self.top_rotation, local_damping=self.local_damping)
+        return Drive(
+            top=self.top_displacement,
+            top_rotates=self.boundary != "fixed",
+            top_stiffness=self.top_rotation,
+            local_damping=self.local_damping,
+        )
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
@@ -447,8 +531,8 @@ class TopDisplacement(Loading):
     def top_displacement(self, time_s, height: float) -> np.ndarray:
         """Displacement of the top [m] at times (n,) [s]; it stays where it ends.
 
-        The mean of the schedule over the last EASE_S: the speed changes linearly, every turning point is reached.
-        """
+        The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
+        point is reached."""
         times, points = self.schedule(height)
         areas = np.concatenate([[0.0], np.cumsum((points[1:] + points[:-1]) / 2 * np.diff(times))])
 
@@ -466,39 +550,62 @@ class TopDisplacement(Loading):
         return float(self.schedule(height)[0][-1])
 
     def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:
-        """Times (k,) [s] and top displacements (k,) [m] from (0, 0): to every turning point, and a rest there."""
+        """Times (k,) [s] and top displacements (k,) [m] from (0, 0): to every turning point, and a
+        rest there."""
         points = np.concatenate([[0.0], self.turning_points(height)])
         moves = np.abs(np.diff(points)) / self.speed_m_s
         times = np.cumsum(np.column_stack([moves, np.full(len(moves), EASE_S)]))
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
     def as_dict(self) -> dict:
-        return {"kind": "cyclic" if self.cycles else "pushover", "name": self.name,
-                "amplitudes_pct": [float(a) for a in self.amplitudes_pct], "cycles": int(self.cycles),
-                "boundary": self.boundary, "speed_m_s": float(self.speed_m_s), "ease_s": EASE_S,
-                "local_damping": float(self.local_damping), "top_rotation": float(self.top_rotation)}
+        return {
+            "kind": "cyclic" if self.cycles else "pushover",
+            "name": self.name,
+            "amplitudes_pct": [float(a) for a in self.amplitudes_pct],
+            "cycles": int(self.cycles),
+            "boundary": self.boundary,
+            "speed_m_s": float(self.speed_m_s),
+            "ease_s": EASE_S,
+            "local_damping": float(self.local_damping),
+            "top_rotation": float(self.top_rotation),
+        }
 
 
-_KINDS = {"harmonic": Harmonic, "record": RecordedMotion, "free_vibration": FreeVibration,
-          "at_rest": AtRest, "pushover": TopDisplacement, "cyclic": TopDisplacement}
+_KINDS = {
+    "harmonic": Harmonic,
+    "record": RecordedMotion,
+    "free_vibration": FreeVibration,
+    "at_rest": AtRest,
+    "pushover": TopDisplacement,
+    "cyclic": TopDisplacement,
+}
 
 
 def loading_from_dict(table: dict) -> Loading:
-    """The record of which a loading's `as_dict` made the table; of a recorded motion all but its samples."""
+    """The record of which a loading's `as_dict` made the table; of a recorded motion all but its
+    samples."""
     if table.get("kind") not in _KINDS:
-        raise InputError(f"a loading of kind {table.get('kind')!r}: expected one of {', '.join(_KINDS)}; a later "
-                         "version wrote it, update the software")
+        raise InputError(
+            f"a loading of kind {table.get('kind')!r}: expected one of {', '.join(_KINDS)}; a later"
+            " version wrote it, update the software"
+        )
     table = {"sa_02_s_g" if name == "sa_0.2_s_g" else name: value for name, value in table.items()}
-    return record_from(_KINDS[table["kind"]], table, derived=("kind", "name", "duration_s", "ease_s"))
+    return record_from(
+        _KINDS[table["kind"]], table, derived=("kind", "name", "duration_s", "ease_s")
+    )
 
 
 def _check_simultaneous(record: Record, other: Record, name: str) -> None:
     """Both components must hold the same instants."""
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)]
-    correction = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
+    correction = (
+        "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
+    )
     if kinds[0] != kinds[1]:
-        raise InputError(f"{name} {other.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
-                         f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {correction}")
+        raise InputError(
+            f"{name} {other.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
+            f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {correction}"
+        )
     if record.start_utc and other.start_utc:
         late_s = prepare.start_difference_s(other, record)
         if abs(late_s) > 0.5 * record.time_step_s:
@@ -506,12 +613,15 @@ def _check_simultaneous(record: Record, other: Record, name: str) -> None:
 
 
 def _check_pair(record: Record, across: Record) -> None:
-    """Two components have to be of one station, by their names where these end in channels as HGE."""
+    """Two components have to be of one station, by their names where these end in channels as
+    HGE."""
     stations = [re.fullmatch(r"(.+)[._][A-Z]{2}[A-Z0-9]", one.name) for one in (record, across)]
     same = record.name == across.name or (record.sha256 and record.sha256 == across.sha256)
     if same or (all(stations) and stations[0][1] != stations[1][1]):
-        raise InputError(f"across {across.name} beside {record.name}: expected the other horizontal component of the "
-                         "same station; give that one")
+        raise InputError(
+            f"across {across.name} beside {record.name}: expected the other horizontal component of"
+            " the same station; give that one"
+        )
 
 
 def _origin(record: Record | None) -> dict | None:

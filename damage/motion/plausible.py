@@ -1,7 +1,8 @@
 """Which motions and pushes a run can have, to find records, amplitudes and factors in a wrong unit.
 
-The loading refuses what cannot be computed; the ranges here, and those that its fields say, are narrower.  Of a motion
-zero is refused, too, as a wall at rest is no result; a factor of a sequence may be zero, a pause.
+The loading refuses what cannot be computed; the ranges here, and those that its fields say, are
+narrower.  Of a motion zero is refused, too, as a wall at rest is no result; a factor of a sequence
+may be zero, a pause.
 """
 
 from dataclasses import replace
@@ -12,43 +13,86 @@ from damage.fields import message_of, plausible, ranges_of
 from damage.motion.loading import Harmonic, Recorded, TopDisplacement
 from damage.motion.sequence import Event
 
-RANGES = dict(zip(("--harmonic PERIOD_S", "--harmonic AMPLITUDE_G", "--scale", "--sequence", "--pushover, --cyclic"),
-                  (of for kind in (Harmonic, Recorded, Event, TopDisplacement) for of in ranges_of(kind).values()),
-                  strict=True))
+RANGES = dict(
+    zip(
+        (
+            "--harmonic PERIOD_S",
+            "--harmonic AMPLITUDE_G",
+            "--scale",
+            "--sequence",
+            "--pushover, --cyclic",
+        ),
+        (
+            of
+            for kind in (Harmonic, Recorded, Event, TopDisplacement)
+            for of in ranges_of(kind).values()
+        ),
+        strict=True,
+    )
+)
 """{option: Range}, as their fields say."""
 
 PEAK = plausible(
-    5e-4, 5.0, "g", "weaker ones are not felt (0.05 % of g: Worden et al., 2012, the intensity scale of "
-    "ShakeMap); 4.1 g, the vector sum at station IWTH25 in the Iwate-Miyagi earthquake of 2008")
+    5e-4,
+    5.0,
+    "g",
+    "weaker ones are not felt (0.05 % of g: Worden et al., 2012, the intensity scale of "
+    "ShakeMap); 4.1 g, the vector sum at station IWTH25 in the Iwate-Miyagi earthquake of 2008",
+)
 VELOCITY = plausible(
-    0.0, 4.0, "m/s", "3.18 m/s at station TCU068 in the Chi-Chi earthquake of 1999 (Anderson, 2010, Bulletin "
-    "of the Seismological Society of America 100)")
+    0.0,
+    4.0,
+    "m/s",
+    "3.18 m/s at station TCU068 in the Chi-Chi earthquake of 1999 (Anderson, 2010, Bulletin "
+    "of the Seismological Society of America 100)",
+)
 """Of a base motion: its PGA, and its PGV from rest."""
 
 
 def implausible_peak(peak_g):
-    """What is implausible of a base motion's peak [g] that is too large, in words, with the units that may be confused;
-    None where nothing is.
+    """What is implausible of a base motion's peak [g] that is too large, in words, with the units
+    that may be confused; None where nothing is.
 
     >>> implausible_peak(4.9)
     >>> implausible_peak(11.0).partition(":")[0]
     'PGA of the base motion = 11 g, expected 0.0005 to 5 g'
     """
-    return None if peak_g < PEAK.least else _implausible(
-        "PGA", peak_g, PEAK, "cm/s2 (gal) where m/s2 is expected makes it 100 times too large, m/s2 where g is "
-        "expected 9.81 times, gal 981 times")
+    return (
+        None
+        if peak_g < PEAK.least
+        else _implausible(
+            "PGA",
+            peak_g,
+            PEAK,
+            "cm/s2 (gal) where m/s2 is expected makes it 100 times too large, m/s2 where g is "
+            "expected 9.81 times, gal 981 times",
+        )
+    )
 
 
 def implausible_velocity(pgv_m_s):
-    """What is implausible of a base motion's peak velocity [m/s], in words; None where nothing is."""
-    return _implausible("PGV", pgv_m_s, VELOCITY, "times that are no seconds, a wrong unit, or a baseline that is off "
-                        "(--baseline ORDER, --band LOW_HZ HIGH_HZ) make it too large")
+    """What is implausible of a base motion's peak velocity [m/s], in words; None where nothing
+    is."""
+    return _implausible(
+        "PGV",
+        pgv_m_s,
+        VELOCITY,
+        "times that are no seconds, a wrong unit, or a baseline that is off "
+        "(--baseline ORDER, --band LOW_HZ HIGH_HZ) make it too large",
+    )
 
 
 def faint_warnings(peak_g):
     """Warning of a recorded motion whose peak [g] is below what is felt: a list of lines."""
-    return [] if peak_g >= PEAK.least else [_implausible(
-        "PGA", peak_g, PEAK, "g where cm/s2 (gal) is expected makes it 981 times too small")]
+    return (
+        []
+        if peak_g >= PEAK.least
+        else [
+            _implausible(
+                "PGA", peak_g, PEAK, "g where cm/s2 (gal) is expected makes it 981 times too small"
+            )
+        ]
+    )
 
 
 def _implausible(name, value, of, cause):
@@ -57,30 +101,38 @@ def _implausible(name, value, of, cause):
 
 
 MOST_OFFSET, OFFSET_S = 0.1, 1.0
-"""Mean of a record's first part [s], as a share of its peak, above which zero is off; real ones have up to 0.015."""
+"""Mean of a record's first part [s], as a share of its peak, above which zero is off; real ones
+have up to 0.015."""
 
 
 def offset_warnings(record):
-    """Warning of a Record that moves about another value than zero, as instruments do: a list of lines.
+    """Warning of a Record that moves about another value than zero, as instruments do: a list of
+    lines.
 
     record: before any window, which may begin within the motion.
     """
     a = record.acceleration_m_s2
-    mean, peak = float(np.mean(a[:max(1, round(OFFSET_S / record.time_step_s))])), float(np.abs(a).max())
+    mean, peak = (
+        float(np.mean(a[: max(1, round(OFFSET_S / record.time_step_s))])),
+        float(np.abs(a).max()),
+    )
     if abs(mean) <= MOST_OFFSET * peak:
         return []
-    return [f"{record.name}: the mean of the first {OFFSET_S:g} s is {mean:.3g} m/s2, {100 * abs(mean) / peak:.0f} % "
-            "of the peak, expected zero: an instrument's offset, which makes PGA and PGV too large; give --baseline 0"]
+    return [
+        f"{record.name}: the mean of the first {OFFSET_S:g} s is {mean:.3g} m/s2,"
+        f" {100 * abs(mean) / peak:.0f} % of the peak, expected zero: an instrument's offset, which"
+        " makes PGA and PGV too large; give --baseline 0"
+    ]
 
 
 _NEIGHBOURS, SPIKE = 4, 5.0
-"""Samples on either side, and how many times their largest deviation but one a spike's is; that of the real records
-tried, with half of the peak or more, is up to 2.6 times."""
+"""Samples on either side, and how many times their largest deviation but one a spike's is; that of
+the real records tried, with half of the peak or more, is up to 2.6 times."""
 
 
 def spike_warnings(record):
-    """Warning of a Record with a sample far from its neighbours and from the rest, which no ground motion has: a list
-    of lines.  One further such sample may be beside it."""
+    """Warning of a Record with a sample far from its neighbours and from the rest, which no ground
+    motion has: a list of lines.  One further such sample may be beside it."""
     a, size = record.acceleration_m_s2, np.abs(record.acceleration_m_s2)
     padded = np.pad(a, _NEIGHBOURS, mode="reflect")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1)
@@ -95,32 +147,42 @@ def spike_warnings(record):
     k = found[np.argmax(size[found])]
     more = f", and {found.size - 1} more like it" if found.size > 1 else ""
     near = round(middle[candidates == k][0], 4) + 0.0
-    return [f"{record.name}: sample {k} (from 0) at {k * record.time_step_s:g} s is {a[k]:.4g} m/s2{more}; expected "
-            f"about {near:.3g} as its neighbours, and up to {rest.max(initial=0.0):.3g} as all others: a spike, or a "
-            "number for a missing sample; correct it in the file"]
+    return [
+        f"{record.name}: sample {k} (from 0) at {k * record.time_step_s:g} s is {a[k]:.4g}"
+        f" m/s2{more}; expected about {near:.3g} as its neighbours, and up to"
+        f" {rest.max(initial=0.0):.3g} as all others: a spike, or a number for a missing sample;"
+        " correct it in the file"
+    ]
 
 
 def record_warnings(loading):
-    """Warnings of the records of a Recorded, as read and, for their offset, after baseline and band-pass."""
-    components = [one for one in (loading.record, loading.vertical, loading.across) if one is not None]
+    """Warnings of the records of a Recorded, as read and, for their offset, after baseline and
+    band-pass."""
+    components = [
+        one for one in (loading.record, loading.vertical, loading.across) if one is not None
+    ]
     whole = replace(loading, window_s=None, scale=1.0)
     prepared = [one for one in (*whole.motion, whole.applied_across()) if one is not None]
     return [text for one in components for text in spike_warnings(one)] + [
-        text for one in prepared for text in offset_warnings(one)]
+        text for one in prepared for text in offset_warnings(one)
+    ]
 
 
 def implausible_motion(loading, factors=(1.0,)):
     """What is implausible of a Loading and the factors on it, a list of str.
 
-    >>> implausible_motion(Harmonic(0.2, 20.0))
-    ['--harmonic AMPLITUDE_G = 20 g, expected 0.0001 to 2 g: 20 % is 20e-2 g, 20 cm/s2 is 0.02039 g']
+    >>> print(*implausible_motion(Harmonic(0.2, 20.0)))
+    --harmonic AMPLITUDE_G = 20 g, expected 0.0001 to 2 g: 20 % is 20e-2 g, 20 cm/s2 is 0.02039 g
     >>> implausible_motion(Harmonic(0.2, 0.1), (1.0, 0.0))
     []
     """
     largest = max(map(abs, factors))
     given = [("--sequence", factor) for factor in factors]
     if isinstance(loading, Harmonic):
-        given += [("--harmonic PERIOD_S", loading.period_s), ("--harmonic AMPLITUDE_G", loading.amplitude_g * largest)]
+        given += [
+            ("--harmonic PERIOD_S", loading.period_s),
+            ("--harmonic AMPLITUDE_G", loading.amplitude_g * largest),
+        ]
     if isinstance(loading, Recorded):
         given += [("--scale", loading.scale)]
     if isinstance(loading, TopDisplacement):

@@ -12,16 +12,18 @@ from damage.motion import samples
 
 TIME_STEPS_S = 1e-5, 1.0
 MOST_SAMPLES, HIGHEST_M_S2, MOST_SCALE = 10**6, 1e5, 1e3
-"""Of a record: least and largest time step [s], number of samples, acceleration [m/s2], factor on it."""
+"""Of a record: least and largest time step [s], number of samples, acceleration [m/s2], factor on
+it."""
 LOWEST_HZ = 1e-3
 """Lowest corner of a band-pass [Hz]: records last minutes."""
 LEAST_A_PERIOD = 10
-"""Samples of a record in the wall's first period below which a run interpolates them: lines between them take off
+"""Samples of a record in the wall's first period below which a run interpolates them: lines between
+them take off
 1 - sinc^2(1 / 10) = 3 % there (C. Phillips et al., 2012, Soil Dyn. Earthq. Eng.)."""
 FINER, REACH, KAISER_BETA = 10, 64, 8.0
-"""Of band-limited interpolation: samples for each one of the record, samples of the record on either side that count,
-and shape of the Kaiser window: 1e-4 off up to 0.96 of half the sampling rate.  Lines between the new samples take off
-up to 0.8 % there."""
+"""Of band-limited interpolation: samples for each one of the record, samples of the record on
+either side that count, and shape of the Kaiser window: 1e-4 off up to 0.96 of half the sampling
+rate.  Lines between the new samples take off up to 0.8 % there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,18 +56,27 @@ class Record:
         check_range(f"{where}: time step [s]", self.time_step_s, *TIME_STEPS_S)
         acceleration = np.array(self.acceleration_m_s2, dtype=np.float64)
         if acceleration.ndim != 1 or acceleration.size < 2:
-            raise InputError(f"{where}: acceleration of shape {acceleration.shape};"
-                             " expected one column of at least 2 samples")
+            raise InputError(
+                f"{where}: acceleration of shape {acceleration.shape};"
+                " expected one column of at least 2 samples"
+            )
         finite = np.isfinite(acceleration)
         if not finite.all():
-            raise InputError(f"{where}: sample {np.argmin(finite)} is {acceleration[np.argmin(finite)]};"
-                             " expected finite numbers, fill or cut the gap")
+            raise InputError(
+                f"{where}: sample {np.argmin(finite)} is {acceleration[np.argmin(finite)]};"
+                " expected finite numbers, fill or cut the gap"
+            )
         if acceleration.size > MOST_SAMPLES:
-            raise InputError(f"{where}: {acceleration.size} samples; expected up to {MOST_SAMPLES}, cut the record")
+            raise InputError(
+                f"{where}: {acceleration.size} samples; expected up to {MOST_SAMPLES}, cut the"
+                " record"
+            )
         largest = np.argmax(np.abs(acceleration))
         if abs(acceleration[largest]) > HIGHEST_M_S2:
-            raise InputError(f"{where}: sample {largest} is {acceleration[largest]:g} m/s2; expected up to "
-                             f"{HIGHEST_M_S2:g}, look at the unit")
+            raise InputError(
+                f"{where}: sample {largest} is {acceleration[largest]:g} m/s2; expected up to "
+                f"{HIGHEST_M_S2:g}, look at the unit"
+            )
         acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration_m_s2", acceleration)
         object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
@@ -94,16 +105,18 @@ def windowed(record: Record, t0_s: float, t1_s: float) -> Record:
 
 
 def interpolated(record: Record, window_s: tuple[float, float] | None = None) -> Record:
-    """The record, or the window that `windowed` cuts, with FINER times as many samples, band-limited: what a record
-    whose samples hold all of the motion says of the time between them.
+    """The record, or the window that `windowed` cuts, with FINER times as many samples,
+    band-limited: what a record whose samples hold all of the motion says of the time between them.
 
-    A windowed sinc; beyond its first and last sample the record continues as its reflection in that point, so that
-    neither its ends nor a baseline ring.
+    A windowed sinc; beyond its first and last sample the record continues as its reflection in that
+    point, so that neither its ends nor a baseline ring.
     """
     first, last = _ends(record, *window_s) if window_s else (0, record.acceleration_m_s2.size - 1)
     if (last - first) * FINER >= MOST_SAMPLES:
-        raise InputError(f"{record.name}: {last - first + 1} samples of {record.time_step_s:g} s to interpolate; "
-                         f"expected up to {MOST_SAMPLES // FINER}, give a --window")
+        raise InputError(
+            f"{record.name}: {last - first + 1} samples of {record.time_step_s:g} s to interpolate;"
+            f" expected up to {MOST_SAMPLES // FINER}, give a --window"
+        )
     around = samples.continued(record.acceleration_m_s2, REACH)[first : last + 2 * REACH + 1]
     fine = samples.finer(around, FINER, REACH, KAISER_BETA)
     return replace(_cut(record, first, fine), time_step_s=record.time_step_s / FINER)
@@ -113,13 +126,17 @@ def _ends(record: Record, t0_s: float, t1_s: float) -> tuple[int, int]:
     """The first and the last sample of a window."""
     # half a step of room: an end that rounds to the last sample is inside
     if not 0 <= t0_s < t1_s <= record.duration_s + 0.5 * record.time_step_s:
-        raise InputError(f"window {t0_s!r} to {t1_s!r} s; expected 0 <= start < end"
-                         f" within the {record.duration_s:g} s of {record.name}")
+        raise InputError(
+            f"window {t0_s!r} to {t1_s!r} s; expected 0 <= start < end"
+            f" within the {record.duration_s:g} s of {record.name}"
+        )
     first, last = (round(t / record.time_step_s) for t in (t0_s, t1_s))
     last = min(last, record.acceleration_m_s2.size - 1)
     if first >= last:
-        raise InputError(f"window {t0_s!r} to {t1_s!r} s holds one sample of {record.name};"
-                         f" expected more than its time step of {record.time_step_s:g} s")
+        raise InputError(
+            f"window {t0_s!r} to {t1_s!r} s holds one sample of {record.name};"
+            f" expected more than its time step of {record.time_step_s:g} s"
+        )
     return first, last
 
 
@@ -135,28 +152,39 @@ def aligned_with(record: Record, reference: Record) -> Record:
     spare_s = record.duration_s - reference.duration_s
     half_step_s = 0.5 * record.time_step_s
     if not -half_step_s < early_s < spare_s + half_step_s:
-        raise InputError(f"{record.name} starts {early_s:g} s before {reference.name} and is {spare_s:g} s"
-                         f" longer; expected it to cover the other, cut {reference.name} with windowed() first")
+        raise InputError(
+            f"{record.name} starts {early_s:g} s before {reference.name} and is {spare_s:g} s"
+            f" longer; expected it to cover the other, cut {reference.name} with windowed() first"
+        )
     early_s = max(early_s, 0.0)
     return windowed(record, early_s, early_s + reference.duration_s)
 
 
-def on_axis_of(record: Record, reference: Record, window_s: tuple[float, float] | None = None) -> Record:
-    """A record on the time axis of another one, by their start_utc, zero where it has no samples; within the window, by
-    default all of the other one, it has to have them."""
+def on_axis_of(
+    record: Record, reference: Record, window_s: tuple[float, float] | None = None
+) -> Record:
+    """A record on the time axis of another one, by their start_utc, zero where it has no samples;
+    within the window, by default all of the other one, it has to have them."""
     step_s, late_s = reference.time_step_s, start_difference_s(record, reference)
     if abs(record.time_step_s / step_s - 1) > 1e-9:
-        raise InputError(f"{record.name} has a time step of {record.time_step_s:g} s, {reference.name} of {step_s:g} s;"
-                         " expected the same, resample one")
+        raise InputError(
+            f"{record.name} has a time step of {record.time_step_s:g} s, {reference.name} of"
+            f" {step_s:g} s; expected the same, resample one"
+        )
     first, size = round(late_s / step_s), reference.acceleration_m_s2.size
     begin, end = max(first, 0), min(first + record.acceleration_m_s2.size, size)
     lowest, highest = (0.0, reference.duration_s) if window_s is None else window_s
-    if begin * step_s > lowest + 0.5 * step_s or (end - 1) * step_s < min(highest, reference.duration_s) - 0.5 * step_s:
-        raise InputError(f"{record.name} has samples from {begin * step_s:g} to {(end - 1) * step_s:g} s of "
-                         f"{reference.name}, {lowest:g} to {highest:g} s are used; expected all of these, give "
-                         "--window T0_S T1_S")
+    if (
+        begin * step_s > lowest + 0.5 * step_s
+        or (end - 1) * step_s < min(highest, reference.duration_s) - 0.5 * step_s
+    ):
+        raise InputError(
+            f"{record.name} has samples from {begin * step_s:g} to {(end - 1) * step_s:g} s of "
+            f"{reference.name}, {lowest:g} to {highest:g} s are used; expected all of these, give "
+            "--window T0_S T1_S"
+        )
     found = np.zeros(size)
-    found[begin:end] = record.acceleration_m_s2[begin - first:end - first]
+    found[begin:end] = record.acceleration_m_s2[begin - first : end - first]
     return replace(record, acceleration_m_s2=found, start_utc=reference.start_utc)
 
 
@@ -171,9 +199,13 @@ def start_difference_s(record: Record, other: Record) -> float:
 def baseline_corrected(record: Record, order: int = 1) -> Record:
     """The record minus its least-squares polynomial of the given order (0: minus the mean)."""
     if order not in range(min(10, record.acceleration_m_s2.size)):
-        raise InputError(f"baseline order {order!r} for {record.acceleration_m_s2.size} samples;"
-                         " expected a whole number from 0 to 9 and below the number of samples")
-    return replace(record, acceleration_m_s2=samples.without_polynomial(record.acceleration_m_s2, int(order)))
+        raise InputError(
+            f"baseline order {order!r} for {record.acceleration_m_s2.size} samples;"
+            " expected a whole number from 0 to 9 and below the number of samples"
+        )
+    return replace(
+        record, acceleration_m_s2=samples.without_polynomial(record.acceleration_m_s2, int(order))
+    )
 
 
 def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -> Record:
@@ -184,14 +216,18 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
     """
     rate_hz = 1.0 / record.time_step_s
     if not LOWEST_HZ <= low_hz < high_hz < 0.5 * rate_hz:
-        raise InputError(f"band {low_hz!r} to {high_hz!r} Hz; expected {LOWEST_HZ:g} <= low < high < {0.5 * rate_hz:g}"
-                         f" Hz, half the sampling rate of {record.name}")
+        raise InputError(
+            f"band {low_hz!r} to {high_hz!r} Hz; expected {LOWEST_HZ:g} <= low < high <"
+            f" {0.5 * rate_hz:g} Hz, half the sampling rate of {record.name}"
+        )
     if order not in range(2, 21, 2):
         raise InputError(f"filter order {order!r}; expected 2, 4, ... 20: two passes share it")
     edge = 3 * (int(order) + 1)
     if record.acceleration_m_s2.size <= edge:
-        raise InputError(f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
-                         f" order {order}; expected a longer record")
+        raise InputError(
+            f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
+            f" order {order}; expected a longer record"
+        )
     corners = low_hz * record.time_step_s, high_hz * record.time_step_s
     filtered = samples.band_passed(record.acceleration_m_s2, corners, int(order) // 2, edge)
     return replace(record, acceleration_m_s2=filtered)
@@ -225,5 +261,7 @@ def _utc(start_utc: str, later_s: float, where) -> str:
     try:
         moment = _datetime(start_utc) + timedelta(seconds=later_s)
     except ValueError:
-        raise InputError(f"{where}: start time {_shown(start_utc)}; expected such as 2018-01-08T14:00:37Z") from None
+        raise InputError(
+            f"{where}: start time {_shown(start_utc)}; expected such as 2018-01-08T14:00:37Z"
+        ) from None
     return moment.strftime("%Y-%m-%dT%H:%M:%S.%fZ")

@@ -1,8 +1,9 @@
-"""Operations on samples with the same bits on every machine: lines between points, band-limited interpolation,
-polynomials, band-pass.
+"""Operations on samples with the same bits on every machine: lines between points, band-limited
+interpolation, polynomials, band-pass.
 
-They consist of sums, products, quotients and `damage.elementary`; those of scipy.signal, np.interp and np.polynomial
-differ in their last bits between machines (tests/core/test_records.py compares both).
+They consist of sums, products, quotients and `damage.elementary`; those of scipy.signal, np.interp
+and np.polynomial differ in their last bits between machines (tests/core/test_records.py compares
+both).
 """
 
 import math
@@ -12,14 +13,16 @@ import numpy as np
 from damage.elementary import sin_of_turns, tan
 
 _WHOLE = 2.0**-30
-"""Of a step: a time so near to a sample's is the sample's.  Rounding of times leaves up to 2**-32 of the step at the
-last of a million samples."""
+"""Of a step: a time so near to a sample's is the sample's.  Rounding of times leaves up to 2**-32
+of the step at the last of a million samples."""
 _TERMS = 30
-"""Of the power series of the Bessel function I0: for arguments up to 8 the rest is below 1e-30 of it."""
+"""Of the power series of the Bessel function I0: for arguments up to 8 the rest is below 1e-30 of
+it."""
 
 
 def linear(x, at, values):
-    """Values at x of the lines through points (at, values), `at` rising; beyond the outer points it is theirs."""
+    """Values at x of the lines through points (at, values), `at` rising; beyond the outer points it
+    is theirs."""
     ends, values = np.append(at, np.inf), np.append(values, values[-1])
     left = np.maximum(np.searchsorted(at, x, side="right") - 1, 0)
     share = np.maximum((x - ends[left]) / (ends[left + 1] - ends[left]), 0.0)
@@ -27,7 +30,8 @@ def linear(x, at, values):
 
 
 def at_times(time_s, step_s, samples):
-    """Values at times [s] of the lines through samples a step [s] apart, the first at time zero; zero outside."""
+    """Values at times [s] of the lines through samples a step [s] apart, the first at time zero;
+    zero outside."""
     place = time_s / step_s
     nearest = np.rint(place)
     place = np.where(np.abs(place - nearest) <= _WHOLE, nearest, place)
@@ -39,26 +43,28 @@ def continued(samples, n):
     """Samples with n more at either end: the reflection in the outer sample, as a point."""
     while n > 0:
         part = min(n, samples.size - 1)
-        before, after = samples[part:0:-1], samples[-2:-2 - part:-1]
+        before, after = samples[part:0:-1], samples[-2 : -2 - part : -1]
         samples = np.concatenate([2 * samples[0] - before, samples, 2 * samples[-1] - after])
         n -= part
     return samples
 
 
 def finer(samples, times, reach, beta):
-    """Samples that are so many times finer, from sample `reach` to the one `reach` before the last: a sinc in a Kaiser
-    window of the shape beta, to which `reach` samples on either side contribute."""
+    """Samples that are so many times finer, from sample `reach` to the one `reach` before the last:
+    a sinc in a Kaiser window of the shape beta, to which `reach` samples on either side
+    contribute."""
     taps = np.append(_taps(times, reach, beta), np.zeros(times - 1)).reshape(-1, times)
     n = samples.size - 2 * reach
     found = np.zeros((n, times))
     for behind, row in enumerate(taps):
         first = 2 * reach - behind
-        found += samples[first:first + n, np.newaxis] * row
-    return found.ravel()[:(n - 1) * times + 1]
+        found += samples[first : first + n, np.newaxis] * row
+    return found.ravel()[: (n - 1) * times + 1]
 
 
 def _taps(times, reach, beta):
-    """Taps (2 times reach + 1,) of the low-pass at half the coarser sampling rate; their sum is `times`."""
+    """Taps (2 times reach + 1,) of the low-pass at half the coarser sampling rate; their sum is
+    `times`."""
     place = np.arange(-reach * times, reach * times + 1) / times
     share = place / reach
     angle = math.pi * np.where(place == 0, 1.0, place)
@@ -77,7 +83,8 @@ def _bessel(x):
 
 
 def without_polynomial(samples, order):
-    """Samples (n,) less their least-squares polynomial of an order below n, by orthogonal polynomials."""
+    """Samples (n,) less their least-squares polynomial of an order below n, by orthogonal
+    polynomials."""
     place = np.arange(1 - samples.size, samples.size, 2) / (samples.size - 1)
     before, now, size_before = np.zeros_like(place), np.ones_like(place), 1.0
     for _ in range(order + 1):
@@ -88,7 +95,8 @@ def without_polynomial(samples, order):
 
 
 def band_passed(samples, corners, n, edge):
-    """Samples after a Butterworth band-pass of n sections, forward and backward, so that it does not delay.
+    """Samples after a Butterworth band-pass of n sections, forward and backward, so that it does
+    not delay.
 
     corners: two, as shares of the sampling rate; edge: samples that continue them at either end.
     """
@@ -100,26 +108,35 @@ def band_passed(samples, corners, n, edge):
 
 
 def _butterworth(low, high, n):
-    """Sections (gain, a1, a2) of a Butterworth band-pass of order n: y = gain (x - x'') - a1 y' - a2 y'', of which a
-    prime is a sample earlier.  The bilinear transform of width s / (s^2 + b s + c) each."""
+    """Sections (gain, a1, a2) of a Butterworth band-pass of order n: y = gain (x - x'') - a1 y' -
+    a2 y'', of which a prime is a sample earlier.  The bilinear transform of width s / (s^2 + b s +
+    c) each."""
     low, high = (float(tan(math.pi * corner)) for corner in (low, high))
     width, middle = high - low, low * high
     pairs = [(width, middle)] if n % 2 else []
     for m in range(n - 1, 0, -2):
-        # a pole u of the low-pass becomes two, u + root and u - root, root^2 = u^2 - middle; their product is middle
-        across, up = (0.5 * width * float(sin_of_turns(turns)) for turns in (m / (4 * n) - 0.25, m / (4 * n)))
+        # a pole u of the low-pass becomes two, u + root and u - root, root^2 = u^2 - middle; their
+        # product is middle
+        across, up = (
+            0.5 * width * float(sin_of_turns(turns)) for turns in (m / (4 * n) - 0.25, m / (4 * n))
+        )
         real, imaginary = across * across - up * up - middle, 2 * across * up
         large = math.sqrt(0.5 * (math.sqrt(real * real + imaginary * imaginary) + abs(real)))
         small = 0.5 * abs(imaginary) / large
         along, upright = (large, small) if real >= 0 else (small, large)
-        across, up = across - along, up + upright  # the farther of both from zero, of which no digits cancel
+        # the farther of both from zero, of which no digits cancel
+        across, up = across - along, up + upright
         b, c = -2 * across, across * across + up * up
         pairs += [(b, c), (middle * b / c, middle * middle / c)]
-    return [(width / (1 + b + c), 2 * (c - 1) / (1 + b + c), (1 - b + c) / (1 + b + c)) for b, c in pairs]
+    return [
+        (width / (1 + b + c), 2 * (c - 1) / (1 + b + c), (1 - b + c) / (1 + b + c))
+        for b, c in pairs
+    ]
 
 
 def _filtered(values, sections):
-    """A list of values after the sections one by one; before the first, it has always been that value."""
+    """A list of values after the sections one by one; before the first, it has always been that
+    value."""
     before = values[0]
     for gain, a1, a2 in sections:
         one = two = -gain * before

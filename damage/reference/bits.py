@@ -1,8 +1,9 @@
-"""Runs whose bits are published: one of every kind, and the digests that any machine computes from their histories.
+"""Runs whose bits are published: one of every kind, and the digests that any machine computes from
+their histories.
 
-The table `damage/data/bits/bits.csv` has a row for each quantity of each run: the first digits of the SHA-256 of its
-values.  `python3 -m damage check-bits` compares this machine with it; `benchmarks/same_bits.py renew` writes it anew.
-"""
+The table `damage/data/bits/bits.csv` has a row for each quantity of each run: the first digits of
+the SHA-256 of its values.  `python3 -m damage check-bits` compares this machine with it;
+`benchmarks/same_bits.py renew` writes it anew."""
 
 import hashlib
 import io
@@ -28,8 +29,8 @@ MEMBERS = 8
 
 
 class Case(NamedTuple):
-    """A run: its wall, words of its options; is_long: whether it takes more than a few seconds; members: whether it is
-    MEMBERS runs with other seeds, which step together."""
+    """A run: its wall, words of its options; is_long: whether it takes more than a few seconds;
+    members: whether it is MEMBERS runs with other seeds, which step together."""
 
     wall: str
     words: str
@@ -45,8 +46,12 @@ CASES = {
     "harmonic": Case(SYMMETRIC, "--harmonic 0.2 0.05 --rest 0.2"),
     "record": Case(SYMMETRIC, f"{RECORD} --window 18.7 20.7 --scale 2.5 --rest 0.1"),
     "interpolated": Case(SMALL, f"{RECORD} --window 18.7 19.7 --scale 20 --rest 0.1"),
-    "filtered": Case(SMALL, f"{RECORD} --window 18.7 19.7 --scale 20 --baseline 2 --band 0.5 30 --rest 0.1"),
-    "vertical": Case(SMALL, f"{RECORD} --vertical BGAR_HGE --window 18.7 19.7 --scale 20 --rest 0.1"),
+    "filtered": Case(
+        SMALL, f"{RECORD} --window 18.7 19.7 --scale 20 --baseline 2 --band 0.5 30 --rest 0.1"
+    ),
+    "vertical": Case(
+        SMALL, f"{RECORD} --vertical BGAR_HGE --window 18.7 19.7 --scale 20 --rest 0.1"
+    ),
     "sequence": Case(SMALL, "--harmonic 0.06 0.6 --rest 0.3 --sequence 1,0.6"),
     "free": Case(SMALL, "--free-vibration --rest 0.2"),
     "pushover": Case(SMALL, "--pushover 0.1"),
@@ -57,7 +62,9 @@ CASES = {
     "falling": Case(SMALL, "--new-contacts --harmonic 0.1 1.5 --rest 0.2"),
     "drawn": Case(SMALL, f"--strength-cov 0.3 --strength-seed 7 {SHAKEN}"),
     "eight": Case(SMALL, f"--scatter 0.1 {SHAKEN}", members=True),
-    "deformable": Case(SMALL, "--bricks deformable --contacts gauss --harmonic 0.06 0.8 --rest 0.1"),
+    "deformable": Case(
+        SMALL, "--bricks deformable --contacts gauss --harmonic 0.06 0.8 --rest 0.1"
+    ),
     "cells": Case(SMALL, "--bricks deformable --brick-cells 4 --harmonic 0.06 0.8 --rest 0.1"),
     "restrained": Case(STRIP, "--harmonic 0.06 0.6 --rest 0.1"),
     "scaled": Case(SOFT, "--harmonic 0.2 0.05 --rest 0.2"),
@@ -65,16 +72,24 @@ CASES = {
     "elements": Case(SOFT, "--fibres 8 --harmonic 0.2 0.05 --rest 0.1", is_long=True),
     "crushing": Case(CLAY, "--pushover 0.05", is_long=True),
     "house": Case(HOUSE, "--harmonic 0.1 0.2 --rest 0.2", is_long=True),
-    "life": Case(SYMMETRIC, "--address studies/addresses/garsthuizen.toml --life 1 --strength-cov 0.2", is_long=True),
+    "life": Case(
+        SYMMETRIC,
+        "--address studies/addresses/garsthuizen.toml --life 1 --strength-cov 0.2",
+        is_long=True,
+    ),
     "pushed": Case(SYMMETRIC, "--pushover 0.05 --boundary fixed", is_long=True),
 }
 
 
 def digests(names):
-    """{(run, quantity): digest} of the cases of these names, which run one after the other, members together."""
+    """{(run, quantity): digest} of the cases of these names, which run one after the other, members
+    together."""
     with TemporaryDirectory(prefix="masonry-damage-") as folder:
-        return {(name, quantity): digest for name in names
-                for quantity, digest in _digests(CASES[name], Path(folder) / name).items()}
+        return {
+            (name, quantity): digest
+            for name in names
+            for quantity, digest in _digests(CASES[name], Path(folder) / name).items()
+        }
 
 
 def _digests(case, out):
@@ -85,7 +100,10 @@ def _digests(case, out):
     with redirect_stdout(io.StringIO()):
         failed = [name for name, status in run_references(lines.items(), kept) if status]
     if failed:
-        raise RunError(f"{case.wall} {case.words}: the run failed (member {failed[0]}); look at the messages above")
+        raise RunError(
+            f"{case.wall} {case.words}: the run failed (member {failed[0]}); look at the messages"
+            " above"
+        )
     return digests_of([kept[name].history() for name in lines])
 
 
@@ -101,33 +119,48 @@ def _placed(words):
 
 
 def values_of(history):
-    """{quantity: arrays} of a History whose digests are published: drift ratio and base motion over time, energies,
-    failures, openings, slips and states of all joints at the end."""
+    """{quantity: arrays} of a History whose digests are published: drift ratio and base motion over
+    time, energies, failures, openings, slips and states of all joints at the end."""
     series, events = history.series, history.events
     base = [name for name in series if name.startswith("base_acc")]
     energies = [name for name in series if name.endswith("_energy_j")]
-    return {"base": [series[base]], "drift": [series["time_s"], series["drift_ratio"]], "energies": [series[energies]],
-            "events": [events[["time_s", "joint", "opening_m", "slip_m"]], events["kind"].astype(str)],
-            "joints": [getattr(history, name)[-1] for name in ("opening_m", "offset_m", "broken", "at_limit")]}
+    return {
+        "base": [series[base]],
+        "drift": [series["time_s"], series["drift_ratio"]],
+        "energies": [series[energies]],
+        "events": [events[["time_s", "joint", "opening_m", "slip_m"]], events["kind"].astype(str)],
+        "joints": [
+            getattr(history, name)[-1] for name in ("opening_m", "offset_m", "broken", "at_limit")
+        ],
+    }
 
 
 def _digest(arrays):
-    """First digits of the SHA-256 of the values of arrays, one after the other, in one byte order."""
+    """First digits of the SHA-256 of the values of arrays, one after the other, in one byte
+    order."""
     found = hashlib.sha256()
     for array in (np.asarray(one) for values in arrays for one in values):
-        found.update(" ".join(array.tolist()).encode() if array.dtype == object else
-                     np.ascontiguousarray(array, array.dtype.newbyteorder("<")).tobytes())
+        found.update(
+            " ".join(array.tolist()).encode()
+            if array.dtype == object
+            else np.ascontiguousarray(array, array.dtype.newbyteorder("<")).tobytes()
+        )
     return found.hexdigest()[:DIGITS]
 
 
 def published():
     """{(run, quantity): digest} of the table."""
-    table = pd.read_csv(TABLE, comment="#", dtype=str) if TABLE.is_file() else pd.DataFrame(columns=COLUMNS)
+    table = (
+        pd.read_csv(TABLE, comment="#", dtype=str)
+        if TABLE.is_file()
+        else pd.DataFrame(columns=COLUMNS)
+    )
     return {(row.run, row.quantity): row.digest for row in table.itertuples()}
 
 
 def differing(found, known):
-    """{run: its quantities whose digests differ from known ones}; found: of `digests`, known: of `published`."""
+    """{run: its quantities whose digests differ from known ones}; found: of `digests`, known: of
+    `published`."""
     different = {}
     for (name, quantity), digest in found.items():
         if known.get((name, quantity)) != digest:
@@ -136,21 +169,38 @@ def differing(found, known):
 
 
 def verdict(found, known):
-    """One line: how many runs have the published bits on this machine, and what may be the cause where some have not;
-    found: of `digests`, known: of `published`."""
+    """One line: how many runs have the published bits on this machine, and what may be the cause
+    where some have not; found: of `digests`, known: of `published`."""
     runs, different = {name for name, _ in found}, differing(found, known)
-    line = f"published histories: {len(runs) - len(different)} of {len(runs)} have the same bits on this machine"
+    line = (
+        f"published histories: {len(runs) - len(different)} of {len(runs)} have the same bits on"
+        " this machine"
+    )
     if not different:
         return line
     made_by = commit()
-    why = ("files differ from those of the last commit, which may be the cause" if "changed" in made_by else
-           "the program may have been changed" if made_by == UNKNOWN else
-           "the program is as committed: please report this machine and its versions (python3 -m damage info of a run)")
+    why = (
+        "files differ from those of the last commit, which may be the cause"
+        if "changed" in made_by
+        else (
+            "the program may have been changed"
+            if made_by == UNKNOWN
+            else (
+                "the program is as committed: please report this machine and its versions (python3"
+                " -m damage info of a run)"
+            )
+        )
+    )
     return f"{line}, others not ({', '.join(different)}): {why}"
 
 
 def write_table(found):
     """Replace the table; found: of `digests` of all cases."""
     rows = [(*place, digest) for place, digest in found.items()]
-    head = "# Digests of the histories of damage/reference/bits.py; written by benchmarks/same_bits.py renew\n"
-    TABLE.write_text(head + pd.DataFrame(rows, columns=COLUMNS).to_csv(index=False), encoding="utf-8")
+    head = (
+        "# Digests of the histories of damage/reference/bits.py; written by benchmarks/same_bits.py"
+        " renew\n"
+    )
+    TABLE.write_text(
+        head + pd.DataFrame(rows, columns=COLUMNS).to_csv(index=False), encoding="utf-8"
+    )

@@ -1,11 +1,12 @@
-"""Batches: a wall by itself, or up to eight that advance together, one in each SIMD lane of the vector instructions.
+"""Batches: a wall by itself, or up to eight that advance together, one in each SIMD lane of the
+vector instructions.
 
     run_together([wall, another, ...], 70, 70, 10)     # each as wall.run would, to the same bits
 
-Members are ReferenceWalls with equal bricks, joint positions, stiffnesses and friction; state, motion, strengths,
-damping and time step may differ.  The tables of a member are views of the tables of its batch (`Lanes`), so that it can
-be read, changed and run alone at any time.  A batch is built anew where the walls differ from those of the last call,
-so that walls that have ended are left out.
+Members are ReferenceWalls with equal bricks, joint positions, stiffnesses and friction; state,
+motion, strengths, damping and time step may differ.  The tables of a member are views of the tables
+of its batch (`Lanes`), so that it can be read, changed and run alone at any time.  A batch is built
+anew where the walls differ from those of the last call, so that walls that have ended are left out.
 """
 
 import hashlib
@@ -26,20 +27,21 @@ MOST_LANES = WIDTH
 def run_together(walls, *steps):
     """Advance walls by the same numbers of steps, as `ReferenceWall.run`.
 
-    Returns for each None, or the FloatingPointError that ends it.  Raises ValueError where they differ in bricks,
-    stiffnesses or friction.
+    Returns for each None, or the FloatingPointError that ends it.  Raises ValueError where they
+    differ in bricks, stiffnesses or friction.
     """
     return advance_together([(wall, steps) for wall in walls])
 
 
 def advance_together(asked):
-    """Advance walls by different numbers of steps with equal sums; returns and raises as `run_together`.
+    """Advance walls by different numbers of steps with equal sums; returns and raises as
+    `run_together`.
 
     asked: (wall, numbers of steps) of each; ValueError, too, where the sums differ.
     """
     most = MOST_LANES if all(wall.loose is None for wall, _ in asked) else 1
     for first in range(0, len(asked), most):
-        walls, steps = zip(*asked[first:first + most])
+        walls, steps = zip(*asked[first : first + most])
         lanes = walls[0].lanes
         if not lanes.are_of(walls):
             lanes = Lanes(walls)
@@ -55,14 +57,19 @@ class Lanes:
 
     def __init__(self, walls, built=None):
         """built: Tables of a single wall that has none yet."""
-        self._walls = [weakref.ref(wall) for wall in walls]  # which hold this object: no cycle keeps the tables
+        # which hold this object: no cycle keeps the tables
+        self._walls = [weakref.ref(wall) for wall in walls]
         self._kind = None if len(walls) == 1 else _common_kind(walls)
         self._n = ONE if len(walls) == 1 else EIGHT
-        self.tables = built or tables.join([(wall.lanes.tables, wall.lanes.lane_of(wall)) for wall in walls])
+        self.tables = built or tables.join(
+            [(wall.lanes.tables, wall.lanes.lane_of(wall)) for wall in walls]
+        )
         for w, wall in enumerate(walls):
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
         matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
-        self._model = tables.Model(tables.Law(walls[0].material, THRESHOLD), walls[0].strain, walls[0].loose, matrix)
+        self._model = tables.Model(
+            tables.Law(walls[0].material, THRESHOLD), walls[0].strain, walls[0].loose, matrix
+        )
         self._sampling = self.room(0)
 
     @property
@@ -83,10 +90,12 @@ class Lanes:
     def are_of(self, walls):
         """Whether the batch consists of these walls, in this order, all still bound to it."""
         return len(walls) == len(self._walls) and all(
-            one is other and one.lanes is self for one, other in zip(walls, self.walls))
+            one is other and one.lanes is self for one, other in zip(walls, self.walls)
+        )
 
     def run(self, *steps):
-        """Advance the walls by their numbers of steps, a sequence for each; `samples_of` returns the samples.
+        """Advance the walls by their numbers of steps, a sequence for each; `samples_of` returns
+        the samples.
 
         Raises ValueError where their sums differ.
         """
@@ -95,32 +104,53 @@ class Lanes:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
         longest, room = max(map(len, steps)), self._sampling.samples
-        if longest > room.totals.shape[1] or (any(wall.with_stresses for wall in walls) and not room.stress.shape[3]):
+        if longest > room.totals.shape[1] or (
+            any(wall.with_stresses for wall in walls) and not room.stress.shape[3]
+        ):
             self._sampling = self.room(longest)
         ends = [np.cumsum(of_wall) for of_wall in steps]
         last = int(ends[0][-1])
         if any(of_wall[-1] != last for of_wall in ends):
-            raise ValueError(f"walls asked to go {sorted({int(one[-1]) for one in ends})} steps together: expected "
-                             "equally many")
+            raise ValueError(
+                f"walls asked to go {sorted({int(one[-1]) for one in ends})} steps together:"
+                " expected equally many"
+            )
         if last == 0:
             return
         self._sampling.taken[:] = 0
         field, (clock, controls) = np.array([wall.field(last + 1) for wall in walls]), self._now()
-        kernel.advance(self._n, self.tables, self._model, controls, field, clock, _in_turn(ends), self._sampling)
+        kernel.advance(
+            self._n,
+            self.tables,
+            self._model,
+            controls,
+            field,
+            clock,
+            _in_turn(ends),
+            self._sampling,
+        )
         for wall in walls:
             wall.step += last
 
     def _now(self):
-        """(walls,) steps since `start` and (walls, 5) `controls`; for a wall in use no longer those of another."""
+        """(walls,) steps since `start` and (walls, 5) `controls`; for a wall in use no longer those
+        of another."""
         any_wall = next(filter(None, self.walls))
         walls = [wall or any_wall for wall in self.walls]
-        return np.array([wall.clock for wall in walls]), np.array([wall.controls for wall in walls], float)
+        return np.array([wall.clock for wall in walls]), np.array(
+            [wall.controls for wall in walls], float
+        )
 
     def room(self, n_samples):
         """Sampling of all walls, all zero."""
         walls = list(filter(None, self.walls))
-        n_supports, with_stresses = len(walls[0].layout.supports), any(wall.with_stresses for wall in walls)
-        samples = Samples.none(len(self._walls), n_samples, walls[0].system, n_supports, with_stresses)
+        n_supports, with_stresses = (
+            len(walls[0].layout.supports),
+            any(wall.with_stresses for wall in walls),
+        )
+        samples = Samples.none(
+            len(self._walls), n_samples, walls[0].system, n_supports, with_stresses
+        )
         return Sampling(walls[0].stiffness, samples, np.zeros(len(self._walls), int))
 
     def samples_of(self, wall, count):
@@ -128,28 +158,43 @@ class Lanes:
         return self._sampling.samples.of(self.lane_of(wall), count)
 
     def sample_now(self, wall, field):
-        """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of the base and
-        gravity."""
+        """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of
+        the base and gravity."""
         sampling, w = self.room(1), self.lane_of(wall)
         field = np.tile(field, (len(self._walls), 1, 1))
         kernel.look(self._n, self.tables, self._model, self._now()[1], field, 0, 1 << w, sampling)
         return sampling.samples.of(w, 1)
 
     def find_forces(self, singly=True):
-        """Forces of a single wall at the present displacements without damping; if singly, by contact points and with
-        readings."""
+        """Forces of a single wall at the present displacements without damping; if singly, by
+        contact points and with readings."""
         turns = bool(self.tables.turning[:, 0].any())
-        kernel.find_forces(self._n, self.tables, self._model, kernel.Asked(
-            self._now()[0], 0, walls=1, ending=int(singly), damped=False, turns=turns, since=0.0))
+        kernel.find_forces(
+            self._n,
+            self.tables,
+            self._model,
+            kernel.Asked(
+                self._now()[0], 0, walls=1, ending=int(singly), damped=False, turns=turns, since=0.0
+            ),
+        )
 
 
 def kind_of(wall):
-    """Key that is equal for walls that can be members of one batch: whether they find new contacts, material, and a
-    digest of the arrays of bricks, stiffnesses and scaled mass that all of them share."""
+    """Key that is equal for walls that can be members of one batch: whether they find new contacts,
+    material, and a digest of the arrays of bricks, stiffnesses and scaled mass that all of them
+    share."""
     system = wall.system
-    of_modes = (system.mass[:, tables.RIGID:], *wall.strain) if wall.strain else ()
-    shared = [*(table[name] for table in (system.interfaces, system.contacts) for name in table.dtype.names), *of_modes,
-              np.array(len(system.radiation)), np.frombuffer(wall.mass.key if wall.mass else b"", "u1")]
+    of_modes = (system.mass[:, tables.RIGID :], *wall.strain) if wall.strain else ()
+    shared = [
+        *(
+            table[name]
+            for table in (system.interfaces, system.contacts)
+            for name in table.dtype.names
+        ),
+        *of_modes,
+        np.array(len(system.radiation)),
+        np.frombuffer(wall.mass.key if wall.mass else b"", "u1"),
+    ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]
     return wall.loose is None, wall.material, hashlib.sha256(b"".join(parts)).digest()
 
@@ -168,6 +213,8 @@ def _common_kind(walls):
     first, *others = map(kind_of, walls)
     for lane, kind in enumerate(others, 1):
         if kind != first:
-            raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
-                             "wall 0; step it by itself")
+            raise ValueError(
+                f"wall {lane} of those to step together has other bricks, stiffnesses or friction"
+                " than wall 0; step it by itself"
+            )
     return first

@@ -1,4 +1,5 @@
-"""Runs in the reference solver from Python: implementation of `damage.run(wall, motion, **options)`."""
+"""Runs in the reference solver from Python: implementation of `damage.run(wall, motion,
+**options)`."""
 
 import io
 import sys
@@ -43,12 +44,18 @@ def _run(wall, motion, options):
     settings, wall_file, built = _asked(wall, motion, options)
     if settings.quiet and not is_cached():
         print(COMPILING, file=sys.stderr)  # a minute without any output looks like an error
-    with TemporaryDirectory(prefix="masonry-damage-") as folder, \
-            redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
+    with (
+        TemporaryDirectory(prefix="masonry-damage-") as folder,
+        redirect_stdout(io.StringIO()) if settings.quiet else nullcontext(),
+    ):
         write = HistoryWriter
         if settings.out is None:
-            # A history that outgrows the memory continues in this file, which is read before its folder is deleted.
-            path, write = Path(folder) / free_name(built, settings, BACKEND.name).name, HistoryInMemory
+            # A history that outgrows the memory continues in this file, which is read before its
+            # folder is deleted.
+            path, write = (
+                Path(folder) / free_name(built, settings, BACKEND.name).name,
+                HistoryInMemory,
+            )
             settings = replace(settings, out=path)
         prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
         with attended(built.name, quiet=settings.quiet) as keep_going:
@@ -64,30 +71,50 @@ def _run(wall, motion, options):
 
 
 def _asked(wall, motion, options):
-    """(RunSettings, path of the wall's file or "", Wall) from the arguments of `run`; raises InputError."""
+    """(RunSettings, path of the wall's file or "", Wall) from the arguments of `run`; raises
+    InputError."""
     is_record, is_loading = isinstance(motion, (str, Path)), isinstance(motion, (Loading, Record))
     if not (motion is None or is_record or is_loading):
-        raise InputError(f"motion = {motion!r}: expected a record's path or name, a Loading, or None with options like "
-                         "harmonic=(0.2, 0.05)")
+        raise InputError(
+            f"motion = {motion!r}: expected a record's path or name, a Loading, or None with"
+            " options like harmonic=(0.2, 0.05)"
+        )
     file = "" if isinstance(wall, Wall) else wall_path(wall)
     # the command line is complete unless Python objects are among the arguments
-    prog = f"{PROG} {shown_path(wall)}" if file and not is_loading else f"damage.run, {getattr(wall, 'name', wall)}:"
+    prog = (
+        f"{PROG} {shown_path(wall)}"
+        if file and not is_loading
+        else f"damage.run, {getattr(wall, 'name', wall)}:"
+    )
     given = DEFAULTS | options | ({"record": motion} if is_record else {})
     settings = settings_of(given, prog, BACKEND.name)
     if is_loading:
         settings = _driven_by(motion if isinstance(motion, Loading) else Recorded(motion), settings)
     if settings.members > 1:
-        raise InputError(f"members = {settings.members}: expected 1, as damage.run makes one run; call it with "
-                         "scatter=0.001 and seed=1, 2, ...")
+        raise InputError(
+            f"members = {settings.members}: expected 1, as damage.run makes one run; call it with "
+            "scatter=0.001 and seed=1, 2, ..."
+        )
     if settings.pictures and settings.out is None:
-        raise InputError('pictures=True of a run in memory: expected out="FILE.h5", beside which they go; give one')
+        raise InputError(
+            'pictures=True of a run in memory: expected out="FILE.h5", beside which they go;'
+            " give one"
+        )
     return settings, file, load_wall(file) if file else wall
 
 
 def _driven_by(loading, settings):
-    """The settings with a Loading in place of their motion; raises InputError where the options name one, too."""
+    """The settings with a Loading in place of their motion; raises InputError where the options
+    name one, too."""
     if settings.loading != settings_of({}, "", BACKEND.name).loading:
-        raise InputError(f"the motion {loading.name} and options of another: expected one of them; leave one out")
+        raise InputError(
+            f"the motion {loading.name} and options of another: expected one of them; leave one out"
+        )
     if settings.sequence != (1.0,) and loading.drive.base is None:
-        raise InputError(f"sequence with the motion {loading.name}: expected a harmonic or recorded one; leave it out")
-    return replace(settings, loading=loading, command=f"{settings.command} driven by {loading.name}")
+        raise InputError(
+            f"sequence with the motion {loading.name}: expected a harmonic or recorded one; leave"
+            " it out"
+        )
+    return replace(
+        settings, loading=loading, command=f"{settings.command} driven by {loading.name}"
+    )

@@ -1,4 +1,5 @@
-"""Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver, or many."""
+"""Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver,
+or many."""
 
 import sys
 from functools import partial
@@ -34,37 +35,60 @@ PROG = "python3 -m damage reference"
 
 
 def _make(layout, time_step, settings):
-    return ReferenceSolver(layout, time_step, beta=settings.beta_s, new_contacts=settings.new_contacts,
-                           scaled=settings.mass_scaling == SELECTIVE)
+    return ReferenceSolver(
+        layout,
+        time_step,
+        beta=settings.beta_s,
+        new_contacts=settings.new_contacts,
+        scaled=settings.mass_scaling == SELECTIVE,
+    )
 
 
-BACKEND = Backend("reference", {"numba": numba.__version__}, _make, Path(__file__).parent, softening=Softening(),
-                  move=move, most=MOST_LANES)
+BACKEND = Backend(
+    "reference",
+    {"numba": numba.__version__},
+    _make,
+    Path(__file__).parent,
+    softening=Softening(),
+    move=move,
+    most=MOST_LANES,
+)
 
 
 def run_reference(arguments):
-    """Run the command with these words, the wall first (a file, or the name of a wall that ships); returns the exit
-    status."""
+    """Run the command with these words, the wall first (a file, or the name of a wall that ships);
+    returns the exit status."""
     wall, *options = arguments or ["--help"]
     if wall.startswith("-") and wall not in ("-h", "--help"):
-        print(f"error: {one_line(wall)} comes where a wall file should; give {PROG} WALL.py [OPTIONS]",
-              file=sys.stderr)
+        print(
+            f"error: {one_line(wall)} comes where a wall file should; give {PROG} WALL.py"
+            " [OPTIONS]",
+            file=sys.stderr,
+        )
         return EXIT_INPUT
     if wall.startswith("-"):
         return run_session(BACKEND, "", lambda: None, ["--help"], prog=f"{PROG} WALL")
-    return reported(lambda: run_session(BACKEND, wall_path(wall), lambda: load_wall(wall), options,
-                                    prog=f"{PROG} {shown_path(wall)}"))
+    return reported(
+        lambda: run_session(
+            BACKEND,
+            wall_path(wall),
+            lambda: load_wall(wall),
+            options,
+            prog=f"{PROG} {shown_path(wall)}",
+        )
+    )
 
 
 def run_references(lines, histories=None, settled=None):
-    """Run command lines as `run_reference`, up to eight at a time, the next where one has ended, without summaries and
-    pictures; the results of a run do not depend on the others, bit for bit.
+    """Run command lines as `run_reference`, up to eight at a time, the next where one has ended,
+    without summaries and pictures; the results of a run do not depend on the others, bit for bit.
 
-    lines: iterable of (name, words), the wall file first, each with an --out of its own, or (name, (wall file, function
-    of the words before its options that returns RunSettings)); an element is taken when a run can begin, and (None,
-    None) means that there is none now; if no run is in progress then, all ends.  histories:
-    {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class is replaced by the
-    object.  settled: SettledWalls of earlier runs.
+    lines: iterable of (name, words), the wall file first, each with an --out of its own, or (name,
+    (wall file, function of the words before its options that returns RunSettings)); an element is
+    taken when a run can begin, and (None, None) means that there is none now; if no run is in
+    progress then, all ends.  histories:
+    {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class
+    is replaced by the object.  settled: SettledWalls of earlier runs.
 
     Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
     """
@@ -76,7 +100,9 @@ def run_references(lines, histories=None, settled=None):
             if interrupted:
                 return
             names.append(name)
-            yield line and with_errors_reported(f"{name}: ", _run(name, line, histories, settled, keep_going))
+            yield line and with_errors_reported(
+                f"{name}: ", _run(name, line, histories, settled, keep_going)
+            )
 
     hold_buffers()
     with attended("runs that step together", several=True) as keep_going:
@@ -89,9 +115,13 @@ def run_references(lines, histories=None, settled=None):
 def _run(name, line, histories, settled, keep_going):
     """One run: a generator as `damage.run.session.simulate`."""
     wall, *words = line
-    make_settings = words[0] if callable(words[0]) else partial(parse_run, words, solver=BACKEND.name)
+    make_settings = (
+        words[0] if callable(words[0]) else partial(parse_run, words, solver=BACKEND.name)
+    )
     settings = make_settings(prog=f"{PROG} {shown_path(wall)}")
-    one = prepare(BACKEND, wall, lambda: load_wall(wall), settings, histories.get(name, HistoryWriter))
+    one = prepare(
+        BACKEND, wall, lambda: load_wall(wall), settings, histories.get(name, HistoryWriter)
+    )
     if name in histories:
         histories[name] = one.writer
     return (yield from simulate(one, keep_going, settled.of(one)))

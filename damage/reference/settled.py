@@ -1,6 +1,7 @@
 """Cache of walls at rest under their weight, for runs with the same static stage.
 
-Runs of a study with equal walls differ in their motions only, and the static stage takes a tenth of a short run.
+Runs of a study with equal walls differ in their motions only, and the static stage takes a tenth of
+a short run.
 """
 
 import hashlib
@@ -16,10 +17,12 @@ MOST_BYTES = 64_000_000
 
 
 class SettledWalls:
-    """Checkpoints of solvers at the end of their static stages, the least recently used deleted first."""
+    """Checkpoints of solvers at the end of their static stages, the least recently used deleted
+    first."""
 
     def __init__(self):
-        self._kept = OrderedDict()  # {digest of all inputs of the static stage: (checkpoint, looks at the stage)}
+        # {digest of all inputs of the static stage: (checkpoint, looks at the stage)}
+        self._kept = OrderedDict()
 
     def of(self, prepared):
         """Settled of a Prepared run."""
@@ -32,9 +35,13 @@ class SettledWalls:
         return self._kept.get(digest)
 
     def put(self, digest, tables, looks=()):
-        """Add a checkpoint, {name: array}, and looks, and delete the oldest ones beyond MOST_BYTES."""
+        """Add a checkpoint, {name: array}, and looks, and delete the oldest ones beyond
+        MOST_BYTES."""
         self._kept[digest] = tables, looks
-        while sum(table.nbytes for tables, _ in self._kept.values() for table in tables.values()) > MOST_BYTES:
+        while (
+            sum(table.nbytes for tables, _ in self._kept.values() for table in tables.values())
+            > MOST_BYTES
+        ):
             self._kept.popitem(last=False)
 
 
@@ -45,8 +52,8 @@ class Settled:
         self._walls, self._digest, self._found = walls, digest, walls.take(digest)
 
     def recall(self, solver):
-        """Set a solver that has not moved to the end of its static stage; returns the looks at that stage, None where
-        the cache lacks it."""
+        """Set a solver that has not moved to the end of its static stage; returns the looks at that
+        stage, None where the cache lacks it."""
         if self._found is None:
             return None
         tables, looks = self._found
@@ -54,8 +61,8 @@ class Settled:
         return looks
 
     def keep(self, solver, looks):
-        """Store the state of a solver at the end of its static stage, and the looks at it, (time [s], unbalanced
-        force), unless its bricks have found new contacts by then."""
+        """Store the state of a solver at the end of its static stage, and the looks at it, (time
+        [s], unbalanced force), unless its bricks have found new contacts by then."""
         if solver.loose is None or not solver.loose.counts.any():
             self._walls.put(self._digest, solver.checkpoint(whole_log=False), tuple(looks))
 
@@ -64,8 +71,13 @@ def digest_of(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
     settings, content = prepared.settings, io.BytesIO()
     layout = replace(prepared.layout, plan=None)  # which follows from the wall and the options
-    begins = (layout, prepared.time_step, settings.relaxation, settings.new_contacts,
-              settings.mass_scaling == SELECTIVE and settings.beta_s)
+    begins = (
+        layout,
+        prepared.time_step,
+        settings.relaxation,
+        settings.new_contacts,
+        settings.mass_scaling == SELECTIVE and settings.beta_s,
+    )
     pickler = pickle.Pickler(content)
     pickler.fast = True  # equal values give equal bytes, be they one object or two
     pickler.dump(begins)

@@ -14,16 +14,28 @@ from damage.run.solver import LOOK_STEPS, Instants, Solver
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
 
 
-STATE_TABLES = ("place", "velocity", "force", "trig", "limits", "states", "readings", "energy", "relaxation",
-                "radiation", "bearings")
-"""Fields of System that a step changes; masses, contact parameters, the log of events, and what follows from the rest
-are left out."""
+STATE_TABLES = (
+    "place",
+    "velocity",
+    "force",
+    "trig",
+    "limits",
+    "states",
+    "readings",
+    "energy",
+    "relaxation",
+    "radiation",
+    "bearings",
+)
+"""Fields of System that a step changes; masses, contact parameters, the log of events, and what
+follows from the rest are left out."""
 LOOSE_TABLES = "bounds", "seen", "order", "pairs", "springs", "counts", "energy"
 """Fields of Loose that outlast a step."""
 
 
 class ReferenceSolver(ReferenceWall, Solver):
-    """A ReferenceWall as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
+    """A ReferenceWall as Solver of a Run; methods without a docstring:
+    `damage.run.solver.Solver`."""
 
     stretch_samples = 60  # half of what is stored at once (`damage.history.buffer.CHUNK`)
 
@@ -33,7 +45,12 @@ class ReferenceSolver(ReferenceWall, Solver):
         self.energy[:] = 0.0
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
-        self.local_damping, self.adaptive_damping, self.alpha, self.beta = local, adaptive, alpha, beta
+        self.local_damping, self.adaptive_damping, self.alpha, self.beta = (
+            local,
+            adaptive,
+            alpha,
+            beta,
+        )
 
     def set_velocities(self, velocities):
         self.velocity = velocities
@@ -50,24 +67,37 @@ class ReferenceSolver(ReferenceWall, Solver):
             try:
                 yield self, *np.diff(ends, prepend=self.clock).tolist()
             except ArithmeticError:
-                if len(samples := self._taken(ends, sample_steps)) > 1:  # some may be of before the instability
+                # some may be of before the instability
+                if len(samples := self._taken(ends, sample_steps)) > 1:
                     on_samples(self._instants_at(samples))
                 raise
             samples = self._taken(ends, sample_steps)
             goes_on = not samples or on_samples(self._instants_at(samples))
 
     def _taken(self, ends, sample_steps):
-        """{index in `ends`: step} of the samples taken, fewer than `ends` where the run ended early."""
-        return {k: step for k, step in enumerate(ends) if step <= self.clock and step % sample_steps == 0}
+        """{index in `ends`: step} of the samples taken, fewer than `ends` where the run ended
+        early."""
+        return {
+            k: step
+            for k, step in enumerate(ends)
+            if step <= self.clock and step % sample_steps == 0
+        }
 
     def _next_ends(self, sample_steps, end, since):
-        """Steps of the next samples and checks, and the end; only the first where a run reacts to each sample."""
+        """Steps of the next samples and checks, and the end; only the first where a run reacts to
+        each sample."""
+
         def steps_of(first, interval):
             return range(self.clock - (self.clock - first) % interval + interval, end, interval)
 
         ends = sorted({*steps_of(0, sample_steps), *steps_of(since, LOOK_STEPS), end})
-        # Prescribed velocities change at every sample; events of parallel elements are known at the sample alone.
-        single = self._is_driven or self.layout.fibres is not None or self.system.bearings["stiffness"].any()
+        # Prescribed velocities change at every sample; events of parallel elements are known at the
+        # sample alone.
+        single = (
+            self._is_driven
+            or self.layout.fibres is not None
+            or self.system.bearings["stiffness"].any()
+        )
         return ends[:1] if single else ends
 
     def _instants_at(self, samples):
@@ -79,36 +109,66 @@ class ReferenceSolver(ReferenceWall, Solver):
         return self._instants(np.array([self.clock]), self.sample_now(), [0])
 
     def _instants(self, clock, samples, rows):
-        """Instants of these rows of Samples, copied, taken at these steps; a pushed wall has one only, to which the
-        present push force belongs."""
-        totals, moved, joints = samples.totals[rows], samples.displacement[rows], self.active_contacts()
+        """Instants of these rows of Samples, copied, taken at these steps; a pushed wall has one
+        only, to which the present push force belongs."""
+        totals, moved, joints = (
+            samples.totals[rows],
+            samples.displacement[rows],
+            self.active_contacts(),
+        )
         n = len(self.layout.bodies)
         strain = moved[:, :n, RIGID:] if self.layout.strain else None
-        contacts = {name: values[rows] for name, values in self.contact_data(samples, joints).items()}
-        stress = np.moveaxis(self.of_joints(samples.stress[rows]), 1, 2) if self.with_stresses else None
-        return Instants(clock, moved[:, :n, :RIGID], moved[:, n:, :RIGID], samples.support_force[rows], joints,
-                        contacts, np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        total(samples.stored)[rows] + totals[:, ELASTIC] + self._in_bearing(),
-                        totals[:, KINETIC + 1] - self._in_springs(moved[:, :n]), *totals[:, KINETIC + 2:ELASTIC].T,
-                        strain, stress)
+        contacts = {
+            name: values[rows] for name, values in self.contact_data(samples, joints).items()
+        }
+        stress = (
+            np.moveaxis(self.of_joints(samples.stress[rows]), 1, 2) if self.with_stresses else None
+        )
+        return Instants(
+            clock,
+            moved[:, :n, :RIGID],
+            moved[:, n:, :RIGID],
+            samples.support_force[rows],
+            joints,
+            contacts,
+            np.full(len(clock), self.push_force()),
+            totals[:, KINETIC],
+            total(samples.stored)[rows] + totals[:, ELASTIC] + self._in_bearing(),
+            totals[:, KINETIC + 1] - self._in_springs(moved[:, :n]),
+            *totals[:, KINETIC + 2 : ELASTIC].T,
+            strain,
+            stress,
+        )
 
     def _in_bearing(self):
-        """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a time."""
+        """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a
+        time."""
         stiffness, force = self.system.bearings["stiffness"], self.system.bearings["force"]
         held = stiffness > 0
-        return 0.5 * float(np.sum(force[held]**2 / stiffness[held])) if held.any() else 0.0
+        return 0.5 * float(np.sum(force[held] ** 2 / stiffness[held])) if held.any() else 0.0
 
     def _in_springs(self, displacement):
-        """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]: work of the push that
-        did not enter the wall."""
-        stiffness, rest = self.system.turning[:displacement.shape[1]].T
-        return 0.5 * np.sum((displacement[..., RIGID - 1] - rest)**2 * stiffness, axis=-1) if stiffness.any() else 0.0
+        """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]:
+        work of the push that did not enter the wall."""
+        stiffness, rest = self.system.turning[: displacement.shape[1]].T
+        return (
+            0.5 * np.sum((displacement[..., RIGID - 1] - rest) ** 2 * stiffness, axis=-1)
+            if stiffness.any()
+            else 0.0
+        )
 
     def forces(self):
-        return self.force[:len(self.layout.bodies)], hypot(*self.stresses) * self.system.contacts["area"]
+        return (
+            self.force[: len(self.layout.bodies)],
+            hypot(*self.stresses) * self.system.contacts["area"],
+        )
 
     def largest_overlap_m(self):
-        return None if self.loose is None else (self.loose.energy[LARGEST], 2 * self.loose.touch.radius)
+        return (
+            None
+            if self.loose is None
+            else (self.loose.energy[LARGEST], 2 * self.loose.touch.radius)
+        )
 
     def base_reaction(self):
         return self.base_force()[1]
@@ -117,7 +177,8 @@ class ReferenceSolver(ReferenceWall, Solver):
         if self.loose is not None:
             return None
         return {name: np.ascontiguousarray(getattr(self.system, name)) for name in STATE_TABLES} | {
-            f"passed_{kind}": passed for kind, passed in self._passed.items()}
+            f"passed_{kind}": passed for kind, passed in self._passed.items()
+        }
 
     def resume(self, state):
         for name in STATE_TABLES:
@@ -128,33 +189,61 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _whole(self):
         """Views of all tables of this wall that outlast a step, {name: array}."""
         tables, lane = self.lanes.tables, self.lanes.lane_of(self)
-        found = {name: of[lane] if name in LOGS else of[..., lane] for name, of in zip(Tables._fields, tables)
-                 if name not in SHARED + WORK}
-        loose = {} if self.loose is None else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
+        found = {
+            name: of[lane] if name in LOGS else of[..., lane]
+            for name, of in zip(Tables._fields, tables)
+            if name not in SHARED + WORK
+        }
+        loose = (
+            {}
+            if self.loose is None
+            else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
+        )
         return found | loose | {f"passed_{kind}": passed for kind, passed in self._passed.items()}
 
     def checkpoint(self, whole_log=True):
-        """As of Solver; whole_log: with the places of the log that hold no events, so that its size is the same."""
-        count = {name: None if whole_log else int(self.system.n_events[0]) for name in ("events", "values")}
-        return {name: np.array(table[:count.get(name)], order="C") for name, table in self._whole().items()} | {
-            "clock": np.array(self.clock), "is_driven": np.array(self._is_driven)}
+        """As of Solver; whole_log: with the places of the log that hold no events, so that its size
+        is the same."""
+        count = {
+            name: None if whole_log else int(self.system.n_events[0])
+            for name in ("events", "values")
+        }
+        return {
+            name: np.array(table[: count.get(name)], order="C")
+            for name, table in self._whole().items()
+        } | {"clock": np.array(self.clock), "is_driven": np.array(self._is_driven)}
 
     def restore(self, tables):
         if self.loose is not None:
-            pairs, order, counts = (tables[f"loose_{name}"] for name in ("pairs", "order", "counts"))
+            pairs, order, counts = (
+                tables[f"loose_{name}"] for name in ("pairs", "order", "counts")
+            )
             n, room = len(order), len(pairs)
-            if not (0 <= pairs.min() <= pairs.max() < n and np.array_equal(np.sort(order), np.arange(n))
-                    and counts.min() >= 0 and counts[PAIRS] <= room):
-                raise InputError("the loose contacts of the checkpoint are of bodies that this wall does not have; run "
-                                 "it again")
+            if not (
+                0 <= pairs.min() <= pairs.max() < n
+                and np.array_equal(np.sort(order), np.arange(n))
+                and counts.min() >= 0
+                and counts[PAIRS] <= room
+            ):
+                raise InputError(
+                    "the loose contacts of the checkpoint are of bodies that this wall does not"
+                    " have; run it again"
+                )
         if tables["n_events"][0] < 0 or tables["clock"] < 0:
-            raise InputError("the clock of the checkpoint, or its number of events, is below zero; run it again")
+            raise InputError(
+                "the clock of the checkpoint, or its number of events, is below zero; run it again"
+            )
         for name, table in self._whole().items():
-            table[:len(tables[name])] = tables[name]
-        self.step, self._is_driven = self.first_step + int(tables["clock"]), bool(tables["is_driven"])
+            table[: len(tables[name])] = tables[name]
+        self.step, self._is_driven = (
+            self.first_step + int(tables["clock"]),
+            bool(tables["is_driven"]),
+        )
 
     def drain_events(self):
         if self.layout.fibres is None and self.system.n_events[0] == 0:
             return []  # the usual case
-        return [(int(step), int(joint), EVENT_KINDS[kind], *values)
-                for step, joint, kind, values in zip(*super().drain_events())]
+        return [
+            (int(step), int(joint), EVENT_KINDS[kind], *values)
+            for step, joint, kind, values in zip(*super().drain_events())
+        ]

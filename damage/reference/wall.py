@@ -1,8 +1,8 @@
 """A wall of the reference solver: rigid bodies in the plane, integrated explicitly in time.
 
 Layout, joint law, stages, loading and history file are those of walls in YADE.  The time step is
-`damage.mechanics.step`.  Walls with equal bricks and stiffnesses can advance together (`damage.reference.lanes`).
-"""
+`damage.mechanics.step`.  Walls with equal bricks and stiffnesses can advance together
+(`damage.reference.lanes`)."""
 
 import math
 
@@ -26,11 +26,12 @@ from damage.units import GRAVITY
 class ReferenceWall:
     """A wall and its state; time is counted in steps.
 
-    layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
-    damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide; scaled: selective mass
-    scaling (`damage.mechanics.scaling`) for this time step and beta, without local damping.  time_step, beta, alpha,
-    `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
-    changed at any time.
+    layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
+    alpha: mass-proportional damping [1/s]; new_contacts: bodies whose joints have ended, or that
+    had none, collide; scaled: selective mass scaling (`damage.mechanics.scaling`) for this time
+    step and beta, without local damping.  time_step, beta, alpha, `local_damping` (Cundall's, [-])
+    and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be changed at any
+    time.
     with_stresses: whether samples hold the stresses of the joints.
     """
 
@@ -44,13 +45,18 @@ class ReferenceWall:
         built, row = build(layout, self.material), contact_rows(layout)[0]
         self.strain, self.loose = strain_tables(layout), None
         self.mass = scaled_mass(layout, time_step, beta) if scaled else None
-        self.stiffness = Stiffness(built.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
-                                   layout.contacts.shear_stiffness[row])
+        self.stiffness = Stiffness(
+            built.contacts["area"].copy(),
+            layout.contacts.normal_stiffness[row],
+            layout.contacts.shear_stiffness[row],
+        )
         if new_contacts:
             self.loose = build_loose(layout, tables.system_of(built, 0), time_step, self.material)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         self._held, self._is_driven, self._active = None, False, (0, np.empty(0, int))
-        self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
+        self._passed = {
+            kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)
+        }
         self.refresh()
 
     @property
@@ -62,8 +68,9 @@ class ReferenceWall:
 
     @property
     def displacement(self):
-        """Displacements and rotations since the wall was built, (n_bodies, 3) [m, m, rad]; can be assigned."""
-        return self.system.place[:len(self.layout.bodies), :RIGID].copy()
+        """Displacements and rotations since the wall was built, (n_bodies, 3) [m, m, rad]; can be
+        assigned."""
+        return self.system.place[: len(self.layout.bodies), :RIGID].copy()
 
     @displacement.setter
     def displacement(self, values):
@@ -71,30 +78,37 @@ class ReferenceWall:
         self.refresh()
 
     def place_bodies(self, values):
-        """Set the displacements of the bodies, (n_bodies, 3) [m, m, rad], without updating forces."""
+        """Set the displacements of the bodies, (n_bodies, 3) [m, m, rad], without updating
+        forces."""
         bodies = slice(len(self.layout.bodies))
         self.system.place[bodies, :RIGID] = values
         angle = self.system.place[bodies, ROTATION]
-        self.system.trig[bodies, 0], self.system.trig[bodies, 1] = -2 * sin(angle / 2)**2, sin(angle)
+        self.system.trig[bodies, 0], self.system.trig[bodies, 1] = (
+            -2 * sin(angle / 2) ** 2,
+            sin(angle),
+        )
 
     @property
     def velocity(self):
         """Velocities half a step ago, (n_bodies, 3) [m/s, m/s, rad/s]; can be assigned."""
-        return self.system.velocity[:len(self.layout.bodies), :RIGID].copy()
+        return self.system.velocity[: len(self.layout.bodies), :RIGID].copy()
 
     @velocity.setter
     def velocity(self, values):
-        given = np.shape(values)[-1] if np.ndim(values) else None  # rigid coordinates, or strain modes, too
-        self.system.velocity[:len(self.layout.bodies), :given] = values
+        # rigid coordinates, or strain modes, too
+        given = np.shape(values)[-1] if np.ndim(values) else None
+        self.system.velocity[: len(self.layout.bodies), :given] = values
 
     def add_static_displacement(self):
-        """Move all coordinates by the linear static solution of the intact wall under its weight."""
-        self.system.place[:len(self.layout.bodies)] += static_displacement(self.layout)
+        """Move all coordinates by the linear static solution of the intact wall under its
+        weight."""
+        self.system.place[: len(self.layout.bodies)] += static_displacement(self.layout)
         self.displacement = self.displacement  # and what follows from it
 
     @property
     def force(self):
-        """Forces of the contact points on each body, the supports last, (n_bodies + n_supports, 3) [N, N, N m]."""
+        """Forces of the contact points on each body, the supports last, (n_bodies + n_supports, 3)
+        [N, N, N m]."""
         return self.system.force[:, :RIGID].copy()
 
     @property
@@ -109,12 +123,14 @@ class ReferenceWall:
 
     @property
     def offset(self):
-        """Shear displacement less its elastic part, (n_joints,) [m]; zero where intact; mean of parallel elements."""
+        """Shear displacement less its elastic part, (n_joints,) [m]; zero where intact; mean of
+        parallel elements."""
         return self.contact_data(self.sample_now())["offset_m"][0]
 
     @property
     def state(self):
-        """State of the contact points, (n_joints,) bits BROKEN, AT_LIMIT, CRUSHED, ENDED of damage.law.states."""
+        """State of the contact points, (n_joints,) bits BROKEN, AT_LIMIT, CRUSHED, ENDED of
+        damage.law.states."""
         return self.contact_data(self.sample_now())["state"][0]
 
     @property
@@ -124,8 +140,9 @@ class ReferenceWall:
 
     @property
     def stresses(self):
-        """Normal stress, tension positive, and shear stress of the contacts of the tables, (2, contacts) [Pa]."""
-        return self.system.readings[tables.READINGS.index("sigma"):].copy()
+        """Normal stress, tension positive, and shear stress of the contacts of the tables, (2,
+        contacts) [Pa]."""
+        return self.system.readings[tables.READINGS.index("sigma") :].copy()
 
     def sample_now(self):
         """Samples with a single sample, of the present time."""
@@ -134,56 +151,72 @@ class ReferenceWall:
         return self.lanes.sample_now(self, field)
 
     def field(self, n_steps):
-        """Acceleration of the base along x and z and gravity in the next steps, (n_steps, 3) [m/s2].
+        """Acceleration of the base along x and z and gravity in the next steps, (n_steps, 3)
+        [m/s2].
 
         After their ends the base is at rest and gravity keeps its last value.
         """
         first, rows = self.clock, np.zeros((n_steps, 3))
-        base, gravity = self.base[first:first + n_steps], self.gravity[first:first + n_steps]
-        rows[:len(base), :2] = base
-        rows[:len(gravity), 2], rows[len(gravity):, 2] = gravity, self.gravity[-1]
+        base, gravity = self.base[first : first + n_steps], self.gravity[first : first + n_steps]
+        rows[: len(base), :2] = base
+        rows[: len(gravity), 2], rows[len(gravity) :, 2] = gravity, self.gravity[-1]
         return rows
 
     def active_contacts(self):
-        """Indices of the active contact points, those of failed interfaces; all, a slice, with parallel elements."""
+        """Indices of the active contact points, those of failed interfaces; all, a slice, with
+        parallel elements."""
         if self.layout.fibres is not None:
             return slice(None)
         interfaces, failed = self.system.interfaces, self.system.limits[:, tables.HAS_FAILED] > 0
         if (count := np.count_nonzero(failed)) != self._active[0]:  # failure is permanent
-            self._active = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
+            self._active = (
+                count,
+                np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"])),
+            )
         return self._active[1]
 
     def contact_data(self, samples, joints=slice(None)):
-        """Contact data of Samples of this wall, {name of FIELD_NAMES: (n, n_selected)}; joints: indices or a slice.
+        """Contact data of Samples of this wall, {name of FIELD_NAMES: (n, n_selected)}; joints:
+        indices or a slice.
 
-        Parallel elements give the mean by their shares; their state is that of the last one to fail.
+        Parallel elements give the mean by their shares; their state is that of the last one to
+        fail.
         """
         fibres, n, found = self.layout.fibres, self.layout.n_joints, {}
         for name, values in zip(FIELD_NAMES, np.moveaxis(samples.contacts, 1, 0)):
-            of_joints = values if fibres is None else values[:, fibres.last] if name == "state" else fibres.mean(values)
+            of_joints = (
+                values
+                if fibres is None
+                else values[:, fibres.last]
+                if name == "state"
+                else fibres.mean(values)
+            )
             found[name] = of_joints[:, :n][:, joints]
         found["state"] = found["state"].astype("u1")
         return found
 
     def of_joints(self, values):
-        """Values (..., contacts) of contact points, (..., n_joints): means of parallel elements by their shares."""
+        """Values (..., contacts) of contact points, (..., n_joints): means of parallel elements by
+        their shares."""
         fibres = self.layout.fibres
-        return (values if fibres is None else fibres.mean(values))[..., :self.layout.n_joints]
+        return (values if fibres is None else fibres.mean(values))[..., : self.layout.n_joints]
 
     # --- loading and time steps -----------------------------------------------------------------
 
     def run(self, *steps):
-        """Advance by numbers of steps, one after the other; after each there is a sample (`lanes.samples_of`).
+        """Advance by numbers of steps, one after the other; after each there is a sample
+        (`lanes.samples_of`).
 
-        Forces and stresses are those at the present displacements before and after.  Raises FloatingPointError where
-        forces are no longer finite.
+        Forces and stresses are those at the present displacements before and after.  Raises
+        FloatingPointError where forces are no longer finite.
         """
         (failure,) = run_together([self], *steps)
         if failure is not None:
             raise failure
 
     def refresh(self):
-        """Recompute forces and stresses; to be called after displacements or contacts were changed directly."""
+        """Recompute forces and stresses; to be called after displacements or contacts were changed
+        directly."""
         system = self.system
         intact = system.states["kappa"] == 0.0
         system.states["elastic_tension_stiffness"][intact] = system.contacts["kn"][intact]
@@ -204,19 +237,26 @@ class ReferenceWall:
         return self.time_step, self.local_damping, self.alpha, self.beta, self.adaptive_damping
 
     def start(self, base, gravity=None):
-        """Set the acceleration of the base along x, z, (k, 2) [m/s2], and gravity, (k,) [m/s2], from this step on."""
+        """Set the acceleration of the base along x, z, (k, 2) [m/s2], and gravity, (k,) [m/s2],
+        from this step on."""
         self.base = np.ascontiguousarray(base, float).reshape(-1, 2)
-        self.gravity = np.array([GRAVITY]) if gravity is None else np.ascontiguousarray(gravity, float)
+        self.gravity = (
+            np.array([GRAVITY]) if gravity is None else np.ascontiguousarray(gravity, float)
+        )
         self.first_step = self.step
 
     def drain_events(self):
-        """Events logged since the last call: steps since `start`, contact points, kinds, each (n,), and values, (n, 4).
+        """Events logged since the last call: steps since `start`, contact points, kinds, each (n,),
+        and values, (n, 4).
 
-        Values: as of damage.mechanics.tables.System.  Raises OverflowError where more than CAPACITY were logged.
+        Values: as of damage.mechanics.tables.System.  Raises OverflowError where more than CAPACITY
+        were logged.
         """
         count = int(self.system.n_events[0])
         if count > CAPACITY:
-            raise OverflowError(f"{count} events between two samples, {CAPACITY} fit; sample more often")
+            raise OverflowError(
+                f"{count} events between two samples, {CAPACITY} fit; sample more often"
+            )
         self.system.n_events[0] = 0
         events, values = self.system.events[:count].copy(), self.system.values[:count].copy()
         if self.layout.fibres is not None:
@@ -226,8 +266,8 @@ class ReferenceWall:
     def _events_of_fibres(self, events, values):
         """Events of contact points from those of their parallel elements.
 
-        A contact point fails with its last element.  Its opening and slip, means over the elements, are compared with
-        the threshold at the samples.
+        A contact point fails with its last element.  Its opening and slip, means over the elements,
+        are compared with the threshold at the samples.
         """
         fibres = self.layout.fibres
         of_contacts = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
@@ -244,47 +284,58 @@ class ReferenceWall:
         return events, values
 
     def hold(self, bodies, rotation, stiffness=0.0):
-        """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation: prevent it, too;
-        stiffness: of a rotational spring on each, from the present rotation on [N m/rad]."""
-        self.system.turning[bodies] = np.column_stack([np.full(len(bodies), stiffness),
-                                                       self.system.place[bodies, ROTATION]])
+        """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation:
+        prevent it, too; stiffness: of a rotational spring on each, from the present rotation on [N
+        m/rad]."""
+        self.system.turning[bodies] = np.column_stack(
+            [np.full(len(bodies), stiffness), self.system.place[bodies, ROTATION]]
+        )
         self._held, self._is_driven = bodies, True
         for coordinate in (X, ROTATION) if rotation else (X,):
-            self.system.inverse_mass[bodies, coordinate] = self.system.velocity[bodies, coordinate] = 0.0
+            self.system.inverse_mass[bodies, coordinate] = self.system.velocity[
+                bodies, coordinate
+            ] = 0.0
         if self.mass:
-            held = np.flatnonzero(self.system.inverse_mass[:len(self.layout.bodies)] == 0)
+            held = np.flatnonzero(self.system.inverse_mass[: len(self.layout.bodies)] == 0)
             self.mass = scaled_mass(self.layout, self.time_step, self.mass.beta, held.tolist())
             Lanes([self])
 
     def push(self, velocity):
-        """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
+        """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy
+        is input."""
         old, mass = self.system.velocity[self._held, X], self.layout.bodies.mass[self._held]
         self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity * velocity - old * old))
         self._prescribe((self._held, X), velocity)
 
     def move_supports(self, velocity):
-        """Prescribe the velocity of the supports, (n_supports, 3) or (3,) [m/s, m/s, rad/s]; their work is input."""
+        """Prescribe the velocity of the supports, (n_supports, 3) or (3,) [m/s, m/s, rad/s]; their
+        work is input."""
         self._is_driven = True
         self._prescribe((slice(len(self.layout.bodies), None), slice(RIGID)), velocity)
 
     def prescribe_no_more(self):
-        """Supports keep their velocity from here; a held top is followed from sample to sample all the same."""
+        """Supports keep their velocity from here; a held top is followed from sample to sample all
+        the same."""
         self._is_driven = self._held is not None
 
     def _prescribe(self, which, velocity):
         """Set prescribed velocities; their work in the half step before now is that of the old ones
         (`damage.mechanics.samples.input_of_half_a_step`)."""
         change = velocity - self.system.velocity[which]
-        self.energy[tables.INPUT] += 0.5 * self.time_step * np.sum(self.system.force[which] * change)
+        self.energy[tables.INPUT] += (
+            0.5 * self.time_step * np.sum(self.system.force[which] * change)
+        )
         self.system.velocity[which] = velocity
 
     @property
     def support_force(self):
-        """Forces of the wall on the supports, (n_supports, 3) [N, N, N m], moments about their reference points."""
-        return self.system.force[len(self.layout.bodies):, :RIGID].copy()
+        """Forces of the wall on the supports, (n_supports, 3) [N, N, N m], moments about their
+        reference points."""
+        return self.system.force[len(self.layout.bodies) :, :RIGID].copy()
 
     def push_force(self):
-        """Horizontal force on the held bodies by their prescribed motion [N]; NaN where none are held."""
+        """Horizontal force on the held bodies by their prescribed motion [N]; NaN where none are
+        held."""
         if self._held is None:
             return np.nan
         return -float(self.system.force[self._held, X].sum())
@@ -297,7 +348,8 @@ class ReferenceWall:
         return float(fx), -float(fz)
 
     def kinetic_energy(self):
-        """Kinetic energy at the time of the displacements [J]: velocities are advanced by half a step."""
+        """Kinetic energy at the time of the displacements [J]: velocities are advanced by half a
+        step."""
         return float(self.sample_now().totals[0, KINETIC])
 
     def elastic_energy(self):
@@ -308,17 +360,24 @@ class ReferenceWall:
     def failure(self):
         """The error that ends a run of this wall in its present state, None where there is none."""
         if not math.isfinite(self.system.force.sum()):
-            return FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
-                                      f"{self.time_step:.3g} s is too large for this wall")
+            return FloatingPointError(
+                f"forces are no longer finite at step {self.step}: the time step of "
+                f"{self.time_step:.3g} s is too large for this wall"
+            )
         loose, before_s = self.loose, self.clock * self.time_step
         if loose is None:
             return None
         if loose.counts[INSIDE]:
-            return RunError(f"new contacts: bricks press each other by more than the {2e3 * loose.touch.radius:.3g} mm "
-                            f"of their rounded corners before {before_s:.4g} s; expected less; give a smaller --dt: a "
-                            "third of it makes them nine times as stiff")
+            return RunError(
+                "new contacts: bricks press each other by more than the"
+                f" {2e3 * loose.touch.radius:.3g} mm of their rounded corners before {before_s:.4g}"
+                " s; expected less; give a smaller --dt: a third of it makes them nine times as"
+                " stiff"
+            )
         if loose.counts[FULL]:
-            return RunError(f"new contacts: more than {len(loose.pairs)} pairs of bricks are near each other before "
-                            f"{before_s:.4g} s; expected fewer; end the run with its first fallen brick, without "
-                            "--after-fall")
+            return RunError(
+                f"new contacts: more than {len(loose.pairs)} pairs of bricks are near each other"
+                f" before {before_s:.4g} s; expected fewer; end the run with its first fallen"
+                " brick, without --after-fall"
+            )
         return None

@@ -13,27 +13,35 @@ MEGA, TONNE = 1e6, 1e3
 
 
 def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
-    """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
+    """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step
+    [s]."""
     wall, plan, options = layout.wall, layout.plan, layout.options
     lintels = describe_lintels(plan)
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
-        f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
-        f"{layout.n_bricks} bricks ({bricks_kg / TONNE:.3g} t together), {layout.n_joints} "
-        f"contact points on {layout.total_joint_length:.2f} m of joints",
+        (
+            f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses}"
+            f" courses, {layout.n_bricks} bricks ({bricks_kg / TONNE:.3g} t together),"
+            f" {layout.n_joints} contact points on {layout.total_joint_length:.2f} m of joints"
+        ),
         *describe_top(layout),
         *describe_openings(plan),
         *describe_floors(plan),
         describe_joint(wall.joint, options.strength_cov),
         describe_brick(wall.brick, options),
         *lintels,
-        f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
-        f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}",
-        f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
-        f"({time_step / modes.critical_time_step_s:.2f} of the critical"
-        f"{'' if mass_scaling == 'none' else f', {mass_scaling} mass scaling'})",
+        (
+            f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
+            f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}"
+        ),
+        (
+            f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
+            f"({time_step / modes.critical_time_step_s:.2f} of the critical"
+            f"{'' if mass_scaling == 'none' else f', {mass_scaling} mass scaling'})"
+        ),
         f"motion: {loading.name}",
-        *describe_sampling(loading)]
+        *describe_sampling(loading),
+    ]
 
 
 def describe_sampling(loading):
@@ -41,9 +49,11 @@ def describe_sampling(loading):
     if loading.lost_by_lines is None:
         return []
     step_s = loading.record.time_step_s
-    return [f"record: its step of {step_s:g} s is more than a tenth of the first period; interpolated (band-limited) "
-            f"to {step_s / FINER:g} s, as lines between samples would take off {100 * loading.lost_by_lines:.2g} % at "
-            "that period"]
+    return [
+        f"record: its step of {step_s:g} s is more than a tenth of the first period; interpolated"
+        f" (band-limited) to {step_s / FINER:g} s, as lines between samples would take off"
+        f" {100 * loading.lost_by_lines:.2g} % at that period"
+    ]
 
 
 def sequence_lines(settings):
@@ -51,44 +61,65 @@ def sequence_lines(settings):
     if not settings.events:
         return []
     records = {event.loading.record.name for event in settings.events}
-    return [f"sequence: {len(settings.events)} events of {len(records)} records, peak {settings.peak_g:.3g} g; the "
-            "motion above is the strongest of them"]
+    return [
+        f"sequence: {len(settings.events)} events of {len(records)} records, peak"
+        f" {settings.peak_g:.3g} g; the motion above is the strongest of them"
+    ]
 
 
 def event_lines(settings):
-    """A line about the event at an address whose motion RunSettings have, none where there is none."""
+    """A line about the event at an address whose motion RunSettings have, none where there is
+    none."""
     if not (event := settings.event):
         return []
-    pgv = f"{event['pgv_mm_s']:.3g} mm/s" + (", its median there" if event["life"] is None else
-                                             f", drawn in life {event['life']}")
-    return [f"event of {event['time_utc']} UTC, M {event['magnitude']:g} at {event['place']}: PGV of {pgv}; record "
-            f"{event['record']} x {event['scale']:.3g}, {event['start_s']:g} to {event['end_s']:g} s"]
+    pgv = f"{event['pgv_mm_s']:.3g} mm/s" + (
+        ", its median there" if event["life"] is None else f", drawn in life {event['life']}"
+    )
+    return [
+        f"event of {event['time_utc']} UTC, M {event['magnitude']:g} at {event['place']}: PGV of"
+        f" {pgv}; record {event['record']} x {event['scale']:.3g}, {event['start_s']:g} to"
+        f" {event['end_s']:g} s"
+    ]
 
 
 def kept_lines(settings, layout, time_step):
-    """Lines on what RunSettings keep beside the usual: bricks of material points, size of the joints' stresses.
+    """Lines on what RunSettings keep beside the usual: bricks of material points, size of the
+    joints' stresses.
 
     Raises InputError where a point lies in no brick.
     """
-    lines = [f"point {x:g} {z:g}: in brick {body}, course {layout.bodies.course[body]}" for (x, z), body in zip(
-        settings.points, MaterialPoints(layout, settings.points).bodies if settings.points else ())]
+    lines = [
+        f"point {x:g} {z:g}: in brick {body}, course {layout.bodies.course[body]}"
+        for (x, z), body in zip(
+            settings.points,
+            MaterialPoints(layout, settings.points).bodies if settings.points else (),
+        )
+    ]
     if not settings.stresses:
         return lines
     interval = sample_steps(time_step, settings.mass_scaling)
     samples = stages(settings, layout, time_step, interval)[-1].end_step // interval + 1
-    return [*lines, f"stresses of {layout.n_joints} contact points at {samples} samples: "
+    return [
+        *lines,
+        (
+            f"stresses of {layout.n_joints} contact points at {samples} samples: "
             f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, "
-            "in the file up to four fifths of that"]
+            "in the file up to four fifths of that"
+        ),
+    ]
 
 
 def record_lines(settings):
-    """Lines that say which unit the records of RunSettings were taken to be in, none where there is no record."""
+    """Lines that say which unit the records of RunSettings were taken to be in, none where there is
+    no record."""
     units = {}
     for event in settings.recorded:
         for record in filter(None, (event.loading.record, event.loading.vertical)):
             units.setdefault(record.unit or "m_s2 (made in Python)", {})[record.name] = None
-    return [f"unit of {', '.join(names) if len(names) < 4 else f'{len(names)} records'}: {unit}"
-            for unit, names in units.items()]
+    return [
+        f"unit of {', '.join(names) if len(names) < 4 else f'{len(names)} records'}: {unit}"
+        for unit, names in units.items()
+    ]
 
 
 def describe_joint(joint, scatter=0.0):
@@ -98,14 +129,30 @@ def describe_joint(joint, scatter=0.0):
     >>> describe_joint(Joint())
     'joints: tensile strength 0.21 MPa, cohesion 0.24 MPa, friction angle 32 deg, brittle'
     """
-    parts = [f"tensile strength {joint.tensile_strength / MEGA:.4g} MPa", f"cohesion {joint.cohesion / MEGA:.4g} MPa"]
+    parts = [
+        f"tensile strength {joint.tensile_strength / MEGA:.4g} MPa",
+        f"cohesion {joint.cohesion / MEGA:.4g} MPa",
+    ]
     parts += [f"both scattered by {100 * scatter:.3g} %"] if scatter else []
     parts += [f"friction angle {math.degrees(joint.friction_angle):.4g} deg"]
-    parts += [f"fracture energies {joint.mode_i_fracture_energy:.4g} and {joint.mode_ii_fracture_energy:.4g} J/m2"] \
-        if joint.softens else ["brittle"]
-    parts += [f"compressive strength {joint.compressive_strength / MEGA:.4g} MPa"] if joint.compressive_strength else []
-    parts += [f"its fracture energy {joint.compressive_fracture_energy:.4g} J/m2"] \
-        if joint.compressive_fracture_energy else []
+    parts += (
+        [
+            f"fracture energies {joint.mode_i_fracture_energy:.4g} and"
+            f" {joint.mode_ii_fracture_energy:.4g} J/m2"
+        ]
+        if joint.softens
+        else ["brittle"]
+    )
+    parts += (
+        [f"compressive strength {joint.compressive_strength / MEGA:.4g} MPa"]
+        if joint.compressive_strength
+        else []
+    )
+    parts += (
+        [f"its fracture energy {joint.compressive_fracture_energy:.4g} J/m2"]
+        if joint.compressive_fracture_energy
+        else []
+    )
     return f"joints: {', '.join(parts)}"
 
 
@@ -116,11 +163,17 @@ def describe_brick(brick, options=None):
     >>> describe_brick(Brick(tensile_strength=1e6))
     'bricks: 0.225 x 0.075 x 0.1025 m, 1900 kg/m3, modulus 5200 MPa, splitting at 1 MPa in tension'
     """
-    line = (f"bricks: {brick.length:.4g} x {brick.height:.4g} x {brick.thickness:.4g} m, {brick.density:.4g} kg/m3, "
-            f"modulus {brick.young_modulus / MEGA:.4g} MPa")
+    line = (
+        f"bricks: {brick.length:.4g} x {brick.height:.4g} x {brick.thickness:.4g} m,"
+        f" {brick.density:.4g} kg/m3, modulus {brick.young_modulus / MEGA:.4g} MPa"
+    )
     if options and options.has_modes:
         line += f", deformable (order {options.brick_order}, plane {options.plane})"
-        return f"{line}, tensile strength {brick.tensile_strength / MEGA:.4g} MPa" if brick.splits else line
+        return (
+            f"{line}, tensile strength {brick.tensile_strength / MEGA:.4g} MPa"
+            if brick.splits
+            else line
+        )
     if options and options.brick_cells:
         line += f", {options.brick_cells} rigid cells glued elastically"
     if not brick.splits:

@@ -1,7 +1,9 @@
-"""Checkpoints of a run: everything that its next steps depend on, in FILE.checkpoint beside its history FILE.h5.
+"""Checkpoints of a run: everything that its next steps depend on, in FILE.checkpoint beside its
+history FILE.h5.
 
-A line with the digest of the rest, then a NumPy archive without objects.  The file is written beside and renamed, so
-that a kill leaves the last checkpoint whole; the run that continues omits rows of the history that came after it.
+A line with the digest of the rest, then a NumPy archive without objects.  The file is written
+beside and renamed, so that a kill leaves the last checkpoint whole; the run that continues omits
+rows of the history that came after it.
 Of YADE the archive holds a scene (`O.save`).
 """
 
@@ -31,8 +33,9 @@ def checkpoint_path(history):
 class Checkpoints:
     """Writer of a run's checkpoints.
 
-    writer: HistoryWriter of the run; every_s: computing time between two [s], infinity: at an interruption only;
-    keeps_end: whether the end of the run is one, too, of a solver that leaves no state in the history.
+    writer: HistoryWriter of the run; every_s: computing time between two [s], infinity: at an
+    interruption only; keeps_end: whether the end of the run is one, too, of a solver that leaves no
+    state in the history.
     """
 
     def __init__(self, writer, every_s=math.inf, keeps_end=False):
@@ -46,7 +49,10 @@ class Checkpoints:
     def write(self, tables):
         """Write a checkpoint of {name: array}."""
         self._writer.flush()
-        of_history = {"rows": np.array(self._writer.file.rows()), "run": _digest_of(self._writer.file.attributes)}
+        of_history = {
+            "rows": np.array(self._writer.file.rows()),
+            "run": _digest_of(self._writer.file.attributes),
+        }
         content = as_bytes(tables | of_history).tobytes()
         beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
         try:
@@ -57,8 +63,11 @@ class Checkpoints:
             os.replace(beside, self.path)
         except OSError as error:  # the last one is as it was, and the run needs none
             beside.unlink(missing_ok=True)
-            warn(f"no checkpoint written to {self.path} ({error.strerror}): make room; the run continues",
-                 code="checkpoint")
+            warn(
+                f"no checkpoint written to {self.path} ({error.strerror}): make room; the run"
+                " continues",
+                code="checkpoint",
+            )
         self._last = time.monotonic()
 
     def remove(self):
@@ -73,51 +82,70 @@ def _digest_of(attributes):
 
 
 def read_checkpoint(path, scene=True):
-    """The tables of a checkpoint, {name: array}; scene: whether they hold a scene of YADE, of which is said what it may
-    do.  Raises InputError where it is missing or damaged."""
+    """The tables of a checkpoint, {name: array}; scene: whether they hold a scene of YADE, of which
+    is said what it may do.  Raises InputError where it is missing or damaged."""
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"no checkpoint {path}: expected a run that was interrupted, or was killed with --checkpoint "
-                         "MINUTES; run it again with that")
+        raise InputError(
+            f"no checkpoint {path}: expected a run that was interrupted, or was killed with"
+            " --checkpoint MINUTES; run it again with that"
+        )
     head, _, content = path.read_bytes().partition(b"\n")
     if head != _HEAD + hashlib.sha256(content).hexdigest().encode():
         raise InputError(f"{path} is no whole checkpoint: its digest is another one; run it again")
     if scene:
-        warn(f"{path}: YADE executes the names of the engines in the scene that it holds: continue runs of your own, "
-             "or of someone you trust, only", code="scene")
+        warn(
+            f"{path}: YADE executes the names of the engines in the scene that it holds: continue"
+            " runs of your own, or of someone you trust, only",
+            code="scene",
+        )
     return unpacked(np.frombuffer(content, "u1"))
 
 
 def schemes_left(path, schemes):
-    """What a run still has to try: of the (RunSettings, time step [s]) of `damage.run.scheme.schemes` those from the
-    present one on, and {parameter: value} of how often it was repeated; path: of its history, None of a run that
-    begins."""
+    """What a run still has to try: of the (RunSettings, time step [s]) of
+    `damage.run.scheme.schemes` those from the present one on, and {parameter: value} of how often
+    it was repeated; path: of its history, None of a run that begins."""
     found = {"repeats": 0, "repeated_for": None}
     if path is None:
         return schemes, found
     had = read_history(path).parameters
-    came_to = [k for k, (settings, time_step) in enumerate(schemes)
-               if (settings.mass_scaling, time_step) == (had.get("mass_scaling"), had.get("time_step_s"))]
-    return schemes[came_to[0]:] if came_to else schemes, {name: had.get(name, one) for name, one in found.items()}
+    came_to = [
+        k
+        for k, (settings, time_step) in enumerate(schemes)
+        if (settings.mass_scaling, time_step) == (had.get("mass_scaling"), had.get("time_step_s"))
+    ]
+    return schemes[came_to[0] :] if came_to else schemes, {
+        name: had.get(name, one) for name, one in found.items()
+    }
 
 
 def resumed(path, layout, parameters, origin, scene):
-    """What a run needs to continue from its checkpoint, (HistoryWriter, tables of the checkpoint); path: its history.
+    """What a run needs to continue from its checkpoint, (HistoryWriter, tables of the checkpoint);
+    path: its history.
 
-    layout, parameters: of the run, which have to be those of the history; scene: as of `read_checkpoint`; origin: as
-    of `damage.run.before.read_earlier`.  Raises InputError.
+    layout, parameters: of the run, which have to be those of the history; scene: as of
+    `read_checkpoint`; origin: as of `damage.run.before.read_earlier`.  Raises InputError.
     """
     history = read_earlier(path, layout, origin, option="--resume", ended=False)
     if history.complete:
-        raise InputError(f"--resume {path}: its run is complete; expected one that was interrupted or killed; to start "
-                         f"another one from its end give --continue {path}")
+        raise InputError(
+            f"--resume {path}: its run is complete; expected one that was interrupted or killed; to"
+            f" start another one from its end give --continue {path}"
+        )
     now = json.loads(json.dumps(parameters, sort_keys=True))
-    other = [name for name in now | history.parameters if name not in ("command", "wall_file", "outside_validity")
-             and history.parameters.get(name) != now.get(name)]
+    other = [
+        name
+        for name in now | history.parameters
+        if name not in ("command", "wall_file", "outside_validity")
+        and history.parameters.get(name) != now.get(name)
+    ]
     if other:
-        raise InputError(f"--resume {path}: {other[0]} is {one_line(now.get(other[0]))}, and was "
-                         f"{one_line(history.parameters.get(other[0]))}; expected the options of the run that was "
-                         f"interrupted ({history.command}); give them")
+        raise InputError(
+            f"--resume {path}: {other[0]} is {one_line(now.get(other[0]))}, and was"
+            f" {one_line(history.parameters.get(other[0]))}; expected the options of the run that"
+            f" was interrupted ({history.command}); give them"
+        )
     tables = _checkpoint_beside(history, f"--resume {path}", scene)
     return _continued(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
 
@@ -127,15 +155,19 @@ def _checkpoint_beside(history, option, scene=True, again="run it again"):
     `read_checkpoint`."""
     tables = read_checkpoint(checkpoint_path(history.path), scene)
     if not np.array_equal(tables["run"], _digest_of(history.attributes)):
-        raise InputError(f"{option}: the checkpoint beside it is of another run; expected both of one run; {again}")
+        raise InputError(
+            f"{option}: the checkpoint beside it is of another run; expected both of one run;"
+            f" {again}"
+        )
     return tables
 
 
 def _continued(path, layout, counts, attributes):
-    """A HistoryWriter that continues the history at `path` after so many rows of each group of GROWING.
+    """A HistoryWriter that continues the history at `path` after so many rows of each group of
+    GROWING.
 
-    What the file holds up to there is copied into a new one, which takes its place once it is whole; attributes: of its
-    run, which stay.  Raises InputError where another run still writes it.
+    What the file holds up to there is copied into a new one, which takes its place once it is
+    whole; attributes: of its run, which stay.  Raises InputError where another run still writes it.
     """
     lock(path, fcntl.LOCK_EX).close()  # HDF5 takes one of its own to read
     with opened(path) as old:
@@ -152,13 +184,20 @@ def _continued(path, layout, counts, attributes):
 
 
 def read_end(path, layout, origin, time_step):
-    """State at the end of the run of the history at `path`, of a solver that keeps it in a checkpoint alone, {name:
-    array}; time_step [s]; other arguments and errors as of `damage.run.before.read_earlier`."""
+    """State at the end of the run of the history at `path`, of a solver that keeps it in a
+    checkpoint alone, {name: array}; time_step [s]; other arguments and errors as of
+    `damage.run.before.read_earlier`."""
     history = read_earlier(path, layout, origin)
     if history.time_step_s != time_step:
-        raise InputError(f"--continue {path}: its time step is {history.time_step_s!r} s, expected that of this run, "
-                         f"{time_step!r} s; give --dt {history.time_step_s!r}")
+        raise InputError(
+            f"--continue {path}: its time step is {history.time_step_s!r} s, expected that of this"
+            f" run, {time_step!r} s; give --dt {history.time_step_s!r}"
+        )
     if not checkpoint_path(path).is_file():
-        raise InputError(f"--continue {path}: no {checkpoint_path(path).name} beside it; expected the checkpoint at "
-                         "the end of that run; run it again with --checkpoint 10")
-    return _checkpoint_beside(history, f"--continue {path}", again="run it again with --checkpoint 10")
+        raise InputError(
+            f"--continue {path}: no {checkpoint_path(path).name} beside it; expected the checkpoint"
+            " at the end of that run; run it again with --checkpoint 10"
+        )
+    return _checkpoint_beside(
+        history, f"--continue {path}", again="run it again with --checkpoint 10"
+    )

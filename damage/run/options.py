@@ -19,7 +19,14 @@ from damage.errors import InputError, did_you_mean
 from damage.fields import option_of
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
-from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
+from damage.motion.loading import (
+    BOUNDARIES,
+    AtRest,
+    FreeVibration,
+    Harmonic,
+    Recorded,
+    TopDisplacement,
+)
 from damage.motion.record import aligned_with, on_axis_of
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
@@ -30,15 +37,22 @@ from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500
 _EXAMPLES = {
-    "reference": ("python3 -m damage reference symmetric --harmonic 0.2 0.05 --members 8",
-                  "python3 -m damage reference my_wall.toml --record record.csv --window 17 27 --out run.h5"),
-    "yade": ("./yade symmetric --harmonic 0.2 0.05 --console",
-             "./yade solid --pushover 0.1 --boundary fixed --out pushed.h5")}
+    "reference": (
+        "python3 -m damage reference symmetric --harmonic 0.2 0.05 --members 8",
+        "python3 -m damage reference my_wall.toml --record record.csv --window 17 27 --out run.h5",
+    ),
+    "yade": (
+        "./yade symmetric --harmonic 0.2 0.05 --console",
+        "./yade solid --pushover 0.1 --boundary fixed --out pushed.h5",
+    ),
+}
 
 BY_FILE = "file"
 """Of --unit: the unit that the file names; for tables whose cells may not be empty."""
 
-WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
+WALLS_ARE_CODE = (
+    "A wall file is Python and is executed: read a file from someone else before you use it."
+)
 """For the help of every command that takes one."""
 
 
@@ -63,13 +77,19 @@ class OneLineParser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
     def parse_known_args(self, args=None, namespace=None):
-        """As argparse's; an unknown option is refused first, since it may be the wrong name of one that is required."""
+        """As argparse's; an unknown option is refused first, since it may be the wrong name of one
+        that is required."""
         args = sys.argv[1:] if args is None else list(args)
         # Behind a command they are the command's.
-        mine = takewhile(lambda word: word.startswith("-") if self._subparsers else word != "--", args)
+        mine = takewhile(
+            lambda word: word.startswith("-") if self._subparsers else word != "--", args
+        )
         for name in (word.partition("=")[0] for word in mine if word.startswith("--")):
             if name != "--" and name not in self._option_string_actions:
-                self.error(f"unrecognized arguments: {name}{did_you_mean(name, self._option_string_actions)}")
+                self.error(
+                    "unrecognized arguments:"
+                    f" {name}{did_you_mean(name, self._option_string_actions)}"
+                )
         return super().parse_known_args(args, namespace)
 
     def error(self, message):
@@ -86,10 +106,13 @@ def file_path(word):
 
 def number_from(least, most, kind=float):
     """The type of an option that is a number from `least` to `most`; kind: int for a whole one."""
+
     def convert(word):
         value = kind(word)
         if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{word}: expected a number from {least:g} to {most:g}; correct it")
+            raise argparse.ArgumentTypeError(
+                f"{word}: expected a number from {least:g} to {most:g}; correct it"
+            )
         return value
 
     convert.__name__ = kind.__name__  # for what argparse says of a word that is none
@@ -97,7 +120,8 @@ def number_from(least, most, kind=float):
 
 
 def arg(*names, **options):
-    """A function that adds this argument to a parser, or a group of one, as `add_argument` takes it."""
+    """A function that adds this argument to a parser, or a group of one, as `add_argument` takes
+    it."""
     return lambda parser: parser.add_argument(*names, **options)
 
 
@@ -113,11 +137,13 @@ def flag(name, help_, **options):
 
 def group(title, *arguments):
     """A function that adds these arguments to the group of a parser with this title."""
+
     def add(parser):
         named = (one for one in parser._action_groups if one.title == title)
         titled = next(named, None) or parser.add_argument_group(title)
         for one in arguments:
             one(titled)
+
     return add
 
 
@@ -127,16 +153,21 @@ def fraction(word):
     try:
         return float(over) / (float(under) if under else 1.0)
     except (ValueError, ZeroDivisionError) as error:
-        raise argparse.ArgumentTypeError(f"{word}: expected a number, or a fraction like 1/500; correct it") from error
+        raise argparse.ArgumentTypeError(
+            f"{word}: expected a number, or a fraction like 1/500; correct it"
+        ) from error
 
 
 def numbers(value):
     """The type of an option of several numbers: a word with commas between them, or numbers."""
     try:
-        return tuple(map(float, value.split(",") if isinstance(value, str) else np.atleast_1d(value)))
+        return tuple(
+            map(float, value.split(",") if isinstance(value, str) else np.atleast_1d(value))
+        )
     except (TypeError, ValueError) as error:
-        raise argparse.ArgumentTypeError(f"{value}: expected numbers with commas between, like 1,0.5,0.4; correct it") \
-            from error
+        raise argparse.ArgumentTypeError(
+            f"{value}: expected numbers with commas between, like 1,0.5,0.4; correct it"
+        ) from error
 
 
 def _factors(value):
@@ -147,117 +178,296 @@ def _factors(value):
 def _field(one, default, help_):
     """The argument of a field of a record."""
     kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
-    return arg(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
-               default=default, help=help_)
+    return arg(
+        option_of(one),
+        type=kind,
+        choices=one.metadata["choices"],
+        metavar=one.metadata["metavar"],
+        default=default,
+        help=help_,
+    )
 
 
 def model_arguments(*names):
     """Arguments of the named fields of ModelOptions, a list."""
     chosen = [one for one in fields(ModelOptions) if one.name in names]
     usual = [one.default if isinstance(one.default, str) else f"{one.default:g}" for one in chosen]
-    return [_field(one, one.default, f"{one.metadata['help']} (default {default})")
-            for one, default in zip(chosen, usual)]
+    return [
+        _field(one, one.default, f"{one.metadata['help']} (default {default})")
+        for one, default in zip(chosen, usual)
+    ]
 
 
 def _settings(*names):
     """Arguments of the named fields of RunSettings, a list."""
-    return [_field(one, None if None in one.metadata["words"] else one.default, one.metadata["help"])
-            for one in fields(RunSettings) if one.name in names]
+    return [
+        _field(one, None if None in one.metadata["words"] else one.default, one.metadata["help"])
+        for one in fields(RunSettings)
+        if one.name in names
+    ]
 
 
-ACCEPTING = flag(ACCEPT, "take the values of the wall and the motion as given, even where they look like a wrong unit "
-               "(docs/reference/ranges.md)")
+ACCEPTING = flag(
+    ACCEPT,
+    "take the values of the wall and the motion as given, even where they look like a wrong unit "
+    "(docs/reference/ranges.md)",
+)
 """The option that accepts implausible values."""
 PREPARATION = (
-    arg("--unit", choices=(BY_FILE, *UNITS_M_S2), help="unit of a record whose header names none "
-        f"(default {BY_FILE}: as the file says)"),
-    arg("--sample-step", type=float, metavar="S", help="time between two samples of a record whose file has one "
-        "column, sample numbers or rounded times"),
+    arg(
+        "--unit",
+        choices=(BY_FILE, *UNITS_M_S2),
+        help=f"unit of a record whose header names none (default {BY_FILE}: as the file says)",
+    ),
+    arg(
+        "--sample-step",
+        type=float,
+        metavar="S",
+        help=(
+            "time between two samples of a record whose file has one "
+            "column, sample numbers or rounded times"
+        ),
+    ),
     arg("--scale", type=float, help="factor on the record (default 1)"),
-    arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use"),
-    arg("--baseline", type=int, metavar="ORDER", help="subtract a polynomial of this order from the record"),
-    arg("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
-        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)"),
-    file_arg("--across", "FILE", "the record's other horizontal component, which is not applied: with it there are "
-             "measures of the largest of all directions (RotD100)"))
+    arg(
+        "--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use"
+    ),
+    arg(
+        "--baseline",
+        type=int,
+        metavar="ORDER",
+        help="subtract a polynomial of this order from the record",
+    ),
+    arg(
+        "--band",
+        nargs=2,
+        type=float,
+        metavar=("LOW_HZ", "HIGH_HZ"),
+        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)",
+    ),
+    file_arg(
+        "--across",
+        "FILE",
+        "the record's other horizontal component, which is not applied: with it there are "
+        "measures of the largest of all directions (RotD100)",
+    ),
+)
 """The options that prepare a record; `recorded` reads them."""
 PAST = "the wall's past"
 """The title of the options of what a wall went through before the run."""
 _GROUPS = {
     "motion (one of; default --harmonic 0.2 0.05)": (
-        arg("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
-            help="sinusoidal base acceleration that starts at zero"),
-        arg("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each drift of --cyclic "
-            "(default 2)"),
-        file_arg("--record", "FILE", "recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it "
-                 "(docs/guides/own-record.md)"),
+        arg(
+            "--harmonic",
+            nargs=2,
+            type=float,
+            metavar=("PERIOD_S", "AMPLITUDE_G"),
+            help="sinusoidal base acceleration that starts at zero",
+        ),
+        arg(
+            "--cycles",
+            type=int,
+            help=(
+                "cycles of the harmonic motion (default 3), or at each drift of --cyclic "
+                "(default 2)"
+            ),
+        ),
+        file_arg(
+            "--record",
+            "FILE",
+            "recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it "
+            "(docs/guides/own-record.md)",
+        ),
         *PREPARATION,
         file_arg("--vertical", "FILE", "the record's vertical component"),
-        flag("--free-vibration", "free vibration in the first mode, which starts with 1 mm/s at the top",
-             default=None),
-        arg("--sequence", type=_factors, metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried "
-            "over: the harmonic or recorded motion times each factor, then rest and settling (default 1); or different "
-            "records, a row of a CSV file each (docs/guides/own-record.md)")),
+        flag(
+            "--free-vibration",
+            "free vibration in the first mode, which starts with 1 mm/s at the top",
+            default=None,
+        ),
+        arg(
+            "--sequence",
+            type=_factors,
+            metavar="F,F,...|FILE.csv",
+            help=(
+                "events on the same wall, damage carried over: the harmonic or recorded motion"
+                " times each factor, then rest and settling (default 1); or different records, a"
+                " row of a CSV file each (docs/guides/own-record.md)"
+            ),
+        ),
+    ),
     "quasi-static loading, instead of a motion": (
-        arg("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift, after --settle from where "
-            "it stands then"),
-        arg("--cyclic", type=numbers, metavar="PCT,PCT,...", help="push the top cyclically to these drifts"),
-        arg("--boundary", choices=BOUNDARIES,
-            help="the pushed top may rotate (cantilever, default), or not (fixed)"),
-        arg("--top-rotation", type=float, metavar="N_M_RAD", help="rotational spring between the pushed top and what "
-            "moves it (default 0: free; reference solver)"),
+        arg(
+            "--pushover",
+            type=float,
+            metavar="DRIFT_PCT",
+            help="push the top to this drift, after --settle from where it stands then",
+        ),
+        arg(
+            "--cyclic",
+            type=numbers,
+            metavar="PCT,PCT,...",
+            help="push the top cyclically to these drifts",
+        ),
+        arg(
+            "--boundary",
+            choices=BOUNDARIES,
+            help="the pushed top may rotate (cantilever, default), or not (fixed)",
+        ),
+        arg(
+            "--top-rotation",
+            type=float,
+            metavar="N_M_RAD",
+            help=(
+                "rotational spring between the pushed top and what "
+                "moves it (default 0: free; reference solver)"
+            ),
+        ),
         arg("--speed", type=float, metavar="M_S", help="speed of the pushed top (default 0.005)"),
-        arg("--damping", type=float, metavar="C", help="local damping of the pushed wall, 0 to 0.7 (default 0.7); the "
-            "reference solver has it with --relaxation local only")),
+        arg(
+            "--damping",
+            type=float,
+            metavar="C",
+            help=(
+                "local damping of the pushed wall, 0 to 0.7 (default 0.7); the "
+                "reference solver has it with --relaxation local only"
+            ),
+        ),
+    ),
     "settlement of the ground, before the motion or without one": (
-        file_arg("--settle", f"{'|'.join(PROFILES)}|FILE.csv", "move a support below each brick of the base by this "
-                 "profile, or by points x_m,uz_m, or levels x_m,height_m,date, of a file; without a motion the run "
-                 "ends then"),
-        arg("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection over half "
-            f"the wall's length, or the angle of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})")),
+        file_arg(
+            "--settle",
+            f"{'|'.join(PROFILES)}|FILE.csv",
+            "move a support below each brick of the base by this profile, or by points x_m,uz_m, or"
+            " levels x_m,height_m,date, of a file; without a motion the run ends then",
+        ),
+        arg(
+            "--distortion",
+            type=fraction,
+            metavar="1/500",
+            help=(
+                "of a named profile: relative deflection over half the wall's length, or the angle"
+                f" of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})"
+            ),
+        ),
+    ),
     PAST: (
-        file_arg("--continue", "FILE.h5", "start from the end of this run of the same wall, as if it had continued; in "
-                 "YADE one with --checkpoint"),)}
-"""{title: arguments} of the groups of a run's options that every solver has, PAST the last of them."""
+        file_arg(
+            "--continue",
+            "FILE.h5",
+            "start from the end of this run of the same wall, as if it had continued; in "
+            "YADE one with --checkpoint",
+        ),
+    ),
+}
+"""{title: arguments} of the groups of a run's options that every solver has, PAST the last of
+them."""
 
 
 def _model_arguments(solver):
-    of_reference = [] if solver != "reference" else [
-        arg("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
-            help="mass- and stiffness-proportional damping with this ratio at two frequencies"),
-        arg("--relaxation", default="adaptive", choices=RELAXATIONS, help="damping of the static stage and of a pushed "
-            "top: adaptive (default), or local as in YADE"),
-        *_settings("settling", "mass_scaling")]
-    return [*model_arguments(*(one.name for one in fields(ModelOptions))), *_settings("beta_s"), *of_reference,
-            *_settings("scatter", "seed", "members"), ACCEPTING]
+    of_reference = (
+        []
+        if solver != "reference"
+        else [
+            arg(
+                "--rayleigh",
+                nargs=3,
+                type=float,
+                metavar=("RATIO", "F1_HZ", "F2_HZ"),
+                help="mass- and stiffness-proportional damping with this ratio at two frequencies",
+            ),
+            arg(
+                "--relaxation",
+                default="adaptive",
+                choices=RELAXATIONS,
+                help=(
+                    "damping of the static stage and of a pushed "
+                    "top: adaptive (default), or local as in YADE"
+                ),
+            ),
+            *_settings("settling", "mass_scaling"),
+        ]
+    )
+    return [
+        *model_arguments(*(one.name for one in fields(ModelOptions))),
+        *_settings("beta_s"),
+        *of_reference,
+        *_settings("scatter", "seed", "members"),
+        ACCEPTING,
+    ]
 
 
 def _run_arguments(solver):
-    free = "fall freely" if solver == "reference" else "collide with sharper corners; half a height's fall ends the run"
-    of_yade = [] if solver != "yade" else [
-        *_settings("past_collapse_s"), flag("--view", "with a screen: the 3D view"),
-        arg("--console", nargs="?", const="after", choices=("before", "after"), help="YADE's prompt before or after "
-            "(default) the run, with O, wall, run, scene, and history after it")]
+    free = (
+        "fall freely"
+        if solver == "reference"
+        else "collide with sharper corners; half a height's fall ends the run"
+    )
+    of_yade = (
+        []
+        if solver != "yade"
+        else [
+            *_settings("past_collapse_s"),
+            flag("--view", "with a screen: the 3D view"),
+            arg(
+                "--console",
+                nargs="?",
+                const="after",
+                choices=("before", "after"),
+                help=(
+                    "YADE's prompt before or after "
+                    "(default) the run, with O, wall, run, scene, and history after it"
+                ),
+            ),
+        ]
+    )
     return [
         file_arg("--out", "FILE.h5", "history file (default: a free name below results/)"),
         flag("--overwrite", "replace an existing FILE.h5 and its pictures in FILE"),
-        flag("--stresses", "keep normal and shear stress of all joints at every sample (docs/guides/reading-results.md)"
-             "; the run says first how large they are"),
-        arg("--point", nargs=2, type=number_from(-1000, 1000), action="append", metavar=("X_M", "Z_M"),
-            help="keep the displacement of this point of the wall at every sample; repeatable"),
-        arg("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in FILE.checkpoint, "
-            "each time after so many minutes of computing, in YADE at the end, too (default: at an interruption)"),
-        file_arg("--resume", "FILE.h5", "continue this run, which was interrupted or killed, from its last checkpoint; "
-                 "the other options as they were. A checkpoint of YADE can execute code: continue runs of your own "
-                 "only"),
+        flag(
+            "--stresses",
+            "keep normal and shear stress of all joints at every sample"
+            " (docs/guides/reading-results.md); the run says first how large they are",
+        ),
+        arg(
+            "--point",
+            nargs=2,
+            type=number_from(-1000, 1000),
+            action="append",
+            metavar=("X_M", "Z_M"),
+            help="keep the displacement of this point of the wall at every sample; repeatable",
+        ),
+        arg(
+            "--checkpoint",
+            type=number_from(1e-3, 1e5),
+            metavar="MINUTES",
+            help=(
+                "keep the state in FILE.checkpoint, each time after so many minutes of computing,"
+                " in YADE at the end, too (default: at an interruption)"
+            ),
+        ),
+        file_arg(
+            "--resume",
+            "FILE.h5",
+            "continue this run, which was interrupted or killed, from its last checkpoint; the"
+            " other options as they were. A checkpoint of YADE can execute code: continue runs of"
+            " your own only",
+        ),
         *_settings("rest_s", "time_step_s"),
         arg("--no-pictures", dest="pictures", action="store_false", help="write the history only"),
         flag("--quiet", "print warnings and errors only"),
-        flag("--new-contacts", "bricks whose joints have ended fall, collide and come to rest; the run ends with the "
-             f"first fallen brick (default: they {free})"),
-        flag("--after-fall", "with --new-contacts: follow the bricks until the wall rests, "
-             f"{AFTER_FALL_S:g} s at most (default: end with the first fallen brick)"),
-        *of_yade]
+        flag(
+            "--new-contacts",
+            "bricks whose joints have ended fall, collide and come to rest; the run ends with the "
+            f"first fallen brick (default: they {free})",
+        ),
+        flag(
+            "--after-fall",
+            "with --new-contacts: follow the bricks until the wall rests, "
+            f"{AFTER_FALL_S:g} s at most (default: end with the first fallen brick)",
+        ),
+        *of_yade,
+    ]
 
 
 @dataclass(frozen=True)
@@ -284,13 +494,14 @@ class Source:
 
 
 SOURCES, RUN_MEMBERS = [], []
-"""What applications add: each Source, and what runs --members, a function(wall_file, make_wall, RunSettings, words of
-the command line), which returns the exit status."""
+"""What applications add: each Source, and what runs --members, a function(wall_file, make_wall,
+RunSettings, words of the command line), which returns the exit status."""
 SOLVERS = "yade", "reference"
 
 
 def register(source):
-    """Add a Source to SOURCES, and its options to the help, before those of the wall's past or among them."""
+    """Add a Source to SOURCES, and its options to the help, before those of the wall's past or
+    among them."""
     SOURCES.append(source)
     _GROUPS[source.title] = (*_GROUPS.get(source.title, ()), *source.arguments)
     _GROUPS[PAST] = _GROUPS.pop(PAST)
@@ -338,23 +549,39 @@ def settings_of(options, prog, solver):
 @lru_cache(maxsize=8)  # a study asks for one for each of its runs
 def make_parser(prog, solver):
     """The parser of a run's command line."""
-    parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES.get(solver, ()), description=(
-        f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
-    for title, arguments in (_GROUPS | {"model": _model_arguments(solver), "run": _run_arguments(solver)}).items():
+    parser = OneLineParser(
+        prog=prog,
+        allow_abbrev=False,
+        examples=_EXAMPLES.get(solver, ()),
+        description=(
+            f"Shake one wall ({solver} solver) and write its history, summary and pictures."
+            f" {WALLS_ARE_CODE}"
+        ),
+    )
+    for title, arguments in (
+        _GROUPS | {"model": _model_arguments(solver), "run": _run_arguments(solver)}
+    ).items():
         group(title, *arguments)(parser)
     return parser
 
 
 def options_of_a_run(*solvers):
-    """{name in Python: argparse's action} of the options of a run in these solvers, all of them without one."""
-    return {action.dest: action for solver in solvers or SOLVERS for action in make_parser("", solver)._actions
-            if action.dest != "help"}
+    """{name in Python: argparse's action} of the options of a run in these solvers, all of them
+    without one."""
+    return {
+        action.dest: action
+        for solver in solvers or SOLVERS
+        for action in make_parser("", solver)._actions
+        if action.dest != "help"
+    }
 
 
 def _action(actions, name):
     """The action of an option; InputError where there is none of its name."""
     if name.replace("-", "_") not in actions:
-        raise InputError(f"no option {name}: expected one of {', '.join(actions)}{did_you_mean(name, actions)}")
+        raise InputError(
+            f"no option {name}: expected one of {', '.join(actions)}{did_you_mean(name, actions)}"
+        )
     return actions[name.replace("-", "_")]
 
 
@@ -366,12 +593,15 @@ def file_options():
 def names_file(name, value):
     """Whether the value of an option names a file.
 
-    >>> names_file("settle", "hogging"), names_file("settle", "dip.csv"), names_file("sequence", "1,0.5")
+    >>> options = ("settle", "hogging"), ("settle", "dip.csv"), ("sequence", "1,0.5")
+    >>> tuple(names_file(*one) for one in options)
     (False, True, False)
     """
     if name == "sequence":
         return isinstance(value, str) and value.lower().endswith(".csv")
-    return _action(options_of_a_run(), name).type is file_path and not (name == "settle" and str(value) in PROFILES)
+    return _action(options_of_a_run(), name).type is file_path and not (
+        name == "settle" and str(value) in PROFILES
+    )
 
 
 def words_of(options):
@@ -381,11 +611,16 @@ def words_of(options):
     ['--harmonic', '0.2', '0.05', '--rest', '1.0', '--sequence', '1,0.5', '--new-contacts']
     """
     actions = options_of_a_run()
-    return [word for name, value in options.items() for word in _words(_action(actions, name), name, value)]
+    return [
+        word
+        for name, value in options.items()
+        for word in _words(_action(actions, name), name, value)
+    ]
 
 
 def _words(action, name, value):
-    """Words of one option on the command line; none where its value is None or the default of a flag."""
+    """Words of one option on the command line; none where its value is None or the default of a
+    flag."""
     option = action.option_strings[0]
     if value is None:
         return []
@@ -393,7 +628,9 @@ def _words(action, name, value):
         return [option] if value is action.const else []
     if isinstance(action, argparse._AppendAction):
         return [word for one in _rows(action, name, value) for word in (option, *map(str, one))]
-    words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in _listed(value)]
+    words = [
+        repr(float(one)) if isinstance(one, np.floating) else str(one) for one in _listed(value)
+    ]
     return [option, *words] if action.nargs else [option, ",".join(words)]
 
 
@@ -406,8 +643,10 @@ def _rows(action, name, value):
     try:
         return np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
     except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these; correct "
-                         "it") from None
+        raise InputError(
+            f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these;"
+            " correct it"
+        ) from None
 
 
 def _value_of(parser, action, name, value):
@@ -417,7 +656,9 @@ def _value_of(parser, action, name, value):
             raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return value if value is action.const else action.default
     if isinstance(action, argparse._AppendAction):
-        return [[_converted(parser, action, one) for one in row] for row in _rows(action, name, value)]
+        return [
+            [_converted(parser, action, one) for one in row] for row in _rows(action, name, value)
+        ]
     values = _listed(value)
     if isinstance(action.nargs, int):
         if len(values) != action.nargs:
@@ -435,7 +676,9 @@ def _converted(parser, action, value):
         parser.error(str(error))
     is_cut = isinstance(found, int) and not isinstance(value, str) and found != value
     if is_cut or isinstance(value, bool):
-        parser.error(f"argument {action.option_strings[0]}: invalid {action.type.__name__} value: {value!r}")
+        parser.error(
+            f"argument {action.option_strings[0]}: invalid {action.type.__name__} value: {value!r}"
+        )
     return found
 
 
@@ -446,12 +689,23 @@ def _settings_of(given, command):
         added |= source.fields(given)
     alpha_1_s, beta_s = _damping(given)
     before = getattr(given, "continue")
-    return RunSettings(**_fields_of(RunSettings, given) | ({} if "loading" in added else _motion(given)) | {
-        "settlement": settlement_of(given), "model": model_of(given), "continued": before and str(before),
-        "alpha_1_s": alpha_1_s, "beta_s": beta_s,
-        "checkpoint_s": math.inf if given.checkpoint is None else 60 * given.checkpoint,
-        "points": tuple(map(tuple, given.point or ())),
-        "resumed": given.resume and str(given.resume), "out": given.out or given.resume, "command": command} | added)
+    return RunSettings(
+        **_fields_of(RunSettings, given)
+        | ({} if "loading" in added else _motion(given))
+        | {
+            "settlement": settlement_of(given),
+            "model": model_of(given),
+            "continued": before and str(before),
+            "alpha_1_s": alpha_1_s,
+            "beta_s": beta_s,
+            "checkpoint_s": math.inf if given.checkpoint is None else 60 * given.checkpoint,
+            "points": tuple(map(tuple, given.point or ())),
+            "resumed": given.resume and str(given.resume),
+            "out": given.out or given.resume,
+            "command": command,
+        }
+        | added
+    )
 
 
 def settlement_of(given):
@@ -464,16 +718,24 @@ def settlement_of(given):
         distortion = USUAL_DISTORTION if given.distortion is None else given.distortion
         return Settlement(str(given.settle), distortion)
     if given.settle.suffix.lower() != ".csv":
-        raise InputError(f"--settle {given.settle}: expected one of {', '.join(PROFILES)}, or a CSV file; correct it")
+        raise InputError(
+            f"--settle {given.settle}: expected one of {', '.join(PROFILES)}, or a CSV file;"
+            " correct it"
+        )
     if given.distortion is not None:
-        raise InputError("--distortion beside a profile from a file: the file says how far the ground settles; leave "
-                         "it out")
+        raise InputError(
+            "--distortion beside a profile from a file: the file says how far the ground settles;"
+            " leave it out"
+        )
     return read_profile(given.settle)
 
 
 def _fields_of(kind, parsed):
     """{name: value} of the fields of a record for which options were offered."""
-    given = ((one.name, (one.metadata.get("option") or one.name).replace("-", "_")) for one in fields(kind))
+    given = (
+        (one.name, (one.metadata.get("option") or one.name).replace("-", "_"))
+        for one in fields(kind)
+    )
     return {name: getattr(parsed, option) for name, option in given if option in parsed}
 
 
@@ -484,10 +746,14 @@ def model_of(parsed):
 
 _LONGEST_STEM = 200  # bytes; a character has up to four
 _READ = "unit", "sample_step"
-_BELONGS = {"cycles": ("harmonic", "cyclic"),
-            **dict.fromkeys(("boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")),
-            "sequence": ("harmonic", "record"),
-            **dict.fromkeys((*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",))}
+_BELONGS = {
+    "cycles": ("harmonic", "cyclic"),
+    **dict.fromkeys(("boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")),
+    "sequence": ("harmonic", "record"),
+    **dict.fromkeys(
+        (*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",)
+    ),
+}
 
 
 def _motion(parsed):
@@ -495,41 +761,82 @@ def _motion(parsed):
         return {"loading": _loading(parsed), "sequence": parsed.sequence or (1.0,)}
     owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
-        raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
-                         "the file has the records, their scales and windows; leave the other out")
-    return fields_of_events(read_sequence(parsed.sequence, parsed.rest, **_given(
-        baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band))))
+        raise InputError(
+            f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of"
+            " them, as the file has the records, their scales and windows; leave the other out"
+        )
+    return fields_of_events(
+        read_sequence(
+            parsed.sequence,
+            parsed.rest,
+            **_given(baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band)),
+        )
+    )
 
 
 def fields_of_events(events):
     """{field of RunSettings: value} of a sequence of different motions, a tuple of Event."""
-    return {"loading": strongest(events).loading, "sequence": tuple(event.factor for event in events), "events": events}
+    return {
+        "loading": strongest(events).loading,
+        "sequence": tuple(event.factor for event in events),
+        "events": events,
+    }
 
 
 def refuse_motions(parsed, option, why):
-    """InputError where a motion, or what prepares one, is among parsed options beside the option of another."""
-    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
+    """InputError where a motion, or what prepares one, is among parsed options beside the option of
+    another."""
+    others = (
+        *_MOTIONS,
+        *_READ,
+        "sequence",
+        "cycles",
+        "scale",
+        "window",
+        "vertical",
+        "across",
+        "baseline",
+        "band",
+    )
     if given := [name for name in others if getattr(parsed, name) is not None]:
-        raise InputError(f"{option} and --{given[0].replace('_', '-')}: expected one of them, as {why}; leave the "
-                         "other out")
+        raise InputError(
+            f"{option} and --{given[0].replace('_', '-')}: expected one of them, as {why}; leave"
+            " the other out"
+        )
 
 
 _MOTIONS = ("harmonic", "record", "free_vibration", "pushover", "cyclic")
 
 
 def _loading(parsed):
-    """The loading that the motion options ask for, or InputError where they contradict each other."""
+    """The loading that the motion options ask for, or InputError where they contradict each
+    other."""
     chosen = [name for name in _MOTIONS if getattr(parsed, name) is not None]
     if len(chosen) > 1:
-        raise InputError(f"--{' and --'.join(chosen)} given together: choose one motion".replace("_", "-"))
-    motion = chosen[0] if chosen else "harmonic" if parsed.settle is None or parsed.cycles is not None else "at_rest"
+        raise InputError(
+            f"--{' and --'.join(chosen)} given together: choose one motion".replace("_", "-")
+        )
+    motion = (
+        chosen[0]
+        if chosen
+        else "harmonic"
+        if parsed.settle is None or parsed.cycles is not None
+        else "at_rest"
+    )
     for option, owners in _BELONGS.items():
         if getattr(parsed, option) is not None and motion not in owners:
-            raise InputError(f"--{option.replace('_', '-')} belongs to --{' or --'.join(owners)}, not to "
-                             f"--{motion.replace('_', '-')}; leave it out")
-    return {"harmonic": _harmonic, "at_rest": lambda parsed: AtRest(), "record": recorded,
-            "free_vibration": lambda parsed: FreeVibration(),
-            "pushover": _pushed, "cyclic": _pushed}[motion](parsed)
+            raise InputError(
+                f"--{option.replace('_', '-')} belongs to --{' or --'.join(owners)}, not to "
+                f"--{motion.replace('_', '-')}; leave it out"
+            )
+    return {
+        "harmonic": _harmonic,
+        "at_rest": lambda parsed: AtRest(),
+        "record": recorded,
+        "free_vibration": lambda parsed: FreeVibration(),
+        "pushover": _pushed,
+        "cyclic": _pushed,
+    }[motion](parsed)
 
 
 def _damping(parsed):
@@ -551,25 +858,42 @@ def _given(**options):
 
 
 def _pushed(parsed):
-    more = _given(boundary=parsed.boundary, speed_m_s=parsed.speed, local_damping=parsed.damping,
-                  top_rotation=parsed.top_rotation)
+    more = _given(
+        boundary=parsed.boundary,
+        speed_m_s=parsed.speed,
+        local_damping=parsed.damping,
+        top_rotation=parsed.top_rotation,
+    )
     if parsed.pushover is not None:
         return TopDisplacement((parsed.pushover,), cycles=0, **more)
     if parsed.cycles is not None and parsed.cycles < 1:
-        raise InputError(f"--cycles {parsed.cycles}: expected at least one cycle at each drift; correct it")
+        raise InputError(
+            f"--cycles {parsed.cycles}: expected at least one cycle at each drift; correct it"
+        )
     return TopDisplacement(parsed.cyclic, **_given(cycles=parsed.cycles), **more)
 
 
 def recorded(parsed):
-    """The Recorded motion of parsed options: `record`, those of PREPARATION, and `vertical` where offered."""
-    given = {"unit": None if parsed.unit == BY_FILE else parsed.unit, "sample_step_s": parsed.sample_step}
+    """The Recorded motion of parsed options: `record`, those of PREPARATION, and `vertical` where
+    offered."""
+    given = {
+        "unit": None if parsed.unit == BY_FILE else parsed.unit,
+        "sample_step_s": parsed.sample_step,
+    }
     record, vertical = read_record(parsed.record, **given), getattr(parsed, "vertical", None)
     window = parsed.window and tuple(parsed.window)
     across = parsed.across and on_axis_of(read_record(parsed.across, **given), record, window)
     return Recorded(
-        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None, across=across,
-        **_given(scale=parsed.scale, window_s=window, baseline_order=parsed.baseline,
-                 band_hz=parsed.band and tuple(parsed.band)))
+        record,
+        vertical=aligned_with(read_record(vertical, **given), record) if vertical else None,
+        across=across,
+        **_given(
+            scale=parsed.scale,
+            window_s=window,
+            baseline_order=parsed.baseline,
+            band_hz=parsed.band and tuple(parsed.band),
+        ),
+    )
 
 
 def free_name(wall, settings, solver, folder="results"):
@@ -577,12 +901,15 @@ def free_name(wall, settings, solver, folder="results"):
     settled = [f"settle-{settings.settlement.name}"] if settings.settlement else []
     parts = [wall.name, *settled, settings.loading.name, solver, *settings.model.tags()]
     if settings.events:
-        parts[1 + len(settled):2 + len(settled)] = [f"sequence-of-{len(settings.events)}", settings.loading.name]
+        parts[1 + len(settled) : 2 + len(settled)] = [
+            f"sequence-of-{len(settings.events)}",
+            settings.loading.name,
+        ]
     elif settings.sequence != (1.0,):
         parts.append("sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence))
     stem, count = "_".join(parts), 1
     if len(os.fsencode(stem)) > _LONGEST_STEM:
-        stem = f"{stem[:_LONGEST_STEM // 4 - 9]}_{hashlib.sha256(stem.encode()).hexdigest()[:8]}"
+        stem = f"{stem[: _LONGEST_STEM // 4 - 9]}_{hashlib.sha256(stem.encode()).hexdigest()[:8]}"
     while True:
         path = Path(folder) / f"{stem}{'' if count == 1 else f'_{count}'}.h5"
         if not path.exists() and not (settings.pictures and pictures_folder(path).exists()):

@@ -33,98 +33,160 @@ def report(history, pictures=True):
             for picture in save_all(history, pictures_folder(path)):
                 print(f"picture: {picture}")
         except Exception as error:
-            warn(f"the history is whole, its pictures failed ({one_line(error)}); "
-                 f"try: python3 -m damage plot {path} --out {pictures_folder(path)}")
+            warn(
+                f"the history is whole, its pictures failed ({one_line(error)}); "
+                f"try: python3 -m damage plot {path} --out {pictures_folder(path)}"
+            )
 
 
 def check_pictures(path, overwrite=False):
-    """Raise InputError where pictures of a new run with the history `path` would go among what is there already."""
+    """Raise InputError where pictures of a new run with the history `path` would go among what is
+    there already."""
     folder = pictures_folder(path)
     if not overwrite and folder.is_dir() and next(folder.iterdir(), None) is not None:
-        raise InputError(f"{folder} is not empty, and the pictures of {path.name} would go there: give another --out, "
-                         "--no-pictures, or --overwrite to replace what has their names")
+        raise InputError(
+            f"{folder} is not empty, and the pictures of {path.name} would go there: give another"
+            " --out, --no-pictures, or --overwrite to replace what has their names"
+        )
 
 
 def describe(summary):
-    """The summary as lines for people, without more digits than a scatter of the strengths by 0.1 % leaves certain:
-    of widths two, of drift and forces three, of indices three decimals (docs/reference/measures.md)."""
-    lines = [f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
-             + (f", collapsed at {summary['collapsed_at_s']:.2f} s" if summary["collapsed_at_s"] else "")]
-    lines.append(f"{'slip by ' + summary['slip']:22s}{'DI':>8s}{'drift':>8s}{'open':>8s}{'slip':>8s}")
-    for key, label in (("max", "maximum"), ("residual", "residual"),
-                       ("max_accumulated", "maximum, accumulated"),
-                       ("residual_accumulated", "residual, accumulated"),
-                       ("max_shear_limit", "maximum, shear limit"),
-                       ("residual_shear_limit", "residual, shear limit")):
+    """The summary as lines for people, without more digits than a scatter of the strengths by 0.1 %
+    leaves certain: of widths two, of drift and forces three, of indices three decimals
+    (docs/reference/measures.md)."""
+    lines = [
+        f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
+        + (f", collapsed at {summary['collapsed_at_s']:.2f} s" if summary["collapsed_at_s"] else "")
+    ]
+    lines.append(
+        f"{'slip by ' + summary['slip']:22s}{'DI':>8s}{'drift':>8s}{'open':>8s}{'slip':>8s}"
+    )
+    for key, label in (
+        ("max", "maximum"),
+        ("residual", "residual"),
+        ("max_accumulated", "maximum, accumulated"),
+        ("residual_accumulated", "residual, accumulated"),
+        ("max_shear_limit", "maximum, shear limit"),
+        ("residual_shear_limit", "residual, shear limit"),
+    ):
         if summary[key] is not None:
-            lines.append(f"{label:22s}" + "".join(f"{value:8.3f}" for value in summary[key].values()))
-    lines.append(describe_share(ElasticShare(summary["elastic_joint_share"],
-                                             summary["elastic_joint_share_above_openings"])))
-    lines.append(f"drift ratio up to {rounded(100 * summary['max_drift_ratio'], 3)} %, base shear up to "
-                 f"{rounded(summary['peak_base_shear_n'] / 1e3, 3)} kN, opening up to "
-                 f"{rounded(summary['max_opening_mm'], 2)} mm, "
-                 + ("" if summary["max_offset_mm"] is None else
-                    f"offset up to {rounded(summary['max_offset_mm'], 2)} mm, ")
-                 + f"accumulated slip up to {rounded(summary['max_slip_mm'], 2)} mm")
-    lines.append(f"bonds of contact points failed: {summary['tension_breaks']} in tension, {summary['shear_breaks']} "
-                 f"in shear; Psi up to {rounded(summary['max_psi'], 2)} ({summary['psi_class']}; cracks from "
-                 f"{summary['psi_from_mm']:g} mm), widest crack {rounded(summary['max_crack_width_mm'], 2)} mm "
-                 f"({summary['crack_width_class']}), friction and fracture dissipated "
-                 f"{rounded(summary['dissipated_energy_j'], 2)} J")
+            lines.append(
+                f"{label:22s}" + "".join(f"{value:8.3f}" for value in summary[key].values())
+            )
+    lines.append(
+        describe_share(
+            ElasticShare(
+                summary["elastic_joint_share"], summary["elastic_joint_share_above_openings"]
+            )
+        )
+    )
+    lines.append(
+        f"drift ratio up to {rounded(100 * summary['max_drift_ratio'], 3)} %, base shear up to "
+        f"{rounded(summary['peak_base_shear_n'] / 1e3, 3)} kN, opening up to "
+        f"{rounded(summary['max_opening_mm'], 2)} mm, "
+        + (
+            ""
+            if summary["max_offset_mm"] is None
+            else f"offset up to {rounded(summary['max_offset_mm'], 2)} mm, "
+        )
+        + f"accumulated slip up to {rounded(summary['max_slip_mm'], 2)} mm"
+    )
+    lines.append(
+        f"bonds of contact points failed: {summary['tension_breaks']} in tension,"
+        f" {summary['shear_breaks']} in shear; Psi up to {rounded(summary['max_psi'], 2)}"
+        f" ({summary['psi_class']}; cracks from {summary['psi_from_mm']:g} mm), widest crack"
+        f" {rounded(summary['max_crack_width_mm'], 2)} mm ({summary['crack_width_class']}),"
+        f" friction and fracture dissipated {rounded(summary['dissipated_energy_j'], 2)} J"
+    )
     lines += _ground_lines(summary)
     if summary["ended_joints"]:
-        lines.append(f"joints that ended, as their faces no longer overlapped: {summary['ended_joints']}")
+        lines.append(
+            f"joints that ended, as their faces no longer overlapped: {summary['ended_joints']}"
+        )
     if summary["pgv_m_s"] is not None and summary["avg_sa_g"] is not None:
-        lines.append(f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g} g, "
-                     f"Arias intensity {summary['arias_m_s']:.3g} m/s"
-                     + ("" if summary["lost_by_lines"] is None else "; record interpolated, as lines between its "
-                        f"samples would take off {100 * summary['lost_by_lines']:.2g} % at the first period")
-                     + (f"; record in {summary['record_unit']}" if summary["record_unit"] else ""))
+        lines.append(
+            f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g}"
+            f" g, Arias intensity {summary['arias_m_s']:.3g} m/s"
+            + (
+                ""
+                if summary["lost_by_lines"] is None
+                else (
+                    "; record interpolated, as lines between its samples would take off"
+                    f" {100 * summary['lost_by_lines']:.2g} % at the first period"
+                )
+            )
+            + (f"; record in {summary['record_unit']}" if summary["record_unit"] else "")
+        )
     if summary["period_elongation"] is not None:
-        lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
-                     f"{summary['period_elongation']:.2f} of the intact wall's period")
+        lines.append(
+            f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
+            f"{summary['period_elongation']:.2f} of the intact wall's period"
+        )
     if summary["energy_error_fraction"] is not None:
-        lines.append(f"energy balance error {100 * summary['energy_error_fraction']:.3f} % of the input")
+        lines.append(
+            f"energy balance error {100 * summary['energy_error_fraction']:.3f} % of the input"
+        )
     if summary["peak_force_n"] is not None:
-        lines.append(f"peak force {rounded(summary['peak_force_n'] / 1e3, 3)} kN at "
-                     f"{rounded(100 * summary['drift_at_peak_force'], 3)} % drift; stiffness "
-                     f"{rounded(summary['initial_stiffness_n_per_m'] / 1e6, 3)} kN/mm at first, "
-                     f"{rounded(summary['secant_stiffness_n_per_m'] / 1e6, 3)} kN/mm to 0.7 of the peak")
+        lines.append(
+            f"peak force {rounded(summary['peak_force_n'] / 1e3, 3)} kN at "
+            f"{rounded(100 * summary['drift_at_peak_force'], 3)} % drift; stiffness "
+            f"{rounded(summary['initial_stiffness_n_per_m'] / 1e6, 3)} kN/mm at first, "
+            f"{rounded(summary['secant_stiffness_n_per_m'] / 1e6, 3)} kN/mm to 0.7 of the peak"
+        )
     if summary["period_s"] is not None:
         lines.append(f"period of the free vibration {summary['period_s']:.4f} s")
     lines.append(describe_evidence(summary["evidence"]))
-    return "\n".join([*lines, *(describe_spread(summary["members"]) if summary.get("members") else [])])
+    return "\n".join(
+        [*lines, *(describe_spread(summary["members"]) if summary.get("members") else [])]
+    )
 
 
 def _ground_lines(summary):
-    """Lines on the settlement of the ground and the rigid motion of the base; none where it does not move."""
+    """Lines on the settlement of the ground and the rigid motion of the base; none where it does
+    not move."""
     lines = []
     if summary["settled_psi"] is not None:
-        lines.append(f"settlement: angular distortion {summary['angular_distortion']:.3g}, deflection ratio "
-                     f"{summary['deflection_ratio']:.3g}, relative settlement "
-                     f"{rounded(summary['relative_settlement_mm'], 2)} mm; then widest crack "
-                     f"{rounded(summary['settled_crack_width_mm'], 2)} mm, Psi {rounded(summary['settled_psi'], 2)}, "
-                     f"DI {summary['settled_DI']:.3f}")
+        lines.append(
+            f"settlement: angular distortion {summary['angular_distortion']:.3g}, deflection ratio"
+            f" {summary['deflection_ratio']:.3g}, relative settlement"
+            f" {rounded(summary['relative_settlement_mm'], 2)} mm; then widest crack"
+            f" {rounded(summary['settled_crack_width_mm'], 2)} mm, Psi"
+            f" {rounded(summary['settled_psi'], 2)}, DI {summary['settled_DI']:.3f}"
+        )
     if summary["max_base_rotation_rad"] is not None:
-        lines.append(f"rigid motion of the base, not in the drift: up to "
-                     f"{rounded(summary['max_base_translation_mm'], 2)} mm and "
-                     f"{rounded(1e3 * summary['max_base_rotation_rad'], 2)} mrad")
+        lines.append(
+            "rigid motion of the base, not in the drift: up to "
+            f"{rounded(summary['max_base_translation_mm'], 2)} mm and "
+            f"{rounded(1e3 * summary['max_base_rotation_rad'], 2)} mrad"
+        )
     return lines
 
 
 def describe_events(table):
     """The events of a `shocks_table` as lines for people."""
-    lines = [f"{'event':>5} {'factor':>7} {'max Psi':>8} {'Psi':>6} {'max DI':>7} {'DI':>6} {'offset [mm]':>13} "
-             f"{'failed':>7}  motion"]
+    lines = [
+        f"{'event':>5} {'factor':>7} {'max Psi':>8} {'Psi':>6} {'max DI':>7} {'DI':>6}"
+        f" {'offset [mm]':>13} {'failed':>7}  motion"
+    ]
     for row in table.itertuples():
-        rest = [f"{value:>{width}.{digits}f}" if value is not None and value == value else f"{'-':>{width}}"
-                for value, width, digits in ((row.residual_psi, 6, 2), (row.residual_DI, 6, 3))]
-        lines.append(f"{row.shock:>5} {row.factor:>7.3g} {row.max_psi:>8.2f} {rest[0]} {row.max_DI:>7.3f} {rest[1]} "
-                     f"{row.offset_before_mm:>5.2f} > {row.offset_after_mm:<5.2f} {row.newly_failed:>7}  {row.motion}")
+        rest = [
+            (
+                f"{value:>{width}.{digits}f}"
+                if value is not None and value == value
+                else f"{'-':>{width}}"
+            )
+            for value, width, digits in ((row.residual_psi, 6, 2), (row.residual_DI, 6, 3))
+        ]
+        lines.append(
+            f"{row.shock:>5} {row.factor:>7.3g} {row.max_psi:>8.2f} {rest[0]} {row.max_DI:>7.3f}"
+            f" {rest[1]} {row.offset_before_mm:>5.2f} > {row.offset_after_mm:<5.2f}"
+            f" {row.newly_failed:>7}  {row.motion}"
+        )
     return lines
 
 
 def with_members(summary, history):
-    """A summary with what the members of its run say of its scatter, `members`, where there are any."""
+    """A summary with what the members of its run say of its scatter, `members`, where there are
+    any."""
     table = members_of(history)
     return summary if table is None else summary | {"members": spread(table)}

@@ -1,4 +1,5 @@
-"""One wall under one loading, with any solver: static stage, events or a push, samples into a history."""
+"""One wall under one loading, with any solver: static stage, events or a push, samples into a
+history."""
 
 import math
 
@@ -33,20 +34,33 @@ from damage.wall.strain import stress_by_modes
 class Run:
     """The stages of a run, in order: `settle_under_gravity`, `start`, `run_all`.
 
-    The first and the last are generators of the steps that the solver hands out, for `damage.run.turns.take_turns`:
-    a run does not know whether it is alone.
+    The first and the last are generators of the steps that the solver hands out, for
+    `damage.run.turns.take_turns`: a run does not know whether it is alone.
 
-    layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
-    writer: a Buffer of a history; keep_going(run, time_s): called now and then, returns False to stop (an interrupt);
-    settled: where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the
-    end of another run (`damage.run.before.read_state`, `damage.run.checkpoint.read_end`), which this one continues in
-    place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None; resumed: tables of the
-    checkpoint of this very run from which it continues, or None.
-    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
+    layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of
+    this layout; writer: a Buffer of a history; keep_going(run, time_s): called now and then,
+    returns False to stop (an interrupt); settled: where the wall at rest is found, or kept, as
+    damage.reference.settled.Settled; state: of a solver at the end of another run
+    (`damage.run.before.read_state`, `damage.run.checkpoint.read_end`), which this one continues in
+    place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None; resumed:
+    tables of the checkpoint of this very run from which it continues, or None.
+    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that
+    were followed.
     """
 
-    def __init__(self, layout, settings, solver, writer, keep_going, settled=None, state=None, *, checkpoints=None,
-                 resumed=None):
+    def __init__(
+        self,
+        layout,
+        settings,
+        solver,
+        writer,
+        keep_going,
+        settled=None,
+        state=None,
+        *,
+        checkpoints=None,
+        resumed=None,
+    ):
         self.layout, self.settings, self.solver = layout, settings, solver
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
         self._state, self._checkpoints, self._resumed = state, checkpoints, resumed
@@ -55,39 +69,55 @@ class Run:
         self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self._zero_step = schedule.zero_step(self.stages)
-        self.base, self._prescribed = NO_MOTION, []  # (velocities in each interval, what moves by them, first interval)
+        # (velocities in each interval, what moves by them, first interval)
+        self.base, self._prescribed = NO_MOTION, []
         moves = settings.ground_moves or bool(state and state["base_moves"])
         self._base_motion = watch.BaseMotion(layout) if moves else None
         self._zero = None  # instant at the end of the static stage
-        self._modal_velocity, self._set_in_motion_j = None, 0.0  # at time zero; energy that came in with it
-        self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
+        # at time zero; energy that came in with it
+        self._modal_velocity, self._set_in_motion_j = None, 0.0
+        # snapshot of the last sample: of what else is kept all samples share the memory
+        self._last = None
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        self._lowest, self._at_rest = watch.lowest_places(layout), 0.0  # motion at the end of settling
+        # motion at the end of settling
+        self._lowest, self._at_rest = watch.lowest_places(layout), 0.0
         self._borne = watch.Borne(layout) if settings.mass_scaling == SELECTIVE else None
         self._points = watch.MaterialPoints(layout, settings.points) if settings.points else None
-        solver.with_stresses, self._looks = settings.stresses, []  # (time [s], unbalanced force) in the static stage
-        # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
+        # (time [s], unbalanced force) in the static stage
+        solver.with_stresses, self._looks = settings.stresses, []
+        # Short steps make a ramp long; weight that came at once would make deformable bricks ring,
+        # and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
-        self._balance_j, self._damped_j = state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
+        self._balance_j, self._damped_j = (
+            state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
+        )
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
 
     @property
     def time(self):
-        """Since the start of the static stage in that stage, then since time zero, at which the first motion starts;
-        negative while the ground settles [s]."""
-        return (self.solver.clock - (0 if self.stage == "static" else self._zero_step)) * self.solver.time_step
+        """Since the start of the static stage in that stage, then since time zero, at which the
+        first motion starts; negative while the ground settles [s]."""
+        return (
+            self.solver.clock - (0 if self.stage == "static" else self._zero_step)
+        ) * self.solver.time_step
 
     @property
     def index(self):
         """The damage index now."""
         now = self.solver.instants()
         drift = self._drift(self._motion(now))[-1]
-        return watch.index_now(self.layout, drift, now.joints, now.contacts["opening_m"][-1],
-                               now.contacts["offset_m"][-1])
+        return watch.index_now(
+            self.layout,
+            drift,
+            now.joints,
+            now.contacts["opening_m"][-1],
+            now.contacts["offset_m"][-1],
+        )
 
     @property
     def energy_error(self):
-        """Of the samples so far: `damage.measure.energy.energy_error` [-], None where hardly anything came in."""
+        """Of the samples so far: `damage.measure.energy.energy_error` [-], None where hardly
+        anything came in."""
         return self._balance.error
 
     @property
@@ -98,8 +128,8 @@ class Run:
     # --- the stages -----------------------------------------------------------------------------
 
     def settle_under_gravity(self):
-        """The static stage, or what another run ended with; returns True when the wall came to rest, False when
-        interrupted."""
+        """The static stage, or what another run ended with; returns True when the wall came to
+        rest, False when interrupted."""
         solver, dt = self.solver, self.solver.time_step
         n = round(self._ramp_s / dt)
         solver.damp(**self._damping("static"))
@@ -112,7 +142,11 @@ class Run:
             solver.restore(self._resumed)
         if self._state is not None:
             solver.resume(self._state)
-        elif self._resumed is not None or self._settled is None or (looks := self._settled.recall(solver)) is None:
+        elif (
+            self._resumed is not None
+            or self._settled is None
+            or (looks := self._settled.recall(solver)) is None
+        ):
             finished = yield from self._come_to_rest()
             if not finished:
                 return False
@@ -123,9 +157,12 @@ class Run:
                 self.writer.look(*look)
         events, now = solver.drain_events(), solver.instants()
         self.writer.static_stage(
-            base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
-            unbalanced_force=self._unbalanced_force(), broken_joints=int(np.sum(now.contacts["state"] > 0)),
-            duration_s=self.time)
+            base_reaction_n=solver.base_reaction(),
+            weight_n=self.layout.total_mass * GRAVITY,
+            unbalanced_force=self._unbalanced_force(),
+            broken_joints=int(np.sum(now.contacts["state"] > 0)),
+            duration_s=self.time,
+        )
         self._write_events(events, since=-solver.clock)
         return True
 
@@ -141,13 +178,20 @@ class Run:
         return False
 
     def start(self):
-        """The end of the static stage.  The ground begins to settle or, at time zero, the base motion starts, the top
-        is taken hold of, or the wall is kicked into its first mode."""
-        solver, drive, settlement = self.solver, self.settings.loading.drive, self.settings.settlement
+        """The end of the static stage.  The ground begins to settle or, at time zero, the base
+        motion starts, the top is taken hold of, or the wall is kicked into its first mode."""
+        solver, drive, settlement = (
+            self.solver,
+            self.settings.loading.drive,
+            self.settings.settlement,
+        )
         self.base = schedule.base_acceleration(self.settings, self.stages, solver.time_step)
         speed = drive.first_mode_m_s
-        self._modal_velocity = speed * first_mode(self.layout) if speed else \
-            np.zeros_like(mass_vector(self.layout)).reshape(len(self.layout.bodies), -1)
+        self._modal_velocity = (
+            speed * first_mode(self.layout)
+            if speed
+            else np.zeros_like(mass_vector(self.layout)).reshape(len(self.layout.bodies), -1)
+        )
         if self._state is None:
             solver.set_velocities(0 * self._modal_velocity if settlement else self._modal_velocity)
         solver.start(self.base, np.array([GRAVITY]))
@@ -155,17 +199,38 @@ class Run:
             solver.resume(self._state)
         if not settlement:
             self._take_hold()
-        interval_s, zero = self.sample_steps * solver.time_step, self._zero_step // self.sample_steps
+        interval_s, zero = (
+            self.sample_steps * solver.time_step,
+            self._zero_step // self.sample_steps,
+        )
         interval = interval_s, self.stages[-1].end_step // self.sample_steps - zero
         self._prescribed = [
-            (velocities, move, first) for velocities, move, first in (
-                (mean_velocities(drive.top, *interval, self.layout.pushed_height), solver.push, zero),
-                (mean_velocities(drive.supports, *interval, self.layout.supports.x), solver.move_supports, zero),
-                (settlement and settlement.velocities(interval_s, zero, self.layout.supports), solver.move_supports, 0))
-            if velocities is not None]
+            (velocities, move, first)
+            for velocities, move, first in (
+                (
+                    mean_velocities(drive.top, *interval, self.layout.pushed_height),
+                    solver.push,
+                    zero,
+                ),
+                (
+                    mean_velocities(drive.supports, *interval, self.layout.supports.x),
+                    solver.move_supports,
+                    zero,
+                ),
+                (
+                    settlement and settlement.velocities(interval_s, zero, self.layout.supports),
+                    solver.move_supports,
+                    0,
+                ),
+            )
+            if velocities is not None
+        ]
         now = self._zero = solver.instants()
         if self._state is not None:
-            self._zero, self._set_in_motion_j = zero_of(self._state, now), float(self._state["set_in_motion_j"])
+            self._zero, self._set_in_motion_j = (
+                zero_of(self._state, now),
+                float(self._state["set_in_motion_j"]),
+            )
         self._last = self._snapshot(0.0, now, self._motion(now), -1)
         self.stage = self.stages[0].name
         if self._resumed is not None and self._resumed["stage"] >= 0:
@@ -177,7 +242,8 @@ class Run:
             self.solver.hold(self.layout.pushed_bodies, not drive.top_rotates, drive.top_stiffness)
 
     def _set_in_motion(self):
-        """Time zero after a settlement: the wall is at rest, or has its initial velocity, and a pushed top is held."""
+        """Time zero after a settlement: the wall is at rest, or has its initial velocity, and a
+        pushed top is held."""
         solver = self.solver
         self._check_rest()
         now = solver.instants()
@@ -190,9 +256,11 @@ class Run:
     def _check_rest(self):
         unbalanced = self._unbalanced_force()
         if unbalanced > SETTLED_BELOW:
-            raise RunError(f"{self.layout.wall.name}: not at rest on the settled ground, unbalanced force "
-                           f"{unbalanced:.2g} of the contact forces, expected up to {SETTLED_BELOW:g}: the "
-                           "wall topples or slides; give a smaller --distortion")
+            raise RunError(
+                f"{self.layout.wall.name}: not at rest on the settled ground, unbalanced force "
+                f"{unbalanced:.2g} of the contact forces, expected up to {SETTLED_BELOW:g}: the "
+                "wall topples or slides; give a smaller --distortion"
+            )
 
     def run_all(self):
         """All stages; returns True unless interrupted (a collapse is an end, too)."""
@@ -206,7 +274,9 @@ class Run:
                 self.writer.keep_state(as_bytes(state | self._carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
-        if self.collapsed_at_s is not None and (self.settings.past_collapse_s > 0 or self.settings.after_fall):
+        if self.collapsed_at_s is not None and (
+            self.settings.past_collapse_s > 0 or self.settings.after_fall
+        ):
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
 
@@ -214,11 +284,19 @@ class Run:
         """Everything that the next steps depend on, {name: array}: a checkpoint."""
         now = self.solver.instants()
         time_s, *last = self._last or self._snapshot(0.0, now, now.displacement, 0)
-        return self.solver.checkpoint() | self._carried | {
-            "stage": np.array(self._number), "samples": np.array(self._samples), "last_time_s": np.array(float(time_s)),
-            **{f"last_{k}": np.asarray(values, float) for k, values in enumerate(last)},
-            "inferred_j": np.array([self._balance_j, self._damped_j], float), "balance": self._balance.state,
-            "at_rest": np.zeros_like(now.displacement) + self._at_rest}
+        return (
+            self.solver.checkpoint()
+            | self._carried
+            | {
+                "stage": np.array(self._number),
+                "samples": np.array(self._samples),
+                "last_time_s": np.array(float(time_s)),
+                **{f"last_{k}": np.asarray(values, float) for k, values in enumerate(last)},
+                "inferred_j": np.array([self._balance_j, self._damped_j], float),
+                "balance": self._balance.state,
+                "at_rest": np.zeros_like(now.displacement) + self._at_rest,
+            }
+        )
 
     def _restore(self, tables):
         """Go back to where a checkpoint was written after the static stage."""
@@ -227,8 +305,14 @@ class Run:
         if self.settings.settlement and self._number > 0:
             self._take_hold()
         self.solver.restore(tables)
-        self._zero, self._set_in_motion_j = zero_of(tables, self._zero), float(tables["set_in_motion_j"])
-        self._last = (float(tables["last_time_s"]), *(tables[f"last_{k}"] for k in range(len(self._last) - 1)))
+        self._zero, self._set_in_motion_j = (
+            zero_of(tables, self._zero),
+            float(tables["set_in_motion_j"]),
+        )
+        self._last = (
+            float(tables["last_time_s"]),
+            *(tables[f"last_{k}"] for k in range(len(self._last) - 1)),
+        )
         self._balance_j, self._damped_j = tables["inferred_j"].tolist()
         self._balance.state, self._at_rest = tables["balance"], tables["at_rest"]
 
@@ -242,20 +326,32 @@ class Run:
     @property
     def _carried(self):
         """What a run that continues needs beside the solver's state, {name: array}."""
-        return with_zero({"set_in_motion_j": np.array(self._set_in_motion_j),
-                          "base_moves": np.array(self._base_motion is not None)}, self._zero or self.solver.instants())
+        return with_zero(
+            {
+                "set_in_motion_j": np.array(self._set_in_motion_j),
+                "base_moves": np.array(self._base_motion is not None),
+            },
+            self._zero or self.solver.instants(),
+        )
 
     def _follow_the_fall(self):
-        """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no longer describe the
-        wall.  Returns True unless interrupted."""
+        """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no
+        longer describe the wall.  Returns True unless interrupted."""
         solver, settings = self.solver, self.settings
-        until_rest, moves_until = settings.after_fall, (len(self.base) - self._zero_step) * solver.time_step
-        end = max(self.time, moves_until) + AFTER_FALL_S if until_rest else \
-            self.collapsed_at_s + settings.past_collapse_s
+        until_rest, moves_until = (
+            settings.after_fall,
+            (len(self.base) - self._zero_step) * solver.time_step,
+        )
+        end = (
+            max(self.time, moves_until) + AFTER_FALL_S
+            if until_rest
+            else self.collapsed_at_s + settings.past_collapse_s
+        )
         solver.damp(**self._damping("motion"))
         solver.damp_impacts()
         if until_rest:
-            self._prescribe(self.stages[-1].end_step // self.sample_steps)  # beyond the last interval they rest
+            # beyond the last interval they rest
+            self._prescribe(self.stages[-1].end_step // self.sample_steps)
         last = self._last
         while self.time < end:
             if not self.keep_going(self, self.time):
@@ -270,7 +366,8 @@ class Run:
         return True
 
     def _rest(self, last, now, moves_until):
-        """Whether the base is at rest and all fallen bricks have been slower than RESTS_BELOW_M_S for RESTS_FOR_S.
+        """Whether the base is at rest and all fallen bricks have been slower than RESTS_BELOW_M_S
+        for RESTS_FOR_S.
 
         last, now: snapshots (time [s], motion, ...).
         """
@@ -283,14 +380,21 @@ class Run:
 
     @property
     def fall(self):
-        """A line on the fallen bricks: when they rest, how far they overlapped; None where none were followed."""
+        """A line on the fallen bricks: when they rest, how far they overlapped; None where none
+        were followed."""
         if self.collapsed_at_s is None or not self.settings.after_fall:
             return None
         overlap = self.solver.largest_overlap_m()
-        rests = "not at rest" if self.rests_at_s is None else \
-            f"at rest {self.rests_at_s - self.collapsed_at_s:.2f} s after the first one fell"
-        overlapped = "" if overlap is None else \
-            f"; they overlapped by up to {1e3 * overlap[0]:.2g} of {1e3 * overlap[1]:.2g} mm"
+        rests = (
+            "not at rest"
+            if self.rests_at_s is None
+            else f"at rest {self.rests_at_s - self.collapsed_at_s:.2f} s after the first one fell"
+        )
+        overlapped = (
+            ""
+            if overlap is None
+            else f"; they overlapped by up to {1e3 * overlap[0]:.2g} of {1e3 * overlap[1]:.2g} mm"
+        )
         return f"bricks followed to {self.time:.2f} s: {rests}{overlapped}"
 
     def _run_stages(self):
@@ -304,14 +408,23 @@ class Run:
             while solver.clock < stage.end_step:
                 if self.collapsed_at_s is not None or not self._continues():
                     return False
-                yield from self._advance(min(stage.end_step - solver.clock, self._stretch()), self.sample_steps,
-                                         self.take_samples, stage.start_step)
+                yield from self._advance(
+                    min(stage.end_step - solver.clock, self._stretch()),
+                    self.sample_steps,
+                    self.take_samples,
+                    stage.start_step,
+                )
         return True
 
     def _stretch(self):
-        """Number of steps to the next look or, where the solver prefers samples in groups, to the end of a group."""
+        """Number of steps to the next look or, where the solver prefers samples in groups, to the
+        end of a group."""
         samples = self.solver.stretch_samples
-        return samples * self.sample_steps - self.solver.clock % self.sample_steps if samples else LOOK_STEPS
+        return (
+            samples * self.sample_steps - self.solver.clock % self.sample_steps
+            if samples
+            else LOOK_STEPS
+        )
 
     def _advance(self, *how):
         """Let the solver advance; a run that blows up ends at once."""
@@ -323,15 +436,17 @@ class Run:
     def _failure(self, problem, time_s=None):
         time_s = self.time if time_s is None else time_s
         stage = f"static stage, {time_s:.6g} s" if self.stage == "static" else f"{time_s:.6g} s"
-        return RunError(f"the run blew up ({stage}): {problem}; expected finite numbers; give a smaller --dt, or look "
-                        "at the wall's stiffnesses and masses")
+        return RunError(
+            f"the run blew up ({stage}): {problem}; expected finite numbers; give a smaller --dt,"
+            " or look at the wall's stiffnesses and masses"
+        )
 
     def _unbalanced_force(self):
         return watch.unbalanced_force(self.layout, *self.solver.forces())
 
     def _damping(self, stage):
-        """Local or adaptive damping while settling, that of the settings otherwise: both at once are unstable at this
-        step.  With mass scaling local damping would do positive work."""
+        """Local or adaptive damping while settling, that of the settings otherwise: both at once
+        are unstable at this step.  With mass scaling local damping would do positive work."""
         drive, local = self.settings.loading.drive, LOCAL_DAMPING
         if stage == "settlement":
             is_adaptive = self._borne is not None
@@ -347,53 +462,86 @@ class Run:
     # --- samples ---------------------------------------------------------------------------------
 
     def take_samples(self, now):
-        """Write one sample after the other of everything (Instants), and prescribe the next velocities; False where the
-        run has to end, with the last one that is written."""
+        """Write one sample after the other of everything (Instants), and prescribe the next
+        velocities; False where the run has to end, with the last one that is written."""
         time_s, motion = (now.clock - self._zero_step) * self.solver.time_step, self._motion(now)
         base, top = self._base_at(now.clock), self._top(motion)
         rows = {
-            "time_s": time_s, "base_acceleration_x_m_s2": base[:, 0], "base_acceleration_z_m_s2": base[:, 1],
-            "top_displacement_m": top, "drift_ratio": self._drift(motion, top), **self._base_rows(motion),
-            "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
+            "time_s": time_s,
+            "base_acceleration_x_m_s2": base[:, 0],
+            "base_acceleration_z_m_s2": base[:, 1],
+            "top_displacement_m": top,
+            "drift_ratio": self._drift(motion, top),
+            **self._base_rows(motion),
+            "base_shear_n": now.support_force[:, :, 0].sum(axis=1),
+            **self._energies(now, motion),
+        }
         problem, end = _first_not_finite(rows | {"motion": motion} | now.contacts)
         if self._borne and self.stage != "settlement" and end > 0:
-            watch.check_drop(self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1])
+            watch.check_drop(
+                self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1]
+            )
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if self._borne and len(fell) > 0:
             watch.check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
-        free = self.stage == "settlement" and self.settings.loading.drive.top is not None  # before it is pushed
-        self._write({**rows, "top_force_n": np.zeros(len(time_s)) if free else now.top_force_n}, motion, now, end)
+        # before it is pushed
+        free = self.stage == "settlement" and self.settings.loading.drive.top is not None
+        self._write(
+            {**rows, "top_force_n": np.zeros(len(time_s)) if free else now.top_force_n},
+            motion,
+            now,
+            end,
+        )
         if problem is not None:
             raise self._failure(f"{problem} is no longer finite", time_s[end])
         self._prescribe(self._samples - 1)
         return self.collapsed_at_s is None
 
     def _have_fallen(self, motion, now):
-        """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the first n Instants."""
+        """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
+        first n Instants."""
         if not self.settings.new_contacts:
             if self.settings.settlement:  # with the ground no brick has fallen
-                lowest = (now.support_displacement - self._zero.support_displacement)[:len(motion), :, 1].min(axis=1)
+                lowest = (now.support_displacement - self._zero.support_displacement)[
+                    : len(motion), :, 1
+                ].min(axis=1)
                 motion = motion - np.array([0.0, 1.0, 0.0]) * lowest[:, np.newaxis, np.newaxis]
             return watch.have_fallen(motion, self._lowest)
-        return watch.have_left(self.layout, motion, now.joints, now.contacts["state"][:len(motion)])
+        return watch.have_left(
+            self.layout, motion, now.joints, now.contacts["state"][: len(motion)]
+        )
 
     def _prescribe(self, interval):
-        """Move the top and the supports by their velocities in this interval; they rest after the last."""
+        """Move the top and the supports by their velocities in this interval; they rest after the
+        last."""
         for velocities, move, first in self._prescribed:
             if self.stage == "settlement" and first > 0:  # the top is not held yet
                 continue
             if first <= interval <= first + len(velocities):
-                move(velocities[interval - first] if interval < first + len(velocities) else 0 * velocities[0])
-        if self._prescribed and all(interval >= first + len(velocities) for velocities, _, first in self._prescribed):
+                move(
+                    velocities[interval - first]
+                    if interval < first + len(velocities)
+                    else 0 * velocities[0]
+                )
+        if self._prescribed and all(
+            interval >= first + len(velocities) for velocities, _, first in self._prescribed
+        ):
             self.solver.prescribe_no_more()
 
     def _write(self, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""
         rows = {name: values[:end] for name, values in rows.items()}
-        self.writer.extend(self.stage, rows, now.joints, *({name: values[:end] for name, values in columns.items()}
-                                                           for columns in (now.contacts, self._beside(now))))
+        self.writer.extend(
+            self.stage,
+            rows,
+            now.joints,
+            *(
+                {name: values[:end] for name, values in columns.items()}
+                for columns in (now.contacts, self._beside(now))
+            ),
+        )
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
@@ -407,10 +555,12 @@ class Run:
         self._samples += end
 
     def _beside(self, now):
-        """Motion of the supports and forces on them; of a run that keeps them stresses of the joints and displacements
-        of material points; as of `Buffer.extend`."""
-        found = {"ground/displacement": now.support_displacement - self._zero.support_displacement,
-                 "ground/force": now.support_force}
+        """Motion of the supports and forces on them; of a run that keeps them stresses of the
+        joints and displacements of material points; as of `Buffer.extend`."""
+        found = {
+            "ground/displacement": now.support_displacement - self._zero.support_displacement,
+            "ground/force": now.support_force,
+        }
         if now.joint_stress_pa is not None:
             found["stresses/joint_stress_pa"] = now.joint_stress_pa
         if self._points is not None:
@@ -419,17 +569,23 @@ class Run:
         return found
 
     def _snapshot(self, time_s, now, motion, k):
-        """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of sample k."""
-        stress = () if self._stress is None else (
-            np.sum(self._stress * now.strain[k][:, np.newaxis, np.newaxis], axis=-1),)
+        """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of
+        sample k."""
+        stress = (
+            ()
+            if self._stress is None
+            else (np.sum(self._stress * now.strain[k][:, np.newaxis, np.newaxis], axis=-1),)
+        )
         return time_s, motion[k], *stress
 
     def _energies(self, now, motion):
-        """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
-        while the wall settles or is pushed; in any other stage there is none."""
+        """Energies since time zero (n,) [J].  Damping that the solver does not compute is the
+        remainder of the balance while the wall settles or is pushed; in any other stage there is
+        none."""
         zero, mass = self._zero, self.layout.weighing
         energies = {
-            "kinetic_energy_j": now.kinetic_j, "elastic_energy_j": now.elastic_j - zero.elastic_j,
+            "kinetic_energy_j": now.kinetic_j,
+            "elastic_energy_j": now.elastic_j - zero.elastic_j,
             "gravity_energy_j": GRAVITY * total(motion[:, :, 1] * mass),
             "friction_energy_j": now.friction_j - zero.friction_j,
             "fracture_energy_j": now.fracture_j - zero.fracture_j,
@@ -446,7 +602,8 @@ class Run:
         return {**energies, "input_energy_j": input_j, "damping_energy_j": damped}
 
     def _motion(self, now):
-        """Displacement of the bodies since the end of the static stage, (n, n_bodies, 3) [m, m, rad]."""
+        """Displacement of the bodies since the end of the static stage, (n, n_bodies, 3) [m, m,
+        rad]."""
         return now.displacement - self._zero.displacement
 
     def _top(self, motion):
@@ -455,14 +612,22 @@ class Run:
         return np.add.reduce(top, axis=1) / top.shape[1]
 
     def _drift(self, motion, top=None):
-        """Drift ratio (n,) [-], without the rigid motion of a base on ground that moves; top: `_top`, where known."""
+        """Drift ratio (n,) [-], without the rigid motion of a base on ground that moves; top:
+        `_top`, where known."""
         top = self._top(motion) if top is None else top
-        return (top if self._base_motion is None else top - self._base_motion.at_top(motion)) / self.layout.drift_height
+        return (
+            top if self._base_motion is None else top - self._base_motion.at_top(motion)
+        ) / self.layout.drift_height
 
     def _base_rows(self, motion):
         """Rigid motion of the base where the ground moves, {column of the series: (n,)}."""
-        return {} if self._base_motion is None else dict(
-            zip(("base_translation_m", "base_rotation_rad"), self._base_motion.of(motion)))
+        return (
+            {}
+            if self._base_motion is None
+            else dict(
+                zip(("base_translation_m", "base_rotation_rad"), self._base_motion.of(motion))
+            )
+        )
 
     def _base_at(self, clock):
         """Acceleration of the base in these steps, (n, 2) [m/s2]."""
@@ -472,17 +637,26 @@ class Run:
         return found
 
     def _write_events(self, events, since=0):
-        """Write what a solver drained; since: its clock's zero, in steps since the end of the static stage."""
+        """Write what a solver drained; since: its clock's zero, in steps since the end of the
+        static stage."""
         for step, *event in events:
             self.writer.event((since + step - self._zero_step) * self.solver.time_step, *event)
 
 
 def _first_not_finite(samples):
-    """What is not finite at the first sample where anything is not, and which that is: None and their number where all
-    is.  samples: {name: (n, ...)}."""
+    """What is not finite at the first sample where anything is not, and which that is: None and
+    their number where all is.  samples: {name: (n, ...)}."""
     count = len(samples["time_s"])
-    # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads for its product.
+    # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads
+    # for its product.
     if math.isfinite(sum(float(np.add.reduce(values, axis=None)) for values in samples.values())):
         return None, count
-    return next(((name, k) for k in range(count) for name, values in samples.items()
-                 if not math.isfinite(float(np.add.reduce(values[k], axis=None)))), (None, count))
+    return next(
+        (
+            (name, k)
+            for k in range(count)
+            for name, values in samples.items()
+            if not math.isfinite(float(np.add.reduce(values[k], axis=None)))
+        ),
+        (None, count),
+    )

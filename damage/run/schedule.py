@@ -30,13 +30,14 @@ SOFTENING_STEP_FACTOR = 0.35
 """The same where joints soften (docs/validation/step-and-damping.md)."""
 
 JOINT_STEPS = 10
-"""Steps of which the interval of samples is a multiple: a solver may update its failed joints at this interval."""
+"""Steps of which the interval of samples is a multiple: a solver may update its failed joints at
+this interval."""
 
 
 @dataclass(frozen=True)
 class Stage:
-    """shock: number of the shock, from 1; name: "settlement", "motion", "rest" or "settling"; start_step, end_step:
-    steps since the end of the static stage."""
+    """shock: number of the shock, from 1; name: "settlement", "motion", "rest" or "settling";
+    start_step, end_step: steps since the end of the static stage."""
 
     shock: int
     name: str
@@ -45,8 +46,8 @@ class Stage:
 
 
 def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
-    """The run's time step [s]; InputError above the stable one.  softens: whether the wall's joints do; decay_1_s:
-    `damage.wall.soil.fastest_decay`.
+    """The run's time step [s]; InputError above the stable one.  softens: whether the wall's joints
+    do; decay_1_s: `damage.wall.soil.fastest_decay`.
 
     Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
     xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
@@ -57,52 +58,72 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
         factor = SOFTENING_STEP_FACTOR if softens else STEP_FACTOR
         return settings.loading.preferred_step_s(min(factor * critical_s, 0.85 * limit))
     if settings.time_step_s > limit:
-        raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
-                         f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")
+        raise InputError(
+            f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
+            f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one"
+        )
     return settings.time_step_s
 
 
 def check_top(settings, layout, time_step):
-    """Raise InputError where a pushed top that may not rotate has a restraint, or the rotational spring at the top is
-    too stiff for the time step [s]: its own frequency on the body that carries the top has to stay below half of the
-    stable one with its joints."""
+    """Raise InputError where a pushed top that may not rotate has a restraint, or the rotational
+    spring at the top is too stiff for the time step [s]: its own frequency on the body that carries
+    the top has to stay below half of the stable one with its joints."""
     drive = settings.loading.drive
     if drive.top and not drive.top_rotates and top_of(layout.wall):
-        raise InputError(f"--boundary fixed: a restraint holds the top of wall {layout.wall.name}, so that the push "
-                         "moves the course at mid-height, which turns; leave --boundary out")
+        raise InputError(
+            f"--boundary fixed: a restraint holds the top of wall {layout.wall.name}, so that the"
+            " push moves the course at mid-height, which turns; leave --boundary out"
+        )
     stiffness, inertia = drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
     most = 0.25 * float(inertia) / time_step**2
     if stiffness > most:
-        raise InputError(f"--top-rotation {stiffness:g} is too stiff for time steps of {time_step:.3g} s: expected up "
-                         f"to {most:.3g} N m/rad; give less, a smaller --dt, or --boundary fixed")
+        raise InputError(
+            f"--top-rotation {stiffness:g} is too stiff for time steps of {time_step:.3g} s:"
+            f" expected up to {most:.3g} N m/rad; give less, a smaller --dt, or --boundary fixed"
+        )
 
 
 def softening_warnings(settings, time_step, critical_s, softening):
-    """What of a run's step and damping is outside of what softening joints were shown to need in a solver, by its
-    Softening: a list of lines."""
+    """What of a run's step and damping is outside of what softening joints were shown to need in a
+    solver, by its Softening: a list of lines."""
     found = []
-    if settings.mass_scaling != SELECTIVE and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
-        found.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
-                    f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
+    if (
+        settings.mass_scaling != SELECTIVE
+        and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s
+    ):
+        found.append(
+            f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected"
+            f" at most {SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out"
+        )
     if settings.beta_s < softening.beta_s and not settings.loading.drive.quasi_static:
-        found.append(f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints soften, or "
-                    "cracks follow rounding and step; leave --beta out")
+        found.append(
+            f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints"
+            " soften, or cracks follow rounding and step; leave --beta out"
+        )
     return found
 
 
 def deformable_warnings(model, wall):
-    """Choices of a ModelOptions and a damage.Wall that do not suit deformable bricks: a list of lines."""
+    """Choices of a ModelOptions and a damage.Wall that do not suit deformable bricks: a list of
+    lines."""
     found, softens = [], wall.joint.softens
     if model.has_modes and model.contacts != "gauss":
-        found.append(f"--bricks deformable with --contacts {model.contacts}: expected --contacts gauss, which alone "
-                     "passes the patch test; corner points fail joints at rest")
+        found.append(
+            f"--bricks deformable with --contacts {model.contacts}: expected --contacts gauss,"
+            " which alone passes the patch test; corner points fail joints at rest"
+        )
     if model.has_modes and not softens:
-        found.append("--bricks deformable with brittle joints: how many contact points fail depends on their number; "
-                     "give joints fracture energies (docs/model/model.md)")
+        found.append(
+            "--bricks deformable with brittle joints: how many contact points fail depends on their"
+            " number; give joints fracture energies (docs/model/model.md)"
+        )
     if model.has_modes and wall.brick.splits:
-        found.append(f"--bricks deformable with a tensile strength of {wall.brick.tensile_strength / 1e6:g} MPa of the "
-                     "bricks: strain modes keep them whole, above it, too; for bricks that split give rigid bricks or "
-                     "--brick-cells 4")
+        found.append(
+            f"--bricks deformable with a tensile strength of {wall.brick.tensile_strength / 1e6:g}"
+            " MPa of the bricks: strain modes keep them whole, above it, too; for bricks that"
+            " split give rigid bricks or --brick-cells 4"
+        )
     return found
 
 
@@ -143,36 +164,54 @@ def stages(settings, layout, time_step, sample_steps):
 
 
 def settlement_s(settings, layout):
-    """Length of the settlement stage [s], zero without one: the ground moves, then the wall comes to rest."""
-    return settings.settlement.moving_s(layout.supports.right[-1]) + SETTLE_S if settings.settlement else 0.0
+    """Length of the settlement stage [s], zero without one: the ground moves, then the wall comes
+    to rest."""
+    return (
+        settings.settlement.moving_s(layout.supports.right[-1]) + SETTLE_S
+        if settings.settlement
+        else 0.0
+    )
 
 
 def zero_step(stages):
-    """Step of time zero since the end of the static stage: the end of the settlement stage, if there is one."""
+    """Step of time zero since the end of the static stage: the end of the settlement stage, if
+    there is one."""
     return stages[0].end_step if stages[0].name == "settlement" else 0
 
 
 def check_size(settings, layout, time_step):
-    """Raise InputError of a run that is longer than can be, before anything is made for it; time_step [s]."""
+    """Raise InputError of a run that is longer than can be, before anything is made for it;
+    time_step [s]."""
     loading, interval = settings.loading, sample_steps(time_step, settings.mass_scaling)
-    length_s = loading.length_s(layout.pushed_height) if loading.drive.quasi_static else settings.duration_s
+    length_s = (
+        loading.length_s(layout.pushed_height)
+        if loading.drive.quasi_static
+        else settings.duration_s
+    )
     length_s += settlement_s(settings, layout)
     if length_s > LONGEST_S:
-        raise InputError(f"a push of {length_s:.6g} s: expected up to {LONGEST_S:g} s; give a smaller drift, fewer "
-                         "--cycles or a larger --speed")
+        raise InputError(
+            f"a push of {length_s:.6g} s: expected up to {LONGEST_S:g} s; give a smaller drift,"
+            " fewer --cycles or a larger --speed"
+        )
     steps = length_s / time_step
     if steps > MOST_STEPS:
-        raise InputError(f"a run of {length_s:.6g} s in {steps:.3g} steps of {time_step:.3g} s: expected up to "
-                         f"{MOST_STEPS:.0e} steps; give a larger --dt, less damping (--beta), or a shorter run")
-    states = steps / interval * layout.n_joints * (23 / 15 if settings.stresses else 1)  # bytes of each
+        raise InputError(
+            f"a run of {length_s:.6g} s in {steps:.3g} steps of {time_step:.3g} s: expected up to "
+            f"{MOST_STEPS:.0e} steps; give a larger --dt, less damping (--beta), or a shorter run"
+        )
+    # bytes of each
+    states = steps / interval * layout.n_joints * (23 / 15 if settings.stresses else 1)
     if states > MOST_STATES:
-        raise InputError(f"{steps / interval:.3g} samples of {layout.n_joints} contact points: expected up to "
-                         f"{MOST_STATES:.0e} states in all; give a shorter run, fewer --cells, or no --stresses")
+        raise InputError(
+            f"{steps / interval:.3g} samples of {layout.n_joints} contact points: expected up to "
+            f"{MOST_STATES:.0e} states in all; give a shorter run, fewer --cells, or no --stresses"
+        )
 
 
 def base_acceleration(settings, schedule, time_step):
-    """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2) [m/s2], up to the
-    last motion's end; none where the base is not accelerated.
+    """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2)
+    [m/s2], up to the last motion's end; none where the base is not accelerated.
 
     Each event is its motion times its factor, rounded (`damage.rounded`).
     """
@@ -183,5 +222,5 @@ def base_acceleration(settings, schedule, time_step):
     base = np.zeros((max(map(sum, zip(starts, lengths))), 2))
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
         factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
-        base[start:start + n_steps] = to_grid(factor * once, ACCELERATION)
+        base[start : start + n_steps] = to_grid(factor * once, ACCELERATION)
     return base

@@ -1,8 +1,10 @@
-"""How a run integrates in time: explicitly, or with selective mass scaling; and which runs are accepted.
+"""How a run integrates in time: explicitly, or with selective mass scaling; and which runs are
+accepted.
 
-One rule (`is_shown`) decides where nothing is asked for.  A run with mass scaling whose energy balance error exceeds
-ACCEPTED_ERROR is repeated with half the step, then explicitly; one in which a brick drops by ACCEPTED_DROP_M from what
-bore it is repeated explicitly at once, since the scaled masses of failed joints would hold it up.
+One rule (`is_shown`) decides where nothing is asked for.  A run with mass scaling whose energy
+balance error exceeds ACCEPTED_ERROR is repeated with half the step, then explicitly; one in which a
+brick drops by ACCEPTED_DROP_M from what bore it is repeated explicitly at once, since the scaled
+masses of failed joints would hold it up.
 """
 
 from dataclasses import replace
@@ -24,54 +26,81 @@ _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
 
 
 def is_shown(settings, wall):
-    """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit steps: softening joints,
-    openings, bricks that stay whole, shaken by a record or harmonically.  On ground that settles the residual DI
-    follows the damping of settling stages, which would differ from the default of explicit steps: there it has to be
-    asked for."""
+    """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit
+    steps: softening joints, openings, bricks that stay whole, shaken by a record or harmonically.
+    On ground that settles the residual DI follows the damping of settling stages, which would
+    differ from the default of explicit steps: there it has to be asked for."""
     model = {name: getattr(settings.model, name) for name in _FREE}
-    return (wall.joint.softens and len(wall.openings) > 0 and not wall.brick.splits
-            and wall.joint.compressive_strength is None and not wall.restraints
-            and (settings.settlement is None or settings.settling == "adaptive")
-            and isinstance(settings.loading, Harmonic | Recorded)
-            and settings.model in [replace(shown, **model) for shown in _SHOWN]
-            and not settings.new_contacts and "local" not in (settings.relaxation, settings.settling))
+    return (
+        wall.joint.softens
+        and len(wall.openings) > 0
+        and not wall.brick.splits
+        and wall.joint.compressive_strength is None
+        and not wall.restraints
+        and (settings.settlement is None or settings.settling == "adaptive")
+        and isinstance(settings.loading, Harmonic | Recorded)
+        and settings.model in [replace(shown, **model) for shown in _SHOWN]
+        and not settings.new_contacts
+        and "local" not in (settings.relaxation, settings.settling)
+    )
 
 
 def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
-    """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted; wall: damage.Wall, its
-    critical time step and first period [s], and `damage.wall.soil.fastest_decay`.  Raises InputError where steps with
-    mass scaling are no longer than explicit ones, or longer than was shown."""
+    """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted;
+    wall: damage.Wall, its critical time step and first period [s], and
+    `damage.wall.soil.fastest_decay`.  Raises InputError where steps with mass scaling are no longer
+    than explicit ones, or longer than was shown."""
     step_s = settings.time_step_s or settings.loading.preferred_step_s(
-        DEFORMABLE_STEP_S if settings.model.has_modes else
-        SLENDER_STEP_S if wall.openings and period_s >= SLENDER_S else STIFF_STEP_S)
+        DEFORMABLE_STEP_S
+        if settings.model.has_modes
+        else SLENDER_STEP_S
+        if wall.openings and period_s >= SLENDER_S
+        else STIFF_STEP_S
+    )
     if settings.mass_scaling is None:
         shown = is_shown(settings, wall) and settings.time_step_s is None and step_s > critical_s
         settings = replace(settings, mass_scaling=SELECTIVE if shown else NONE)
-    explicit = settings if settings.mass_scaling == NONE else replace(settings, mass_scaling=NONE, time_step_s=None)
+    explicit = (
+        settings
+        if settings.mass_scaling == NONE
+        else replace(settings, mass_scaling=NONE, time_step_s=None)
+    )
     explicit = explicit, choose_time_step(explicit, critical_s, wall.joint.softens, decay_1_s)
     if settings.mass_scaling == NONE:
         return (explicit,)
     if wall.restraints:
-        raise InputError("--mass-scaling selective of a wall with restraints: expected one without; leave "
-                         "--mass-scaling out")
+        raise InputError(
+            "--mass-scaling selective of a wall with restraints: expected one without; leave "
+            "--mass-scaling out"
+        )
     if not critical_s < step_s <= MOST_SCALED_STEP_S:
-        raise InputError(f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the "
-                         f"critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give "
-                         "another --dt, or leave --mass-scaling out")
+        raise InputError(
+            f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the"
+            f" critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s;"
+            " give another --dt, or leave --mass-scaling out"
+        )
     half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
     return ((settings, step_s), *half, explicit)
 
 
 def check_energy(settings, error):
-    """Raise NotAccepted where the energy balance error [-] of a run with these settings is too large for its scheme."""
+    """Raise NotAccepted where the energy balance error [-] of a run with these settings is too
+    large for its scheme."""
     if settings.mass_scaling == SELECTIVE and error is not None and not error <= ACCEPTED_ERROR:
-        raise NotAccepted(ENERGY, f"energy balance error {100 * error:.2g} %, more than the {100 * ACCEPTED_ERROR:g} % "
-                          "accepted with mass scaling")
+        raise NotAccepted(
+            ENERGY,
+            f"energy balance error {100 * error:.2g} %, more than the {100 * ACCEPTED_ERROR:g} % "
+            "accepted with mass scaling",
+        )
 
 
 def scaling_warnings(settings, wall):
-    """What of a run with mass scaling is outside of what it was shown to be accurate for: a list of lines."""
+    """What of a run with mass scaling is outside of what it was shown to be accurate for: a list of
+    lines."""
     if settings.mass_scaling != SELECTIVE or is_shown(settings, wall):
         return []
-    return ["--mass-scaling selective is less accurate, or was not compared with explicit steps, for a wall, motion or "
-            "options of this kind (docs/validation/step-and-damping.md): compare with --mass-scaling none"]
+    return [
+        "--mass-scaling selective is less accurate, or was not compared with explicit steps, for a"
+        " wall, motion or options of this kind (docs/validation/step-and-damping.md): compare with"
+        " --mass-scaling none"
+    ]

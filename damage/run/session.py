@@ -47,15 +47,17 @@ EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 class Backend:
     """A solver as a session needs it.
 
-    versions: {software: version} beside this software's own; code: the folder of the solver's modules;
-    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings, wall): raises InputError on what it
-    cannot do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
-    softening: what it gives joints with fracture energies; None where it does not know them;
+    versions: {software: version} beside this software's own; code: the folder of the solver's
+    modules;
+    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings, wall): raises
+    InputError on what it cannot do; open_view: opens a live view and returns a function that
+    refreshes it; None where there is none; softening: what it gives joints with fracture energies;
+    None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
-    keeps_state: whether the history has the state at its end, from which another run continues; it is in a checkpoint
-    otherwise;
-    begins(run): called with the Run before its first step; move, most: takes steps of so many runs at a time, as of
-    `damage.run.turns.as_they_end`.
+    keeps_state: whether the history has the state at its end, from which another run continues; it
+    is in a checkpoint otherwise;
+    begins(run): called with the Run before its first step; move, most: takes steps of so many runs
+    at a time, as of `damage.run.turns.as_they_end`.
     """
 
     name: str
@@ -73,14 +75,14 @@ class Backend:
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
-    """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command line; the exit status:
-    0 done, 1 failed, 2 bad input, 130 interrupted."""
+    """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command
+    line; the exit status: 0 done, 1 failed, 2 bad input, 130 interrupted."""
     return reported(lambda: _run(backend, wall_file, make_wall, arguments, prog))
 
 
 def reported(work):
-    """The exit status of `work()`, which returns one; its errors are printed, in one line where they are no fault of
-    this software.  A WriteError ends this process."""
+    """The exit status of `work()`, which returns one; its errors are printed, in one line where
+    they are no fault of this software.  A WriteError ends this process."""
     try:
         return work()
     except SystemExit as exit_:  # --help
@@ -93,14 +95,17 @@ def reported(work):
 
 
 def report_error(error, of=""):
-    """Print an error, as `reported` does, with the words `of` before it; returns the exit status."""
+    """Print an error, as `reported` does, with the words `of` before it; returns the exit
+    status."""
     if isinstance(error, WriteError):
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
         os._exit(EXIT_FAILED)  # HDF5 would crash on the way out
     if isinstance(error, MemoryError):
-        error = RunError(f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give it "
-                         "more, as by ulimit -v, or a shorter one, fewer --cells")
+        error = RunError(
+            f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give"
+            " it more, as by ulimit -v, or a shorter one, fewer --cells"
+        )
     elif isinstance(error, OSError) and is_of_output(error):
         return EXIT_FAILED
     elif isinstance(error, OSError):
@@ -113,7 +118,8 @@ def report_error(error, of=""):
 
 
 def with_errors_reported(name, run):
-    """A run, as of `simulate`, whose errors are printed with its name and end no other; it returns the exit status."""
+    """A run, as of `simulate`, whose errors are printed with its name and end no other; it returns
+    the exit status."""
     try:
         return (yield from run)
     except Exception as error:
@@ -126,11 +132,14 @@ def _run(backend, wall_file, make_wall, arguments, prog):
     with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
         if settings.members > 1:
             if backend.most == 1:
-                raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the "
-                                 "reference solver, python3 -m damage reference WALL.py --members N; or give "
-                                 "--scatter 0.001 --seed 1, then 2, ..., a run each")
+                raise InputError(
+                    f"--members: the {backend.name} solver runs one wall at a time; expected the "
+                    "reference solver, python3 -m damage reference WALL.py --members N; or give "
+                    "--scatter 0.001 --seed 1, then 2, ..., a run each"
+                )
             return RUN_MEMBERS[0](wall_file, make_wall, settings, arguments)
-        show = backend.open_view() if settings.view and backend.open_view else None  # before there is a history
+        # before there is a history
+        show = backend.open_view() if settings.view and backend.open_view else None
         return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
 
 
@@ -143,8 +152,10 @@ def _run_to_its_pictures(prepared, show):
     try:
         report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
     except MemoryError:
-        warn(f"{out} is kept, its summary failed for want of memory; where there is more: python3 -m damage index "
-             f"{out}")
+        warn(
+            f"{out} is kept, its summary failed for want of memory; where there is more: python3 -m"
+            f" damage index {out}"
+        )
     return status
 
 
@@ -190,12 +201,22 @@ class RunPlan:
 
     def parameters_with(self, wall_file):
         """Parameters of its history."""
-        loading, wall, period_s = self.settings.loading, self.layout.wall, float(self.modes.period_s[0])
-        found = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **self.settings.as_dict(),
-                 "time_step_s": self.time_step, **self.so_far,
-                 "critical_time_step_s": self.modes.critical_time_step_s, "eigen_period_s": period_s,
-                 "pier_stress_pa": self.layout.pier_stress,
-                 **applied_measures(loading.applied(), period_s, loading.applied_across())}
+        loading, wall, period_s = (
+            self.settings.loading,
+            self.layout.wall,
+            float(self.modes.period_s[0]),
+        )
+        found = {
+            "wall": wall.as_dict(),
+            "wall_file": file_origin(wall_file),
+            **self.settings.as_dict(),
+            "time_step_s": self.time_step,
+            **self.so_far,
+            "critical_time_step_s": self.modes.critical_time_step_s,
+            "eigen_period_s": period_s,
+            "pier_stress_pa": self.layout.pier_stress,
+            **applied_measures(loading.applied(), period_s, loading.applied_across()),
+        }
         return found | {"outside_validity": "; ".join(outside(evidence_for(wall, found))) or None}
 
     def past(self):
@@ -211,9 +232,9 @@ class RunPlan:
 class Prepared(RunPlan):
     """A run that can begin: its history is there, without a sample.
 
-    writer: keeps it; state: of the run that it continues, None without one; resumed: tables of the checkpoint from
-    which it continues, None of a run that begins; checkpoints: what writes them, None where there is no file;
-    parameters: of the history; write(parameters=...): makes a history.
+    writer: keeps it; state: of the run that it continues, None without one; resumed: tables of the
+    checkpoint from which it continues, None of a run that begins; checkpoints: what writes them,
+    None where there is no file; parameters: of the history; write(parameters=...): makes a history.
     """
 
     writer: Buffer
@@ -224,24 +245,44 @@ class Prepared(RunPlan):
     write: Callable
 
     def repeated(self, reason):
-        """The Prepared run that follows one that was not accepted, by a RunError; its history begins anew."""
+        """The Prepared run that follows one that was not accepted, by a RunError; its history
+        begins anew."""
         code = getattr(reason, "code", FAILURE)
         skipped = len(self.repeats) - 1 if code == DROP else 0
         (settings, time_step), *others = self.repeats[skipped:]
-        parameters = self.parameters | settings.as_dict() | {
-            "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": code}
-        print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
+        parameters = (
+            self.parameters
+            | settings.as_dict()
+            | {
+                "time_step_s": time_step,
+                "repeats": self.parameters["repeats"] + 1,
+                "repeated_for": code,
+            }
+        )
+        print(
+            f"{reason}: repeated"
+            f" {'explicitly' if not others else f'in steps of {time_step:.3g} s'}",
+            flush=True,
+        )
         if self.checkpoints:
             self.checkpoints.remove()
         self.writer.begin_again(partial(self.write, parameters=parameters))
-        return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters,
-                       resumed=None)
+        return replace(
+            self,
+            settings=settings,
+            time_step=time_step,
+            repeats=tuple(others),
+            parameters=parameters,
+            resumed=None,
+        )
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
-    """A Prepared run, of RunSettings and otherwise the arguments of `run_session`; what it will be is printed.
+    """A Prepared run, of RunSettings and otherwise the arguments of `run_session`; what it will be
+    is printed.
 
-    write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to be no file.
+    write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to
+    be no file.
     """
     wall = make_wall()
     settings = check(backend, wall, settings)
@@ -253,12 +294,18 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
 
 
 def check(backend, wall, settings):
-    """RunSettings with what this solver adds to them for this wall; raises InputError where they do not go together."""
+    """RunSettings with what this solver adds to them for this wall; raises InputError where they do
+    not go together."""
     settings.check_plausible(wall)
     if wall.joint.softens and not backend.softening:
-        raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
-                         "not know; leave them out, or use the reference solver: python3 -m damage reference")
-    settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
+        raise InputError(
+            f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver"
+            " does not know; leave them out, or use the reference solver: python3 -m damage"
+            " reference"
+        )
+    settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(
+        backend.brick_cells
+    )
     backend.check(settings, wall)
     return settings
 
@@ -289,9 +336,13 @@ def plan_of(backend, wall, settings):
 def _opened(plan, state, parameters, out, write):
     """The Prepared run of a RunPlan, whose history is opened."""
     backend, settings, layout = plan.backend, plan.settings, plan.layout
-    write = partial(write, out, layout, solver=backend.name, versions=plan.made_by, overwrite=settings.overwrite)
+    write = partial(
+        write, out, layout, solver=backend.name, versions=plan.made_by, overwrite=settings.overwrite
+    )
     if settings.resumed:
-        writer, tables = resumed(settings.resumed, layout, parameters, plan.origin, scene=not backend.keeps_state)
+        writer, tables = resumed(
+            settings.resumed, layout, parameters, plan.origin, scene=not backend.keeps_state
+        )
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
@@ -300,12 +351,20 @@ def _opened(plan, state, parameters, out, write):
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces
     print(f"history: {writer.where}", flush=True)
-    return Prepared(**vars(plan), writer=writer, state=state, resumed=tables, checkpoints=checkpoints,
-                    parameters=parameters, write=write)
+    return Prepared(
+        **vars(plan),
+        writer=writer,
+        state=state,
+        resumed=tables,
+        checkpoints=checkpoints,
+        parameters=parameters,
+        write=write,
+    )
 
 
 def _laid_out(wall, settings):
-    """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit it are refused."""
+    """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit
+    it are refused."""
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     if settings.joints_without_bond:
         layout = without_bond(layout, settings.joints_without_bond.joints(layout))
@@ -315,29 +374,43 @@ def _laid_out(wall, settings):
 
 
 def announce(plan):
-    """Print what a RunPlan will be, and warn of what is doubtful in it; raises InputError where a point lies in no
-    brick."""
+    """Print what a RunPlan will be, and warn of what is doubtful in it; raises InputError where a
+    point lies in no brick."""
     settings, wall, loading = plan.settings, plan.layout.wall, plan.settings.loading
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
-    for text in dict.fromkeys(text for event in settings.recorded for text in record_warnings(event.loading)):
+    for text in dict.fromkeys(
+        text for event in settings.recorded for text in record_warnings(event.loading)
+    ):
         warn(text, code="record")
     if isinstance(loading, Recorded) and not settings.events:
         warn(*end_warnings(loading.applied()), code="end_velocity")
     if wall.joint.softens:
-        warn(*softening_warnings(settings, plan.time_step, plan.modes.critical_time_step_s, plan.backend.softening),
-             code="softening_step")
+        warn(
+            *softening_warnings(
+                settings, plan.time_step, plan.modes.critical_time_step_s, plan.backend.softening
+            ),
+            code="softening_step",
+        )
     lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
-    print(*lines, *event_lines(settings), *record_lines(settings), *sequence_lines(settings),
-          *kept_lines(settings, plan.layout, plan.time_step), sep="\n", flush=True)
+    print(
+        *lines,
+        *event_lines(settings),
+        *record_lines(settings),
+        *sequence_lines(settings),
+        *kept_lines(settings, plan.layout, plan.time_step),
+        sep="\n",
+        flush=True,
+    )
 
 
 @contextmanager
 def attended(label, show=None, quiet=False, several=False):
-    """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run, which shows their
-    progress, too.  show: called now and then; several: whether nobody knows how many runs there will be."""
+    """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run,
+    which shows their progress, too.  show: called now and then; several: whether nobody knows how
+    many runs there will be."""
     progress, interrupts = Progress(label, io.StringIO() if quiet else None, several), []
 
     def keep_going(run, time_s):
@@ -347,11 +420,15 @@ def attended(label, show=None, quiet=False, several=False):
         return not interrupts
 
     signals = [signal.SIGINT, signal.SIGTERM]  # Ctrl-C, a polite kill
-    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # a terminal that closes; nohup leaves it ignored
+    # a terminal that closes; nohup leaves it ignored
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
         signals.append(signal.SIGHUP)
-    if threading.current_thread() is not threading.main_thread():  # which alone gets signals, and may set handlers
+    # which alone gets signals, and may set handlers
+    if threading.current_thread() is not threading.main_thread():
         signals = []
-    before = {number: signal.signal(number, lambda *_: interrupts.append(True)) for number in signals}
+    before = {
+        number: signal.signal(number, lambda *_: interrupts.append(True)) for number in signals
+    }
     try:
         yield keep_going
     finally:
@@ -361,8 +438,9 @@ def attended(label, show=None, quiet=False, several=False):
 
 
 def simulate(prepared, keep_going, settled=None):
-    """Run all stages of a Prepared run, until one is accepted; the history is closed and marked however this ends.  A
-    generator for `take_turns`, which returns the exit status; settled: as of Run."""
+    """Run all stages of a Prepared run, until one is accepted; the history is closed and marked
+    however this ends.  A generator for `take_turns`, which returns the exit status; settled: as of
+    Run."""
     while prepared.repeats:
         try:
             return (yield from _simulate(prepared, keep_going, settled))
@@ -375,8 +453,17 @@ def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
-        run = Run(layout, prepared.settings, solver, writer, keep_going, settled, prepared.state,
-                  checkpoints=prepared.checkpoints, resumed=prepared.resumed)
+        run = Run(
+            layout,
+            prepared.settings,
+            solver,
+            writer,
+            keep_going,
+            settled,
+            prepared.state,
+            checkpoints=prepared.checkpoints,
+            resumed=prepared.resumed,
+        )
         prepared.backend.begins(run)
         finished = yield from run.settle_under_gravity()
         if finished:
@@ -387,15 +474,24 @@ def _simulate(prepared, keep_going, settled):
             print(run.fall, flush=True)
         collapsed = run.collapsed_at_s
         if collapsed is not None and collapsed <= 0 and prepared.settings.settlement:
-            raise RunError(f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s before "
-                           "time zero; expected a wall that stands; give a smaller --distortion")
+            raise RunError(
+                f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s"
+                " before time zero; expected a wall that stands; give a smaller --distortion"
+            )
         if finished:
             check_energy(prepared.settings, run.energy_error)
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
-            raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
-                           f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
+            raise RunError(
+                f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to"
+                f" {100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at"
+                " the wall"
+            )
         status = "complete" if finished else "interrupted"
-        if finished and prepared.checkpoints and not (prepared.checkpoints.keeps_end and collapsed is None):
+        if (
+            finished
+            and prepared.checkpoints
+            and not (prepared.checkpoints.keeps_end and collapsed is None)
+        ):
             prepared.checkpoints.remove()
     except RunError:
         status = None if prepared.repeats else status  # its history begins again
@@ -417,7 +513,8 @@ class Progress:
         self.started = None  # when the first stage after the static one began
 
     def show(self, simulated_s, run):
-        """Show the stage and the index of a Run, at most twice a second (every ten seconds in a log)."""
+        """Show the stage and the index of a Run, at most twice a second (every ten seconds in a
+        log)."""
         now, stage = time.monotonic(), run.stage
         if stage != "static":
             self.started = self.started or now
@@ -426,13 +523,19 @@ class Progress:
         self.shown, self.shown_any = now, True
         line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
         if stage != "static":
-            line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
-                    f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left")
+            line = (
+                f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
+                f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left"
+            )
         self._write(f"\r{line}\033[K" if self.live else f"{line}\n")
 
     def _left(self, now, simulated_s, duration_s):
         """Time left for a run of this length [s], by what it has simulated so far."""
-        share = min(max(simulated_s, 0.0), duration_s) / duration_s if duration_s and not self.several else 0.0
+        share = (
+            min(max(simulated_s, 0.0), duration_s) / duration_s
+            if duration_s and not self.several
+            else 0.0
+        )
         if share < 0.01:
             return "--:--"
         left = int((now - self.started) * max(0.0, 1 / share - 1))

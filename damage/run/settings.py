@@ -1,4 +1,5 @@
-"""One run as a frozen record: what drives the wall, how it is modelled; and the settled numbers of every run."""
+"""One run as a frozen record: what drives the wall, how it is modelled; and the settled numbers of
+every run."""
 
 import math
 from dataclasses import asdict, dataclass, replace
@@ -21,23 +22,27 @@ SAMPLE_S = 2e-3
 RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
 """Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
 LONGEST_S, MOST_STEPS, MOST_STATES = 2000.0, 10**8, 10**9
-"""What a run may have: length [s], time steps, and states of contact points in all of its samples, fifteen bytes each
-when the history is read."""
+"""What a run may have: length [s], time steps, and states of contact points in all of its samples,
+fifteen bytes each when the history is read."""
 SETTLE_S = 0.5
 """Length of the settling stage [s] and its local damping [-]: the residual is its last state."""
 LOCAL_DAMPING = 0.7
 ADAPTIVE_DAMPING = 1.0
-"""Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to rest fastest."""
+"""Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to
+rest fastest."""
 SETTLED_BELOW = 0.01
-"""Unbalanced force over contact forces up to which a wall is at rest on the settled ground [-]: walls that stand had
-up to 1e-3, one that topples slowly, held up by local damping, 0.09."""
+"""Unbalanced force over contact forces up to which a wall is at rest on the settled ground [-]:
+walls that stand had up to 1e-3, one that topples slowly, held up by local damping, 0.09."""
 AFTER_FALL_S = 10.0
-"""Longest time for which bricks are followed after the first one has fallen and the base is at rest [s]."""
+"""Longest time for which bricks are followed after the first one has fallen and the base is at rest
+[s]."""
 RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
-"""Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still vibrate."""
+"""Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still
+vibrate."""
 RELAXATIONS = ("adaptive", "local")
 MOST_SCATTER = 0.2
-"""Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
+"""Largest coefficient of variation by which members of an ensemble differ [-]: more is another
+wall."""
 SCATTER, MOST_MEMBERS = 0.001, 100
 """Of members: coefficient of variation of the strengths where nothing else is asked for
 (docs/guides/planning.md), and how many a single run may have."""
@@ -45,8 +50,8 @@ MASS_SCALING = NONE, SELECTIVE = "none", "selective"
 MOST_SCALED_STEP_S = 4e-4
 """Largest time step with selective mass scaling [s]."""
 ACCEPTED_ERROR, ACCEPTED_DROP_M = 0.004, 0.5e-3
-"""Of a run with selective mass scaling: energy balance error [-] above which, and drop of a brick [m] from which, it is
-repeated with a smaller step."""
+"""Of a run with selective mass scaling: energy balance error [-] above which, and drop of a brick
+[m] from which, it is repeated with a smaller step."""
 SOFTENING_BETA_S = 1e-6
 """Stiffness-proportional damping that joints get which soften, where none is asked for [s]
 (docs/validation/step-and-damping.md)."""
@@ -54,8 +59,8 @@ SOFTENING_BETA_S = 1e-6
 
 @dataclass(frozen=True)
 class Softening:
-    """What a solver gives joints that soften where nothing else is asked for, and needs for them: fibres, 0 for the
-    smooth law; beta_s: stiffness-proportional damping [s]."""
+    """What a solver gives joints that soften where nothing else is asked for, and needs for them:
+    fibres, 0 for the smooth law; beta_s: stiffness-proportional damping [s]."""
 
     fibres: int = 0
     beta_s: float = SOFTENING_BETA_S
@@ -63,24 +68,27 @@ class Softening:
 
 @dataclass(frozen=True)
 class RunSettings:
-    """One run: what drives the wall, how it is modelled, where the history goes; fields without a text here are options
-    of the command line, with its help.
+    """One run: what drives the wall, how it is modelled, where the history goes; fields without a
+    text here are options of the command line, with its help.
 
-    settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it needs a support below
-    each brick of the base; continued: history of the run that this one continues, or None; joints_without_bond: what
-    names the joints that have none from the start, a frozen record with `joints(layout)`, (n_joints,) of bool, and
-    `implausible(wall)`, words or None; or None; sequence: factors of the motion, an event each;
-    events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
-    life: what the events were drawn from, with its `number`, by which the joints' strengths are drawn, too, or None;
-    event: the one event that `loading` is the motion of, with its `life`, the number or None; or None;
+    settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it
+    needs a support below each brick of the base; continued: history of the run that this one
+    continues, or None; joints_without_bond: what names the joints that have none from the start, a
+    frozen record with `joints(layout)`, (n_joints,) of bool, and `implausible(wall)`, words or
+    None; or None; sequence: factors of the motion, an event each;
+    events: of a sequence of different records, whose factors `sequence` has and whose strongest
+    motion `loading` is; life: what the events were drawn from, with its `number`, by which the
+    joints' strengths are drawn, too, or None; event: the one event that `loading` is the motion of,
+    with its `life`, the number or None; or None;
     rest_s: free vibration after each event [s], which ends with a settling stage;
-    alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
-    joints need (`for_joint`); mass_scaling: None for what suits the wall (`damage.run.scheme`);
+    alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None
+    for what the joints need (`for_joint`); mass_scaling: None for what suits the wall
+    (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
-    checkpoint_s: computing time between two checkpoints [s], infinity for one at an interruption only; resumed: history
-    of this very run, which continues from its checkpoint, or None; points: places (x, z) in the undeformed wall [m];
-    out: history file, None for a name of its own below `results/`; console: "before" or "after" the run, or None;
-    command: what asked for it.
+    checkpoint_s: computing time between two checkpoints [s], infinity for one at an interruption
+    only; resumed: history of this very run, which continues from its checkpoint, or None; points:
+    places (x, z) in the undeformed wall [m]; out: history file, None for a name of its own below
+    `results/`; console: "before" or "after" the run, or None; command: what asked for it.
     """
 
     loading: object
@@ -92,29 +100,91 @@ class RunSettings:
     events: tuple[Event, ...] = ()
     life: dict | None = None
     event: dict | None = None
-    rest_s: float = quantity("s", 0, LONGEST_S, default=2.0, option="rest", metavar="S",
-                             help="free vibration after the motion (default 2)")
-    time_step_s: float | None = quantity("s", 1e-9, 1, default=None, option="dt", metavar="S",
-                                         help="time step (default: from the wall)")
+    rest_s: float = quantity(
+        "s",
+        0,
+        LONGEST_S,
+        default=2.0,
+        option="rest",
+        metavar="S",
+        help="free vibration after the motion (default 2)",
+    )
+    time_step_s: float | None = quantity(
+        "s",
+        1e-9,
+        1,
+        default=None,
+        option="dt",
+        metavar="S",
+        help="time step (default: from the wall)",
+    )
     alpha_1_s: float = 0.0
-    beta_s: float | None = quantity("s", 0, 1, words=(None,), default=0.0, option="beta", metavar="S", help="stiffness"
-                                    f"-proportional damping (default 0, and {SOFTENING_BETA_S:g} where joints soften)")
+    beta_s: float | None = quantity(
+        "s",
+        0,
+        1,
+        words=(None,),
+        default=0.0,
+        option="beta",
+        metavar="S",
+        help=(
+            "stiffness"
+            f"-proportional damping (default 0, and {SOFTENING_BETA_S:g} where joints soften)"
+        ),
+    )
     mass_scaling: str | None = choice(
-        MASS_SCALING, default=None, help="selective: steps of up to 2e-4 s by masses that grow with the stiffness of "
-        "the intact wall; a run that is not accepted is repeated in smaller steps (default: by the wall and its "
-        "motion, docs/validation/step-and-damping.md)")
+        MASS_SCALING,
+        default=None,
+        help=(
+            "selective: steps of up to 2e-4 s by masses that grow with the stiffness of the intact"
+            " wall; a run that is not accepted is repeated in smaller steps (default: by the wall"
+            " and its motion, docs/validation/step-and-damping.md)"
+        ),
+    )
     relaxation: str = "local"
-    settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
-                                  "YADE, and adaptive with mass scaling)")
-    scatter: float = quantity("1", 0, MOST_SCATTER, default=0.0, metavar="COV", help="scatter of the joints' "
-                              "strengths, for ensembles: coefficient of variation (default 0)")
-    seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, help="seed of the scatter (default 0)")
-    members: int = quantity("1", 1, MOST_MEMBERS, whole=True, default=1, metavar="N", help="reference solver: N runs "
-                            f"with strengths that scatter by --scatter (default {SCATTER:g}), seeds from --seed "
-                            "(default 1) on; prints the median and range of what is measured, and keeps the history of "
-                            "the first")
-    past_collapse_s: float = quantity("s", 0, LONGEST_S, default=0.0, option="past-collapse", metavar="S",
-                                      help="follow the bricks for so long after the first one fell (default 0)")
+    settling: str | None = choice(
+        RELAXATIONS,
+        default=None,
+        help=(
+            "damping of settling stages (default: local, as in "
+            "YADE, and adaptive with mass scaling)"
+        ),
+    )
+    scatter: float = quantity(
+        "1",
+        0,
+        MOST_SCATTER,
+        default=0.0,
+        metavar="COV",
+        help=(
+            "scatter of the joints' strengths, for ensembles: coefficient of variation (default 0)"
+        ),
+    )
+    seed: int = quantity(
+        "1", 0, MOST_SEED, whole=True, default=0, help="seed of the scatter (default 0)"
+    )
+    members: int = quantity(
+        "1",
+        1,
+        MOST_MEMBERS,
+        whole=True,
+        default=1,
+        metavar="N",
+        help=(
+            "reference solver: N runs with strengths that scatter by --scatter (default"
+            f" {SCATTER:g}), seeds from --seed (default 1) on; prints the median and range of what"
+            " is measured, and keeps the history of the first"
+        ),
+    )
+    past_collapse_s: float = quantity(
+        "s",
+        0,
+        LONGEST_S,
+        default=0.0,
+        option="past-collapse",
+        metavar="S",
+        help="follow the bricks for so long after the first one fell (default 0)",
+    )
     checkpoint_s: float = math.inf
     resumed: str | None = None
     new_contacts: bool = False
@@ -138,18 +208,24 @@ class RunSettings:
             object.__setattr__(self, "model", replace(self.model, strength_seed=number))
         self._check_past()
         if not self.sequence:
-            raise InputError("--sequence without a factor: expected factors of the motion, like 1,0.5,0.4")
+            raise InputError(
+                "--sequence without a factor: expected factors of the motion, like 1,0.5,0.4"
+            )
         for factor in self.sequence:
             check_range("a factor of --sequence", factor, -MOST_SCALE, MOST_SCALE)
         check_fields(self, lambda _, one: option_of(one, unit=True))
         for event in self.events:
             check_range("--rest [s]", event.rest_s, 0, LONGEST_S)
         if self.after_fall and self.past_collapse_s > 0:
-            raise InputError(f"--after-fall with --past-collapse {self.past_collapse_s:g}: expected one of them, since "
-                             "both say how long bricks are followed; leave one out")
+            raise InputError(
+                f"--after-fall with --past-collapse {self.past_collapse_s:g}: expected one of them,"
+                " since both say how long bricks are followed; leave one out"
+            )
         if self.new_contacts and self.model.bricks == "deformable":
-            raise InputError("--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give one of "
-                             "the two")
+            raise InputError(
+                "--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give"
+                " one of the two"
+            )
         self._check_scaling()
         self._check_motion()
 
@@ -158,32 +234,53 @@ class RunSettings:
             return
         local = [name for name in ("relaxation", "settling") if getattr(self, name) == "local"]
         if local or self.new_contacts:
-            other, why = (f"--{local[0]} local", "local damping") if local else ("--new-contacts", "a collision")
-            raise InputError(f"--mass-scaling selective with {other}: {why} needs the masses themselves; leave one of "
-                             "them out")
+            other, why = (
+                (f"--{local[0]} local", "local damping")
+                if local
+                else ("--new-contacts", "a collision")
+            )
+            raise InputError(
+                f"--mass-scaling selective with {other}: {why} needs the masses themselves; leave"
+                " one of them out"
+            )
 
     def _check_past(self):
         if self.after_fall and not self.new_contacts:
-            raise InputError("--after-fall without --new-contacts: bricks would fall through each other; give both")
+            raise InputError(
+                "--after-fall without --new-contacts: bricks would fall through each other; give"
+                " both"
+            )
         if not self.loading.moves and not self.settlement:
             raise InputError("no motion and no settlement: expected one of them; give one")
         if self.members > 1 and (self.resumed or self.checkpoint_s < math.inf):
-            raise InputError("--members with --checkpoint or --resume: expected a single run, as members step "
-                             "together; leave these out")
+            raise InputError(
+                "--members with --checkpoint or --resume: expected a single run, as members step "
+                "together; leave these out"
+            )
         if self.resumed and (self.overwrite or self.out not in (None, Path(self.resumed))):
-            raise InputError(f"--resume {self.resumed} with --out or --overwrite: expected one of them, as the run "
-                             "continues in the file that it has; leave the other out")
-        if self.continued and (self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s):
-            raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall "
-                             "that continues from its last state; leave these out")
+            raise InputError(
+                f"--resume {self.resumed} with --out or --overwrite: expected one of them, as the"
+                " run continues in the file that it has; leave the other out"
+            )
+        if self.continued and (
+            self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s
+        ):
+            raise InputError(
+                "--continue with --new-contacts, --members or --free-vibration: expected one wall "
+                "that continues from its last state; leave these out"
+            )
 
     def _check_motion(self):
         if self.duration_s > LONGEST_S:
-            raise InputError(f"a run of {self.duration_s:.6g} s: expected up to {LONGEST_S:g} s, a million samples; "
-                             "give a shorter motion, fewer --cycles or shocks, or a shorter --rest")
+            raise InputError(
+                f"a run of {self.duration_s:.6g} s: expected up to {LONGEST_S:g} s, a million"
+                " samples; give a shorter motion, fewer --cycles or shocks, or a shorter --rest"
+            )
         if self.peak_g > HIGHEST_G:
-            raise InputError(f"a base motion of up to {self.peak_g:.3g} g: expected up to {HIGHEST_G:g} g; give a "
-                             "smaller --scale or --sequence, or look at the record's unit")
+            raise InputError(
+                f"a base motion of up to {self.peak_g:.3g} g: expected up to {HIGHEST_G:g} g; give"
+                " a smaller --scale or --sequence, or look at the record's unit"
+            )
 
     @property
     def peak_g(self):
@@ -192,9 +289,11 @@ class RunSettings:
 
     @property
     def all_events(self):
-        """The events in their order, a tuple of Event: those of a sequence of records, or the loading times each
-        factor."""
-        return self.events or tuple(Event(self.loading, factor, self.rest_s) for factor in self.sequence)
+        """The events in their order, a tuple of Event: those of a sequence of records, or the
+        loading times each factor."""
+        return self.events or tuple(
+            Event(self.loading, factor, self.rest_s) for factor in self.sequence
+        )
 
     @property
     def recorded(self):
@@ -202,41 +301,66 @@ class RunSettings:
         return tuple(event for event in self.all_events if isinstance(event.loading, Recorded))
 
     def check_plausible(self, wall):
-        """InputError where a damage.Wall or the motion has values that are beyond those of masonry and earthquakes,
-        unless they are accepted."""
+        """InputError where a damage.Wall or the motion has values that are beyond those of masonry
+        and earthquakes, unless they are accepted."""
         if self.accept_implausible:
             return
         check_plausible(wall)
-        pgv = max((pgv_m_s(event.loading.applied()) * abs(event.factor) for event in self.recorded), default=0.0)
-        found = [*implausible_motion(self.loading, (1.0,) if self.life else self.sequence),
-                 implausible_peak(self.peak_g) or implausible_velocity(pgv),
-                 self.joints_without_bond and self.joints_without_bond.implausible(wall)]
+        pgv = max(
+            (pgv_m_s(event.loading.applied()) * abs(event.factor) for event in self.recorded),
+            default=0.0,
+        )
+        found = [
+            *implausible_motion(self.loading, (1.0,) if self.life else self.sequence),
+            implausible_peak(self.peak_g) or implausible_velocity(pgv),
+            self.joints_without_bond and self.joints_without_bond.implausible(wall),
+        ]
         if found := list(filter(None, found)):
-            raise InputError(f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given: "
-                             f"{ACCEPT}")
+            raise InputError(
+                f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given:"
+                f" {ACCEPT}"
+            )
 
     def for_period(self, period_s):
-        """These settings with their motions as they drive a wall of that first period [s] (`Loading.for_period`).
-        Raises InputError of a record whose samples cannot hold that period, unless implausible values are accepted."""
-        motions = {id(one): one for one in (self.loading, *(event.loading for event in self.events))}
+        """These settings with their motions as they drive a wall of that first period [s]
+        (`Loading.for_period`). Raises InputError of a record whose samples cannot hold that period,
+        unless implausible values are accepted."""
+        motions = {
+            id(one): one for one in (self.loading, *(event.loading for event in self.events))
+        }
         for one in motions.values():
-            if isinstance(one, Recorded) and one.record.time_step_s > period_s / 2 and not self.accept_implausible:
-                raise InputError(f"{one.record.name}: a time step of {one.record.time_step_s:g} s; expected at most "
-                                 f"half of the wall's first period of {period_s:.3g} s, which its samples do not hold: "
-                                 f"look at the time column, give a finer record, or accept it: {ACCEPT}")
+            if (
+                isinstance(one, Recorded)
+                and one.record.time_step_s > period_s / 2
+                and not self.accept_implausible
+            ):
+                raise InputError(
+                    f"{one.record.name}: a time step of {one.record.time_step_s:g} s; expected at"
+                    f" most half of the wall's first period of {period_s:.3g} s, which its samples"
+                    " do not hold: look at the time column, give a finer record, or accept it:"
+                    f" {ACCEPT}"
+                )
         driven = {key: one.for_period(period_s) for key, one in motions.items()}
-        return replace(self, loading=driven[id(self.loading)], events=tuple(
-            replace(event, loading=driven[id(event.loading)]) for event in self.events))
+        return replace(
+            self,
+            loading=driven[id(self.loading)],
+            events=tuple(
+                replace(event, loading=driven[id(event.loading)]) for event in self.events
+            ),
+        )
 
     @property
     def ground_moves(self):
-        """Whether the ground moves below the base, so that the drift leaves the base's rigid motion out."""
+        """Whether the ground moves below the base, so that the drift leaves the base's rigid motion
+        out."""
         return self.settlement is not None or self.model.soil != "rigid"
 
     def for_joint(self, joint, softening=Softening()):
-        """These settings with what a damage.wall.parameters.Joint gets by a solver's Softening, where nothing else was
-        asked for."""
-        beta_s = self.beta_s if self.beta_s is not None else softening.beta_s if joint.softens else 0.0
+        """These settings with what a damage.wall.parameters.Joint gets by a solver's Softening,
+        where nothing else was asked for."""
+        beta_s = (
+            self.beta_s if self.beta_s is not None else softening.beta_s if joint.softens else 0.0
+        )
         fibres = self.model.fibres or (softening.fibres if joint.softens else 0)
         return replace(self, beta_s=beta_s, model=replace(self.model, fibres=fibres))
 
@@ -246,7 +370,8 @@ class RunSettings:
         return self.settling or ("adaptive" if self.mass_scaling == SELECTIVE else "local")
 
     def for_bricks(self, cells):
-        """These settings with so many cells of deformable bricks where nothing else was asked for; 0: strain modes."""
+        """These settings with so many cells of deformable bricks where nothing else was asked for;
+        0: strain modes."""
         if not self.model.has_modes:
             return self
         return replace(self, model=replace(self.model, brick_cells=cells))
@@ -260,27 +385,51 @@ class RunSettings:
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files."""
-        as_they_are = ("rest_s", "alpha_1_s", "beta_s", "mass_scaling", "relaxation", "scatter", "seed",
-                       "past_collapse_s", "new_contacts", "after_fall", "command")
-        where_given = {"life": self.life, "event": self.event, "stresses": self.stresses,
-                       "points": [list(place) for place in self.points]}
-        return {"loading": self.loading.as_dict(), "settlement": self.settlement and asdict(self.settlement),
-                "continued": self.continued and Path(self.continued).name,
-                "cracked": self.joints_without_bond and asdict(self.joints_without_bond),
-                "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
-                "model": asdict(self.model), "settle_s": SETTLE_S, "settling": self.settles,
-                **{name: getattr(self, name) for name in as_they_are},
-                **{name: value for name, value in where_given.items() if value}}
+        as_they_are = (
+            "rest_s",
+            "alpha_1_s",
+            "beta_s",
+            "mass_scaling",
+            "relaxation",
+            "scatter",
+            "seed",
+            "past_collapse_s",
+            "new_contacts",
+            "after_fall",
+            "command",
+        )
+        where_given = {
+            "life": self.life,
+            "event": self.event,
+            "stresses": self.stresses,
+            "points": [list(place) for place in self.points],
+        }
+        return {
+            "loading": self.loading.as_dict(),
+            "settlement": self.settlement and asdict(self.settlement),
+            "continued": self.continued and Path(self.continued).name,
+            "cracked": self.joints_without_bond and asdict(self.joints_without_bond),
+            "sequence": [float(factor) for factor in self.sequence],
+            **as_table(self.events),
+            "model": asdict(self.model),
+            "settle_s": SETTLE_S,
+            "settling": self.settles,
+            **{name: getattr(self, name) for name in as_they_are},
+            **{name: value for name, value in where_given.items() if value},
+        }
 
 
 def rayleigh_factors(ratio, first_hz, second_hz):
     """(alpha [1/s], beta [s]) of C = alpha M + beta K with this damping ratio at two frequencies.
 
-    ratio = alpha / (2 omega) + beta omega / 2 at both (Chopra, Dynamics of Structures, section 11.4).
+    ratio = alpha / (2 omega) + beta omega / 2 at both (Chopra, Dynamics of Structures, section
+    11.4).
     """
     if not (0 <= ratio < 1 and 0.01 <= first_hz < second_hz <= 1000):
-        raise InputError(f"--rayleigh {ratio:g} {first_hz:g} {second_hz:g}: expected a ratio from 0 to 1 and two "
-                         "rising frequencies from 0.01 to 1000, like 0.02 5 20")
+        raise InputError(
+            f"--rayleigh {ratio:g} {first_hz:g} {second_hz:g}: expected a ratio from 0 to 1 and two"
+            " rising frequencies from 0.01 to 1000, like 0.02 5 20"
+        )
     first, second = 2 * math.pi * first_hz, 2 * math.pi * second_hz
     beta = 2 * ratio / (first + second)
     return beta * first * second, beta

@@ -9,24 +9,26 @@ NO_MOTION = np.zeros((0, 2))
 
 
 LOOK_STEPS = 500
-"""Steps between two looks at the static criterion, at progress and interrupts; a solver whose forces depend, in their
-last digits, on where it stops, stops there."""
+"""Steps between two looks at the static criterion, at progress and interrupts; a solver whose
+forces depend, in their last digits, on where it stops, stops there."""
 
 
 class Instants(NamedTuple):
     """A wall at some instants, one after the other; positions and forces are of the same time.
 
-    clock: (n,) steps since `start`; displacement: (n, n_bodies, 3) since the wall was built [m, m, rad];
-    support_displacement: (n, n_supports, 3) the same of the supports; support_force: (n, n_supports, 3) of the wall on
-    them [N, N, N m], the moments about their reference points;
-    joints: (n_active,) indices of the active contact points, or a slice; contacts: {column of the history's FRAMES:
-    (n, n_active)} of these, zero in all others; a solver leaves out a column that it does not know;
-    top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
+    clock: (n,) steps since `start`; displacement: (n, n_bodies, 3) since the wall was built [m, m,
+    rad]; support_displacement: (n, n_supports, 3) the same of the supports; support_force: (n,
+    n_supports, 3) of the wall on them [N, N, N m], the moments about their reference points;
+    joints: (n_active,) indices of the active contact points, or a slice; contacts: {column of the
+    history's FRAMES: (n, n_active)} of these, zero in all others; a solver leaves out a column that
+    it does not know;
+    top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and
+    those
     that came in or were dissipated since `start`;
     damping_j: None where the solver does not compute it: the run then infers it from the balance;
-    strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)], None of rigid ones;
-    joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear stress of all contact points, signed as
-    their slip, None of a solver without `with_stresses`.
+    strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)],
+    None of rigid ones; joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear
+    stress of all contact points, signed as their slip, None of a solver without `with_stresses`.
     """
 
     clock: np.ndarray
@@ -48,13 +50,18 @@ class Instants(NamedTuple):
     @classmethod
     def one(cls, **values):
         """Of the values of a single one, and `joints`."""
+
         def along(value):
             if isinstance(value, dict):
                 return {name: along(one) for name, one in value.items()}
             return np.asarray(value)[np.newaxis]
 
-        return cls(**{name: value if name == "joints" or value is None else along(value)
-                      for name, value in values.items()})
+        return cls(
+            **{
+                name: value if name == "joints" or value is None else along(value)
+                for name, value in values.items()
+            }
+        )
 
 
 class Solver(Protocol):
@@ -68,21 +75,24 @@ class Solver(Protocol):
     """Samples for which a run asks at once; none: up to its next look."""
 
     def start(self, base, gravity):
-        """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last value stays."""
+        """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last
+        value stays."""
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
-        """From now on damp so, and in no other way: Cundall's local damping, the share that adaptive damping takes
-        [-], damping proportional to mass [1/s] and to stiffness [s]."""
+        """From now on damp so, and in no other way: Cundall's local damping, the share that
+        adaptive damping takes [-], damping proportional to mass [1/s] and to stiffness [s]."""
 
     def add_static_displacement(self):
-        """Move by the linear static solution of the intact wall under its weight; of solvers with deformable bricks."""
+        """Move by the linear static solution of the intact wall under its weight; of solvers with
+        deformable bricks."""
 
     def set_velocities(self, velocities):
-        """(n_bodies, 3) [m/s, m/s, rad/s], or with those of the strain modes of deformable bricks."""
+        """(n_bodies, 3) [m/s, m/s, rad/s], or with those of the strain modes of deformable
+        bricks."""
 
     def hold(self, bodies, rotation, stiffness=0.0):
-        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`, or a rotational
-        spring of this stiffness on each [N m/rad], whose work is input."""
+        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`,
+        or a rotational spring of this stiffness on each [N m/rad], whose work is input."""
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]."""
@@ -94,12 +104,14 @@ class Solver(Protocol):
         """Velocities stay as they are from here: samples may be taken several at once again."""
 
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
-        """Take steps, or hand them out: returns an iterable of (self, *numbers of steps), of which at least the first
-        is to be taken by `run` before the next is asked for.  A solver that moves by itself takes all at once and
-        returns ().  since: step from which looks are counted, that of now without it.
+        """Take steps, or hand them out: returns an iterable of (self, *numbers of steps), of which
+        at least the first is to be taken by `run` before the next is asked for.  A solver that
+        moves by itself takes all at once and returns ().  since: step from which looks are counted,
+        that of now without it.
 
-        `on_samples(Instants)` is called of time zero and of every `sample_steps` steps, of one or of several at once,
-        until it returns False: late, then, but not where a velocity is prescribed, which it may change.
+        `on_samples(Instants)` is called of time zero and of every `sample_steps` steps, of one or
+        of several at once, until it returns False: late, then, but not where a velocity is
+        prescribed, which it may change.
         """
 
     def run(self, *steps):
@@ -109,32 +121,37 @@ class Solver(Protocol):
         """The Instants of now, of which there is one."""
 
     def forces(self):
-        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""
+        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact,
+        (n_contacts,) [N]."""
 
     def largest_overlap_m(self):
-        """(largest overlap of bricks that found new contacts so far, what they can overlap by) [m]; None where the
-        solver does not say."""
+        """(largest overlap of bricks that found new contacts so far, what they can overlap by) [m];
+        None where the solver does not say."""
 
     def damp_impacts(self):
-        """From now on dissipate energy where loose bricks collide; of a solver whose collisions are elastic until
-        then."""
+        """From now on dissipate energy where loose bricks collide; of a solver whose collisions are
+        elastic until then."""
 
     def base_reaction(self):
         """Vertical force of the wall on the ground [N], downwards positive."""
 
     def saved_state(self):
-        """Everything that the next steps depend on, {name: array}; None of a solver that cannot say it."""
+        """Everything that the next steps depend on, {name: array}; None of a solver that cannot say
+        it."""
 
     def resume(self, state):
-        """Take over what `saved_state` returned of a solver of the same layout; steps count from the last `start`."""
+        """Take over what `saved_state` returned of a solver of the same layout; steps count from
+        the last `start`."""
 
     def checkpoint(self):
-        """Everything that the next steps depend on, {name: array}, those that were asked for before included."""
+        """Everything that the next steps depend on, {name: array}, those that were asked for before
+        included."""
 
     def restore(self, tables):
-        """Go back to where `checkpoint` was taken of a solver of the same layout, after a `start`, and a `hold` where
-        there was one, with the same arguments.  Raises InputError where the tables cannot be right."""
+        """Go back to where `checkpoint` was taken of a solver of the same layout, after a `start`,
+        and a `hold` where there was one, with the same arguments.  Raises InputError where the
+        tables cannot be right."""
 
     def drain_events(self):
-        """Events since the last call, tuples (step since `start`, joint, kind, normal stress, shear stress, opening,
-        slip) as `Buffer.event` of a history takes them."""
+        """Events since the last call, tuples (step since `start`, joint, kind, normal stress, shear
+        stress, opening, slip) as `Buffer.event` of a history takes them."""

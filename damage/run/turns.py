@@ -1,4 +1,5 @@
-"""Runs that step together: each yields the steps that its solver has to take; then the solvers take them."""
+"""Runs that step together: each yields the steps that its solver has to take; then the solvers take
+them."""
 
 import math
 
@@ -9,7 +10,8 @@ WAITED = "waited"
 
 
 def run_each(asked):
-    """Let solvers take steps, one after the other; returns for each None, or the error that ended it.
+    """Let solvers take steps, one after the other; returns for each None, or the error that ended
+    it.
 
     asked: (solver, *numbers of steps) of each.
     """
@@ -24,17 +26,19 @@ def run_each(asked):
 
 @np.errstate(over="ignore", invalid="ignore")  # a run that blows up says so itself
 def take_turns(runs, move=run_each):
-    """Let runs continue until all have ended; returns what each of them returned; arguments as of `as_they_end`."""
+    """Let runs continue until all have ended; returns what each of them returned; arguments as of
+    `as_they_end`."""
     return [value for _, value in sorted(as_they_end(runs, move), key=lambda end: end[0])]
 
 
 def as_they_end(runs, move=run_each, most=math.inf):
-    """Let runs continue, so many at once, the next where one has ended; yields (number, what it returned) of each.
+    """Let runs continue, so many at once, the next where one has ended; yields (number, what it
+    returned) of each.
 
-    runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run
-    continues, at least the first number of steps; an error in it is raised there.  Instead of a run None: there is none
-    now, which ends all where none is under way.  move: as `run_each`, takes steps of those that are under way; or
-    WAITED, where it leaves one for later.
+    runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken
+    before a run continues, at least the first number of steps; an error in it is raised there.
+    Instead of a run None: there is none now, which ends all where none is under way.  move: as
+    `run_each`, takes steps of those that are under way; or WAITED, where it leaves one for later.
     """
     waiting, asked = enumerate(runs), {}  # {(number, run): what it asks for}
     while True:

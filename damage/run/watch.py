@@ -1,4 +1,5 @@
-"""What a run watches: the index of this instant, whether the wall is at rest, whether a brick fell."""
+"""What a run watches: the index of this instant, whether the wall is at rest, whether a brick
+fell."""
 
 import numpy as np
 
@@ -17,7 +18,8 @@ ENERGY, DROP, FAILURE = "energy", "drop", "failure"
 
 
 class NotAccepted(RunError):
-    """A run with mass scaling that is to be repeated; code: ENERGY or DROP, FAILURE of any other RunError."""
+    """A run with mass scaling that is to be repeated; code: ENERGY or DROP, FAILURE of any other
+    RunError."""
 
     def __init__(self, code, text):
         super().__init__(text)
@@ -25,40 +27,58 @@ class NotAccepted(RunError):
 
 
 def index_now(layout, drift_ratio, joints, opening, offset):
-    """The damage index of one instant, slip by displacement; opening, offset: [m] of these joints, zero elsewhere."""
+    """The damage index of one instant, slip by displacement; opening, offset: [m] of these joints,
+    zero elsewhere."""
     exceeded, length = np.zeros((2, layout.n_joints), bool), layout.joint_length
     exceeded[:, joints] = opening > THRESHOLD, np.abs(offset) > THRESHOLD
-    return float(combine(min(1.0, drift_component(drift_ratio)), *(length_fraction(over, length) for over in exceeded)))
+    return float(
+        combine(
+            min(1.0, drift_component(drift_ratio)),
+            *(length_fraction(over, length) for over in exceeded),
+        )
+    )
 
 
 def lowest_places(layout):
-    """Displacement upwards of every brick below which it has fallen, half its height downwards: (n_bricks,) [m]."""
-    return -layout.bodies.height[:layout.n_bricks] / 2
+    """Displacement upwards of every brick below which it has fallen, half its height downwards:
+    (n_bricks,) [m]."""
+    return -layout.bodies.height[: layout.n_bricks] / 2
 
 
 def have_fallen(motion, lowest):
-    """At which instants a brick has fallen (n,); motion: (n, n_bodies, 3) since the static stage; lowest:
-    `lowest_places`."""
-    return np.logical_or.reduce(motion[:, :len(lowest), 1] < lowest, axis=1)
+    """At which instants a brick has fallen (n,); motion: (n, n_bodies, 3) since the static stage;
+    lowest: `lowest_places`."""
+    return np.logical_or.reduce(motion[:, : len(lowest), 1] < lowest, axis=1)
 
 
 class Borne:
-    """Which bodies bear each brick, and each part of a lintel, of a layout: those below its bed joints or, where there
-    is none, those that bear the nearest such bricks at its height on both sides."""
+    """Which bodies bear each brick, and each part of a lintel, of a layout: those below its bed
+    joints or, where there is none, those that bear the nearest such bricks at its height on both
+    sides."""
 
     def __init__(self, layout):
         bodies, contacts = layout.bodies, layout.contacts
-        borne = np.flatnonzero((bodies.course >= 0) | np.isin(bodies.course, (ARCH_COURSE, LINTEL_COURSE)))
+        borne = np.flatnonzero(
+            (bodies.course >= 0) | np.isin(bodies.course, (ARCH_COURSE, LINTEL_COURSE))
+        )
         x, z, below = bodies.x, bodies.z, [set() for _ in bodies.x]
         # The first body of a bed joint is the lower one.
-        for low, high in np.column_stack([contacts.first, contacts.second])[~contacts.upright].tolist():
+        for low, high in np.column_stack([contacts.first, contacts.second])[
+            ~contacts.upright
+        ].tolist():
             below[high].add(low)
         lies = np.array([brick for brick in range(layout.n_bricks) if below[brick]])
         for brick in [brick for brick in borne if not below[brick]]:
-            near = lies[np.abs(z[lies] - z[brick]) < 0.45 * (bodies.height[lies] + bodies.height[brick])]
+            near = lies[
+                np.abs(z[lies] - z[brick]) < 0.45 * (bodies.height[lies] + bodies.height[brick])
+            ]
             for side in (-1, 1):
                 beside = near[side * (x[near] - x[brick]) > 0]
-                below[brick] |= below[min(beside, key=lambda one: abs(x[one] - x[brick]))] if len(beside) else set()
+                below[brick] |= (
+                    below[min(beside, key=lambda one: abs(x[one] - x[brick]))]
+                    if len(beside)
+                    else set()
+                )
         pairs = [(brick, low) for brick in borne for low in below[brick] if low >= 0]
         self._brick, self._low = np.array(sorted(pairs), int).reshape(-1, 2).T
         self._start = np.flatnonzero(np.diff(self._brick, prepend=-1))
@@ -66,63 +86,81 @@ class Borne:
         self._arm = np.clip(x[self._brick] - x[self._low], -reach, reach)
 
     def largest_drop(self, motion):
-        """By how much a brick has moved down from all that bore it (n,) [m]; motion: (n, n_bodies, 3) [m, m, rad]."""
-        z, rotation = np.ascontiguousarray(motion.T[1:])  # rows of a body, which reduceat takes whole
+        """By how much a brick has moved down from all that bore it (n,) [m]; motion: (n, n_bodies,
+        3) [m, m, rad]."""
+        # rows of a body, which reduceat takes whole
+        z, rotation = np.ascontiguousarray(motion.T[1:])
         drop = z[self._low] + sin(rotation)[self._low] * self._arm[:, np.newaxis] - z[self._brick]
         return np.minimum.reduceat(drop, self._start).max(axis=0, initial=0.0)
 
 
 def check_drop(drop_m, time_s):
-    """Raise NotAccepted where the largest drop of a brick [m] at a time [s] exceeds ACCEPTED_DROP_M."""
+    """Raise NotAccepted where the largest drop of a brick [m] at a time [s] exceeds
+    ACCEPTED_DROP_M."""
     if drop_m > ACCEPTED_DROP_M:
-        raise NotAccepted(DROP, f"a brick has dropped by {1e3 * drop_m:.2g} mm at {time_s:.2f} s, more than the "
-                          f"{1e3 * ACCEPTED_DROP_M:g} mm accepted with mass scaling")
+        raise NotAccepted(
+            DROP,
+            f"a brick has dropped by {1e3 * drop_m:.2g} mm at {time_s:.2f} s, more than the "
+            f"{1e3 * ACCEPTED_DROP_M:g} mm accepted with mass scaling",
+        )
 
 
 def have_left(layout, motion, joints, state):
     """Flags (n,) of the instants at which a brick has fallen, where loose bricks collide.
 
     It has fallen once all of its joints have ended and it has moved by more than its height.
-    motion: (n, n_bodies, 3) since the static stage [m, m, rad]; joints: (n_active,) indices of contact points; state:
-    (n, n_active) their states.
+    motion: (n, n_bodies, 3) since the static stage [m, m, rad]; joints: (n_active,) indices of
+    contact points; state: (n, n_active) their states.
     """
+
     def number_of(bodies):
         """How often each body is among some, (n_bodies,); supports do not count."""
         return np.bincount(bodies[bodies >= 0], minlength=len(layout.bodies))
 
     ended, found = (state & ENDED) > 0, np.zeros(len(motion), bool)
     both = np.stack([layout.contacts.first, layout.contacts.second])
-    joined, of_joints = number_of(both.ravel()), both[:, :layout.n_joints][:, joints]
+    joined, of_joints = number_of(both.ravel()), both[:, : layout.n_joints][:, joints]
     for k in np.flatnonzero(ended.any(axis=1)):
         loose = number_of(of_joints[:, ended[k]].ravel()) == joined
         far = hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
-        found[k] = np.any((loose & far)[:layout.n_bricks])
+        found[k] = np.any((loose & far)[: layout.n_bricks])
     return found
 
 
 def fastest_fallen(layout, motion, before, interval_s):
-    """Largest mean speed of the bricks that have moved by more than half of their height [m/s]; zero where none has.
+    """Largest mean speed of the bricks that have moved by more than half of their height [m/s];
+    zero where none has.
 
-    The speed is that of the centre plus that of an end by rotation.  motion, before: (n_bodies, 3) since the static
-    stage [m, m, rad], interval_s apart.
+    The speed is that of the centre plus that of an end by rotation.  motion, before: (n_bodies, 3)
+    since the static stage [m, m, rad], interval_s apart.
     """
-    moved = (motion - before)[:layout.n_bricks]
-    moved[:, 2] = np.remainder(moved[:, 2] + np.pi, 2 * np.pi) - np.pi  # YADE's rotations are those within half a turn
+    moved = (motion - before)[: layout.n_bricks]
+    # YADE's rotations are those within half a turn
+    moved[:, 2] = np.remainder(moved[:, 2] + np.pi, 2 * np.pi) - np.pi
     moved = np.abs(moved) / interval_s
-    speed = hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length[:layout.n_bricks] / 2
-    away = hypot(motion[:, 0], motion[:, 1])[:layout.n_bricks] > layout.bodies.height[:layout.n_bricks] / 2
+    speed = (
+        hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length[: layout.n_bricks] / 2
+    )
+    away = (
+        hypot(motion[:, 0], motion[:, 1])[: layout.n_bricks]
+        > layout.bodies.height[: layout.n_bricks] / 2
+    )
     return float(np.max(speed[away], initial=0.0))
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):
-    """Mean resultant on a body, weight included, over the mean contact force [-]; large where no contact carries any.
+    """Mean resultant on a body, weight included, over the mean contact force [-]; large where no
+    contact carries any.
 
     on_bodies: forces of the contacts, (n_bodies, 3) [N, N, N m]; in_contacts: (n_contacts,) [N].
     """
     held = layout.held
-    resultant = hypot(np.where(held[:, 0], 0.0, on_bodies[:, 0]),
-                      np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass))
-    least = 1e-9 * GRAVITY * layout.bodies.mass.mean()  # bricks in flight: a number all the same, fit for a history
+    resultant = hypot(
+        np.where(held[:, 0], 0.0, on_bodies[:, 0]),
+        np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass),
+    )
+    # bricks in flight: a number all the same, fit for a history
+    least = 1e-9 * GRAVITY * layout.bodies.mass.mean()
     return float(resultant.mean() / max(in_contacts.mean(), least))
 
 
@@ -135,26 +173,41 @@ class MaterialPoints:
     def __init__(self, layout, places):
         bodies, (x, z) = layout.bodies, np.array(places, float).T
         inside = (np.abs(x[:, None] - bodies.x) <= bodies.length / 2 + _TINY) & (
-            np.abs(z[:, None] - bodies.z) <= bodies.height / 2 + _TINY)
+            np.abs(z[:, None] - bodies.z) <= bodies.height / 2 + _TINY
+        )
         for place, found in zip(places, inside):
             if not found.any():
                 near = int(np.argmin(hypot(bodies.x - place[0], bodies.z - place[1])))
-                raise InputError(f"--point {place[0]:g} {place[1]:g}: no brick is there; expected x and z in the "
-                                 f"undeformed wall [m]; the nearest brick has its centre at {bodies.x[near]:.4g} "
-                                 f"{bodies.z[near]:.4g}")
+                raise InputError(
+                    f"--point {place[0]:g} {place[1]:g}: no brick is there; expected x and z in the"
+                    " undeformed wall [m]; the nearest brick has its centre at"
+                    f" {bodies.x[near]:.4g} {bodies.z[near]:.4g}"
+                )
         self.bodies = inside.argmax(axis=1)
         self._arms = x - bodies.x[self.bodies], z - bodies.z[self.bodies]
-        self._shapes = None if layout.strain is None else np.array([
-            modes_of(layout, body).displacement(*np.array([arms]).T)[0] if body < layout.n_bricks else
-            np.zeros((2, layout.strain.n_modes)) for body, *arms in zip(self.bodies, *self._arms)])
+        self._shapes = (
+            None
+            if layout.strain is None
+            else np.array(
+                [
+                    (
+                        modes_of(layout, body).displacement(*np.array([arms]).T)[0]
+                        if body < layout.n_bricks
+                        else np.zeros((2, layout.strain.n_modes))
+                    )
+                    for body, *arms in zip(self.bodies, *self._arms)
+                ]
+            )
+        )
 
     def of(self, displacement, strain=None):
-        """Displacements since the wall was built, (n, n_points, 2) [m], by those of the bodies (n, n_bodies, 3) [m, m,
-        rad] and amplitudes of their strain modes (n, n_bodies, n_modes)."""
+        """Displacements since the wall was built, (n, n_points, 2) [m], by those of the bodies (n,
+        n_bodies, 3) [m, m, rad] and amplitudes of their strain modes (n, n_bodies, n_modes)."""
         ux, uz, turn = np.moveaxis(displacement[:, self.bodies], 2, 0)
         x, z = self._arms
         if strain is not None:
-            more = np.sum(self._shapes * strain[:, self.bodies, np.newaxis], axis=-1)  # (n, n_points, 2)
+            # (n, n_points, 2)
+            more = np.sum(self._shapes * strain[:, self.bodies, np.newaxis], axis=-1)
             x, z = x + more[..., 0], z + more[..., 1]
         moved = np.stack(rigid_displacement(ux, uz, turn, x, z), axis=2)
         return moved if strain is None else moved + more
@@ -173,17 +226,19 @@ class BaseMotion:
         self._up = layout.drift_height - float(bodies.z[self._rows].mean())
 
     def of(self, motion):
-        """Mean horizontal displacement (n,) [m] and rotation from x towards z (n,) [rad] of the course, least squares;
-        of a single brick its own.
+        """Mean horizontal displacement (n,) [m] and rotation from x towards z (n,) [rad] of the
+        course, least squares; of a single brick its own.
 
         motion: (n, n_bodies, 3) displacement of the bodies [m, m, rad].
         """
         if len(self._rows) == 1:
             return motion[:, self._rows[0], 0], motion[:, self._rows[0], 2]
-        # Contiguous rows are summed each by itself, in an order that does not depend on their number: samples taken one
-        # by one and several at once give the same bits.
-        return tuple(np.add.reduce(motion[:, :, axis].take(self._rows, axis=1) * weights, axis=1)
-                     for axis, weights in enumerate((self._mean, self._slope)))
+        # Contiguous rows are summed each by itself, in an order that does not depend on their
+        # number: samples taken one by one and several at once give the same bits.
+        return tuple(
+            np.add.reduce(motion[:, :, axis].take(self._rows, axis=1) * weights, axis=1)
+            for axis, weights in enumerate((self._mean, self._slope))
+        )
 
     def at_top(self, motion):
         """Horizontal displacement (n,) [m] of the wall's top by this rigid motion."""

@@ -1,5 +1,5 @@
-"""A wall as it is built, in lines for people: what differs from what is given, since courses are whole, its rigid top
-masses (caps) and the stress below them, its floors and lintels."""
+"""A wall as it is built, in lines for people: what differs from what is given, since courses are
+whole, its rigid top masses (caps) and the stress below them, its floors and lintels."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,13 @@ from damage.wall.restraints import top_of
 
 _SAME = 1e-4  # [m], sizes and places closer than this are as given
 WARN_COURSE, WARN_HEIGHT = 0.25, 0.05
-"""Distance of an edge from its place, in courses, and share of a height, above which a run warns."""
+"""Distance of an edge from its place, in courses, and share of a height, above which a run
+warns."""
 
 
 class Part(NamedTuple):
-    """A part of a wall: its name; z [m] of its lower and upper edge as given and as built; length [m], None where it
-    is as given or of no interest."""
+    """A part of a wall: its name; z [m] of its lower and upper edge as given and as built; length
+    [m], None where it is as given or of no interest."""
 
     what: str
     given: tuple[float, float]
@@ -29,12 +30,20 @@ class Part(NamedTuple):
     def far(self, course):
         """Whether it is built far from what is given, in a wall of courses of this height [m]."""
         height, built = (high - low for low, high in (self.given, self.built))
-        return (any(abs(one - other) > WARN_COURSE * course + _SAME for one, other in zip(self.given, self.built))
-                or abs(built - height) > WARN_HEIGHT * height + _SAME)
+        return (
+            any(
+                abs(one - other) > WARN_COURSE * course + _SAME
+                for one, other in zip(self.given, self.built)
+            )
+            or abs(built - height) > WARN_HEIGHT * height + _SAME
+        )
 
     def describe(self):
         """It in a line."""
-        return f"{self.what} built {_sized(self.built, self.length)}; given {_sized(self.given, self.length)}"
+        return (
+            f"{self.what} built {_sized(self.built, self.length)}; given"
+            f" {_sized(self.given, self.length)}"
+        )
 
 
 def _sized(edges, length):
@@ -46,8 +55,15 @@ def _sized(edges, length):
 def openings_as_built(plan):
     """The openings of a damage.wall.plan.Plan, a list of Part in their order."""
     course = plan.wall.brick.height
-    return [Part(f"opening {number}", (one.sill, one.sill + one.height), (course * place.first, course * place.above),
-                 one.width) for number, (one, place) in enumerate(zip(plan.wall.openings, plan.openings), start=1)]
+    return [
+        Part(
+            f"opening {number}",
+            (one.sill, one.sill + one.height),
+            (course * place.first, course * place.above),
+            one.width,
+        )
+        for number, (one, place) in enumerate(zip(plan.wall.openings, plan.openings), start=1)
+    ]
 
 
 def describe_openings(plan):
@@ -56,61 +72,98 @@ def describe_openings(plan):
 
 
 def warn_of_courses(plan):
-    """Warnings of parts of a Plan's wall that are built far from what is given: a list of at most one line."""
+    """Warnings of parts of a Plan's wall that are built far from what is given: a list of at most
+    one line."""
     wall, course = plan.wall, plan.wall.brick.height
-    levels = [Part(f"floor {number}", (0.0, place.floor.level), (0.0, course * place.above))
-              for number, place in enumerate(plan.floors, start=1)]
+    levels = [
+        Part(f"floor {number}", (0.0, place.floor.level), (0.0, course * place.above))
+        for number, place in enumerate(plan.floors, start=1)
+    ]
     whole = Part("wall", (0.0, wall.height), (0.0, wall.built_height))
     far = [one.describe() for one in (whole, *openings_as_built(plan), *levels) if one.far(course)]
-    return [f"whole courses of {course:.4g} m leave differences above {WARN_COURSE:g} of a course or "
-            f"{100 * WARN_HEIGHT:g} %: {'. '.join(far)}. Give multiples of a course, or look at the picture of "
-            "python3 -m damage draw"] if far else []
+    return (
+        [
+            f"whole courses of {course:.4g} m leave differences above {WARN_COURSE:g} of a course"
+            f" or {100 * WARN_HEIGHT:g} %: {'. '.join(far)}. Give multiples of a course, or look at"
+            " the picture of python3 -m damage draw"
+        ]
+        if far
+        else []
+    )
 
 
 def warn_of_slabs(plan):
     """Warnings of openings of a Plan that a concrete floor runs through: a list of str.
 
-    The slab is built and the opening's other courses stay open, so that one opening becomes two, or a lower one.
+    The slab is built and the opening's other courses stay open, so that one opening becomes two, or
+    a lower one.
     """
     course = plan.wall.brick.height
-    return [f"the concrete floor at {slab.floor.level:g} m (x = {slab.left:g} to {slab.right:g} m) runs through "
-            f"opening {number} (x = {hole.left:g} to {hole.right:g} m, z = {course * hole.first:.4g} to "
-            f"{course * hole.above:.4g} m): the slab is built. Move one of them, unless this is meant"
-            for slab in plan.slabs for number, hole in enumerate(plan.openings, start=1)
-            if min(slab.right, hole.right) - max(slab.left, hole.left) > _SAME and slab.first < hole.above
-            and hole.first < slab.above]
+    return [
+        f"the concrete floor at {slab.floor.level:g} m (x = {slab.left:g} to {slab.right:g} m) runs"
+        f" through opening {number} (x = {hole.left:g} to {hole.right:g} m, z ="
+        f" {course * hole.first:.4g} to {course * hole.above:.4g} m): the slab is built. Move one"
+        " of them, unless this is meant"
+        for slab in plan.slabs
+        for number, hole in enumerate(plan.openings, start=1)
+        if min(slab.right, hole.right) - max(slab.left, hole.left) > _SAME
+        and slab.first < hole.above
+        and hole.first < slab.above
+    ]
 
 
 def describe_floors(plan):
     """Lines on the floors of a Plan, upwards: kind, level and length as laid, mass."""
-    return [f"{floor.kind} floor at {above * plan.wall.brick.height:.4g} m, x = {left:.4g} to {right:.4g} m: "
-            f"{floor.mass / 1e3:.3g} t" + (f" ({floor.mass_per_area:g} kg/m2 over {floor.tributary_width:g} m)"
-                                           if floor.mass_per_area else "")
-            for floor, left, right, _, above in sorted(plan.floors, key=lambda place: place.floor.level)]
+    return [
+        f"{floor.kind} floor at {above * plan.wall.brick.height:.4g} m, x = {left:.4g} to"
+        f" {right:.4g} m: {floor.mass / 1e3:.3g} t"
+        + (
+            f" ({floor.mass_per_area:g} kg/m2 over {floor.tributary_width:g} m)"
+            if floor.mass_per_area
+            else ""
+        )
+        for floor, left, right, _, above in sorted(plan.floors, key=lambda place: place.floor.level)
+    ]
 
 
 def describe_lintels(plan):
-    """Lines on the lintels of a Plan that are bodies, from left to right: kind, place as laid, and section or number of
-    bricks."""
+    """Lines on the lintels of a Plan that are bodies, from left to right: kind, place as laid, and
+    section or number of bricks."""
     course, lines = plan.wall.brick.height, []
     for place in plan.lintels:
-        what = f"{place.parts} bricks on end, {place.height:.3g} m high" if place.lintel.kind == "arch" else (
-            f"{place.width:.3g} x {place.height:.3g} m, modulus {place.lintel.of('modulus') / 1e9:.3g} GPa")
-        lines.append(f"{place.lintel.kind} lintel at {place.first * course:.4g} m, x = {place.left:.4g} to "
-                     f"{place.right:.4g} m: {what}")
+        what = (
+            f"{place.parts} bricks on end, {place.height:.3g} m high"
+            if place.lintel.kind == "arch"
+            else (
+                f"{place.width:.3g} x {place.height:.3g} m, modulus"
+                f" {place.lintel.of('modulus') / 1e9:.3g} GPa"
+            )
+        )
+        lines.append(
+            f"{place.lintel.kind} lintel at {place.first * course:.4g} m, x = {place.left:.4g} to "
+            f"{place.right:.4g} m: {what}"
+        )
     return lines
 
 
 def caps(x, length, mass, thickness):
-    """[{"left_m", "right_m", "mass_kg", "stress_pa"}] of caps by their centres [m], lengths [m] and masses [kg].
+    """[{"left_m", "right_m", "mass_kg", "stress_pa"}] of caps by their centres [m], lengths [m] and
+    masses [kg].
 
     thickness [m]: of the wall; stress: that of their weight on what lies under them.
 
     >>> caps([0.5], [1.0], [1000.0], 0.1)
     [{'left_m': 0.0, 'right_m': 1.0, 'mass_kg': 1000.0, 'stress_pa': 98100.0}]
     """
-    return [{"left_m": float(place - long / 2), "right_m": float(place + long / 2), "mass_kg": float(heavy),
-             "stress_pa": float(heavy * GRAVITY / (long * thickness))} for place, long, heavy in zip(x, length, mass)]
+    return [
+        {
+            "left_m": float(place - long / 2),
+            "right_m": float(place + long / 2),
+            "mass_kg": float(heavy),
+            "stress_pa": float(heavy * GRAVITY / (long * thickness)),
+        }
+        for place, long, heavy in zip(x, length, mass)
+    ]
 
 
 def describe_cap(cap):
@@ -120,12 +173,15 @@ def describe_cap(cap):
     'rigid top mass from x = 0 to 1.0125 m: 6.35 t, 0.6 MPa below it'
     """
     left, right = cap["left_m"], cap["right_m"]
-    return (f"rigid top mass from x = {left:.5g} to {right:.5g} m: {cap['mass_kg'] / 1e3:.3g} t, "
-            f"{cap['stress_pa'] / 1e6:.3g} MPa below it")
+    return (
+        f"rigid top mass from x = {left:.5g} to {right:.5g} m: {cap['mass_kg'] / 1e3:.3g} t, "
+        f"{cap['stress_pa'] / 1e6:.3g} MPa below it"
+    )
 
 
 def describe_top(layout):
-    """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, each cap and restraint."""
+    """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, each cap
+    and restraint."""
     of, bodies, wall = layout.options, layout.bodies, layout.wall
     restraints = [one.describe(layout.top_mass) for one in wall.restraints]
     if layout.top_mass == 0:
@@ -133,7 +189,16 @@ def describe_top(layout):
     on_top = (bodies.course == CAP_COURSE) & (top_of(wall) is None)
     over = "the length of the wall" if of.load == "length" else "the piers alone"
     places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.plan.piers)
-    return [f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), "
-            f"{layout.pier_stress / 1e6:.3g} MPa in the piers below, x = {places}",
-            *map(describe_cap, caps(bodies.x[on_top], bodies.length[on_top], bodies.mass[on_top],
-                                    wall.brick.thickness)), *restraints]
+    return [
+        (
+            f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), "
+            f"{layout.pier_stress / 1e6:.3g} MPa in the piers below, x = {places}"
+        ),
+        *map(
+            describe_cap,
+            caps(
+                bodies.x[on_top], bodies.length[on_top], bodies.mass[on_top], wall.brick.thickness
+            ),
+        ),
+        *restraints,
+    ]

@@ -1,4 +1,5 @@
-"""Contact points on the joints of a wall: where they are, what they connect, how stiff and strong they are.
+"""Contact points on the joints of a wall: where they are, what they connect, how stiff and strong
+they are.
 
 Contact points lie on the bed and head joints:
 
@@ -7,8 +8,9 @@ Contact points lie on the bed and head joints:
             |       |              o: contact point in the middle of its tributary length
         ----+-------+----
 
-Two bodies that lie on each other share two contact points at least, and so do two parts of a lintel: a joint of one
-resists no rotation, and a cut brick that stands on it could turn freely.  A head joint of bricks has one.
+Two bodies that lie on each other share two contact points at least, and so do two parts of a
+lintel: a joint of one resists no rotation, and a cut brick that stands on it could turn freely.  A
+head joint of bricks has one.
 """
 
 from collections import Counter
@@ -24,8 +26,9 @@ from damage.wall.restraints import top_of
 from damage.wall.split import cuts_of
 
 PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
-"""Of the contact points between two facing cells, along the half length from their middle.  Two Gauss points integrate
-what is of third order along the cell exactly, and with it the energy of any opening that is linear."""
+"""Of the contact points between two facing cells, along the half length from their middle.  Two
+Gauss points integrate what is of third order along the cell exactly, and with it the energy of any
+opening that is linear."""
 _HALVES = (-0.5, 0.5)
 """The same of a bed joint of a single cell: the middles of its halves."""
 
@@ -36,8 +39,8 @@ class Contacts:
 
     kind: BED, HEAD, CUT or CAP; first, second: bodies, the normal points from first to second;
     x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
-    compliance of rigid bricks; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
-    compressive_strength [Pa], infinite where it does not crush;
+    compliance of rigid bricks; tensile_strength, cohesion [Pa], infinite where elastic: never
+    breaks; compressive_strength [Pa], infinite where it does not crush;
     first_cell, second_cell: the facing cells (GROUND below the base).
     """
 
@@ -67,49 +70,91 @@ class Contacts:
 
     @property
     def upright(self):
-        """Which lie across the wall's length, their normal along +x: head joints and cuts, bool (n_contacts,)."""
+        """Which lie across the wall's length, their normal along +x: head joints and cuts, bool
+        (n_contacts,)."""
         return (self.kind == HEAD) | (self.kind == CUT)
 
 
 def segments_of(options):
     """Segments of a joint of half a brick."""
-    return {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
-        options.contacts]
+    return {
+        "interior": options.cells,
+        "corners": max(1, options.cells - 1),
+        "gauss": options.cells // 2,
+    }[options.contacts]
 
 
 def make_contacts(plan, options, bodies, cells, breaks):
     """All contact points of a damage.wall.plan.Plan: joints first, then the caps' glue."""
     wall = plan.wall
     pairs = _bed_pairs(plan, bodies, cells, breaks) + _head_pairs(bodies, plan.n_bricks, cells)
-    joints = [tuple(_part_of(wall.brick, bodies, cells, cell) for cell in pair[1:]) for pair in pairs]
+    joints = [
+        tuple(_part_of(wall.brick, bodies, cells, cell) for cell in pair[1:]) for pair in pairs
+    ]
     shared = Counter(joints)
-    rows = [row for pair, joint in zip(pairs, joints) if pair[0] != CAP for row in _contact_rows(
-        options, bodies, cells, *pair, alone=shared[joint] == 1)]
+    rows = [
+        row
+        for pair, joint in zip(pairs, joints)
+        if pair[0] != CAP
+        for row in _contact_rows(options, bodies, cells, *pair, alone=shared[joint] == 1)
+    ]
     beside, cuts = _lintel_rows(plan, options, bodies, cells)
     rows += beside + [row for _, row in cuts]
-    rows += [row for pair in pairs if pair[0] == CAP for row in _contact_rows(options, bodies, cells, *pair)]
+    rows += [
+        row
+        for pair in pairs
+        if pair[0] == CAP
+        for row in _contact_rows(options, bodies, cells, *pair)
+    ]
     kind, first, second, first_cell, second_cell, x, z, length = (
-        np.array(column) for column in zip(*rows))
+        np.array(column) for column in zip(*rows)
+    )
     normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
     for index, (place, row) in zip(np.flatnonzero(kind == CUT), cuts):
         normal[index], shear[index] = cut_stiffness(wall.brick, place, row[5])
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
-    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
+    # points at a joint's ends lie at the boundaries of its courses
+    middle_z = np.where(head, bodies.z[second], z)
     elastic = (kind == CAP) | (kind == CUT) | in_lintel(plan, options.lintel, middle_x, middle_z)
-    strengths = [np.where(elastic, np.inf, strength) for strength in (
-        wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]
-    return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
-                    normal, shear, elastic, *strengths, first_cell, second_cell)
+    strengths = [
+        np.where(elastic, np.inf, strength)
+        for strength in (
+            wall.joint.tensile_strength,
+            wall.joint.cohesion,
+            wall.joint.compressive_strength or np.inf,
+        )
+    ]
+    return Contacts(
+        kind,
+        first,
+        second,
+        x,
+        z,
+        length,
+        length * wall.brick.thickness,
+        normal,
+        shear,
+        elastic,
+        *strengths,
+        first_cell,
+        second_cell,
+    )
 
 
 def scattered(wall, contacts, *scatters):
-    """Contacts whose strengths have a factor for each joint by every one of these (coefficient of variation, seed)."""
+    """Contacts whose strengths have a factor for each joint by every one of these (coefficient of
+    variation, seed)."""
     factors = np.ones(len(contacts))
     for scatter in scatters:
         factors = factors * _strength_factors(contacts.first, contacts.second, *scatter)
-    return replace(contacts, **{name: np.where(contacts.elastic, np.inf, getattr(wall.joint, name) * factors)
-                                for name in ("tensile_strength", "cohesion")})
+    return replace(
+        contacts,
+        **{
+            name: np.where(contacts.elastic, np.inf, getattr(wall.joint, name) * factors)
+            for name in ("tensile_strength", "cohesion")
+        },
+    )
 
 
 def _bed_pairs(plan, bodies, cells, breaks):
@@ -136,89 +181,134 @@ def _bed_pairs(plan, bodies, cells, breaks):
 
 
 def _lintel_rows(plan, options, bodies, cells):
-    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and beside
-    party walls, and (Place, row) of those on the cuts through beams."""
+    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an
+    arch, and beside party walls, and (Place, row) of those on the cuts through beams."""
     number = plan.n_bricks + len(plan.slabs)
-    left_cell, right_cell = ({body: cell for cell, body in order} for order in (
-        reversed(list(enumerate(cells.body))), enumerate(cells.body)))
-    of_part = {number + k: place for k, place in enumerate(
-        place for place in plan.lintels for _ in range(place.parts))}
+    left_cell, right_cell = (
+        {body: cell for cell, body in order}
+        for order in (reversed(list(enumerate(cells.body))), enumerate(cells.body))
+    )
+    of_part = {
+        number + k: place
+        for k, place in enumerate(place for place in plan.lintels for _ in range(place.parts))
+    }
     sides = np.flatnonzero(bodies.course == SIDE_COURSE).tolist()
     ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
     beside, cuts, least = [], [], 2 // len(PLACES[options.contacts])
     for one, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
         cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
-        bottom, top = (pick(bodies.z[[one, other]] + sign * half[[one, other]]) for pick, sign in ((max, -1), (min, 1)))
+        bottom, top = (
+            pick(bodies.z[[one, other]] + sign * half[[one, other]])
+            for pick, sign in ((max, -1), (min, 1))
+        )
         place = of_part.get(one)
         if place is not None and place is of_part.get(other) and place.lintel.kind != "arch":
             up, length = cut_places(place)
-            cuts += [(place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up]
+            cuts += [
+                (place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up
+            ]
             continue
         both_lintels = place is not None and of_part.get(other)
         segments = round(segments_of(options) * (top - bottom) / (plan.wall.brick.length / 2))
         parts = max(least, segments) if both_lintels else 1
         size, at = (top - bottom) / parts, PLACES[options.contacts]
-        beside += [(HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
-                   for k in range(parts) for up in at]
+        beside += [
+            (HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
+            for k in range(parts)
+            for up in at
+        ]
     return beside, cuts
 
 
 def _touching(parts, ends, bottom, top):
-    """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these parts."""
+    """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these
+    parts."""
     left, right = ends
     found = set()
     for part in parts:
         shares = (bottom < top[part] - TINY) & (top > bottom[part] + TINY)
-        found |= {(part, int(other)) for other in np.flatnonzero(shares & (np.abs(left - right[part]) < TINY))}
-        found |= {(int(other), part) for other in np.flatnonzero(shares & (np.abs(right - left[part]) < TINY))}
+        found |= {
+            (part, int(other))
+            for other in np.flatnonzero(shares & (np.abs(left - right[part]) < TINY))
+        }
+        found |= {
+            (int(other), part)
+            for other in np.flatnonzero(shares & (np.abs(right - left[part]) < TINY))
+        }
     return sorted(found)
 
 
 def _head_pairs(bodies, n_bricks, cells):
     """(kind, cell on the left, cell on the right) of every head joint."""
     here, there = cells.body[:-1], cells.body[1:]
-    met = (there < n_bricks) & (here != there) & (bodies.course[here] == bodies.course[there]) & (
-        np.abs(cells.right[:-1] - cells.left[1:]) < TINY)
+    met = (
+        (there < n_bricks)
+        & (here != there)
+        & (bodies.course[here] == bodies.course[there])
+        & (np.abs(cells.right[:-1] - cells.left[1:]) < TINY)
+    )
     return [(HEAD, index, index + 1) for index in np.flatnonzero(met)]
 
 
 def _part_of(brick, bodies, cells, cell):
-    """The body of a cell, or GROUND, and whether the cell is of the right half of a brick that can split."""
+    """The body of a cell, or GROUND, and whether the cell is of the right half of a brick that can
+    split."""
     if cell == GROUND:
         return GROUND, False
     body, middle = cells.body[cell], (cells.left[cell] + cells.right[cell]) / 2
     half = bodies.length[body] / 2
-    return body, any(middle > cut for cut in cuts_of(brick, 0, bodies.x[body] - half, bodies.x[body] + half))
+    return body, any(
+        middle > cut for cut in cuts_of(brick, 0, bodies.x[body] - half, bodies.x[body] + half)
+    )
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alone=False):
-    """Contact points of one pair of facing cells, as `PLACES` says, but two where it is alone in its bed joint; of a
-    cap's glue Gauss points, or else one in the middle of each cell, or two under a cap of a single cell."""
+    """Contact points of one pair of facing cells, as `PLACES` says, but two where it is alone in
+    its bed joint; of a cap's glue Gauss points, or else one in the middle of each cell, or two
+    under a cap of a single cell."""
     second = cells.body[second_cell]
     first = cells.body[first_cell]
     if first_cell == GROUND:  # bricks of the base are the first bodies
         first = GROUND - second if options.supports == "bricks" else GROUND
     bottom = bodies.z[second] - bodies.height[second] / 2
     start = np.array([cells.left[second_cell], bottom])
-    along = (0.0, bodies.height[second]) if kind == HEAD else (
-        cells.right[second_cell] - cells.left[second_cell], 0.0)
+    along = (
+        (0.0, bodies.height[second])
+        if kind == HEAD
+        else (cells.right[second_cell] - cells.left[second_cell], 0.0)
+    )
     end = start + along
     length = float(np.sum(end - start))
-    hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1  # on one point a cap could turn freely
+    # on one point a cap could turn freely
+    hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1
     where = options.contacts
     if kind == CAP and where != "gauss":
         where = "corners" if hinge else "interior"
     places = _HALVES if alone and kind == BED and where == "interior" else PLACES[where]
-    return [(kind, first, second, first_cell, second_cell, *((1 - place) / 2 * start + (1 + place) / 2 * end),
-             length / len(places)) for place in places]
+    return [
+        (
+            kind,
+            first,
+            second,
+            first_cell,
+            second_cell,
+            *((1 - place) / 2 * start + (1 + place) / 2 * end),
+            length / len(places),
+        )
+        for place in places
+    ]
 
 
 def _strength_factors(first, second, variation, seed):
-    """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same for
-    every placing of its contact points: (n_contacts,).  variation: their coefficient of variation [-]."""
+    """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same
+    for
+    every placing of its contact points: (n_contacts,).  variation: their coefficient of variation
+    [-]."""
     if variation == 0:
         return np.ones(len(first))
-    joints, number = np.unique(np.column_stack([np.maximum(first, GROUND), second]), axis=0, return_inverse=True)
+    joints, number = np.unique(
+        np.column_stack([np.maximum(first, GROUND), second]), axis=0, return_inverse=True
+    )
     spread = np.sqrt(log(1.0 + variation * variation))
     normal = Draws(seed).normal(len(joints))
     return exp(spread * normal - spread * spread / 2)[number.ravel()]  # a column in numpy 2.0

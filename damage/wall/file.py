@@ -1,12 +1,15 @@
-"""Wall files: Python with a function `wall()` that returns a `damage.Wall`, or TOML, which is read and not executed:
+"""Wall files: Python with a function `wall()` that returns a `damage.Wall`, or TOML, which is read
+and not executed:
 
     #:schema ./wall.schema.json
     name = "shed"
     length = 3.08                       # keys and units of damage.Wall
     height = 2.7
     precompression = 0
-    masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and [joint], beside them
-                                        # masonry = { young_modulus = 4.9e9 } in place of the bricks' moduli
+    masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and
+    [joint], beside them
+                                        # masonry = { young_modulus = 4.9e9 } in place of the
+                                        bricks' moduli
     lintel = "timber"                   # or a table, here and in [[openings]]
 
     [[openings]]
@@ -41,10 +44,16 @@ from damage.wall.parameters import Brick, Joint, Opening, Wall, brick_of_masonry
 from damage.wall.restraints import Restraint
 
 MOST_MB = 1
-MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick format", "mortar": "of joints [m]",
-                "wythes": "bricks through the thickness", "density": "[kg/m3]",
-                "young_modulus": "of masonry across its bed joints [Pa]; by itself, beside [brick] and [joint]"}
-"""Keys of the table `masonry`, arguments of `damage.masonry`, which others of its fields come from [joint]."""
+MASONRY_KEYS = {
+    "material": "name of a material",
+    "format": "name of a brick format",
+    "mortar": "of joints [m]",
+    "wythes": "bricks through the thickness",
+    "density": "[kg/m3]",
+    "young_modulus": "of masonry across its bed joints [Pa]; by itself, beside [brick] and [joint]",
+}
+"""Keys of the table `masonry`, arguments of `damage.masonry`, which others of its fields come from
+[joint]."""
 FRICTION = "friction"
 """Key of [joint]: the friction coefficient, in place of the angle."""
 _TABLES = {"brick": Brick, "joint": Joint}
@@ -58,21 +67,23 @@ def shipped_walls():
 
 
 def wall_path(word):
-    """Path of a wall file, given by its path or by the name of a wall that ships, like symmetric; a file of that name
-    comes first.  Raises InputError where there is neither."""
+    """Path of a wall file, given by its path or by the name of a wall that ships, like symmetric; a
+    file of that name comes first.  Raises InputError where there is neither."""
     path, named = check_path(word), shipped_walls()
     if path.is_file():
         return path
     if str(path) in named:
         return named[str(path)]
     meant = did_you_mean(path.stem, named) or did_you_mean(path, map(str, path.parent.glob("*.py")))
-    raise InputError(f"{path}: no such wall file; expected the path of one, or the name of a wall that ships: "
-                     f"{', '.join(named)}{meant}")
+    raise InputError(
+        f"{path}: no such wall file; expected the path of one, or the name of a wall that ships: "
+        f"{', '.join(named)}{meant}"
+    )
 
 
 def load_wall(path):
-    """The wall of a file, by its path or the name of a wall that ships; InputError where the file is missing or makes
-    no wall."""
+    """The wall of a file, by its path or the name of a wall that ships; InputError where the file
+    is missing or makes no wall."""
     path = wall_path(path)
     if path.suffix.lower() == ".toml":
         return wall_of(lambda: read_wall(path), path)
@@ -85,17 +96,23 @@ def load_wall(path):
 
 
 def wall_of(make_wall, path):
-    """The wall that `make_wall()` returns, a function of the file at `path`; InputError, with the line, where it fails
-    or returns none."""
+    """The wall that `make_wall()` returns, a function of the file at `path`; InputError, with the
+    line, where it fails or returns none."""
     try:
         wall = make_wall()
     except (Exception, SystemExit) as error:
-        message = str(error) if isinstance(error, InputError) else f"failed with {_message_of(error)}; correct the file"
+        message = (
+            str(error)
+            if isinstance(error, InputError)
+            else f"failed with {_message_of(error)}; correct the file"
+        )
         where = "" if message.startswith(str(path)) else f"{path}{_line(error, path)}: "
         raise InputError(f"{where}{message}") from error
     if not isinstance(wall, Wall):
-        raise InputError(f"{path} has no function wall() that returns a damage.Wall; start from the copy that the "
-                         "command new-wall writes")
+        raise InputError(
+            f"{path} has no function wall() that returns a damage.Wall; start from the copy that"
+            " the command new-wall writes"
+        )
     return wall
 
 
@@ -108,22 +125,30 @@ def _message_of(error):
         return message
     names = [one.name for one in fields(kind)]
     near = get_close_matches(found[2], names, n=1)
-    return (f"{kind.__name__}({found[2]}=...): expected " + (f"{near[0]}; it has " if near else "one of ")
-            + ", ".join(names))
+    return (
+        f"{kind.__name__}({found[2]}=...): expected "
+        + (f"{near[0]}; it has " if near else "one of ")
+        + ", ".join(names)
+    )
 
 
 def _line(error, path):
-    """The line of the file in which an error came up, " line 7", or nothing where it is not known."""
+    """The line of the file in which an error came up, " line 7", or nothing where it is not
+    known."""
     if isinstance(error, SyntaxError):
         line = error.lineno
     else:
-        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
-                 if Path(frame.filename).name == path.name]
+        lines = [
+            frame.lineno
+            for frame in traceback.extract_tb(error.__traceback__)
+            if Path(frame.filename).name == path.name
+        ]
         line = lines[-1] if lines else None
     return f" line {line}" if line else ""
 
 
-# --- walls as data: TOML, and its JSON Schema -------------------------------------------------------
+# --- walls as data: TOML, and its JSON Schema -----------------------------------------------------
+
 
 def read_wall(path):
     """The damage.Wall of a TOML file; InputError for anything that makes none."""
@@ -142,8 +167,13 @@ def wall_from(table):
     for name, kind in _LISTS.items():
         if name in given:
             if not isinstance(given[name], list):
-                raise InputError(f"{name} is no list: expected tables [[{name}]]; double the brackets")
-            made[name] = [_record(f"[[{name}]] {number}", kind, one) for number, one in enumerate(given.pop(name), 1)]
+                raise InputError(
+                    f"{name} is no list: expected tables [[{name}]]; double the brackets"
+                )
+            made[name] = [
+                _record(f"[[{name}]] {number}", kind, one)
+                for number, one in enumerate(given.pop(name), 1)
+            ]
     return _record("the wall", Wall, given | made)
 
 
@@ -155,46 +185,63 @@ def _joint(table):
     if FRICTION not in table:
         return table
     if "friction_angle" in table:
-        raise InputError("[joint] has friction and friction_angle: expected one of them; leave one out")
+        raise InputError(
+            "[joint] has friction and friction_angle: expected one of them; leave one out"
+        )
     check_range("[joint] friction", table[FRICTION], 0, 100)
     angle = float(atan(table[FRICTION]))
     return {key: one for key, one in table.items() if key != FRICTION} | {"friction_angle": angle}
 
 
 def _masonry(given):
-    """{"brick", "joint"} of the table `masonry`, which is taken out of the given ones with [joint] and [brick]."""
+    """{"brick", "joint"} of the table `masonry`, which is taken out of the given ones with [joint]
+    and [brick]."""
     chosen, joint = given.pop("masonry"), given.pop("joint", {})
     if isinstance(chosen, dict):
         _refuse_unknown("masonry", chosen, MASONRY_KEYS)
     if isinstance(chosen, dict) and set(chosen) == {"young_modulus"}:
         return _of_modulus(chosen["young_modulus"], given.pop("brick", {}), joint)
     if not isinstance(chosen, dict) or not {"material", "format"} <= set(chosen):
-        raise InputError('masonry: expected { material = "...", format = "..." }, or { young_modulus = ... } beside '
-                         "[brick] and [joint]; give one of these")
+        raise InputError(
+            'masonry: expected { material = "...", format = "..." }, or { young_modulus = ... }'
+            " beside [brick] and [joint]; give one of these"
+        )
     if "brick" in given:
         raise InputError("[brick] beside masonry by name: expected one of them; leave one out")
-    return masonry(chosen["material"], chosen["format"],
-                   **{key: value for key, value in chosen.items() if key not in ("material", "format")}, **joint)
+    return masonry(
+        chosen["material"],
+        chosen["format"],
+        **{key: value for key, value in chosen.items() if key not in ("material", "format")},
+        **joint,
+    )
 
 
 def _of_modulus(modulus, brick, joint):
-    """{"brick", "joint"} of the tables [brick] and [joint] whose masonry has a modulus across its bed joints [Pa]."""
+    """{"brick", "joint"} of the tables [brick] and [joint] whose masonry has a modulus across its
+    bed joints [Pa]."""
     made = {"brick": _record("[brick]", Brick, brick), "joint": _record("[joint]", Joint, joint)}
     if given := {"young_modulus", "shear_modulus"} & set(brick):
-        raise InputError(f"[brick] {min(given)} beside masonry of young_modulus: expected one of them; leave one out")
+        raise InputError(
+            f"[brick] {min(given)} beside masonry of young_modulus: expected one of them; leave"
+            " one out"
+        )
     return made | {"brick": brick_of_masonry(modulus, made["joint"], **brick)}
 
 
 def _record(what, kind, table):
-    """A record of a table; InputError for keys that it does not have, and for those that are missing."""
+    """A record of a table; InputError for keys that it does not have, and for those that are
+    missing."""
     if not isinstance(table, dict):
         raise InputError(f"{what} = {table!r}: expected a table of key = value lines; correct it")
     names = [one.name for one in fields(kind)]
     _refuse_unknown(what, table, [*names, *(["masonry"] if kind is Wall else [])])
     if isinstance(table.get("lintel"), dict):
         table = table | {"lintel": _record(f"lintel of {what}", Lintel, table["lintel"])}
-    missing = [one.name for one in fields(kind)
-               if one.default is MISSING and one.default_factory is MISSING and one.name not in table]
+    missing = [
+        one.name
+        for one in fields(kind)
+        if one.default is MISSING and one.default_factory is MISSING and one.name not in table
+    ]
     if missing:
         raise InputError(f"{what} lacks {', '.join(missing)}: expected a value for each; give it")
     return kind(**table)
@@ -203,36 +250,71 @@ def _record(what, kind, table):
 def _refuse_unknown(what, table, known):
     for name in table:
         if name not in known:
-            raise InputError(f"{what} has the key {name}: expected one of {', '.join(known)}"
-                             f"{did_you_mean(name, known)}")
+            raise InputError(
+                f"{what} has the key {name}: expected one of {', '.join(known)}"
+                f"{did_you_mean(name, known)}"
+            )
 
 
 def wall_schema():
-    """The JSON Schema of a wall as TOML, a dictionary fit for JSON: keys, types and choices; `read_wall` says what
-    cannot be built."""
-    chosen = {"material": {"enum": list(MATERIALS)}, "format": {"enum": list(FORMATS)}, "mortar": {"type": "number"},
-              "wythes": {"type": "integer"}, "density": {"type": "number"}, "young_modulus": {"type": "number"}}
+    """The JSON Schema of a wall as TOML, a dictionary fit for JSON: keys, types and choices;
+    `read_wall` says what cannot be built."""
+    chosen = {
+        "material": {"enum": list(MATERIALS)},
+        "format": {"enum": list(FORMATS)},
+        "mortar": {"type": "number"},
+        "wythes": {"type": "integer"},
+        "density": {"type": "number"},
+        "young_modulus": {"type": "number"},
+    }
     special = {
         "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$"},
-        "outline": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2,
-                                               "maxItems": 2}},
-        "masonry": {"type": "object", "additionalProperties": False,
-                    "anyOf": [{"required": ["material", "format"]},
-                              {"required": ["young_modulus"], "maxProperties": 1}],
-                    "properties": {key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()}},
+        "outline": {
+            "type": "array",
+            "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+        },
+        "masonry": {
+            "type": "object",
+            "additionalProperties": False,
+            "anyOf": [
+                {"required": ["material", "format"]},
+                {"required": ["young_modulus"], "maxProperties": 1},
+            ],
+            "properties": {
+                key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()
+            },
+        },
         "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)}, _object(Lintel, {})]},
-        "brick": _object(Brick, {}), "joint": _object(Joint, {}, FRICTION)}
-    special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
-    special["floors"]["items"]["anyOf"] = [{"required": ["mass"]}, {"required": ["mass_per_area", "tributary_width"]}]
-    return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")
+        "brick": _object(Brick, {}),
+        "joint": _object(Joint, {}, FRICTION),
+    }
+    special |= {
+        name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()
+    }
+    special["floors"]["items"]["anyOf"] = [
+        {"required": ["mass"]},
+        {"required": ["mass_per_area", "tributary_width"]},
+    ]
+    return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(
+        Wall, special, "masonry"
+    )
 
 
 def _object(kind, special, *more):
-    """Schema of a record: as its fields say, but for what is special; more: keys of numbers besides its fields."""
-    required = [one.name for one in fields(kind) if one.default is MISSING and one.default_factory is MISSING]
+    """Schema of a record: as its fields say, but for what is special; more: keys of numbers besides
+    its fields."""
+    required = [
+        one.name
+        for one in fields(kind)
+        if one.default is MISSING and one.default_factory is MISSING
+    ]
     found = {one.name: special.get(one.name) or _schema_of(one.metadata) for one in fields(kind)}
-    return {"type": "object", "additionalProperties": False, "required": required,
-            "properties": found | {key: special.get(key, {"type": "number"}) for key in more}}
+    return {
+        "type": "object",
+        "additionalProperties": False,
+        "required": required,
+        "properties": found | {key: special.get(key, {"type": "number"}) for key in more},
+    }
 
 
 def _schema_of(said):

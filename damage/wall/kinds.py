@@ -1,5 +1,5 @@
-"""Kinds of bodies and contact points, the numbers of supports, and the stiffness of each kind: compliance is lumped
-here alone."""
+"""Kinds of bodies and contact points, the numbers of supports, and the stiffness of each kind:
+compliance is lumped here alone."""
 
 import numpy as np
 
@@ -11,14 +11,15 @@ BED, HEAD, CUT, CAP = 0, 1, 2, 3
 KINDS = ("bed", "head", "brick", "cap")
 """On bed and head joints, on the cuts where bricks can split, on the caps' glue."""
 CAP_COURSE, SLAB_COURSE, LINTEL_COURSE, ARCH_COURSE, SIDE_COURSE = -1, -2, -3, -4, -5
-"""`course` of bodies that are no bricks of a course, in this order: a cap, or the beam of a restrained top; a concrete
-floor; a segment of a lintel's beam; a brick of an arch; a party wall."""
+"""`course` of bodies that are no bricks of a course, in this order: a cap, or the beam of a
+restrained top; a concrete floor; a segment of a lintel's beam; a brick of an arch; a party wall."""
 CAP_HEIGHT = 0.20
 """Of a cap [m], settled: its centre lies 0.10 m above the wall's top."""
 
 
 def rows(body, n_bodies):
-    """Rows of bodies (n,), supports among them, in tables in which the supports follow n_bodies bricks and caps.
+    """Rows of bodies (n,), supports among them, in tables in which the supports follow n_bodies
+    bricks and caps.
 
     >>> rows([3, -1, -2], 10)
     array([ 3, 10, 11])
@@ -28,34 +29,44 @@ def rows(body, n_bodies):
 
 
 def contact_stiffness(wall, options, bodies, kind, first, second):
-    """Normal and shear stiffness of contact points [Pa/m], two arrays (n_contacts,): of the joint alone between bricks
-    that deform by themselves, else with the bricks' compliance; arguments as of `lumped_stiffness`, options:
-    damage.wall.model_options.ModelOptions."""
+    """Normal and shear stiffness of contact points [Pa/m], two arrays (n_contacts,): of the joint
+    alone between bricks that deform by themselves, else with the bricks' compliance; arguments as
+    of `lumped_stiffness`, options: damage.wall.model_options.ModelOptions."""
     if not options.has_modes:
         return lumped_stiffness(wall, bodies, kind, first, second)
-    return np.full(len(kind), wall.joint.normal_stiffness), np.full(len(kind), wall.joint.shear_stiffness)
+    return np.full(len(kind), wall.joint.normal_stiffness), np.full(
+        len(kind), wall.joint.shear_stiffness
+    )
 
 
 def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
-    """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays (n_contacts,).
+    """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays
+    (n_contacts,).
 
-    A joint is in series with the bricks on both sides: 1/k = 1/k_joint + d/E, with G in shear; d is the distance of the
-    brick centres across the joint, half a brick at the base and at restraints.  Rigid top masses are glued with the
-    stiffness of a bed joint between bricks.  A cut through a brick has the stiffness of the brick between the centres
-    of its halves.
+    A joint is in series with the bricks on both sides: 1/k = 1/k_joint + d/E, with G in shear; d is
+    the distance of the brick centres across the joint, half a brick at the base and at restraints.
+    Rigid top masses are glued with the stiffness of a bed joint between bricks.  A cut through a
+    brick has the stiffness of the brick between the centres of its halves.
 
-    Under a uniform shear stress cells slide along their horizontal and their upright boundaries, bricks in a bond along
-    the horizontal ones above all: each kind of boundary gets its part of the compliance of the brick, 1/G in all.
+    Under a uniform shear stress cells slide along their horizontal and their upright boundaries,
+    bricks in a bond along the horizontal ones above all: each kind of boundary gets its part of the
+    compliance of the brick, 1/G in all.
 
-    wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of the contact points, as
-    in damage.wall.contact_points.Contacts; sheared: kinds of boundaries that share the shear compliance, 2 for cells.
-    """
+    wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of
+    the contact points, as in damage.wall.contact_points.Contacts; sheared: kinds of boundaries that
+    share the shear compliance, 2 for cells."""
     brick, joint = wall.brick, wall.joint
     upright = (kind == HEAD) | (kind == CUT)
     distance = np.full(len(kind), brick.height)
-    distance[(first < 0) | ((kind == BED) & (bodies.course[second] == CAP_COURSE))] = brick.height / 2
+    distance[(first < 0) | ((kind == BED) & (bodies.course[second] == CAP_COURSE))] = (
+        brick.height / 2
+    )
     reach = np.where(bodies.course == SIDE_COURSE, bodies.length / 2, 0.0)
     distance[upright] = (bodies.x - reach)[second[upright]] - (bodies.x + reach)[first[upright]]
-    return tuple(np.where(kind == CUT, modulus / distance, 1 / (1 / stiffness + distance / modulus))
-                 for stiffness, modulus in ((joint.normal_stiffness, brick.young_modulus),
-                                            (joint.shear_stiffness, sheared * brick.shear_modulus)))
+    return tuple(
+        np.where(kind == CUT, modulus / distance, 1 / (1 / stiffness + distance / modulus))
+        for stiffness, modulus in (
+            (joint.normal_stiffness, brick.young_modulus),
+            (joint.shear_stiffness, sheared * brick.shear_modulus),
+        )
+    )

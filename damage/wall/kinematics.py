@@ -16,18 +16,19 @@ CORNER_RADIUS = 0.01
 def rigid_displacement(ux, uz, turn, x, z):
     """Displacement along x and z of points of a rigid body, exact for any rotation.
 
-    ux, uz [m], turn [rad, x towards z]: of the body's centre; x, z [m]: of the points from the centre at rest.
+    ux, uz [m], turn [rad, x towards z]: of the body's centre; x, z [m]: of the points from the
+    centre at rest.
     """
     less, along = cos(turn) - 1, sin(turn)
     return ux + less * x - along * z, uz + along * x + less * z
 
 
 def slide_limits(first, second, upright, bodies):
-    """Shear displacements of `second` along `first` between which the faces of their joint overlap: least and most
-    (n,) [m], infinite on supports, which have no end.
+    """Shear displacements of `second` along `first` between which the faces of their joint overlap:
+    least and most (n,) [m], infinite on supports, which have no end.
 
-    first, second: (n,) indices of bodies; upright: (n,) bool, of head joints and cuts; bodies: x, z, length and height
-    (n_bodies,) [m].
+    first, second: (n,) indices of bodies; upright: (n,) bool, of head joints and cuts; bodies: x,
+    z, length and height (n_bodies,) [m].
     """
     on_ground = first < 0
     ends = []
@@ -36,7 +37,9 @@ def slide_limits(first, second, upright, bodies):
         half = np.where(upright, bodies.height[body], bodies.length[body]) / 2
         ends.append((middle - half, middle + half))
     (start, end), (other_start, other_end) = ends
-    return np.where(on_ground, -np.inf, start - other_end), np.where(on_ground, np.inf, end - other_start)
+    return np.where(on_ground, -np.inf, start - other_end), np.where(
+        on_ground, np.inf, end - other_start
+    )
 
 
 class ContactKinematics:
@@ -53,12 +56,15 @@ class ContactKinematics:
     def displacements(self, motion, select=slice(None), supports=None):
         """Opening u_n and shear u_s [m], each (n_selected,).
 
-        motion: (n_bodies, 3) displacement of the centres [m] and rotation x towards z [rad]; supports: (n_supports, 3)
-        the same of the supports, None where they rest.
+        motion: (n_bodies, 3) displacement of the centres [m] and rotation x towards z [rad];
+        supports: (n_supports, 3) the same of the supports, None where they rest.
         """
         moved = np.vstack([motion, self.at_rest if supports is None else supports])
         motions = [moved[end[select]].T for end in self.ends]
-        first, second = (rigid_displacement(*of, rx[select], rz[select]) for of, (rx, rz) in zip(motions, self.arms))
+        first, second = (
+            rigid_displacement(*of, rx[select], rz[select])
+            for of, (rx, rz) in zip(motions, self.arms)
+        )
         dx, dz = second[0] - first[0], second[1] - first[1]
         turn = (motions[0][2] + motions[1][2]) / 2
         across, along = cos(turn), sin(turn)

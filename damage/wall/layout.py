@@ -1,11 +1,13 @@
 """From a wall's parameters to bodies, cells and contact points: the one layout of every solver.
 
-Bodies are the bricks, course by course from the base and left to right, then slabs (`damage.wall.floors`), the parts of
-lintels (`damage.wall.lintels`), the caps that carry the top mass, or the beam of a restraint, and party walls
-(`damage.wall.restraints`).  The supports below them are bodies -1, -2, ...:
-support k is body `damage.wall.kinds.GROUND - k` of contact points, and in tables of all bodies they follow the caps
-(`damage.wall.kinds.rows`).  A brick's cells break at every head joint of the wall, so that facing cells of two courses
-match.  `damage.wall.plan` says what is built where; `damage.wall.contact_points` places the contact points.
+Bodies are the bricks, course by course from the base and left to right, then slabs
+(`damage.wall.floors`), the parts of lintels (`damage.wall.lintels`), the caps that carry the top
+mass, or the beam of a restraint, and party walls (`damage.wall.restraints`).  The supports below
+them are bodies -1, -2, ...:
+support k is body `damage.wall.kinds.GROUND - k` of contact points, and in tables of all bodies they
+follow the caps (`damage.wall.kinds.rows`).  A brick's cells break at every head joint of the wall,
+so that facing cells of two courses match.  `damage.wall.plan` says what is built where;
+`damage.wall.contact_points` places the contact points.
 """
 
 import math
@@ -51,8 +53,8 @@ class Bodies:
     """Bricks, slabs, lintels and caps; every array has shape (n_bodies,).
 
     x, z [m] centres; length, height [m]; mass [kg]; inertia [kg m2] about y;
-    course: 0 at the base, -1 for a cap, -2 for a slab, -3 for a part of a beam, -4 for a brick of an arch, -5 for a
-    party wall, which has no mass.
+    course: 0 at the base, -1 for a cap, -2 for a slab, -3 for a part of a beam, -4 for a brick of
+    an arch, -5 for a party wall, which has no mass.
     """
 
     x: np.ndarray
@@ -69,7 +71,8 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Cells:
-    """Rectangular parts of the bodies; arrays of shape (n_cells,): body, x [m] left and right edge."""
+    """Rectangular parts of the bodies; arrays of shape (n_cells,): body, x [m] left and right
+    edge."""
 
     body: np.ndarray
     left: np.ndarray
@@ -78,8 +81,8 @@ class Cells:
 
 @dataclass(frozen=True)
 class Supports:
-    """The ground below the base as bodies whose motion is prescribed, with reference points at z = 0; left, right [m]:
-    the part of the base that each carries, (n_supports,)."""
+    """The ground below the base as bodies whose motion is prescribed, with reference points at z =
+    0; left, right [m]: the part of the base that each carries, (n_supports,)."""
 
     left: np.ndarray
     right: np.ndarray
@@ -98,13 +101,14 @@ class Layout:
     """A wall laid out under given options.
 
     wall: as given; plan: of what is built.
-    n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split; the rest is the
+    n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split;
+    the rest is the
         caps' glue.
-    n_bricks: bodies that are bricks, or parts of them (`damage.wall.split`); those of slabs and lintels follow.
-    drift_bodies: bricks of the plan's drift course whose centres stand over piers; drift_height [m] of them.
-    supports: below the base.
-    fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where they deform, else None.
-    """
+    n_bricks: bodies that are bricks, or parts of them (`damage.wall.split`); those of slabs and
+    lintels follow. drift_bodies: bricks of the plan's drift course whose centres stand over piers;
+    drift_height [m] of them. supports: below the base.
+    fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where
+    they deform, else None."""
 
     wall: Wall
     plan: Plan
@@ -123,7 +127,8 @@ class Layout:
     @property
     def n_below_caps(self):
         """Number of bricks, slabs and parts of lintels."""
-        return self.n_bricks - self.plan.n_bricks + self.plan.taken.shape[1]  # bricks that are cut are more here
+        # bricks that are cut are more here
+        return self.n_bricks - self.plan.n_bricks + self.plan.taken.shape[1]
 
     @property
     def total_joint_length(self):
@@ -132,14 +137,15 @@ class Layout:
 
     @property
     def joint_length(self):
-        """Length of joint that each of the first n_joints contacts stands for, none on a brick's cut [m]."""
+        """Length of joint that each of the first n_joints contacts stands for, none on a brick's
+        cut [m]."""
         n = self.n_joints
         return np.where(self.contacts.kind[:n] == CUT, 0.0, self.contacts.length[:n])
 
     @property
     def pushed_bodies(self):
-        """Bodies that a quasi-static loading moves: the caps; the drift course where there are none, or a restraint
-        holds the top."""
+        """Bodies that a quasi-static loading moves: the caps; the drift course where there are
+        none, or a restraint holds the top."""
         caps = np.flatnonzero(self.bodies.course == CAP_COURSE)
         return caps if len(caps) and top_of(self.wall) is None else self.drift_bodies
 
@@ -174,8 +180,8 @@ class Layout:
 
     @property
     def weighing(self):
-        """Masses (n_bodies,) [kg] whose weight the bodies have: their own, and the constant load on a restrained
-        top."""
+        """Masses (n_bodies,) [kg] whose weight the bodies have: their own, and the constant load on
+        a restrained top."""
         return self.bodies.mass + self.load_mass
 
     @property
@@ -188,55 +194,102 @@ class Layout:
 def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     """Lay a wall out: bricks in running bond, caps, cells and contact points.
 
-    scatter: coefficient of variation [-] of a second factor on each joint's strengths, beside that of the options; by
-    its seed the members of an ensemble differ.
-    Raises InputError where the openings' edges leave cells too narrow to compute with, or there are too many.
+    scatter: coefficient of variation [-] of a second factor on each joint's strengths, beside that
+    of the options; by its seed the members of an ensemble differ.
+    Raises InputError where the openings' edges leave cells too narrow to compute with, or there are
+    too many.
     """
     options = options or ModelOptions()
     alike = _lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0, fibres=0))
     layout = deepcopy(alike, {id(alike.plan): alike.plan})  # a plan never changes
-    layout = replace(layout, wall=wall, options=options, contacts=scattered(
-        wall, layout.contacts, (options.strength_cov, options.strength_seed), (scatter, (seed, 1))))
+    layout = replace(
+        layout,
+        wall=wall,
+        options=options,
+        contacts=scattered(
+            wall,
+            layout.contacts,
+            (options.strength_cov, options.strength_seed),
+            (scatter, (seed, 1)),
+        ),
+    )
     layout = on_soil(layout)
     if layout.strain is None and (wall.brick.splits or options.brick_cells):
         layout = cut_bricks(layout)
     layout = _rounded(layout)
-    return replace(layout, fibres=split_into_fibres(wall.joint, layout.contacts, options.fibres)
-                   if options.fibres else None)
+    return replace(
+        layout,
+        fibres=(
+            split_into_fibres(wall.joint, layout.contacts, options.fibres)
+            if options.fibres
+            else None
+        ),
+    )
 
 
 def _rounded(layout):
     """The Layout with masses, stiffnesses and strengths of fewer bits (`damage.rounded`)."""
+
     def of(table, *names):
         return replace(table, **{name: to_bits(getattr(table, name)) for name in names})
 
-    return replace(layout, bodies=of(layout.bodies, "mass", "inertia"), contacts=of(
-        layout.contacts, "normal_stiffness", "shear_stiffness", "tensile_strength", "cohesion",
-        "compressive_strength"))
+    return replace(
+        layout,
+        bodies=of(layout.bodies, "mass", "inertia"),
+        contacts=of(
+            layout.contacts,
+            "normal_stiffness",
+            "shear_stiffness",
+            "tensile_strength",
+            "cohesion",
+            "compressive_strength",
+        ),
+    )
 
 
 @lru_cache(maxsize=4)
 def _lay_out_alike(wall, options):
-    """The Layout of whole bricks whose joints are all as strong as the wall says: what members of an ensemble share."""
+    """The Layout of whole bricks whose joints are all as strong as the wall says: what members of
+    an ensemble share."""
     plan = plan_of(wall, options)
     bodies, n_bricks = _make_bodies(plan, options), plan.n_bricks
     breaks = _cell_breaks(plan, options)
     cells = _make_cells(bodies, breaks)
     points = (len(cells.body) + n_bricks) * len(PLACES[options.contacts])
-    points += CUT_POINTS * n_bricks * (wall.brick.splits * (not options.has_modes) + options.brick_cells)
+    points += (
+        CUT_POINTS * n_bricks * (wall.brick.splits * (not options.has_modes) + options.brick_cells)
+    )
     if points > MOST_CONTACTS:
-        raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
-                         f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
-    contacts, drift_bodies = make_contacts(plan, options, bodies, cells, breaks), _find_drift_bodies(plan, bodies)
+        raise InputError(
+            f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact"
+            f" points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall"
+        )
+    contacts, drift_bodies = (
+        make_contacts(plan, options, bodies, cells, breaks),
+        _find_drift_bodies(plan, bodies),
+    )
     return Layout(
-        wall=wall, plan=plan, options=options, bodies=bodies, cells=cells, contacts=contacts,
-        n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
+        wall=wall,
+        plan=plan,
+        options=options,
+        bodies=bodies,
+        cells=cells,
+        contacts=contacts,
+        n_bricks=n_bricks,
+        n_joints=int(np.sum(contacts.kind != CAP)),
+        drift_bodies=drift_bodies,
         drift_height=float(bodies.z[drift_bodies].mean()),
         supports=_supports_below(bodies, wall.length, options.supports),
-        strain=strain_of(wall.brick, options, bodies, contacts, n_bricks) if options.has_modes else None)
+        strain=(
+            strain_of(wall.brick, options, bodies, contacts, n_bricks)
+            if options.has_modes
+            else None
+        ),
+    )
 
 
 # --- bricks -------------------------------------------------------------------------------------
+
 
 def _length(spans):
     """Length of all spans (left, right) together [m]."""
@@ -245,21 +298,44 @@ def _length(spans):
 
 def _top_mass(plan, options):
     """Mass of the precompression over the length, or over the piers [kg]."""
-    return plan.wall.top_mass * (_length(plan.piers) / plan.wall.length if options.load == "piers" else 1.0)
+    return plan.wall.top_mass * (
+        _length(plan.piers) / plan.wall.length if options.load == "piers" else 1.0
+    )
 
 
 def _make_bodies(plan, options):
-    """Bricks, slabs and lintels, with the masses that are spread over them, and caps for a top mass that is not
-    spread."""
-    brick, top_mass, (first, last), n = plan.wall.brick, _top_mass(plan, options), plan.taken, plan.n_bricks
+    """Bricks, slabs and lintels, with the masses that are spread over them, and caps for a top mass
+    that is not spread."""
+    brick, top_mass, (first, last), n = (
+        plan.wall.brick,
+        _top_mass(plan, options),
+        plan.taken,
+        plan.n_bricks,
+    )
     length, height = plan.ends[1] - plan.ends[0], (last + 1 - first) * brick.height
-    mass, course, behind = brick.density * length * height * brick.thickness, first.copy(), n + len(plan.slabs)
+    mass, course, behind = (
+        brick.density * length * height * brick.thickness,
+        first.copy(),
+        n + len(plan.slabs),
+    )
     mass[n:behind], course[n:behind] = [slab.floor.mass for slab in plan.slabs], SLAB_COURSE
     parts = [place for place in plan.lintels for _ in range(place.parts)]
     mass[behind:] = np.array([mass_per_length(brick, place) for place in parts]) * length[behind:]
-    course[behind:] = [ARCH_COURSE if place.lintel.kind == "arch" else LINTEL_COURSE for place in parts]
-    bodies = with_timber_floors(plan, Bodies(plan.ends.mean(axis=0), (first + last + 1) / 2 * brick.height, length,
-                                             height, mass, mass * (length * length + height * height) / 12, course))
+    course[behind:] = [
+        ARCH_COURSE if place.lintel.kind == "arch" else LINTEL_COURSE for place in parts
+    ]
+    bodies = with_timber_floors(
+        plan,
+        Bodies(
+            plan.ends.mean(axis=0),
+            (first + last + 1) / 2 * brick.height,
+            length,
+            height,
+            mass,
+            mass * (length * length + height * height) / 12,
+            course,
+        ),
+    )
     if plan.wall.restraints:
         return _with_restraints(plan, options, bodies, top_mass)
     if top_mass and options.top == "uniform":
@@ -271,30 +347,44 @@ def _with_restraints(plan, options, bodies, top_mass):
     """Bodies, and behind them caps, or the beam of a restraint, and party walls."""
     wall, top = plan.wall, top_of(plan.wall)
     if options.top == "uniform":
-        raise InputError(f"--top uniform with restraints of wall {wall.name}: expected a top mass of its own, which a "
-                         "beam carries; leave --top out")
+        raise InputError(
+            f"--top uniform with restraints of wall {wall.name}: expected a top mass of its own,"
+            " which a beam carries; leave --top out"
+        )
     if top is None:
         bodies = _with_caps(plan, options, bodies, top_mass) if top_mass else bodies
     else:
         mass = top_mass if top.mass is None else top.mass
         if mass > top_mass * (1 + TINY):
-            raise InputError(f"wall {wall.name}: a restraint's beam of {mass:g} kg: expected up to the {top_mass:.4g} "
-                             "kg that the precompression weighs; give less, or more precompression")
-        bodies = _joined(bodies, wall.length / 2, wall.built_height + THICK_M / 2, wall.length, THICK_M, mass,
-                         CAP_COURSE)
+            raise InputError(
+                f"wall {wall.name}: a restraint's beam of {mass:g} kg: expected up to the"
+                f" {top_mass:.4g} kg that the precompression weighs; give less, or more"
+                " precompression"
+            )
+        bodies = _joined(
+            bodies,
+            wall.length / 2,
+            wall.built_height + THICK_M / 2,
+            wall.length,
+            THICK_M,
+            mass,
+            CAP_COURSE,
+        )
     for side in (one.side for one in wall.restraints if one.side != "top"):
         x = -THICK_M / 2 if side == "left" else wall.length + THICK_M / 2
-        bodies = _joined(bodies, x, wall.built_height / 2, THICK_M, wall.built_height, 0.0, SIDE_COURSE)
+        bodies = _joined(
+            bodies, x, wall.built_height / 2, THICK_M, wall.built_height, 0.0, SIDE_COURSE
+        )
     return bodies
 
 
 def _with_spread_mass(plan, bodies, top_mass):
-    """The top mass added to bricks and lintels of the top course in proportion to length, inertia growing with mass;
-    to its slabs where they are all of it."""
+    """The top mass added to bricks and lintels of the top course in proportion to length, inertia
+    growing with mass; to its slabs where they are all of it."""
     in_course = plan.taken[1] == len(plan.runs) - 1
     top = in_course & (bodies.course != SLAB_COURSE)
     top = top if top.any() else in_course
-    carrying = _length(plan.runs[-1]) + bodies.length[plan.n_bricks:][top[plan.n_bricks:]].sum()
+    carrying = _length(plan.runs[-1]) + bodies.length[plan.n_bricks :][top[plan.n_bricks :]].sum()
     factor = np.where(top, 1 + top_mass * bodies.length / carrying / bodies.mass, 1.0)
     return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
 
@@ -303,8 +393,15 @@ def _with_caps(plan, options, bodies, top_mass):
     """Bodies, and behind them one rigid cap a pier, or one over all, mass shared by length."""
     spans = np.array(plan.piers if options.top == "piers" else ((0.0, plan.wall.length),))
     width = spans[:, 1] - spans[:, 0]
-    return _joined(bodies, spans.mean(axis=1), plan.wall.built_height + CAP_HEIGHT / 2, width, CAP_HEIGHT,
-                   top_mass * width / width.sum(), CAP_COURSE)
+    return _joined(
+        bodies,
+        spans.mean(axis=1),
+        plan.wall.built_height + CAP_HEIGHT / 2,
+        width,
+        CAP_HEIGHT,
+        top_mass * width / width.sum(),
+        CAP_COURSE,
+    )
 
 
 def _joined(bodies, x, z, length, height, mass, course):
@@ -315,18 +412,20 @@ def _joined(bodies, x, z, length, height, mass, course):
 
 
 def _find_drift_bodies(plan, bodies):
-    """Bricks of the drift course with their centre inside a pier, one on a pier's very edge left out; a slab where it
-    takes the course's place."""
-    top = np.flatnonzero(bodies.course[:plan.n_bricks] == plan.drift_course)
+    """Bricks of the drift course with their centre inside a pier, one on a pier's very edge left
+    out; a slab where it takes the course's place."""
+    top = np.flatnonzero(bodies.course[: plan.n_bricks] == plan.drift_course)
     if not len(top):
         return np.flatnonzero(plan.taken[1] == plan.drift_course)
-    over = [any(left + TINY < x < right - TINY for left, right in plan.piers) for x in bodies.x[top]]
+    over = [
+        any(left + TINY < x < right - TINY for left, right in plan.piers) for x in bodies.x[top]
+    ]
     return top[over] if any(over) else top
 
 
 def _supports_below(bodies, length, kind):
-    """The Supports of a wall of this length [m]: "one" below all of it, or "bricks": one below each brick of the
-    base."""
+    """The Supports of a wall of this length [m]: "one" below all of it, or "bricks": one below each
+    brick of the base."""
     if kind == "one":
         return Supports(np.array([0.0]), np.array([float(length)]))
     base = bodies.course == 0
@@ -336,23 +435,35 @@ def _supports_below(bodies, length, kind):
 
 # --- cells --------------------------------------------------------------------------------------
 
+
 def _cell_breaks(plan, options):
     """Sorted positions x [m] at which every brick that spans them is divided.
 
-    Corner contacts lie at both ends of a segment, so one segment less gives as many points; of Gauss points there are
-    two in each, so that half as many do.
+    Corner contacts lie at both ends of a segment, so one segment less gives as many points; of
+    Gauss points there are two in each, so that half as many do.
     """
     segments, wall = segments_of(options), plan.wall
-    of_bricks = [x for course in plan.bricks for brick in course for x in (
-        *brick, *(cuts_of(wall.brick, options.brick_cells, *brick) if options.brick_cells else ()))]
-    edges = np.unique(np.round([*of_bricks, *(x for place in plan.lintels for x in place.edges)], 9))
+    of_bricks = [
+        x
+        for course in plan.bricks
+        for brick in course
+        for x in (
+            *brick,
+            *(cuts_of(wall.brick, options.brick_cells, *brick) if options.brick_cells else ()),
+        )
+    ]
+    edges = np.unique(
+        np.round([*of_bricks, *(x for place in plan.lintels for x in place.edges)], 9)
+    )
     breaks = [edges[0]]
     for left, right in pairwise(edges):
         width = right - left
         if width < 1e-3:
             raise InputError(
-                f"wall {wall.name}: head joints or openings' edges at x = {left:.6f} and {right:.6f} m "
-                f"leave a cell of {width * 1e3:.3g} mm, at least 1 mm is needed; move an opening's edge")
+                f"wall {wall.name}: head joints or openings' edges at x = {left:.6f} and"
+                f" {right:.6f} m leave a cell of {width * 1e3:.3g} mm, at least 1 mm is needed;"
+                " move an opening's edge"
+            )
         parts = max(1, round(segments * width / (wall.brick.length / 2)))
         breaks.extend(left + width * np.arange(1, parts + 1) / parts)
     return np.array(breaks)
@@ -361,6 +472,13 @@ def _cell_breaks(plan, options):
 def _make_cells(bodies, breaks):
     """Divide every body at the breaks inside it."""
     ends = zip(bodies.x - bodies.length / 2, bodies.x + bodies.length / 2)
-    edges = [[start, *breaks[(breaks > start + TINY) & (breaks < end - TINY)], end] for start, end in ends]
-    cells = [(body, left, right) for body, of_body in enumerate(edges) for left, right in pairwise(of_body)]
+    edges = [
+        [start, *breaks[(breaks > start + TINY) & (breaks < end - TINY)], end]
+        for start, end in ends
+    ]
+    cells = [
+        (body, left, right)
+        for body, of_body in enumerate(edges)
+        for left, right in pairwise(of_body)
+    ]
     return Cells(*map(np.array, zip(*cells)))

@@ -1,7 +1,7 @@
 """Masonry and brick formats by name, each value with its source: bricks and joints for a Wall.
 
-A value without a source that was read is None; whoever makes a joint of such a material gives it.  `MISSING` says what
-is not here.
+A value without a source that was read is None; whoever makes a joint of such a material gives it.
+`MISSING` says what is not here.
 """
 
 import math
@@ -13,17 +13,22 @@ from damage.errors import InputError, did_you_mean
 from damage.wall.parameters import Joint, brick_of_masonry
 
 _EUCENTRE = "the tests' row of EPFL's database of modern masonry walls (damage/data/eucentre)"
-_CALCIUM_SILICATE = ("F. Graziotti, A. Rossi, M. Mandirola, A. Penna, G. Magenes (2016), IBMAC 16, 1619-1628; "
-                     f"{_EUCENTRE}")
+_CALCIUM_SILICATE = (
+    "F. Graziotti, A. Rossi, M. Mandirola, A. Penna, G. Magenes (2016), IBMAC 16, 1619-1628; "
+    f"{_EUCENTRE}"
+)
 _CLAY = f"F. Graziotti and others (2016), report EUC128/2016U, Eucentre, Pavia; {_EUCENTRE}"
-_KORSWAGEN = "P. A. Korswagen, dissertation, TU Delft, 2022: fired clay brickwork, {} of three strengths"
+_KORSWAGEN = (
+    "P. A. Korswagen, dissertation, TU Delft, 2022: fired clay brickwork, {} of three strengths"
+)
 _PAPER = "V. Sarhosis and others (2021), doi:10.1016/j.engstruct.2021.112529, Tables 1 and 2"
 _MORTAR = 0.010  # [m]
 
 
 class Material(NamedTuple):
-    """Masonry as tested: what it is; young_modulus of masonry across its bed joints, tensile_strength, cohesion of
-    these [Pa], friction coefficient [-], fracture energies [J/m2]; None where the source has none."""
+    """Masonry as tested: what it is; young_modulus of masonry across its bed joints,
+    tensile_strength, cohesion of these [Pa], friction coefficient [-], fracture energies [J/m2];
+    None where the source has none."""
 
     what: str
     young_modulus: float | None
@@ -36,26 +41,77 @@ class Material(NamedTuple):
 
 
 MATERIALS = {
-    "sarhosis-2021": Material("the paper's calcium silicate brickwork, brittle; its modulus follows from joints of "
-                              "12e11 Pa/m and bricks of 5.2 GPa, 0.075 m high", 4.916e9, 0.21e6, 0.24e6,
-                              float(tan(math.radians(32.0))), None, None, _PAPER),
-    "calcium-silicate": Material("solid calcium silicate bricks, general-purpose mortar of 7.2 MPa; modulus of wallets",
-                                 3256e6, None, 0.21e6, 0.42, None, None, _CALCIUM_SILICATE),
-    "clay": Material("solid clay bricks, general-purpose mortar of 4.1 MPa; modulus of wallets, twice that of the "
-                     "tested walls (docs/validation/laboratory.md)", 9833e6, None, 0.15e6, 0.55, None, None, _CLAY),
-    "clay-weak": Material("clay brickwork, weak", 3571e6, 0.112e6, 0.119e6, 0.82, 5.6, 102.0,
-                          _KORSWAGEN.format("the lowest")),
-    "clay-standard": Material("clay brickwork, standard", 3571e6, 0.16e6, 0.17e6, 0.82, 11.3, 209.0,
-                              _KORSWAGEN.format("the middle")),
-    "clay-strong": Material("clay brickwork, strong", 3571e6, 0.208e6, 0.221e6, 0.82, 19.0, 353.0,
-                            _KORSWAGEN.format("the highest")),
+    "sarhosis-2021": Material(
+        "the paper's calcium silicate brickwork, brittle; its modulus follows from joints of "
+        "12e11 Pa/m and bricks of 5.2 GPa, 0.075 m high",
+        4.916e9,
+        0.21e6,
+        0.24e6,
+        float(tan(math.radians(32.0))),
+        None,
+        None,
+        _PAPER,
+    ),
+    "calcium-silicate": Material(
+        "solid calcium silicate bricks, general-purpose mortar of 7.2 MPa; modulus of wallets",
+        3256e6,
+        None,
+        0.21e6,
+        0.42,
+        None,
+        None,
+        _CALCIUM_SILICATE,
+    ),
+    "clay": Material(
+        "solid clay bricks, general-purpose mortar of 4.1 MPa; modulus of wallets, twice that of"
+        " the tested walls (docs/validation/laboratory.md)",
+        9833e6,
+        None,
+        0.15e6,
+        0.55,
+        None,
+        None,
+        _CLAY,
+    ),
+    "clay-weak": Material(
+        "clay brickwork, weak",
+        3571e6,
+        0.112e6,
+        0.119e6,
+        0.82,
+        5.6,
+        102.0,
+        _KORSWAGEN.format("the lowest"),
+    ),
+    "clay-standard": Material(
+        "clay brickwork, standard",
+        3571e6,
+        0.16e6,
+        0.17e6,
+        0.82,
+        11.3,
+        209.0,
+        _KORSWAGEN.format("the middle"),
+    ),
+    "clay-strong": Material(
+        "clay brickwork, strong",
+        3571e6,
+        0.208e6,
+        0.221e6,
+        0.82,
+        19.0,
+        353.0,
+        _KORSWAGEN.format("the highest"),
+    ),
 }
 """{name: Material}."""
 
 
-MISSING = ("clay brick in lime (before 1930), calcium silicate in thin-layer mortar, coefficients of variation and "
-           "densities: no source with numbers could be read; S. Jafari, L. Panoutsopoulou, J. G. Rots (2015), report "
-           "C31B60-3, TU Delft, tests original Groningen masonry")
+MISSING = (
+    "clay brick in lime (before 1930), calcium silicate in thin-layer mortar, coefficients of"
+    " variation and densities: no source with numbers could be read; S. Jafari, L. Panoutsopoulou,"
+    " J. G. Rots (2015), report C31B60-3, TU Delft, tests original Groningen masonry"
+)
 """What has no numbers here, and why."""
 
 
@@ -69,9 +125,15 @@ class Format(NamedTuple):
 
 
 FORMATS = {
-    "waalformaat": Format(0.210, 0.100, 0.050, "tipp-zum-bau.de/waalformat, documentatie.org: 75 to the square metre"),
-    "waaldikformaat": Format(0.210, 0.100, 0.065, "tipp-zum-bau.de/waalformat: 58 to the square metre"),
-    "rijnvorm": Format(0.180, 0.085, 0.050, "users.telenet.be/debrandt/Steenbakkerij: terminology of bricks"),
+    "waalformaat": Format(
+        0.210, 0.100, 0.050, "tipp-zum-bau.de/waalformat, documentatie.org: 75 to the square metre"
+    ),
+    "waaldikformaat": Format(
+        0.210, 0.100, 0.065, "tipp-zum-bau.de/waalformat: 58 to the square metre"
+    ),
+    "rijnvorm": Format(
+        0.180, 0.085, 0.050, "users.telenet.be/debrandt/Steenbakkerij: terminology of bricks"
+    ),
     "normalformat": Format(0.240, 0.115, 0.071, "the German NF; burma-ksa.com/nl/advices/1399"),
     "eucentre-clay": Format(0.208, 0.100, 0.050, _CLAY),
     "eucentre-calcium-silicate": Format(0.212, 0.102, 0.071, _CALCIUM_SILICATE),
@@ -79,62 +141,106 @@ FORMATS = {
 """{name: Format}."""
 
 
-def masonry(material, brick_format, *, mortar=_MORTAR, wythes=1, density=1900.0, young_modulus=None, **joint):
-    """{"brick": Brick, "joint": Joint} of a material and a brick format by their names, as a Wall takes them.
+def masonry(
+    material, brick_format, *, mortar=_MORTAR, wythes=1, density=1900.0, young_modulus=None, **joint
+):
+    """{"brick": Brick, "joint": Joint} of a material and a brick format by their names, as a Wall
+    takes them.
 
-    mortar: thickness of joints [m], part of the bricks' sizes; wythes: bricks side by side through the thickness, with
-    mortar between them; density [kg/m3]; young_modulus: of masonry across its bed joints, in place of the material's
-    [Pa], which the bricks are so stiff as to give; joint: other values for fields of the Joint, as tensile_strength,
-    which a material without it needs.
+    mortar: thickness of joints [m], part of the bricks' sizes; wythes: bricks side by side through
+    the thickness, with mortar between them; density [kg/m3]; young_modulus: of masonry across its
+    bed joints, in place of the material's [Pa], which the bricks are so stiff as to give; joint:
+    other values for fields of the Joint, as tensile_strength, which a material without it needs.
     Raises InputError for unknown names and missing values.
 
     >>> sorted(masonry("clay-standard", "waalformaat"))
     ['brick', 'joint']
     """
-    found, size = _named("material", material, MATERIALS), _named("brick format", brick_format, FORMATS)
+    found, size = (
+        _named("material", material, MATERIALS),
+        _named("brick format", brick_format, FORMATS),
+    )
     check_range("mortar [m]", mortar, 0.0, 0.05)
     check_number("wythes", wythes, "a whole number from 1 to 6", lambda value: value in range(1, 7))
-    given = {name: getattr(found, name) for name in (
-        "tensile_strength", "cohesion", "mode_i_fracture_energy", "mode_ii_fracture_energy")}
+    given = {
+        name: getattr(found, name)
+        for name in (
+            "tensile_strength",
+            "cohesion",
+            "mode_i_fracture_energy",
+            "mode_ii_fracture_energy",
+        )
+    }
     given["friction_angle"] = float(atan(found.friction))
     unknown = sorted(set(joint) - set(Joint.__dataclass_fields__))
     if unknown:
-        raise InputError(f"masonry({unknown[0]}=...): expected a field of Joint{did_you_mean(unknown[0], given)}")
+        raise InputError(
+            f"masonry({unknown[0]}=...): expected a field of Joint{did_you_mean(unknown[0], given)}"
+        )
     given |= joint
     if given["tensile_strength"] is None:
-        raise InputError(f"material {material}: its source has no tensile strength of the joints: expected yours; "
-                         "give tensile_strength=... [Pa], as 0.21 / 0.24 of the cohesion like the paper's Table 1")
+        raise InputError(
+            f"material {material}: its source has no tensile strength of the joints: expected"
+            " yours; give tensile_strength=... [Pa], as 0.21 / 0.24 of the cohesion like the"
+            " paper's Table 1"
+        )
     made = Joint(**given)
     modulus = found.young_modulus if young_modulus is None else young_modulus
-    brick = brick_of_masonry(modulus, made, length=size.length + mortar, height=size.height + mortar,
-                             thickness=wythes * size.thickness + (wythes - 1) * mortar, density=density)
+    brick = brick_of_masonry(
+        modulus,
+        made,
+        length=size.length + mortar,
+        height=size.height + mortar,
+        thickness=wythes * size.thickness + (wythes - 1) * mortar,
+        density=density,
+    )
     return {"brick": brick, "joint": made}
 
 
 def _named(what, name, known):
     """The record of a name; InputError where there is none."""
     if name not in known:
-        raise InputError(f"{what} {name!r}: expected one of {', '.join(known)} (python3 -m damage materials)"
-                         f"{did_you_mean(name, known)}")
+        raise InputError(
+            f"{what} {name!r}: expected one of {', '.join(known)} (python3 -m damage materials)"
+            f"{did_you_mean(name, known)}"
+        )
     return known[name]
 
 
 def as_dict():
     """Materials and formats as plain tables, in SI units."""
-    return {"materials": {name: one._asdict() for name, one in MATERIALS.items()},
-            "formats": {name: one._asdict() for name, one in FORMATS.items()}}
+    return {
+        "materials": {name: one._asdict() for name, one in MATERIALS.items()},
+        "formats": {name: one._asdict() for name, one in FORMATS.items()},
+    }
 
 
 def describe():
     """Materials and formats with sources, as text."""
     lines = []
     for name, one in MATERIALS.items():
-        energies = "brittle" if one.mode_i_fracture_energy is None else (
-            f"G_I {one.mode_i_fracture_energy:g}, G_II {one.mode_ii_fracture_energy:g} J/m2")
-        tension = "f_t not given" if one.tensile_strength is None else f"f_t {one.tensile_strength / 1e6:g} MPa"
-        lines += [f"{name}: E {one.young_modulus / 1e6:g} MPa, {tension}, c {one.cohesion / 1e6:g} MPa, "
-                  f"tan(phi) {one.friction:.3g}, {energies}", f"    {one.what}", f"    source: {one.source}"]
+        energies = (
+            "brittle"
+            if one.mode_i_fracture_energy is None
+            else (f"G_I {one.mode_i_fracture_energy:g}, G_II {one.mode_ii_fracture_energy:g} J/m2")
+        )
+        tension = (
+            "f_t not given"
+            if one.tensile_strength is None
+            else f"f_t {one.tensile_strength / 1e6:g} MPa"
+        )
+        lines += [
+            (
+                f"{name}: E {one.young_modulus / 1e6:g} MPa, {tension}, c {one.cohesion / 1e6:g}"
+                f" MPa, tan(phi) {one.friction:.3g}, {energies}"
+            ),
+            f"    {one.what}",
+            f"    source: {one.source}",
+        ]
     lines.append("brick formats, length x thickness x height without mortar:")
     for name, one in FORMATS.items():
-        lines.append(f"{name}: {1e3 * one.length:g} x {1e3 * one.thickness:g} x {1e3 * one.height:g} mm; {one.source}")
+        lines.append(
+            f"{name}: {1e3 * one.length:g} x {1e3 * one.thickness:g} x {1e3 * one.height:g} mm;"
+            f" {one.source}"
+        )
     return "\n".join([*lines, f"not here: {MISSING}"])

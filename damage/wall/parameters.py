@@ -19,8 +19,8 @@ from damage.wall.plan import check_bearing, check_outline, plan_of
 from damage.wall.restraints import Restraint, check_restraints
 
 LONGEST_M, LONGEST_NAME, MOST_PARTS = 1000.0, 100, 1000
-"""What a wall may have: length and height [m], characters of its name; openings, floors, or points of the outline:
-each is compared with all others."""
+"""What a wall may have: length and height [m], characters of its name; openings, floors, or points
+of the outline: each is compared with all others."""
 
 
 @dataclass(frozen=True)
@@ -30,27 +30,69 @@ class Brick:
     length, height, thickness [m]: along x, z and y.
     density [kg/m3]: not in the paper; 1900 is usual for calcium silicate and clay brickwork.
     young_modulus, shear_modulus [Pa]: Table 2.
-    tensile_strength, cohesion [Pa]: at which whole bricks split in the middle, in bending and in shear
-        (`damage.wall.split`); None, the first, for bricks that do not split, as in the paper; the second, for those
-        that tension alone splits.
+    tensile_strength, cohesion [Pa]: at which whole bricks split in the middle, in bending and in
+    shear
+        (`damage.wall.split`); None, the first, for bricks that do not split, as in the paper; the
+        second, for those that tension alone splits.
     """
 
-    length: float = quantity("m", 1e-3, 100.0, (0.02, 2), "a brick of a scale model; calcium silicate elements have "
-                             "1 m", default=0.225)
-    height: float = quantity("m", 1e-3, 100.0, (0.01, 2), "a brick of a scale model; calcium silicate elements have "
-                             "0.65 m", default=0.075)
-    thickness: float = quantity("m", 1e-3, 100.0, (0.01, 3), "a brick of a scale model; a historical wall",
-                                default=0.1025)
-    density: float = quantity("kg/m3", 1.0, 1e5, (300, 4000), "autoclaved aerated concrete has 300 or more, EN 771-4; "
-                              "dense stone has 3000", default=1900.0)
-    young_modulus: float = quantity("Pa", 1.0, 1e20, (1e8, 1e12), "adobe; stone has up to 1e11, a brick of "
-                                    "`brick_of_masonry` may have more", others=MODULI, default=5.2e9)
-    shear_modulus: float = quantity("Pa", 1.0, 1e20, (3e7, 1e12), "0.4 of Young's modulus, EN 1996-1-1, 3.7.3",
-                                    others=MODULI, default=2.16e9)
-    tensile_strength: float | None = quantity("Pa", 0.0, 1e20, (1e4, 1e8), "adobe; clay bricks have some 1e6",
-                                              zero=True, default=None)
-    cohesion: float | None = quantity("Pa", 0.0, 1e20, (1e4, 1e8), "as the tensile strength, or some times that",
-                                      zero=True, default=None)
+    length: float = quantity(
+        "m",
+        1e-3,
+        100.0,
+        (0.02, 2),
+        "a brick of a scale model; calcium silicate elements have 1 m",
+        default=0.225,
+    )
+    height: float = quantity(
+        "m",
+        1e-3,
+        100.0,
+        (0.01, 2),
+        "a brick of a scale model; calcium silicate elements have 0.65 m",
+        default=0.075,
+    )
+    thickness: float = quantity(
+        "m", 1e-3, 100.0, (0.01, 3), "a brick of a scale model; a historical wall", default=0.1025
+    )
+    density: float = quantity(
+        "kg/m3",
+        1.0,
+        1e5,
+        (300, 4000),
+        "autoclaved aerated concrete has 300 or more, EN 771-4; dense stone has 3000",
+        default=1900.0,
+    )
+    young_modulus: float = quantity(
+        "Pa",
+        1.0,
+        1e20,
+        (1e8, 1e12),
+        "adobe; stone has up to 1e11, a brick of `brick_of_masonry` may have more",
+        others=MODULI,
+        default=5.2e9,
+    )
+    shear_modulus: float = quantity(
+        "Pa",
+        1.0,
+        1e20,
+        (3e7, 1e12),
+        "0.4 of Young's modulus, EN 1996-1-1, 3.7.3",
+        others=MODULI,
+        default=2.16e9,
+    )
+    tensile_strength: float | None = quantity(
+        "Pa", 0.0, 1e20, (1e4, 1e8), "adobe; clay bricks have some 1e6", zero=True, default=None
+    )
+    cohesion: float | None = quantity(
+        "Pa",
+        0.0,
+        1e20,
+        (1e4, 1e8),
+        "as the tensile strength, or some times that",
+        zero=True,
+        default=None,
+    )
 
     @property
     def splits(self):
@@ -60,8 +102,10 @@ class Brick:
     def __post_init__(self):
         check_fields(self)
         if self.cohesion is not None and not self.splits:
-            raise InputError(f"Brick.cohesion = {self.cohesion:g} Pa of bricks that do not split: expected a tensile "
-                             "strength beside it; give Brick(tensile_strength=...), or leave it out")
+            raise InputError(
+                f"Brick.cohesion = {self.cohesion:g} Pa of bricks that do not split: expected a"
+                " tensile strength beside it; give Brick(tensile_strength=...), or leave it out"
+            )
 
 
 def nearest(number):
@@ -83,49 +127,102 @@ class Joint:
 
     normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.
-    mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond fails;
-        None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and 102 to 353
-        (Korswagen, dissertation, TU Delft, 2022); "rule": by `softening_energies`.
-    compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not, as in the paper.
-    compressive_fracture_energy [J/m2]: what crushing takes until no strength is left; None or 0 where the strength
+    mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the
+    bond fails;
+        None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and
+        102 to 353 (Korswagen, dissertation, TU Delft, 2022); "rule": by `softening_energies`.
+    compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not,
+    as in the paper. compressive_fracture_energy [J/m2]: what crushing takes until no strength is
+    left; None or 0 where the strength
         stays; "rule": by `crushing_energy`.
     """
 
-    normal_stiffness: float = quantity("Pa/m", 1.0, 1e20, (1e8, 1e14), "dry joints of tests have some 1e9; the paper's "
-                                       "Table 1 has 12e11", default=12e11)
-    shear_stiffness: float = quantity("Pa/m", 1.0, 1e20, (3e7, 1e14), "0.4 of the normal stiffness", default=4e11)
-    friction_angle: float = quantity("rad", 0.0, math.inf, (0.05, 1.2), "friction coefficients of 0.05 and 2.6; "
-                                     "EN 1996-1-1, 3.6.2, has 0.4", zero=True, default=math.radians(32.0))
-    tensile_strength: float = quantity("Pa", 0.0, 1e20, (1e3, 1e7), "lime mortar; thin glued joints have some 1e6",
-                                       zero=True, default=0.21e6)
-    cohesion: float = quantity("Pa", 0.0, 1e20, (1e3, 1e7), "EN 1996-1-1, 3.6.2, has 1e5 to 4e5", zero=True,
-                               default=0.24e6)
+    normal_stiffness: float = quantity(
+        "Pa/m",
+        1.0,
+        1e20,
+        (1e8, 1e14),
+        "dry joints of tests have some 1e9; the paper's Table 1 has 12e11",
+        default=12e11,
+    )
+    shear_stiffness: float = quantity(
+        "Pa/m", 1.0, 1e20, (3e7, 1e14), "0.4 of the normal stiffness", default=4e11
+    )
+    friction_angle: float = quantity(
+        "rad",
+        0.0,
+        math.inf,
+        (0.05, 1.2),
+        "friction coefficients of 0.05 and 2.6; EN 1996-1-1, 3.6.2, has 0.4",
+        zero=True,
+        default=math.radians(32.0),
+    )
+    tensile_strength: float = quantity(
+        "Pa",
+        0.0,
+        1e20,
+        (1e3, 1e7),
+        "lime mortar; thin glued joints have some 1e6",
+        zero=True,
+        default=0.21e6,
+    )
+    cohesion: float = quantity(
+        "Pa", 0.0, 1e20, (1e3, 1e7), "EN 1996-1-1, 3.6.2, has 1e5 to 4e5", zero=True, default=0.24e6
+    )
     mode_i_fracture_energy: float | str | None = quantity(
-        "J/m2", 0, 1e9, (0.5, 1e4), "clay brickwork has 5.6 to 19 (Korswagen, 2022)", zero=True, words=(RULE,),
-        default=None)
+        "J/m2",
+        0,
+        1e9,
+        (0.5, 1e4),
+        "clay brickwork has 5.6 to 19 (Korswagen, 2022)",
+        zero=True,
+        words=(RULE,),
+        default=None,
+    )
     mode_ii_fracture_energy: float | str | None = quantity(
-        "J/m2", 0, 1e9, (1, 1e5), "clay brickwork has 102 to 353 (Korswagen, 2022)", zero=True, words=(RULE,),
-        default=None)
+        "J/m2",
+        0,
+        1e9,
+        (1, 1e5),
+        "clay brickwork has 102 to 353 (Korswagen, 2022)",
+        zero=True,
+        words=(RULE,),
+        default=None,
+    )
     compressive_strength: float | None = quantity(
-        "Pa", 0.0, 1e20, (1e5, 1e9), "adobe; the strongest bricks have some 1e8", default=None)
+        "Pa", 0.0, 1e20, (1e5, 1e9), "adobe; the strongest bricks have some 1e8", default=None
+    )
     compressive_fracture_energy: float | str | None = quantity(
-        "J/m2", 0, 1e9, (100, 1e6), "masonry has 0.33 to 1.6 mm times its strength (Lourenço, 2009)", zero=True,
-        words=(RULE,), default=None)
+        "J/m2",
+        0,
+        1e9,
+        (100, 1e6),
+        "masonry has 0.33 to 1.6 mm times its strength (Lourenço, 2009)",
+        zero=True,
+        words=(RULE,),
+        default=None,
+    )
 
     def __post_init__(self):
         check_fields(self)
         if self.compressive_strength == 0:
-            raise InputError("Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do not "
-                             "crush; correct it")
+            raise InputError(
+                "Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do"
+                " not crush; correct it"
+            )
         for name, energy in _energies_by_rule(self).items():
             object.__setattr__(self, name, energy)
         if self.compressive_fracture_energy and self.compressive_strength is None:
-            raise InputError(f"Joint.compressive_fracture_energy = {self.compressive_fracture_energy:g} J/m2 of joints "
-                             "that do not crush: expected a compressive strength beside it; give "
-                             "Joint(compressive_strength=...), or leave it out")
+            raise InputError(
+                f"Joint.compressive_fracture_energy = {self.compressive_fracture_energy:g} J/m2 of"
+                " joints that do not crush: expected a compressive strength beside it; give"
+                " Joint(compressive_strength=...), or leave it out"
+            )
         if self.friction_angle >= math.pi / 2:
-            raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
-                             "pi/2; give radians, for example math.radians(32)")
+            raise InputError(
+                f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
+                "pi/2; give radians, for example math.radians(32)"
+            )
         _check_fracture_energies(self)
 
     @property
@@ -138,36 +235,48 @@ ENERGIES = "mode_i_fracture_energy", "mode_ii_fracture_energy", "compressive_fra
 
 
 def _energies_by_rule(joint):
-    """{name: J/m2} of the fracture energies that a Joint is given as RULE; InputError where it lacks the strength."""
+    """{name: J/m2} of the fracture energies that a Joint is given as RULE; InputError where it
+    lacks the strength."""
     asked = [name for name in ENERGIES if getattr(joint, name) == RULE]
     for name in asked:
         strength = "tensile_strength" if name in ENERGIES[:2] else "compressive_strength"
         if not getattr(joint, strength):
-            raise InputError(f"Joint.{name} = {RULE!r} with {strength} = {getattr(joint, strength)}: expected a "
-                             f"strength above zero, of which the rule makes the energy; give Joint({strength}=...) "
-                             "[Pa]")
+            raise InputError(
+                f"Joint.{name} = {RULE!r} with {strength} = {getattr(joint, strength)}: expected a"
+                " strength above zero, of which the rule makes the energy; give"
+                f" Joint({strength}=...) [Pa]"
+            )
     made = softening_energies(joint.tensile_strength)
     made[ENERGIES[2]] = crushing_energy(joint.compressive_strength or 0.0)
     return {name: made[name] for name in asked}
 
 
 def _check_fracture_energies(joint):
-    """Refuse one fracture energy without the other, and strengths that a softening bond cannot have."""
+    """Refuse one fracture energy without the other, and strengths that a softening bond cannot
+    have."""
     given = [getattr(joint, name) or 0.0 for name in ENERGIES[:2]]
     if (given[0] > 0) != (given[1] > 0):
-        raise InputError(f"Joint with fracture energies {given[0]:g} and {given[1]:g} J/m2 in modes I and II: expected "
-                         "both above zero, or neither for a brittle bond; give the other, about ten times in mode II")
+        raise InputError(
+            f"Joint with fracture energies {given[0]:g} and {given[1]:g} J/m2 in modes I and II:"
+            " expected both above zero, or neither for a brittle bond; give the other, about ten"
+            " times in mode II"
+        )
     apex = joint.tensile_strength * tan(joint.friction_angle)
     if given[0] > 0 and not (joint.tensile_strength > 0 and 0 < joint.cohesion >= apex):
-        raise InputError(f"Joint with fracture energies, tensile strength {joint.tensile_strength:g} and cohesion "
-                         f"{joint.cohesion:g} Pa: expected both above zero, and no tension beyond cohesion / "
-                         "tan(friction angle), where shear strength ends; give other strengths, or no energies")
+        raise InputError(
+            f"Joint with fracture energies, tensile strength {joint.tensile_strength:g} and"
+            f" cohesion {joint.cohesion:g} Pa: expected both above zero, and no tension beyond"
+            " cohesion / tan(friction angle), where shear strength ends; give other strengths, or"
+            " no energies"
+        )
 
 
 def softening_energies(tensile_strength):
-    """{name: J/m2} of a Joint's fracture energies by a rule in use, from its tensile strength [Pa] alone:
-    G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa, G_II = 10 G_I.  Its power of 0.7 is that of G_F = G_F0 (f_cm/10)^0.7,
-    CEB-FIP Model Code 1990 for concrete; who first used it for joints is not known here.
+    """{name: J/m2} of a Joint's fracture energies by a rule in use, from its tensile strength [Pa]
+    alone:
+    G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa, G_II = 10 G_I.  Its power of 0.7 is that of G_F =
+    G_F0 (f_cm/10)^0.7, CEB-FIP Model Code 1990 for concrete; who first used it for joints is not
+    known here.
 
     >>> {name: round(value, 1) for name, value in softening_energies(0.18375e6).items()}
     {'mode_i_fracture_energy': 12.4, 'mode_ii_fracture_energy': 124.1}
@@ -177,11 +286,14 @@ def softening_energies(tensile_strength):
 
 
 def crushing_energy(compressive_strength):
-    """Compressive fracture energy [J/m2] of a Joint from the compressive strength f_c of the masonry [Pa] alone.
+    """Compressive fracture energy [J/m2] of a Joint from the compressive strength f_c of the
+    masonry [Pa] alone.
 
-    G_c = 15 + 0.43 f_c - 0.0036 f_c^2 N/mm with f_c in MPa from 12 to 80; below, G_c / f_c = 1.6 mm, above 0.33 mm: the
-    ductility index that P. B. Lourenço recommends (Recent advances in masonry structures, 2009; M. Angelillo,
-    P. B. Lourenço, G. Milani, Masonry behaviour and modelling, CISM 551, 2014), after Model Code 1990 for concrete.
+    G_c = 15 + 0.43 f_c - 0.0036 f_c^2 N/mm with f_c in MPa from 12 to 80; below, G_c / f_c = 1.6
+    mm, above 0.33 mm: the ductility index that P. B. Lourenço recommends (Recent advances in
+    masonry structures, 2009; M. Angelillo,
+    P. B. Lourenço, G. Milani, Masonry behaviour and modelling, CISM 551, 2014), after Model Code
+    1990 for concrete.
 
     >>> crushing_energy(11.22e6), round(crushing_energy(20e6))
     (17952.0, 22160)
@@ -189,31 +301,42 @@ def crushing_energy(compressive_strength):
     strength = compressive_strength / 1e6
     if strength < 12:
         return 1.6 * 1e3 * strength
-    return 1e3 * (0.33 * strength if strength > 80 else 15 + 0.43 * strength - 0.0036 * strength * strength)
+    return 1e3 * (
+        0.33 * strength if strength > 80 else 15 + 0.43 * strength - 0.0036 * strength * strength
+    )
 
 
 def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
     """A Brick so stiff that, with its bed joints, the masonry has this modulus across them [Pa].
 
-    1/E = 1/E_brick + 1/(k_n h), and with G = shear_ratio E (EN 1996-1-1, 3.7.3: 0.4) and k_s in shear; sizes:
+    1/E = 1/E_brick + 1/(k_n h), and with G = shear_ratio E (EN 1996-1-1, 3.7.3: 0.4) and k_s in
+    shear; sizes:
     the brick's other parameters.
     """
     brick = Brick(**sizes)
     check_range("young_modulus of masonry [Pa]", young_modulus, 1.0, 1e20)
-    moduli = [1 / (1 / modulus - 1 / (stiffness * brick.height)) for modulus, stiffness in
-              ((young_modulus, joint.normal_stiffness), (shear_ratio * young_modulus, joint.shear_stiffness))]
+    moduli = [
+        1 / (1 / modulus - 1 / (stiffness * brick.height))
+        for modulus, stiffness in (
+            (young_modulus, joint.normal_stiffness),
+            (shear_ratio * young_modulus, joint.shear_stiffness),
+        )
+    ]
     if min(moduli) <= 0:
         most = brick.height * min(joint.normal_stiffness, joint.shear_stiffness / shear_ratio)
-        raise InputError(f"masonry of {young_modulus:g} Pa: its bed joints alone are softer; expected less than "
-                         f"{most:.3g} Pa; give stiffer joints")
+        raise InputError(
+            f"masonry of {young_modulus:g} Pa: its bed joints alone are softer; expected less than "
+            f"{most:.3g} Pa; give stiffer joints"
+        )
     return replace(brick, young_modulus=moduli[0], shear_modulus=moduli[1])
 
 
 @dataclass(frozen=True)
 class Opening:
     """A rectangular opening: left edge and sill [m] from the wall's lower left corner, width and
-    height [m].  Height and level are laid to whole courses (`Wall.opening_courses`); in length its edges stay as
-    given.  lintel: a damage.wall.lintels.Lintel or its kind, None for that of the wall."""
+    height [m].  Height and level are laid to whole courses (`Wall.opening_courses`); in length its
+    edges stay as given.  lintel: a damage.wall.lintels.Lintel or its kind, None for that of the
+    wall."""
 
     left: float = quantity("m", 0.0, LONGEST_M)
     width: float = quantity("m", 1e-3, LONGEST_M, (0.03, 50), "a vent; the gate of a hall")
@@ -237,27 +360,40 @@ class Wall:
 
     name: short, used in file names.
     length, height [m]: the height is built in whole courses (the nearest number of them).
-    precompression [Pa]: vertical stress at the top, carried as mass and its weight; over the whole length, or in the
+    precompression [Pa]: vertical stress at the top, carried as mass and its weight; over the whole
+    length, or in the
         piers alone, as `ModelOptions.load` says.
     base_course: the base course starts on the left with a "whole" or a "half" brick.
-    outline: points (x, z) [m] of its top edge from (0, z) to (length, z), its highest at the height; none for a
+    outline: points (x, z) [m] of its top edge from (0, z) to (length, z), its highest at the
+    height; none for a
         rectangular wall.  `damage.wall.plan` says how bricks follow it.
     floors: of `damage.wall.floors.Floor`.
-    lintel: of openings that have none of their own, a `damage.wall.lintels.Lintel` or its kind; "courses" in the
+    lintel: of openings that have none of their own, a `damage.wall.lintels.Lintel` or its kind;
+    "courses" in the
         paper's walls, where `ModelOptions.lintel` says which joints stay elastic.
     restraints: of `damage.wall.restraints.Restraint`: floors that hold the top, party walls.
 
-    A strip of a wall in one-way bending between floors, out of its plane, is a plane problem, too: a column of courses
-    whose `length` is the wall's thickness, `brick.length` twice that and `brick.thickness` the width of the strip,
-    under a restraint of its top (docs/guides/own-wall.md).
+    A strip of a wall in one-way bending between floors, out of its plane, is a plane problem, too:
+    a column of courses whose `length` is the wall's thickness, `brick.length` twice that and
+    `brick.thickness` the width of the strip, under a restraint of its top
+    (docs/guides/own-wall.md).
     """
 
     name: str
-    length: float = quantity("m", 1e-3, LONGEST_M, (0.1, 200), "a pier of half a brick; a terrace of houses")
+    length: float = quantity(
+        "m", 1e-3, LONGEST_M, (0.1, 200), "a pier of half a brick; a terrace of houses"
+    )
     height: float = quantity("m", 1e-3, LONGEST_M, (0.03, 50), "one course; a tower")
     openings: tuple[Opening, ...] = ()
-    precompression: float = quantity("Pa", 0.0, 1e9, (1e3, 2e7), "a light roof; the strength of strong masonry",
-                                     zero=True, default=0.3e6)
+    precompression: float = quantity(
+        "Pa",
+        0.0,
+        1e9,
+        (1e3, 2e7),
+        "a light roof; the strength of strong masonry",
+        zero=True,
+        default=0.3e6,
+    )
     base_course: str = choice(("whole", "half"), default="whole")
     brick: Brick = field(default_factory=Brick)
     joint: Joint = field(default_factory=Joint)
@@ -270,16 +406,20 @@ class Wall:
         object.__setattr__(self, "lintel", lintel_of(self.lintel))
         named = isinstance(self.name, str) and 0 < len(self.name) <= LONGEST_NAME
         if not named or not all(c.isalnum() or c in "-_" for c in self.name):
-            raise InputError(f"Wall.name = {self.name!r}: expected up to {LONGEST_NAME} letters, digits, '-' or '_', "
-                             "since it names files; rename the wall")
+            raise InputError(
+                f"Wall.name = {self.name!r}: expected up to {LONGEST_NAME} letters, digits, '-' or"
+                " '_', since it names files; rename the wall"
+            )
         for name, kind in (("openings", Opening), ("floors", Floor), ("restraints", Restraint)):
             object.__setattr__(self, name, _records(f"Wall.{name}", getattr(self, name), kind))
         object.__setattr__(self, "outline", _points("Wall.outline", self.outline))
         check_fields(self)
         object.__setattr__(self, "floors", tuple(floor.on(self) for floor in self.floors))
         if self.courses < 1 or self.length < self.brick.length / 2:
-            raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
-                             "half a brick by one course; make it larger")
+            raise InputError(
+                f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
+                "half a brick by one course; make it larger"
+            )
         _check_count(self)
         if self.outline:
             check_outline(self)
@@ -306,9 +446,9 @@ class Wall:
     def opening_courses(self, opening):
         """First course of an opening and the first above it.
 
-        Its height is laid to the nearest number of courses, and these to the level at which its middle is nearest to
-        where it is given, halves up: both edges by themselves would make three courses two or four.  It stays below
-        the wall's top where it is given so.
+        Its height is laid to the nearest number of courses, and these to the level at which its
+        middle is nearest to where it is given, halves up: both edges by themselves would make three
+        courses two or four.  It stays below the wall's top where it is given so.
         """
         course, top = self.brick.height, opening.sill + opening.height
         count = nearest(opening.height / course)
@@ -322,18 +462,23 @@ class Wall:
         return opening.lintel or self.lintel
 
     def with_lintels(self, option):
-        """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic", else those of a
-        kind over all openings, or courses."""
+        """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic",
+        else those of a kind over all openings, or courses."""
         if option == "elastic":
             return self
-        return replace(self, lintel=option if option in KINDS_OF_LINTELS else "courses",
-                       openings=tuple(replace(one, lintel=None) for one in self.openings))
+        return replace(
+            self,
+            lintel=option if option in KINDS_OF_LINTELS else "courses",
+            openings=tuple(replace(one, lintel=None) for one in self.openings),
+        )
 
     def as_dict(self):
-        """All parameters as a plain dictionary, for files and tables; without outline, floors, restraints and
-        lintels of its own where it has none."""
+        """All parameters as a plain dictionary, for files and tables; without outline, floors,
+        restraints and lintels of its own where it has none."""
         optional = "outline", "floors", "restraints"
-        table = {name: value for name, value in asdict(self).items() if value or name not in optional}
+        table = {
+            name: value for name, value in asdict(self).items() if value or name not in optional
+        }
         for floor in table.get("floors", ()):
             for name in ("mass_per_area", "tributary_width"):  # older versions do not know them
                 if floor[name] is None:
@@ -346,13 +491,19 @@ class Wall:
 
     @classmethod
     def from_dict(cls, table):
-        """The wall of which `as_dict` made the table; one with openings and without a lintel has "courses"."""
-        parts = {name: record_from(kind, table.get(name, {})) for name, kind in (("brick", Brick), ("joint", Joint))}
+        """The wall of which `as_dict` made the table; one with openings and without a lintel has
+        "courses"."""
+        parts = {
+            name: record_from(kind, table.get(name, {}))
+            for name, kind in (("brick", Brick), ("joint", Joint))
+        }
         parts["lintel"] = table.get("lintel", "courses" if table.get("openings") else "concrete")
         openings = tuple(record_from(Opening, one) for one in table.get("openings", ()))
         floors = tuple(record_from(Floor, one) for one in table.get("floors", ()))
         restraints = tuple(record_from(Restraint, one) for one in table.get("restraints", ()))
-        return record_from(cls, table | parts | {"openings": openings, "floors": floors, "restraints": restraints})
+        return record_from(
+            cls, table | parts | {"openings": openings, "floors": floors, "restraints": restraints}
+        )
 
 
 def _records(what, given, kind):
@@ -360,7 +511,9 @@ def _records(what, given, kind):
     found = tuple(given) if isinstance(given, (list, tuple)) else (given,)
     for one in found:
         if not isinstance(one, kind):
-            raise InputError(f"{what} has {one!r}: expected {kind.__name__}(...) records in a list; correct it")
+            raise InputError(
+                f"{what} has {one!r}: expected {kind.__name__}(...) records in a list; correct it"
+            )
     return found
 
 
@@ -369,52 +522,71 @@ def _points(what, given):
     try:
         found = tuple((x, z) for x, z in given)
     except (TypeError, ValueError):
-        raise InputError(f"{what} = {given!r}: expected points (x, z) in a list; correct it") from None
+        raise InputError(
+            f"{what} = {given!r}: expected points (x, z) in a list; correct it"
+        ) from None
     for value in (number for point in found for number in point):
         check_range(what, value, -LONGEST_M, LONGEST_M)
     return found
 
 
 def _check_count(wall):
-    """Refuse more bricks, openings, floors or points of the outline than can be computed; in another unit a wall may
-    have too many bricks."""
+    """Refuse more bricks, openings, floors or points of the outline than can be computed; in
+    another unit a wall may have too many bricks."""
     bricks = wall.courses * math.ceil(wall.length / wall.brick.length)
     if bricks > MOST_BRICKS:
         meant = implausible_fields(wall, wall.brick, unit="m")
-        raise InputError(f"wall {wall.name}: {'; '.join(meant)}. Correct the unit: {bricks} bricks are more than "
-                         f"{MOST_BRICKS}" if meant else
-                         f"wall {wall.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it "
-                         "smaller, or of larger bricks")
+        raise InputError(
+            f"wall {wall.name}: {'; '.join(meant)}. Correct the unit: {bricks} bricks are more than"
+            f" {MOST_BRICKS}"
+            if meant
+            else (
+                f"wall {wall.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it"
+                " smaller, or of larger bricks"
+            )
+        )
     for name in ("openings", "floors", "outline"):
         if len(getattr(wall, name)) > MOST_PARTS:
-            raise InputError(f"wall {wall.name}: {len(getattr(wall, name))} {name}: expected up to {MOST_PARTS}; "
-                             "leave some out")
+            raise InputError(
+                f"wall {wall.name}: {len(getattr(wall, name))} {name}: expected up to {MOST_PARTS};"
+                " leave some out"
+            )
 
 
 def _check_openings(wall):
     """Refuse openings outside the wall, overlapping, or leaving too little beside or above them."""
     for number, opening in enumerate(wall.openings, start=1):
-        what = (f"wall {wall.name}, opening {number} (x {opening.left:g} to {opening.right:g} m, "
-                f"z {opening.sill:g} to {opening.sill + opening.height:g} m)")
+        what = (
+            f"wall {wall.name}, opening {number} (x {opening.left:g} to {opening.right:g} m, "
+            f"z {opening.sill:g} to {opening.sill + opening.height:g} m)"
+        )
         _check_opening_inside(wall, opening, what)
-        for other in wall.openings[:number - 1]:
+        for other in wall.openings[: number - 1]:
             _check_opening_apart(wall, opening, other, what)
 
 
 def _check_opening_inside(wall, opening, what):
     first, above = wall.opening_courses(opening)
     if opening.right > wall.length + 1e-9 or above > wall.courses:
-        raise InputError(f"{what} reaches outside the wall: expected a place within {wall.length:g} x "
-                         f"{wall.built_height:g} m; move it or make it smaller")
+        raise InputError(
+            f"{what} reaches outside the wall: expected a place within {wall.length:g} x "
+            f"{wall.built_height:g} m; move it or make it smaller"
+        )
     if above - first < 1:
-        raise InputError(f"{what} is less than one course of {wall.brick.height:g} m high; make it higher")
+        raise InputError(
+            f"{what} is less than one course of {wall.brick.height:g} m high; make it higher"
+        )
     if above == wall.courses and first == 0:
-        raise InputError(f"{what} reaches from the base to the top and cuts the wall in two: expected a course below "
-                         "or above it; give it a sill, or make two walls")
+        raise InputError(
+            f"{what} reaches from the base to the top and cuts the wall in two: expected a course"
+            " below or above it; give it a sill, or make two walls"
+        )
     narrowest = min(opening.left, wall.length - opening.right)
     if narrowest < wall.brick.length / 2 - 1e-9:
-        raise InputError(f"{what} cuts off a pier: {max(narrowest, 0.0):.4g} m are left beside it, at least half "
-                         f"a brick ({wall.brick.length / 2:g} m) is needed; move it or make it narrower")
+        raise InputError(
+            f"{what} cuts off a pier: {max(narrowest, 0.0):.4g} m are left beside it, at least half"
+            f" a brick ({wall.brick.length / 2:g} m) is needed; move it or make it narrower"
+        )
 
 
 def _check_opening_apart(wall, opening, other, what):
@@ -423,5 +595,7 @@ def _check_opening_apart(wall, opening, other, what):
     gap = max(opening.left - other.right, other.left - opening.right)
     shared_courses = min(above, other_above) - max(first, other_first)
     if shared_courses >= 0 and gap < wall.brick.length / 2 - 1e-9:
-        raise InputError(f"{what} leaves {gap:.4g} m to another opening beside it: at least half a brick "
-                         f"({wall.brick.length / 2:g} m) or one course must stay between; move one of them")
+        raise InputError(
+            f"{what} leaves {gap:.4g} m to another opening beside it: at least half a brick "
+            f"({wall.brick.length / 2:g} m) or one course must stay between; move one of them"
+        )

@@ -1,9 +1,11 @@
-"""The plan of a wall: what it consists of, worked out once and handed on to all that lay out, check or describe it.
+"""The plan of a wall: what it consists of, worked out once and handed on to all that lay out, check
+or describe it.
 
-An outline is the line of a wall's top, from its left to its right end.  A course is built where the outline lies above
-the middle of its height, so that a sloped edge keeps its area.  Bricks are rectangles: where the outline slopes, a
-course ends at the nearest quarter of a brick of the bond, inwards where two are as near; at vertical steps it ends as
-given.  Parts shorter than half a brick are not built.
+An outline is the line of a wall's top, from its left to its right end.  A course is built where the
+outline lies above the middle of its height, so that a sloped edge keeps its area.  Bricks are
+rectangles: where the outline slopes, a course ends at the nearest quarter of a brick of the bond,
+inwards where two are as near; at vertical steps it ends as given.  Parts shorter than half a brick
+are not built.
 """
 
 import math
@@ -22,8 +24,9 @@ from damage.wall.restraints import top_of
 
 
 class OpeningPlace(NamedTuple):
-    """An opening in a wall: its ends [m], its first course and the first above it, the first course above its spandrel,
-    which ends at the sill of the next opening above, at the next slab, or at the wall's top, and its lintel."""
+    """An opening in a wall: its ends [m], its first course and the first above it, the first course
+    above its spandrel, which ends at the sill of the next opening above, at the next slab, or at
+    the wall's top, and its lintel."""
 
     left: float
     right: float
@@ -38,13 +41,17 @@ class Plan:
     """What a wall consists of.
 
     wall: with the lintels that are built (`damage.Wall.with_lintels`).
-    openings, floors, lintels: their places, in the wall's order; lintels that are bodies, from left to right.
-    runs: parts (left, right) [m] of each course that are of bricks, upwards and from left to right: below the outline,
-        beside openings, slabs and lintels; bricks: the edges of the bricks of each course, in the same way.
+    openings, floors, lintels: their places, in the wall's order; lintels that are bodies, from left
+    to right.
+    runs: parts (left, right) [m] of each course that are of bricks, upwards and from left to right:
+    below the outline,
+        beside openings, slabs and lintels; bricks: the edges of the bricks of each course, in the
+        same way.
     piers: parts (left, right) [m] of the length that carry the top.
-    drift_course: whose displacement is the wall's drift: the highest that the outline leaves at least half as long as
-        the wall, or the base course; the top course of a wall without an outline; that at mid-height where a restraint
-        holds the top.
+    drift_course: whose displacement is the wall's drift: the highest that the outline leaves at
+    least half as long as
+        the wall, or the base course; the top course of a wall without an outline; that at
+        mid-height where a restraint holds the top.
     """
 
     wall: object
@@ -68,7 +75,8 @@ class Plan:
 
     @cached_property
     def taken(self):
-        """First and last course that each brick, slab and part of a lintel takes, (2, n) in the order of bodies."""
+        """First and last course that each brick, slab and part of a lintel takes, (2, n) in the
+        order of bodies."""
         places = [(course, course + 1, len(bricks)) for course, bricks in enumerate(self.bricks)]
         places += [(slab.first, slab.above, 1) for slab in self.slabs]
         places += [(place.first, place.above, place.parts) for place in self.lintels]
@@ -78,61 +86,119 @@ class Plan:
     @cached_property
     def ends(self):
         """Left and right end [m] of each of these, (2, n)."""
-        return np.array([*chain(*self.bricks), *((slab.left, slab.right) for slab in self.slabs),
-                         *chain(*(pairwise(place.edges) for place in self.lintels))]).T
+        return np.array(
+            [
+                *chain(*self.bricks),
+                *((slab.left, slab.right) for slab in self.slabs),
+                *chain(*(pairwise(place.edges) for place in self.lintels)),
+            ]
+        ).T
 
     def bears(self, course):
-        """Parts (left, right) [m] of a course that bear what lies on it: bricks, slabs and lintels."""
-        return [*self.runs[course], *((place.left, place.right) for place in (*self.slabs, *self.lintels)
-                                      if place.first <= course < place.above)]
+        """Parts (left, right) [m] of a course that bear what lies on it: bricks, slabs and
+        lintels."""
+        return [
+            *self.runs[course],
+            *(
+                (place.left, place.right)
+                for place in (*self.slabs, *self.lintels)
+                if place.first <= course < place.above
+            ),
+        ]
 
     @property
     def rests(self):
-        """What bears what: ((left, right) [m] of a part of bricks, a slab or a lintel with a bearing, its first
-        course, and the parts (left, right) [m] below that bear it), upwards; what starts at the base left out."""
+        """What bears what: ((left, right) [m] of a part of bricks, a slab or a lintel with a
+        bearing, its first course, and the parts (left, right) [m] below that bear it), upwards;
+        what starts at the base left out."""
         borne = (*self.slabs, *(place for place in self.lintels if place.lintel.bearing != 0))
         for course in range(1, len(self.runs)):
             below = self.bears(course - 1)
-            for part in (*self.runs[course], *((one.left, one.right) for one in borne if one.first == course)):
+            for part in (
+                *self.runs[course],
+                *((one.left, one.right) for one in borne if one.first == course),
+            ):
                 yield part, course, below
 
 
 def plan_of(wall, options=None):
-    """The Plan of a damage.Wall under ModelOptions, whose `lintel` says which lintels are built; None: as given."""
+    """The Plan of a damage.Wall under ModelOptions, whose `lintel` says which lintels are built;
+    None: as given."""
     wall = wall if options is None else wall.with_lintels(options.lintel)
     floors, brick = floor_places(wall), wall.brick
     openings = _opening_places(wall, floors)
     outlined = [outlined_runs(wall, course) for course in range(wall.courses)]
-    holes = [place[:4] for place in openings] + [place[1:] for place in floors if place.floor.is_body]
+    holes = [place[:4] for place in openings] + [
+        place[1:] for place in floors if place.floor.is_body
+    ]
     lintels = _lintel_places(brick, openings, _beside_all(outlined, holes, brick.length / 2))
     runs = _beside_all(outlined, holes + [place[1:5] for place in lintels], brick.length / 2)
-    offsets = [brick.length / 2 if (course % 2 == 1) != (wall.base_course == "half") else 0.0
-               for course in range(wall.courses)]
-    bricks = tuple(tuple(one for run in parts for one in _lay_run(brick.length, offset, *run))
-                   for parts, offset in zip(runs, offsets))
+    offsets = [
+        brick.length / 2 if (course % 2 == 1) != (wall.base_course == "half") else 0.0
+        for course in range(wall.courses)
+    ]
+    bricks = tuple(
+        tuple(one for run in parts for one in _lay_run(brick.length, offset, *run))
+        for parts, offset in zip(runs, offsets)
+    )
     least = wall.length / 2 - TINY
-    drift_course = max((course for course, parts in enumerate(outlined)
-                        if math.fsum(right - left for left, right in parts) > least), default=0)
+    drift_course = max(
+        (
+            course
+            for course, parts in enumerate(outlined)
+            if math.fsum(right - left for left, right in parts) > least
+        ),
+        default=0,
+    )
     if top_of(wall):
         drift_course = wall.courses // 2
-    return Plan(wall, openings, floors, lintels, runs, bricks, _find_piers(wall.length, openings), drift_course)
+    return Plan(
+        wall,
+        openings,
+        floors,
+        lintels,
+        runs,
+        bricks,
+        _find_piers(wall.length, openings),
+        drift_course,
+    )
 
 
 def _opening_places(wall, floors):
     """The OpeningPlace of every opening, in their order; a slab on an opening is its lintel."""
-    found = [OpeningPlace(one.left, one.right, *wall.opening_courses(one), wall.courses, wall.lintel_of(one))
-             for one in wall.openings]
+    found = [
+        OpeningPlace(
+            one.left, one.right, *wall.opening_courses(one), wall.courses, wall.lintel_of(one)
+        )
+        for one in wall.openings
+    ]
     others = [*found, *(place for place in floors if place.floor.is_body)]
-    return tuple(one._replace(spandrel=min((max(other.first, one.above) for other in others if other is not one and (
-        other.left < one.right and other.right > one.left and other.above >= one.above)), default=wall.courses))
-        for one in found)
+    return tuple(
+        one._replace(
+            spandrel=min(
+                (
+                    max(other.first, one.above)
+                    for other in others
+                    if other is not one
+                    and (
+                        other.left < one.right
+                        and other.right > one.left
+                        and other.above >= one.above
+                    )
+                ),
+                default=wall.courses,
+            )
+        )
+        for one in found
+    )
 
 
 def _find_piers(length, openings):
-    """Piers that carry the top: parts of the length without an opening of the top storey, left to right.
+    """Piers that carry the top: parts of the length without an opening of the top storey, left to
+    right.
 
-    The top storey's openings are those between the top and the first full course below an opening.  Over those farther
-    down stands a pier, or a full course and all above it, which carry.
+    The top storey's openings are those between the top and the first full course below an opening.
+    Over those farther down stands a pier, or a full course and all above it, which carry.
     """
     storey, sill = [], np.inf
     for opening in sorted(openings, key=lambda one: -one.above):
@@ -144,11 +210,12 @@ def _find_piers(length, openings):
 
 
 def _lintel_places(brick, openings, runs):
-    """The Place of every lintel that is a body, from left to right; runs: parts of each course without them.
+    """The Place of every lintel that is a body, from left to right; runs: parts of each course
+    without them.
 
-    A lintel takes the courses above its opening up to the end of the spandrel, and its bearing on both sides; where
-    less than half a brick would be left beside it, it reaches to the end of that part of the course, or meets the
-    lintel that is there.
+    A lintel takes the courses above its opening up to the end of the spandrel, and its bearing on
+    both sides; where less than half a brick would be left beside it, it reaches to the end of that
+    part of the course, or meets the lintel that is there.
     """
     length, found = brick.length, []
     for place in sorted(openings, key=lambda one: (one.left, one.first)):
@@ -164,24 +231,34 @@ def _lintel_places(brick, openings, runs):
         if above - first < wanted or lintel.kind == "arch":
             height = (above - first) * brick.height
         found.append([lintel, left, right, first, above, place, height, width])
-    for one, other in ((one, other) for k, one in enumerate(found) for other in found[k + 1:]):
+    for one, other in ((one, other) for k, one in enumerate(found) for other in found[k + 1 :]):
         apart = min(one[4], other[4]) <= max(one[3], other[3]) or one[5].right >= other[5].left
         if not apart and other[1] - one[2] < length / 2 - TINY:
             one[2] = other[1] = _on_quarters(length, (one[5].right + other[5].left) / 2)
     near = sorted({x for place in openings for x in (place.left, place.right)})
-    return tuple(Place(lintel, left, right, first, above, edges_of(lintel, brick, left, right, near), *section)
-                 for lintel, left, right, first, above, _, *section in found)
+    return tuple(
+        Place(
+            lintel, left, right, first, above, edges_of(lintel, brick, left, right, near), *section
+        )
+        for lintel, left, right, first, above, _, *section in found
+    )
 
 
 def _common_run(courses, x):
-    """The part (left, right) [m] around x that the runs of all these courses have; None without any."""
+    """The part (left, right) [m] around x that the runs of all these courses have; None without
+    any."""
     runs = [next((run for run in runs if run[0] < x < run[1]), None) for runs in courses]
-    return None if not runs or None in runs else (max(run[0] for run in runs), min(run[1] for run in runs))
+    return (
+        None
+        if not runs or None in runs
+        else (max(run[0] for run in runs), min(run[1] for run in runs))
+    )
 
 
 def _bearing_end(length, edge, bearing, end):
-    """End of a lintel [m] beyond an opening's edge, on the bond's quarters of bricks of this length, or that of its
-    part of the course where less than half a brick would be left beside it."""
+    """End of a lintel [m] beyond an opening's edge, on the bond's quarters of bricks of this
+    length, or that of its part of the course where less than half a brick would be left beside
+    it."""
     if not bearing:
         return edge
     x, side = _on_quarters(length, edge + bearing), np.sign(bearing)
@@ -211,9 +288,15 @@ def outlined_runs(wall, course):
     if len(ends) % 2:
         ends.append((wall.outline[-1][0], False))
     quarter = wall.brick.length / 4
-    edges = [_snapped(x, quarter, is_left=not number % 2) if slopes else x for number, (x, slopes) in enumerate(ends)]
-    return [(left, right) for left, right in zip(edges[::2], edges[1::2])
-            if right - left > wall.brick.length / 2 - TINY]
+    edges = [
+        _snapped(x, quarter, is_left=not number % 2) if slopes else x
+        for number, (x, slopes) in enumerate(ends)
+    ]
+    return [
+        (left, right)
+        for left, right in zip(edges[::2], edges[1::2])
+        if right - left > wall.brick.length / 2 - TINY
+    ]
 
 
 def _snapped(x, quarter, is_left):
@@ -223,22 +306,29 @@ def _snapped(x, quarter, is_left):
 
 
 def _beside_all(courses, holes, half):
-    """Parts (left, right) [m] that holes (left, right, first course, first above) leave of these parts of each course,
-    if they are half a brick long or more."""
+    """Parts (left, right) [m] that holes (left, right, first course, first above) leave of these
+    parts of each course, if they are half a brick long or more."""
     found, holes = [], sorted(holes)
     for course, parts in enumerate(courses):
         left_over = parts
         for start, end, first, above in holes:
             if first <= course < above:
-                left_over = [part for left, right in left_over
-                             for part in ((left, min(right, start)), (max(left, end), right)) if part[1] > part[0]]
-        found.append(tuple((left, right) for left, right in left_over if right - left > half - TINY))
+                left_over = [
+                    part
+                    for left, right in left_over
+                    for part in ((left, min(right, start)), (max(left, end), right))
+                    if part[1] > part[0]
+                ]
+        found.append(
+            tuple((left, right) for left, right in left_over if right - left > half - TINY)
+        )
     return tuple(found)
 
 
 def _lay_run(length, offset, left, right):
-    """Edges (left, right) [m] of bricks between two free ends, cut where the bond of the whole wall meets the ends;
-    length: of a brick, offset: of the bond's head joints from the wall's left end [m].
+    """Edges (left, right) [m] of bricks between two free ends, cut where the bond of the whole wall
+    meets the ends; length: of a brick, offset: of the bond's head joints from the wall's left end
+    [m].
 
     A piece shorter than a quarter brick is not laid: its head joint moves a quarter brick inwards,
     which keeps a quarter brick of overlap with the courses above and below.
@@ -261,38 +351,58 @@ def check_outline(wall):
     """Raise InputError for an outline that is none, or whose wall has bricks in the air."""
     outline, what = wall.outline, f"Wall.outline of {wall.name}"
     if len(outline) < 2 or abs(outline[0][0]) > 1e-9 or abs(outline[-1][0] - wall.length) > 1e-9:
-        raise InputError(f"{what} from {_point(outline[:1])} to {_point(outline[-1:])}: expected at least two points, "
-                         f"the first at x = 0 and the last at x = {wall.length:g} m; add them")
+        raise InputError(
+            f"{what} from {_point(outline[:1])} to {_point(outline[-1:])}: expected at least two"
+            f" points, the first at x = 0 and the last at x = {wall.length:g} m; add them"
+        )
     for first, second in pairwise(outline):
         if second[0] < first[0]:
-            raise InputError(f"{what} runs back from {_point([first])} to {_point([second])}: expected points from "
-                             "left to right; order them")
+            raise InputError(
+                f"{what} runs back from {_point([first])} to {_point([second])}: expected points"
+                " from left to right; order them"
+            )
     lowest, highest = min(z for _, z in outline), max(z for _, z in outline)
     if lowest < 0 or abs(highest - wall.height) > 1e-6:
-        raise InputError(f"{what} is {lowest:g} to {highest:g} m high: expected 0 or more and Wall.height = "
-                         f"{wall.height:g} m at the highest point; correct one of them")
+        raise InputError(
+            f"{what} is {lowest:g} to {highest:g} m high: expected 0 or more and Wall.height = "
+            f"{wall.height:g} m at the highest point; correct one of them"
+        )
     if wall.precompression > 0:
-        raise InputError(f"{what} with a precompression of {wall.precompression:g} Pa, which needs a level top: "
-                         "expected none; give precompression=0, and masses by Wall.floors")
+        raise InputError(
+            f"{what} with a precompression of {wall.precompression:g} Pa, which needs a level top: "
+            "expected none; give precompression=0, and masses by Wall.floors"
+        )
     if not outlined_runs(wall, 0):
-        raise InputError(f"{what} leaves no brick in the base course: expected half a brick or more; make it higher")
+        raise InputError(
+            f"{what} leaves no brick in the base course: expected half a brick or more; make it"
+            " higher"
+        )
 
 
 def check_bearing(plan):
-    """Raise InputError where a part of a course, or a slab, has nothing below one of its ends, or a timber floor no
-    brick."""
+    """Raise InputError where a part of a course, or a slab, has nothing below one of its ends, or a
+    timber floor no brick."""
     wall, eighth = plan.wall, plan.wall.brick.length / 8
     for (left, right), course, below in plan.rests:
-        free = [x for x in (left + eighth, right - eighth) if not any(start < x < end for start, end in below)]
+        free = [
+            x
+            for x in (left + eighth, right - eighth)
+            if not any(start < x < end for start, end in below)
+        ]
         if free:
-            raise InputError(f"wall {wall.name}: course {course + 1} from x = {left:g} to {right:g} m has nothing "
-                             f"below it at x = {free[0]:.4g} m: expected a bearing at both ends; move the opening "
-                             "there, or let it reach the top")
+            raise InputError(
+                f"wall {wall.name}: course {course + 1} from x = {left:g} to {right:g} m has"
+                f" nothing below it at x = {free[0]:.4g} m: expected a bearing at both ends; move"
+                " the opening there, or let it reach the top"
+            )
     for floor, left, right, course, _ in plan.floors:
-        if not floor.is_body and not any(min(right, end) - max(left, start) > TINY for start, end in
-                                         plan.bears(course)):
-            raise InputError(f"wall {wall.name}, floor at {floor.level:g} m from x = {left:g} to {right:g} m has no "
-                             "brick below it: expected a part of a course; move it, or the opening")
+        if not floor.is_body and not any(
+            min(right, end) - max(left, start) > TINY for start, end in plan.bears(course)
+        ):
+            raise InputError(
+                f"wall {wall.name}, floor at {floor.level:g} m from x = {left:g} to {right:g} m has"
+                " no brick below it: expected a part of a course; move it, or the opening"
+            )
 
 
 def _point(points):

@@ -1,28 +1,31 @@
 """Bricks of several parts: halves that can split, cells that make bricks deformable.
 
-**Splitting.**  Every whole brick is two halves, bonded across a cut in its middle.  The cut has n contact points in the
-middles of n equal parts of the brick's height h, so that under a moment M and an axial force N the outermost bears, at
-(n - 1) / (2 n) h from the middle,
+**Splitting.**  Every whole brick is two halves, bonded across a cut in its middle.  The cut has n
+contact points in the middles of n equal parts of the brick's height h, so that under a moment M and
+an axial force N the outermost bears, at (n - 1) / (2 n) h from the middle,
 
     sigma = N / (t h) + n / (n + 1) M / (t h^2 / 6)
 
-for their second moment of area is that of the section times 1 - 1 / n^2.  Each has n / (n + 1) of the brick's tensile
-strength: a brick that is bent splits at the moment of beam theory, exactly, since what is left of the section then
-bears less than that; one that is pulled apart without bending, at n / (n + 1) of its strength.  As in Lourenço and Rots
-(1997, J. Eng. Mech. 123(7), 660-668), where it is not said otherwise, tension alone splits bricks.  With a cohesion c
-they split in shear, too: the points bear the mean V / (t h), and have 2/3 c, so that the cut fails where 1.5 V / (t h),
-a beam's shear stress in its middle, reaches c, or less where it is pulled: c = f_t is the diagonal tension of a brick
-without vertical compression, which helps and is not seen here.  Such cuts are brittle, have the friction of the joints
-once they are open, and do not crush.
+for their second moment of area is that of the section times 1 - 1 / n^2.  Each has n / (n + 1) of
+the brick's tensile strength: a brick that is bent splits at the moment of beam theory, exactly,
+since what is left of the section then bears less than that; one that is pulled apart without
+bending, at n / (n + 1) of its strength.  As in Lourenço and Rots (1997, J. Eng. Mech. 123(7),
+660-668), where it is not said otherwise, tension alone splits bricks.  With a cohesion c they split
+in shear, too: the points bear the mean V / (t h), and have 2/3 c, so that the cut fails where 1.5 V
+/ (t h), a beam's shear stress in its middle, reaches c, or less where it is pulled: c = f_t is the
+diagonal tension of a brick without vertical compression, which helps and is not seen here.  Such
+cuts are brittle, have the friction of the joints once they are open, and do not crush.
 
-**Cells** (`ModelOptions.brick_cells`).  A whole brick of length L is N rigid cells, glued by cuts that stay elastic, on
-a grid of L / N along the wall.  Of two cells whose centres lie d apart, two Gauss points over the height give
+**Cells** (`ModelOptions.brick_cells`).  A whole brick of length L is N rigid cells, glued by cuts
+that stay elastic, on a grid of L / N along the wall.  Of two cells whose centres lie d apart, two
+Gauss points over the height give
 
     axial E t h / d,  bending E t h^3 / (12 d),  shear 2 G t h / d
 
-so that the brick is a chain of short beams along its length.  Across its height it stays rigid, its compliance lumped
-into the bed joints.  Half of the shear compliance 1/G is in the cuts and head joints, half in the bed joints: a uniform
-shear stress shears a wall by tau / G, of which the cells' rotation makes either half visible.
+so that the brick is a chain of short beams along its length.  Across its height it stays rigid, its
+compliance lumped into the bed joints.  Half of the shear compliance 1/G is in the cuts and head
+joints, half in the bed joints: a uniform shear stress shears a wall by tau / G, of which the cells'
+rotation makes either half visible.
 
 A cut takes its share of the brick's compliance over from the head joints (`damage.wall.kinds`).
 """
@@ -34,7 +37,8 @@ import numpy as np
 from damage.wall.kinds import CAP, CUT, GROUND, TINY, lumped_stiffness
 
 CUT_POINTS = 4
-"""Contact points of a cut that splits: bending stiffness 15/16 of the section's, 4/5 of its strength in tension."""
+"""Contact points of a cut that splits: bending stiffness 15/16 of the section's, 4/5 of its
+strength in tension."""
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(12)  # of the height, from its middle
 
 
@@ -45,25 +49,31 @@ def cut_strengths(brick):
 
 
 def cuts_of(unit, brick_cells, left, right):
-    """Positions [m] of the cuts through a brick with these edges, from left to right; unit: the damage.Brick that it is
-    or was cut from; brick_cells: of a whole brick, 0 where it is not made of cells."""
+    """Positions [m] of the cuts through a brick with these edges, from left to right; unit: the
+    damage.Brick that it is or was cut from; brick_cells: of a whole brick, 0 where it is not made
+    of cells."""
     middle = [(left + right) / 2] if unit.splits and _is_whole(unit, right - left) else []
     if not brick_cells:
         return middle
     cell = unit.length / brick_cells
-    first, last = np.ceil((left + cell / 2 - TINY) / cell), np.floor((right - cell / 2 + TINY) / cell)
+    first, last = (
+        np.ceil((left + cell / 2 - TINY) / cell),
+        np.floor((right - cell / 2 + TINY) / cell),
+    )
     return [k * cell for k in range(int(first), int(last) + 1)]
 
 
 def cut_bricks(layout):
     """A damage.wall.layout.Layout with every brick cut into its parts.
 
-    The leftmost part keeps its brick's number; the others come behind the other bricks, and cuts behind the joints.
-    """
+    The leftmost part keeps its brick's number; the others come behind the other bricks, and cuts
+    behind the joints."""
     old, n, wall = layout.bodies, layout.n_bricks, layout.wall
     half = old.length / 2
-    cuts = [cuts_of(wall.brick, layout.options.brick_cells, *edges) if brick < n else [] for brick, edges in enumerate(
-        zip(old.x - half, old.x + half))]
+    cuts = [
+        cuts_of(wall.brick, layout.options.brick_cells, *edges) if brick < n else []
+        for brick, edges in enumerate(zip(old.x - half, old.x + half))
+    ]
     counts = np.array([len(positions) for positions in cuts])
     added = int(counts.sum())
     number = np.arange(len(old)) + np.where(np.arange(len(old)) < n, 0, added)
@@ -74,16 +84,26 @@ def cut_bricks(layout):
     glue = int(np.sum(contacts.kind != CAP))
     contacts = _with(contacts, np.full(len(rows["x"]), glue), rows)
     sheared = 2 if layout.options.brick_cells else 1
-    normal, shear = lumped_stiffness(wall, bodies, contacts.kind, contacts.first, contacts.second, sheared)
+    normal, shear = lumped_stiffness(
+        wall, bodies, contacts.kind, contacts.first, contacts.second, sheared
+    )
     of_lintels = (contacts.kind == CUT) & ~np.isnan(contacts.normal_stiffness)
-    normal, shear = (np.where(of_lintels, old, new) for old, new in (
-        (contacts.normal_stiffness, normal), (contacts.shear_stiffness, shear)))
-    others = [behind[brick] + k for brick in np.sort(layout.drift_bodies) for k in range(counts[brick])]
+    normal, shear = (
+        np.where(of_lintels, old, new)
+        for old, new in ((contacts.normal_stiffness, normal), (contacts.shear_stiffness, shear))
+    )
+    others = [
+        behind[brick] + k for brick in np.sort(layout.drift_bodies) for k in range(counts[brick])
+    ]
     return replace(
-        layout, bodies=bodies, cells=cells, n_bricks=n + added,
+        layout,
+        bodies=bodies,
+        cells=cells,
+        n_bricks=n + added,
         contacts=replace(contacts, normal_stiffness=normal, shear_stiffness=shear),
         n_joints=layout.n_joints + len(rows["x"]),
-        drift_bodies=np.concatenate([number[layout.drift_bodies], np.array(others, int)]))
+        drift_bodies=np.concatenate([number[layout.drift_bodies], np.array(others, int)]),
+    )
 
 
 def _is_whole(brick, length):
@@ -92,8 +112,10 @@ def _is_whole(brick, length):
 
 def _with(table, places, added):
     """A record of arrays with rows put in before these places."""
-    return replace(table, **{name: np.insert(getattr(table, name), places, values)
-                                         for name, values in added.items()})
+    return replace(
+        table,
+        **{name: np.insert(getattr(table, name), places, values) for name, values in added.items()},
+    )
 
 
 def _parts(old, cuts, n_bricks):
@@ -104,9 +126,15 @@ def _parts(old, cuts, n_bricks):
         ends = np.array([-0.5, *((np.array(cuts[brick]) - old.x[brick]) / old.length[brick]), 0.5])
         share = np.round(np.diff(ends), 12)  # halves are exact ones
         length, mass = old.length[brick] * share, old.mass[brick] * share
-        parts = {"x": old.x[brick] + old.length[brick] * (np.cumsum(share) - share / 2 - 0.5), "z": old.z[brick],
-                 "length": length, "height": old.height[brick], "mass": mass,
-                 "inertia": mass * (length**2 + np.square(old.height[brick])) / 12, "course": old.course[brick]}
+        parts = {
+            "x": old.x[brick] + old.length[brick] * (np.cumsum(share) - share / 2 - 0.5),
+            "z": old.z[brick],
+            "length": length,
+            "height": old.height[brick],
+            "mass": mass,
+            "inertia": mass * (length**2 + np.square(old.height[brick])) / 12,
+            "course": old.course[brick],
+        }
         for name, column in parts.items():
             values[name][brick], *others = np.broadcast_to(column, len(length))
             added[name] += others
@@ -117,35 +145,82 @@ def _on_parts(cells, cuts, number, behind):
     """Contact cells under their bodies' new numbers, each of the part that its middle lies in."""
     middle = (cells.left + cells.right) / 2
     part = np.array([np.searchsorted(cuts[body], x - TINY) for body, x in zip(cells.body, middle)])
-    return replace(cells, body=np.where(part > 0, behind[cells.body] + part - 1, number[cells.body]))
+    return replace(
+        cells, body=np.where(part > 0, behind[cells.body] + part - 1, number[cells.body])
+    )
 
 
 def _under_new_numbers(contacts, cells, number):
     """Contacts between the bodies that their cells belong to now."""
-    bodies = {side: np.where(cell == GROUND, getattr(contacts, side), cells.body[cell]) for side, cell in
-              (("first", contacts.first_cell), ("second", contacts.second_cell))}
+    bodies = {
+        side: np.where(cell == GROUND, getattr(contacts, side), cells.body[cell])
+        for side, cell in (("first", contacts.first_cell), ("second", contacts.second_cell))
+    }
     return replace(contacts, **bodies)
 
 
 def _cuts(brick, old, cuts, number, behind, cells):
     """{field: values} of the cuts' contact points, upwards in each cut."""
-    last, first = ({body: cell for cell, body in order} for order in (
-        enumerate(cells.body), reversed(list(enumerate(cells.body)))))
-    splitting = (np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5, False, *(
-        cut_strengths(brick) if brick.splits else (np.inf, np.inf))
+    last, first = (
+        {body: cell for cell, body in order}
+        for order in (enumerate(cells.body), reversed(list(enumerate(cells.body))))
+    )
+    splitting = (
+        (np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5,
+        False,
+        *(cut_strengths(brick) if brick.splits else (np.inf, np.inf)),
+    )
     glued = _GAUSS, True, np.inf, np.inf
     rows = []
-    for body, k in ((body, k) for body, positions in enumerate(cuts) for k in range(len(positions))):
+    for body, k in (
+        (body, k) for body, positions in enumerate(cuts) for k in range(len(positions))
+    ):
         x = cuts[body][k]
         splits = brick.splits and _is_whole(brick, old.length[body]) and abs(x - old.x[body]) < TINY
         places, elastic, tensile_strength, cohesion = splitting if splits else glued
         one, other = number[body] if k == 0 else behind[body] + k - 1, behind[body] + k
         length = brick.height / len(places)
-        rows += [(one, other, x, old.z[body] + place * brick.height, length, length * brick.thickness, elastic,
-                  tensile_strength, cohesion, last[one], first[other]) for place in places]
-    names = ("first", "second", "x", "z", "length", "area", "elastic", "tensile_strength", "cohesion", "first_cell",
-             "second_cell")
-    columns = dict(zip(names, map(np.array, zip(*rows)))) if rows else {name: np.zeros(0, int) for name in names}
-    return columns | {name: np.full(len(columns["x"]), value) for name, value in (
-        ("kind", CUT), ("normal_stiffness", np.nan), ("shear_stiffness", np.nan),  # of all together, later
-        ("compressive_strength", np.inf))}
+        rows += [
+            (
+                one,
+                other,
+                x,
+                old.z[body] + place * brick.height,
+                length,
+                length * brick.thickness,
+                elastic,
+                tensile_strength,
+                cohesion,
+                last[one],
+                first[other],
+            )
+            for place in places
+        ]
+    names = (
+        "first",
+        "second",
+        "x",
+        "z",
+        "length",
+        "area",
+        "elastic",
+        "tensile_strength",
+        "cohesion",
+        "first_cell",
+        "second_cell",
+    )
+    columns = (
+        dict(zip(names, map(np.array, zip(*rows))))
+        if rows
+        else {name: np.zeros(0, int) for name in names}
+    )
+    return columns | {
+        name: np.full(len(columns["x"]), value)
+        for name, value in (
+            # of all together, later
+            ("kind", CUT),
+            ("normal_stiffness", np.nan),
+            ("shear_stiffness", np.nan),
+            ("compressive_strength", np.inf),
+        )
+    }

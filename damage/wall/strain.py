@@ -1,13 +1,13 @@
 """Deformable bricks: strain modes of a free brick, and their displacements at every contact point.
 
-A point r of a brick is at x = c + R(rotation) (r + sum_k Phi_k(r) q_k): a rigid motion, and the free vibration modes
-Phi_k of the brick (floating frame).  The modes are those of all polynomial displacements up to an order in the plane,
-by K v = omega^2 M v with v' M v = 1, without the three rigid ones: of order 2 nine, whose strains are linear.  Mass and
-stiffness are then diagonal, and neither weight nor the motion of the base excites q, for the modes are orthogonal to
-rigid motion.
+A point r of a brick is at x = c + R(rotation) (r + sum_k Phi_k(r) q_k): a rigid motion, and the
+free vibration modes Phi_k of the brick (floating frame).  The modes are those of all polynomial
+displacements up to an order in the plane, by K v = omega^2 M v with v' M v = 1, without the three
+rigid ones: of order 2 nine, whose strains are linear.  Mass and stiffness are then diagonal, and
+neither weight nor the motion of the base excites q, for the modes are orthogonal to rigid motion.
 
-Whole polynomial spaces alone bend as bricks do in a bond: constant strain, and a selection of modes by frequency, make
-walls several times too stiff.
+Whole polynomial spaces alone bend as bricks do in a bond: constant strain, and a selection of modes
+by frequency, make walls several times too stiff.
 """
 
 import math
@@ -25,9 +25,9 @@ from damage.wall.eigen import eigen, rotate
 class BrickModes:
     """Strain modes of a brick of a length and height [m].
 
-    degrees: (n, 2) along x and z of each product of Legendre polynomials; frequency: (n_modes,) [rad/s]; coefficients:
-    (2, n, n_modes) of the displacement along x and z [1/sqrt(kg)], in coordinates that go from -1 to 1; elasticity:
-    (3, 3) stress by strain [Pa].
+    degrees: (n, 2) along x and z of each product of Legendre polynomials; frequency: (n_modes,)
+    [rad/s]; coefficients: (2, n, n_modes) of the displacement along x and z [1/sqrt(kg)], in
+    coordinates that go from -1 to 1; elasticity: (3, 3) stress by strain [Pa].
     """
 
     length: float
@@ -38,31 +38,38 @@ class BrickModes:
     elasticity: np.ndarray
 
     def displacement(self, x, z):
-        """Along x and z by a unit of each mode, (n, 2, n_modes) [1/sqrt(kg)], at points (n,) [m] from the centre."""
+        """Along x and z by a unit of each mode, (n, 2, n_modes) [1/sqrt(kg)], at points (n,) [m]
+        from the centre."""
         terms, _, _ = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
         return self._sum(terms)
 
     def stress(self, x, z):
-        """Normal stress along x and z, tension positive, and shear stress by a unit of each mode, (n, 3, n_modes)
-        [Pa/(m sqrt(kg))], at points x, z (n,) [m] from the centre."""
+        """Normal stress along x and z, tension positive, and shear stress by a unit of each mode,
+        (n, 3, n_modes) [Pa/(m sqrt(kg))], at points x, z (n,) [m] from the centre."""
         _, along_x, along_z = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
         dx, dz = self._sum(2 / self.length * along_x), self._sum(2 / self.height * along_z)
         strain = dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]
-        return np.stack([sum(modulus * of for modulus, of in zip(row, strain)) for row in self.elasticity], axis=1)
+        return np.stack(
+            [sum(modulus * of for modulus, of in zip(row, strain)) for row in self.elasticity],
+            axis=1,
+        )
 
     def _sum(self, terms):
         """Of terms (n_points, n) by the coefficients: (n_points, 2, n_modes)."""
-        return sum(terms[:, k, None, None] * self.coefficients[:, k] for k in range(len(self.degrees)))
+        return sum(
+            terms[:, k, None, None] * self.coefficients[:, k] for k in range(len(self.degrees))
+        )
 
 
 @dataclass(frozen=True)
 class Strain:
     """Strain modes of all bodies of a Layout, and their displacements at its contact points.
 
-    mass, stiffness, damping: (n_bodies, n_modes) of each mode, the first with the scaling of `ModelOptions.brick_mass`
-    [1, 1/s2, 1/s], zero of caps; shapes: (n_shapes, 2, n_modes) displacement along the normal and the tangent of a
-    contact point by a unit of each mode [1/sqrt(kg)], the first zero, of bodies that do not deform; first, second:
-    (n_contacts,) rows of these.
+    mass, stiffness, damping: (n_bodies, n_modes) of each mode, the first with the scaling of
+    `ModelOptions.brick_mass` [1, 1/s2, 1/s], zero of caps; shapes: (n_shapes, 2, n_modes)
+    displacement along the normal and the tangent of a contact point by a unit of each mode
+    [1/sqrt(kg)], the first zero, of bodies that do not deform; first, second: (n_contacts,) rows of
+    these.
     """
 
     mass: np.ndarray
@@ -80,17 +87,21 @@ class Strain:
 
 @lru_cache(maxsize=64)
 def brick_modes(brick, length, order, plane):
-    """BrickModes of a damage.wall.parameters.Brick cut to a length [m]; order: of the polynomials; plane: "stress" or
-    "strain".
+    """BrickModes of a damage.wall.parameters.Brick cut to a length [m]; order: of the polynomials;
+    plane: "stress" or "strain".
 
-    Modes are odd or even in x and in z: each of the four classes has its own problem, so that equal frequencies of a
-    square brick belong to different ones and their modes are none of any mixture.
+    Modes are odd or even in x and in z: each of the four classes has its own problem, so that equal
+    frequencies of a square brick belong to different ones and their modes are none of any mixture.
     """
-    degrees, height = np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)]), brick.height
+    degrees, height = (
+        np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)]),
+        brick.height,
+    )
     elasticity, n = elasticity_of(brick, plane), len(degrees)
     matrix, density = _stiffness(degrees, length, height, elasticity), to_bits(brick.density)
     matrix /= density
-    # Rigid are the constants, and what the linear terms make of the brick's rotation; beside that they make a shear.
+    # Rigid are the constants, and what the linear terms make of the brick's rotation; beside that
+    # they make a shear.
     constant, along_z, along_x = 0, 1, n + order + 1
     diagonal = math.sqrt(length * length + height * height)
     turn = along_z, along_x, length / diagonal, height / diagonal
@@ -110,19 +121,25 @@ def brick_modes(brick, length, order, plane):
     frequency, vectors = np.sqrt(np.concatenate(squares)), np.hstack(vectors)
     order = np.argsort(to_bits(frequency), kind="stable")  # of equal ones by their classes
     mass = density * length * height * brick.thickness
-    vectors = np.stack([_with_sign(vector) for vector in vectors.T[order]], axis=1) / math.sqrt(mass)
-    return BrickModes(length, height, degrees, frequency[order], vectors.reshape(2, n, -1), elasticity)
+    vectors = np.stack([_with_sign(vector) for vector in vectors.T[order]], axis=1) / math.sqrt(
+        mass
+    )
+    return BrickModes(
+        length, height, degrees, frequency[order], vectors.reshape(2, n, -1), elasticity
+    )
 
 
 def _with_sign(vector):
-    """A vector, or its negative: the first element of at least half the largest is positive, so that no tie decides."""
+    """A vector, or its negative: the first element of at least half the largest is positive, so
+    that no tie decides."""
     size = np.abs(vector)
     return vector * np.sign(vector[np.argmax(size >= size.max() / 2)])
 
 
 def stress_by_modes(layout):
-    """Stress along x, along z and shear in all bodies of a Layout, at the centre and at the corners, counter-clockwise
-    from the lower left, by a unit of each mode: (n_bodies, 5, 3, n_modes) [Pa/(m sqrt(kg))], zero of caps."""
+    """Stress along x, along z and shear in all bodies of a Layout, at the centre and at the
+    corners, counter-clockwise from the lower left, by a unit of each mode: (n_bodies, 5, 3,
+    n_modes) [Pa/(m sqrt(kg))], zero of caps."""
     places = np.array([(0.0, 0.0), (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
     found = np.zeros((len(layout.bodies), len(places), 3, layout.strain.n_modes))
     for brick in range(layout.n_bricks):
@@ -138,31 +155,42 @@ def modes_of(layout, brick):
 
 
 def elasticity_of(brick, plane):
-    """Stress by strain (3, 3) [Pa]: sigma_x, sigma_z, tau of epsilon_x, epsilon_z, gamma, in plane "stress" or
-    "strain".  Raises InputError where the moduli are of no isotropic material."""
+    """Stress by strain (3, 3) [Pa]: sigma_x, sigma_z, tau of epsilon_x, epsilon_z, gamma, in plane
+    "stress" or "strain".  Raises InputError where the moduli are of no isotropic material."""
     young, shear = to_bits(brick.young_modulus), to_bits(brick.shear_modulus)
     poisson = young / (2 * shear) - 1
     most = 1.0 if plane == "stress" else 0.5
     if not -1 < poisson < most:
-        raise InputError(f"--bricks deformable: moduli of {young:g} and {shear:g} Pa make Poisson's ratio E / 2 G - 1 "
-                         f"= {poisson:.3g}: expected less than {most:g} in plane {plane}; correct Brick.shear_modulus")
+        raise InputError(
+            f"--bricks deformable: moduli of {young:g} and {shear:g} Pa make Poisson's ratio E / 2"
+            f" G - 1 = {poisson:.3g}: expected less than {most:g} in plane {plane}; correct"
+            " Brick.shear_modulus"
+        )
     ratio = poisson if plane == "stress" else poisson / (1 - poisson)
     normal = (young if plane == "stress" else young / (1 - poisson * poisson)) / (1 - ratio * ratio)
-    return np.array([[normal, ratio * normal, 0.0], [ratio * normal, normal, 0.0], [0.0, 0.0, shear]])
+    return np.array(
+        [[normal, ratio * normal, 0.0], [ratio * normal, normal, 0.0], [0.0, 0.0, shear]]
+    )
 
 
 def strain_of(brick, options, bodies, contacts, n_bricks):
     """The Strain of bricks of a damage.Brick by ModelOptions; bodies, contacts: tables of a Layout.
 
-    Bricks with a tensile strength stay whole; `damage.measure.brick_stress` tells where they would split.
+    Bricks with a tensile strength stay whole; `damage.measure.brick_stress` tells where they would
+    split.
     """
-    modes = [brick_modes(brick, round(float(length), 12), options.brick_order, options.plane)
-             for length in bodies.length[:n_bricks]]
+    modes = [
+        brick_modes(brick, round(float(length), 12), options.brick_order, options.plane)
+        for length in bodies.length[:n_bricks]
+    ]
     frequency = np.zeros((len(bodies), len(modes[0].frequency)))
     frequency[:n_bricks] = [of.frequency for of in modes]
     own_mass = brick.density * brick.thickness * bodies.length * bodies.height
-    # Where the top course carries mass, all of a brick is heavier alike: the modes stay, at lower frequencies.
-    mass = np.where(frequency > 0, options.brick_mass * to_bits(bodies.mass / own_mass)[:, None], 0.0)
+    # Where the top course carries mass, all of a brick is heavier alike: the modes stay, at lower
+    # frequencies.
+    mass = np.where(
+        frequency > 0, options.brick_mass * to_bits(bodies.mass / own_mass)[:, None], 0.0
+    )
     with np.errstate(invalid="ignore", divide="ignore"):
         damping = np.where(mass > 0, 2 * options.brick_damping * frequency / np.sqrt(mass), 0.0)
     shapes, (first, second) = _shapes(modes, bodies, contacts)
@@ -170,7 +198,8 @@ def strain_of(brick, options, bodies, contacts, n_bricks):
 
 
 def _shapes(modes, bodies, contacts):
-    """Shapes of a Strain, and their rows on both sides of every contact point; modes: BrickModes of each brick."""
+    """Shapes of a Strain, and their rows on both sides of every contact point; modes: BrickModes of
+    each brick."""
     shapes, numbers, sides = [np.zeros((2, len(modes[0].frequency)))], {}, []
     for side in (contacts.first, contacts.second):
         rows = np.zeros(len(contacts), int)
@@ -180,7 +209,7 @@ def _shapes(modes, bodies, contacts):
             key = modes[brick].length, *np.round(place, 9).tolist(), upright
             if key not in numbers:
                 numbers[key] = len(shapes)
-                moved, = modes[brick].displacement(*np.array(place)[:, None])
+                (moved,) = modes[brick].displacement(*np.array(place)[:, None])
                 shapes.append(moved if upright else moved[::-1])
             rows[k] = numbers[key]
         sides.append(rows)
@@ -188,37 +217,57 @@ def _shapes(modes, bodies, contacts):
 
 
 def _stiffness(degrees, length, height, elasticity):
-    """Stiffness (2 n, 2 n) of a brick over its volume [Pa/m2]: twice the mean energy of displacements along x, then
-    along z, by products of polynomials p of these degrees, sqrt(2 k + 1) times Legendre's, the mean of whose squares
-    is 1.  That of p_i' p_k' is half of m (m + 1) sqrt(2 i + 1) sqrt(2 k + 1), m the lower degree, where both are odd or
-    even; that of p_i' p_k is the root where i > k and one of them is odd, the other even."""
+    """Stiffness (2 n, 2 n) of a brick over its volume [Pa/m2]: twice the mean energy of
+    displacements along x, then along z, by products of polynomials p of these degrees, sqrt(2 k +
+    1) times Legendre's, the mean of whose squares is 1.  That of p_i' p_k' is half of m (m + 1)
+    sqrt(2 i + 1) sqrt(2 k + 1), m the lower degree, where both are odd or even; that of p_i' p_k is
+    the root where i > k and one of them is odd, the other even."""
     size = np.arange(degrees.max() + 1)
-    root, low = np.sqrt((2.0 * size + 1) * (2.0 * size[:, None] + 1)), np.minimum(size, size[:, None])
+    root, low = (
+        np.sqrt((2.0 * size + 1) * (2.0 * size[:, None] + 1)),
+        np.minimum(size, size[:, None]),
+    )
     alike = (size + size[:, None]) % 2 == 0
     same, once = np.eye(len(size)), np.where(~alike & (size[:, None] > size), root, 0.0)
     twice = np.where(alike, root * (low * (low + 1) / 2), 0.0)
     i, j = (degree[:, None] for degree in degrees.T)
     k, m = degrees.T
     per_x, per_z, shear = 2 / length, 2 / height, elasticity[2, 2]
-    along_x, along_z = per_x * per_x * (twice[i, k] * same[j, m]), per_z * per_z * (same[i, k] * twice[j, m])
-    mixed = per_x * per_z * (elasticity[0, 1] * (once[i, k] * once[m, j]) + shear * (once[k, i] * once[j, m]))
-    return np.block([[elasticity[0, 0] * along_x + shear * along_z, mixed],
-                     [mixed.T, elasticity[1, 1] * along_z + shear * along_x]])
+    along_x, along_z = (
+        per_x * per_x * (twice[i, k] * same[j, m]),
+        per_z * per_z * (same[i, k] * twice[j, m]),
+    )
+    mixed = (
+        per_x
+        * per_z
+        * (elasticity[0, 1] * (once[i, k] * once[m, j]) + shear * (once[k, i] * once[j, m]))
+    )
+    return np.block(
+        [
+            [elasticity[0, 0] * along_x + shear * along_z, mixed],
+            [mixed.T, elasticity[1, 1] * along_z + shear * along_x],
+        ]
+    )
 
 
 def _polynomials(degrees, x, z):
-    """Products of polynomials as of `_stiffness`, (n_points, n), at points of -1 to 1, and their derivatives by these
-    coordinates."""
-    (of_x, slope_x), (of_z, slope_z) = (_legendre(np.asarray(place, float), degrees.max()) for place in (x, z))
+    """Products of polynomials as of `_stiffness`, (n_points, n), at points of -1 to 1, and their
+    derivatives by these coordinates."""
+    (of_x, slope_x), (of_z, slope_z) = (
+        _legendre(np.asarray(place, float), degrees.max()) for place in (x, z)
+    )
     i, j = degrees.T
-    return tuple((one[i] * other[j]).T for one, other in ((of_x, of_z), (slope_x, of_z), (of_x, slope_z)))
+    return tuple(
+        (one[i] * other[j]).T for one, other in ((of_x, of_z), (slope_x, of_z), (of_x, slope_z))
+    )
 
 
 def _legendre(x, most):
-    """Legendre polynomials up to a degree at points (n,), times sqrt(2 k + 1), and their slopes: (degrees, n) each."""
+    """Legendre polynomials up to a degree at points (n,), times sqrt(2 k + 1), and their slopes:
+    (degrees, n) each."""
     values, slopes = [np.ones(len(x)), x], [np.zeros(len(x)), np.ones(len(x))]
     for k in range(1, most):
         values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
         slopes.append((2 * k + 1) * values[k] + slopes[k - 1])
     root = np.sqrt(2.0 * np.arange(most + 1) + 1)[:, None]
-    return root * np.array(values[:most + 1]), root * np.array(slopes[:most + 1])
+    return root * np.array(values[: most + 1]), root * np.array(slopes[: most + 1])

@@ -1,6 +1,8 @@
-"""Measures coverage in every Python process that has this folder on its path: see scripts/coverage.sh.
+"""Measures coverage in every Python process that has this folder on its path: see
+scripts/coverage.sh.
 
-YADE needs help twice: its scripts leave with os._exit, which skips what coverage has to save, and its
+YADE needs help twice: its scripts leave with os._exit, which skips what coverage has to save, and
+its
 engine calls Python from a thread that C++ starts, which Python's tracing does not reach by itself.
 """
 
@@ -34,10 +36,12 @@ class _EngineTracing:
             sys.meta_path.remove(self)
             sys.trace_engine = self.trace
             yade.PyRunner = lambda command, **options: plain(
-                command=f"import sys; sys.trace_engine(); {command}", **options)
+                command=f"import sys; sys.trace_engine(); {command}", **options
+            )
 
     def trace(self):
-        """Trace this thread, with one tracer for all calls of the engine: each call looks like a new thread."""
+        """Trace this thread, with one tracer for all calls of the engine: each call looks like a
+        new thread."""
         if self.tracer is None:
             threading.gettrace()(sys._getframe(), "call", None)
             self.tracer = sys.gettrace()

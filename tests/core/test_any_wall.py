@@ -1,4 +1,5 @@
-"""Any legal wall: random ones with openings off the grid, gables, floors and every kind of lintel."""
+"""Any legal wall: random ones with openings off the grid, gables, floors and every kind of
+lintel."""
 
 from collections import Counter
 
@@ -15,16 +16,30 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
 SIZES = st.sampled_from([(0.28, 0.1), (0.225, 0.075), (0.21, 0.06), (0.4, 0.2)])
-OUTLINES = (((0.0, 0.5), (0.3, 1.0), (1.0, 0.3)), ((0.0, 0.4), (1.0, 1.0)),
-            ((0.0, 1.0), (0.6, 1.0), (0.6, 0.55), (1.0, 0.55)),
-            ((0.0, 0.4), (0.12, 0.4), (0.12, 0.7), (0.3, 0.7), (0.3, 1.0), (0.7, 1.0), (0.7, 0.5), (1.0, 0.5)))
+OUTLINES = (
+    ((0.0, 0.5), (0.3, 1.0), (1.0, 0.3)),
+    ((0.0, 0.4), (1.0, 1.0)),
+    ((0.0, 1.0), (0.6, 1.0), (0.6, 0.55), (1.0, 0.55)),
+    (
+        (0.0, 0.4),
+        (0.12, 0.4),
+        (0.12, 0.7),
+        (0.3, 0.7),
+        (0.3, 1.0),
+        (0.7, 1.0),
+        (0.7, 0.5),
+        (1.0, 0.5),
+    ),
+)
 """A gable, a lean-to, a lower wing and steps: shares of the length and of the height."""
 LINTELS = ("courses", "concrete", "timber", "steel", "arch")
 
 
 def metres(least, most):
     """Lengths to 10 mm, as drawings have them."""
-    return st.integers(round(100 * least), round(100 * most)).map(lambda hundredths: hundredths / 100)
+    return st.integers(round(100 * least), round(100 * most)).map(
+        lambda hundredths: hundredths / 100
+    )
 
 
 @st.composite
@@ -32,18 +47,40 @@ def walls(draw):
     """Tables of a wall file; what is drawn need not be legal."""
     brick_length, brick_height = draw(SIZES)
     length, height = draw(metres(1.0, 4.0)), draw(metres(0.8, 2.4))
-    openings = draw(st.lists(st.fixed_dictionaries({
-        "left": metres(0.3, 2.5), "width": metres(0.3, 1.2), "height": metres(0.2, 1.2), "sill": metres(0.0, 0.9)}),
-        max_size=2))
-    table = {"name": "any", "length": length, "height": height, "precompression": draw(st.sampled_from([0.0, 1e5])),
-             "brick": {"length": brick_length, "height": brick_height, "thickness": 0.1}, "openings": openings,
-             "lintel": draw(st.sampled_from(LINTELS)), "base_course": draw(st.sampled_from(["whole", "half"]))}
+    openings = draw(
+        st.lists(
+            st.fixed_dictionaries(
+                {
+                    "left": metres(0.3, 2.5),
+                    "width": metres(0.3, 1.2),
+                    "height": metres(0.2, 1.2),
+                    "sill": metres(0.0, 0.9),
+                }
+            ),
+            max_size=2,
+        )
+    )
+    table = {
+        "name": "any",
+        "length": length,
+        "height": height,
+        "precompression": draw(st.sampled_from([0.0, 1e5])),
+        "brick": {"length": brick_length, "height": brick_height, "thickness": 0.1},
+        "openings": openings,
+        "lintel": draw(st.sampled_from(LINTELS)),
+        "base_course": draw(st.sampled_from(["whole", "half"])),
+    }
     if draw(st.booleans()):
         table["outline"] = [[0.0, height / 2], [length / 2, height], [length, height / 2]]
         table["precompression"] = 0.0
     if draw(st.booleans()):
-        table["floors"] = [{"level": draw(metres(0.5, 2.0)), "mass": 500.0,
-                            "kind": draw(st.sampled_from(["timber", "concrete"]))}]
+        table["floors"] = [
+            {
+                "level": draw(metres(0.5, 2.0)),
+                "mass": 500.0,
+                "kind": draw(st.sampled_from(["timber", "concrete"])),
+            }
+        ]
     return table
 
 
@@ -55,21 +92,33 @@ def laid_out(table, **options):
         assume(False)
 
 
-any_legal_wall = settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=[
-    HealthCheck.filter_too_much, HealthCheck.too_slow])
+any_legal_wall = settings(
+    max_examples=60,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
+)
 
 
 @any_legal_wall
 @given(walls(), st.sampled_from(["interior", "corners", "gauss"]), st.booleans())
 def test_every_joint_resists_rotation(table, placing, splits):
-    """Two bodies that lie on each other, or two parts of a lintel, share contact points at two places or more, so that
-    no brick, or half of one, can turn while a bed joint of its own is intact."""
-    layout = laid_out(table | {"brick": table["brick"] | ({"tensile_strength": 2e6} if splits else {})},
-                      contacts=placing)
+    """Two bodies that lie on each other, or two parts of a lintel, share contact points at two
+    places or more, so that no brick, or half of one, can turn while a bed joint of its own is
+    intact."""
+    layout = laid_out(
+        table | {"brick": table["brick"] | ({"tensile_strength": 2e6} if splits else {})},
+        contacts=placing,
+    )
     contacts, course = layout.contacts, layout.bodies.course
     along = np.where(contacts.upright, contacts.z, contacts.x)
-    in_lintel = (course[contacts.first] < -2) & (course[contacts.second] < -2) & (contacts.first >= 0)
-    asked = np.flatnonzero((contacts.kind == BED) | (contacts.kind == CUT) | (in_lintel & (contacts.kind == HEAD)))
+    in_lintel = (
+        (course[contacts.first] < -2) & (course[contacts.second] < -2) & (contacts.first >= 0)
+    )
+    asked = np.flatnonzero(
+        (contacts.kind == BED) | (contacts.kind == CUT) | (in_lintel & (contacts.kind == HEAD))
+    )
     places = {(contacts.first[row], contacts.second[row], round(along[row], 6)) for row in asked}
     assert min(Counter((first, second) for first, second, _ in places).values()) >= 2
 
@@ -77,105 +126,164 @@ def test_every_joint_resists_rotation(table, placing, splits):
 @any_legal_wall
 @given(walls())
 def test_bodies_do_not_overlap_and_cover_what_is_drawn(table):
-    """The area of bricks, slabs and lintels is that of the courses between the outline and the openings: by hand, from
-    the table's numbers, where the outline is a rectangle and no slab runs through an opening."""
+    """The area of bricks, slabs and lintels is that of the courses between the outline and the
+    openings: by hand, from the table's numbers, where the outline is a rectangle and no slab runs
+    through an opening."""
     layout = laid_out(table)
     wall, bodies, n = layout.wall, layout.bodies, layout.n_below_caps
     x, z, length, height = (getattr(bodies, name)[:n] for name in ("x", "z", "length", "height"))
-    apart = np.maximum(np.abs(x[:, None] - x) - (length[:, None] + length) / 2,
-                       np.abs(z[:, None] - z) - (height[:, None] + height) / 2)
+    apart = np.maximum(
+        np.abs(x[:, None] - x) - (length[:, None] + length) / 2,
+        np.abs(z[:, None] - z) - (height[:, None] + height) / 2,
+    )
     assert apart[~np.eye(n, dtype=bool)].min() > -1e-9
     area = np.sum(length * height)
-    assert_allclose(area, wall.brick.height * sum(
-        right - left for runs in layout.plan.runs for left, right in runs)
-        + np.sum((length * height)[layout.n_bricks:]), rtol=1e-9)
+    assert_allclose(
+        area,
+        wall.brick.height * sum(right - left for runs in layout.plan.runs for left, right in runs)
+        + np.sum((length * height)[layout.n_bricks :]),
+        rtol=1e-9,
+    )
     slabs = [floor.courses(wall) for floor in wall.floors if floor.kind == "concrete"]
-    crossed = any(first < over and under < above for first, above in slabs
-                  for under, over in map(wall.opening_courses, wall.openings))
+    crossed = any(
+        first < over and under < above
+        for first, above in slabs
+        for under, over in map(wall.opening_courses, wall.openings)
+    )
     if not (wall.outline or crossed):
-        holes = sum(opening.width * wall.brick.height * (above - first) for opening in wall.openings
-                    for first, above in [wall.opening_courses(opening)])
+        holes = sum(
+            opening.width * wall.brick.height * (above - first)
+            for opening in wall.openings
+            for first, above in [wall.opening_courses(opening)]
+        )
         assert_allclose(area, wall.length * wall.built_height - holes, rtol=1e-9)
 
 
 @any_legal_wall
 @given(walls(), st.sampled_from(["piers", "uniform", "beam"]))
 def test_the_mass_is_that_of_what_is_drawn(table, top):
-    """Of bricks, lintels, floors and the precompression, each by its density, mass or stress; where the outline is a
-    rectangle the first three by the table's numbers.  A part of a timber floor may lie on no brick."""
+    """Of bricks, lintels, floors and the precompression, each by its density, mass or stress; where
+    the outline is a rectangle the first three by the table's numbers.  A part of a timber floor may
+    lie on no brick."""
     layout = laid_out(table, top=top)
     wall, bodies = layout.wall, layout.bodies
-    bricks, lintels = slice(layout.n_bricks), slice(layout.n_bricks + len(layout.plan.slabs), layout.n_below_caps)
+    bricks, lintels = (
+        slice(layout.n_bricks),
+        slice(layout.n_bricks + len(layout.plan.slabs), layout.n_below_caps),
+    )
     brick, lintel = wall.brick, wall.lintel
     section, density = bodies.height[lintels], brick.density
-    if lintel.is_body and lintel.kind != "arch":  # of its own height, where it has all courses that it wants
+    # of its own height, where it has all courses that it wants
+    if lintel.is_body and lintel.kind != "arch":
         wanted, density = brick.height * lintel.courses(brick), lintel.of("density")
         section = np.where(section > wanted - 1e-6, lintel.of("height"), section)
-    masonry = brick.density * brick.thickness * np.sum(bodies.length[bricks] * bodies.height[bricks])
+    masonry = (
+        brick.density * brick.thickness * np.sum(bodies.length[bricks] * bodies.height[bricks])
+    )
     beams = density * brick.thickness * np.sum(bodies.length[lintels] * section)
     floors, stress = sum(floor.mass for floor in wall.floors), table["precompression"]
-    assert_allclose(layout.total_mass, masonry + beams + floors + stress * table["length"] * brick.thickness / GRAVITY,
-                    rtol=2.0**-26)
+    assert_allclose(
+        layout.total_mass,
+        masonry + beams + floors + stress * table["length"] * brick.thickness / GRAVITY,
+        rtol=2.0**-26,
+    )
     caps = 0 if top == "uniform" or not stress else 1 if top == "beam" else len(layout.plan.piers)
     assert len(bodies) - layout.n_below_caps == caps
 
 
 def image(table):
-    """The table of a wall's mirror image, whose base course begins on the left with what ends it on the right."""
+    """The table of a wall's mirror image, whose base course begins on the left with what ends it on
+    the right."""
     length, halves = table["length"], round(2 * table["length"] / table["brick"]["length"])
     other = {"whole": "half", "half": "whole"}[table["base_course"]]
-    table = table | {"openings": [one | {"left": length - one["left"] - one["width"]} for one in table["openings"]],
-                     "base_course": other if halves % 2 else table["base_course"]}
+    table = table | {
+        "openings": [
+            one | {"left": length - one["left"] - one["width"]} for one in table["openings"]
+        ],
+        "base_course": other if halves % 2 else table["base_course"],
+    }
     if "outline" in table:
         table["outline"] = [[length - x, z] for x, z in reversed(table["outline"])]
     if "floors" in table:
-        table["floors"] = [one | {"left": length - one["right"], "right": length - one["left"]}
-                           for one in table["floors"]]
+        table["floors"] = [
+            one | {"left": length - one["right"], "right": length - one["left"]}
+            for one in table["floors"]
+        ]
     return table
 
 
 def parts_of(layout, side):
     """Bodies, and joints between two of them, as sorted rows, x from the middle to one side.
 
-    Of a joint the sums over its contact points: area, its first moment, stiffnesses and strengths.  Points themselves
-    are not compared: a joint of one and a half cells has one or two, and rounding decides.
+    Of a joint the sums over its contact points: area, its first moment, stiffnesses and strengths.
+    Points themselves are not compared: a joint of one and a half cells has one or two, and rounding
+    decides.
     """
     bodies, contacts, middle = layout.bodies, layout.contacts, layout.wall.length / 2
     along, area = side * (bodies.x - middle), contacts.area
-    laid = np.column_stack([bodies.z, along, bodies.length, bodies.height, bodies.mass, bodies.inertia])
-    pair = [np.where(contacts.first < 0, 0.0, values[contacts.first]) + values[contacts.second]
-            for values in (along, bodies.z)]
+    laid = np.column_stack(
+        [bodies.z, along, bodies.length, bodies.height, bodies.mass, bodies.inertia]
+    )
+    pair = [
+        np.where(contacts.first < 0, 0.0, values[contacts.first]) + values[contacts.second]
+        for values in (along, bodies.z)
+    ]
     joints, row = np.unique(np.round([contacts.kind, *pair], 6), axis=1, return_inverse=True)
-    sums = [np.bincount(row.ravel(), values * area) for values in (
-        1.0, side * (contacts.x - middle), contacts.z, contacts.elastic, contacts.normal_stiffness / 1e10,
-        contacts.shear_stiffness / 1e10, contacts.tensile_strength / 1e5, contacts.cohesion / 1e5)]
+    sums = [
+        np.bincount(row.ravel(), values * area)
+        for values in (
+            1.0,
+            side * (contacts.x - middle),
+            contacts.z,
+            contacts.elastic,
+            contacts.normal_stiffness / 1e10,
+            contacts.shear_stiffness / 1e10,
+            contacts.tensile_strength / 1e5,
+            contacts.cohesion / 1e5,
+        )
+    ]
     return laid[np.lexsort(np.round(laid, 6).T[::-1])], np.column_stack([*joints, *sums])
 
 
 @any_legal_wall
-@given(walls(), st.integers(8, 24), st.floats(0.0, 0.4), st.sampled_from(OUTLINES),
-       st.sampled_from(["interior", "corners", "gauss"]))
+@given(
+    walls(),
+    st.integers(8, 24),
+    st.floats(0.0, 0.4),
+    st.sampled_from(OUTLINES),
+    st.sampled_from(["interior", "corners", "gauss"]),
+)
 def test_a_mirrored_drawing_has_the_mirrored_layout(table, halves, apart, outline, placing):
-    """Of any length of whole and half bricks; in others the bond begins on the left.  Openings are off each place where
-    two ends of a lintel are as near, and no lintel is an arch, whose length over a brick's height may be as near to two
-    whole numbers: rounding decides there."""
+    """Of any length of whole and half bricks; in others the bond begins on the left.  Openings are
+    off each place where two ends of a lintel are as near, and no lintel is an arch, whose length
+    over a brick's height may be as near to two whole numbers: rounding decides there."""
     assume(table["lintel"] != "arch")
     length = halves * table["brick"]["length"] / 2
-    table = table | {"length": length, "openings": [one | {
-        "left": one["left"] + 1.37e-3, "width": one["width"] + 0.91e-3} for one in table["openings"]]}
+    table = table | {
+        "length": length,
+        "openings": [
+            one | {"left": one["left"] + 1.37e-3, "width": one["width"] + 0.91e-3}
+            for one in table["openings"]
+        ],
+    }
     if "outline" in table:
         table["outline"] = [[length * x, table["height"] * z] for x, z in outline]
     if "floors" in table:
-        table["floors"] = [one | {"left": apart * length, "right": length} for one in table["floors"]]
+        table["floors"] = [
+            one | {"left": apart * length, "right": length} for one in table["floors"]
+        ]
     layout = laid_out(table, contacts=placing)
-    for here, there in zip(parts_of(layout, 1), parts_of(lay_out(wall_from(image(table)), layout.options), -1)):
+    for here, there in zip(
+        parts_of(layout, 1), parts_of(lay_out(wall_from(image(table)), layout.options), -1)
+    ):
         assert_allclose(there, here, atol=1e-6)
 
 
 @any_legal_wall
 @given(walls())
 def test_bed_joints_cover_what_lies_on_what(table):
-    """The length of bed joints is that of the faces that touch, whatever the number of contact points on them."""
+    """The length of bed joints is that of the faces that touch, whatever the number of contact
+    points on them."""
     layout = laid_out(table)
     bodies, contacts, n = layout.bodies, layout.contacts, layout.n_below_caps
     left, right = bodies.x[:n] - bodies.length[:n] / 2, bodies.x[:n] + bodies.length[:n] / 2
@@ -183,6 +291,11 @@ def test_bed_joints_cover_what_lies_on_what(table):
     overlap = np.minimum(right[:, None], right) - np.maximum(left[:, None], left)
     touching = (np.abs(top[:, None] - bottom) < 1e-6) & (overlap > 1e-6)
     bed = contacts.kind == BED
-    assert_allclose(contacts.length[bed & (contacts.first != GROUND)].sum(), overlap[touching].sum(), rtol=1e-9)
-    assert_allclose(contacts.length[bed & (contacts.first == GROUND)].sum(), np.sum((right - left)[bottom < 1e-6]),
-                    rtol=1e-9)
+    assert_allclose(
+        contacts.length[bed & (contacts.first != GROUND)].sum(), overlap[touching].sum(), rtol=1e-9
+    )
+    assert_allclose(
+        contacts.length[bed & (contacts.first == GROUND)].sum(),
+        np.sum((right - left)[bottom < 1e-6]),
+        rtol=1e-9,
+    )

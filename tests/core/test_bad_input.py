@@ -1,7 +1,8 @@
-"""Bad input: one clear line, a non-zero status, no file that looks whole.  Each message is tested once, here.
+"""Bad input: one clear line, a non-zero status, no file that looks whole.  Each message is tested
+once, here.
 
-Both solvers read their input by the same functions, so that most of it is tried in this process, by the reference
-solver's command; YADE is started once for each way on which it leaves.
+Both solvers read their input by the same functions, so that most of it is tried in this process, by
+the reference solver's command; YADE is started once for each way on which it leaves.
 """
 
 import os
@@ -30,7 +31,9 @@ ADDRESS = str(REPOSITORY / "studies/addresses/garsthuizen.toml")
 RECORDS = {
     "time_s,acc_m_s2\n0.0,0.1\n0.005,nan\n0.01,0.2\n": "finite|NaN|nan",
     "": "empty|no data",
-    "time_s,acc_m_s2\n0.0,0.0\n0.005,80\n0.01,-80\n": r"PGA of the base motion = 8\.15.* g, expected .* to 5 g: cm/s2",
+    "time_s,acc_m_s2\n0.0,0.0\n0.005,80\n0.01,-80\n": (
+        r"PGA of the base motion = 8\.15.* g, expected .* to 5 g: cm/s2"
+    ),
     "0.1\n0.2\n0.3\n": "two columns|column",
 }
 WALLS = {
@@ -40,7 +43,9 @@ WALLS = {
     "Wall('w', 2.0, 1.0, joint=Joint(friction_angle=32))": "radians",
     "Wall('w', lenght=1, height=1)": r"Wall\(lenght=...\): expected length",
     "Wall('w', 1, 1, joint=Joint(cohesions=1))": r"Joint\(cohesions=...\): expected cohesion",
-    "Wall('w', 1, 1, openings=[Opening(left=1, wide=1, height=1)])": r"Opening\(wide=...\): expected ",
+    "Wall('w', 1, 1, openings=[Opening(left=1, wide=1, height=1)])": (
+        r"Opening\(wide=...\): expected "
+    ),
     "Wall('w', 1, 1, colour=2)": r"Wall\(colour=...\): expected one of name, length, height",
 }
 OPTIONS = {
@@ -88,6 +93,7 @@ def assert_refused(status, out, err, complaint, folder):
 @pytest.fixture
 def refused(capsys, tmp_path):
     """refused(complaint, WALL, *words): holds the reference solver's run to its refusal."""
+
     def run(complaint, *words):
         status = run_reference([str(word) for word in words])
         assert_refused(status, *capsys.readouterr(), complaint, tmp_path)
@@ -131,9 +137,16 @@ def test_output_that_is_there_already(refused, tmp_path_factory):
     refused("the pictures of first.h5 would go there", SYMMETRIC, "--out", folder / "first.h5")
 
 
-@pytest.mark.parametrize("name, complaint", [
-    *[(name, r"expected a name that ends in \.h5") for name in ("first", ".h5", "first.h5.txt", "first.H5")],
-    ("a\x1b[31m.h5", r"'a\\x1b\[31m.h5': expected a name without control")])
+@pytest.mark.parametrize(
+    "name, complaint",
+    [
+        *[
+            (name, r"expected a name that ends in \.h5")
+            for name in ("first", ".h5", "first.h5.txt", "first.H5")
+        ],
+        ("a\x1b[31m.h5", r"'a\\x1b\[31m.h5': expected a name without control"),
+    ],
+)
 def test_a_name_that_no_history_can_have(name, complaint, refused, tmp_path):
     refused(complaint, SYMMETRIC, "--out", name)
 
@@ -152,52 +165,93 @@ class TestYade:
         assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
 
 
-@pytest.mark.parametrize("words, message", [
-    ("index --thresholdmm 0.1 a.h5", "did you mean --threshold-mm? see --help"),
-    ("--quite index", "did you mean --quiet? see --help"),
-    ("help indx", "did you mean index?"),
-    ("tables run a.h5 b.h5 --out stem", "tables run of 2 histories: expected one")])
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        ("index --thresholdmm 0.1 a.h5", "did you mean --threshold-mm? see --help"),
+        ("--quite index", "did you mean --quiet? see --help"),
+        ("help indx", "did you mean index?"),
+        ("tables run a.h5 b.h5 --out stem", "tables run of 2 histories: expected one"),
+    ],
+)
 def test_a_mistaken_command(words, message, capsys):
     assert main(words.split()) == 2
     said = capsys.readouterr().err
     assert message in said and said.startswith("error: ") and said.count("\n") == 1
 
 
-# --- values that are zero, negative, infinite, none, huge -------------------------------------------
+# --- values that are zero, negative, infinite, none, huge -----------------------------------------
 
 ODD = ("0", "-1", "inf", "nan", "1e-300", "1e300", "1000000000", 5000 * "9", "", "abc", "0.5")
 RUN = {
-    "--harmonic ? 0.05": "0.5", "--harmonic 0.2 ?": "0 1e-300 0.5", "--cycles ?": "",
-    "--record R --scale ?": "0 -1 1e-300 0.5", "--record R --sample-step ?": "", "--cracked C --tolerance-mm ?": "0.5",
-    "--record R --window ? 5": "0 1e-300 0.5", "--record R --baseline ?": "0", "--record R --band ? 10": "0.5",
-    "--sequence 1,?": "0 -1 1e-300 0.5", "--pushover ?": "0.5", "--cyclic 0.1,?": "0.5",
-    "--pushover 0.1 --speed ?": "0.5", "--pushover 0.1 --damping ?": "0 1e-300 0.5", "--cells ?": "",
-    "--strength-cov ?": "0 1e-300 0.5", "--strength-seed ?": "0 1000000000", "--beta ?": "0 1e-300",
-    "--rayleigh ? 5 20": "0 1e-300 0.5", "--rayleigh 0.02 ? 20": "0.5", "--scatter ?": "0 1e-300", "--fibres ?": "0",
-    "--soil ?": "1000000000", "--soil 1e8 --soil-velocity ?": "0", "--soil 1e8 --soil-shear ?": "0.5",
+    "--harmonic ? 0.05": "0.5",
+    "--harmonic 0.2 ?": "0 1e-300 0.5",
+    "--cycles ?": "",
+    "--record R --scale ?": "0 -1 1e-300 0.5",
+    "--record R --sample-step ?": "",
+    "--cracked C --tolerance-mm ?": "0.5",
+    "--record R --window ? 5": "0 1e-300 0.5",
+    "--record R --baseline ?": "0",
+    "--record R --band ? 10": "0.5",
+    "--sequence 1,?": "0 -1 1e-300 0.5",
+    "--pushover ?": "0.5",
+    "--cyclic 0.1,?": "0.5",
+    "--pushover 0.1 --speed ?": "0.5",
+    "--pushover 0.1 --damping ?": "0 1e-300 0.5",
+    "--cells ?": "",
+    "--strength-cov ?": "0 1e-300 0.5",
+    "--strength-seed ?": "0 1000000000",
+    "--beta ?": "0 1e-300",
+    "--rayleigh ? 5 20": "0 1e-300 0.5",
+    "--rayleigh 0.02 ? 20": "0.5",
+    "--scatter ?": "0 1e-300",
+    "--fibres ?": "0",
+    "--soil ?": "1000000000",
+    "--soil 1e8 --soil-velocity ?": "0",
+    "--soil 1e8 --soil-shear ?": "0.5",
     "--soil 1e8 --footing ?": "0.5",
-    "--pushover 0.1 --top-rotation ?": "0 1e-300 1000000000 0.5", "--settle hogging --distortion ?": "",
-    "--checkpoint ?": "0.5", "--point ? 0.3": "0 -1 1e-300 0.5", "--address A --life ?": "1000000000",
-    "--bricks deformable --brick-mass ?": "", "--bricks deformable --brick-damping ?": "0 1e-300 0.5",
-    "--bricks deformable --brick-order ?": "", "--bricks deformable --brick-cells ?": "0", "--brick-damping ?": "",
-    "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "", "--members ?": "",
+    "--pushover 0.1 --top-rotation ?": "0 1e-300 1000000000 0.5",
+    "--settle hogging --distortion ?": "",
+    "--checkpoint ?": "0.5",
+    "--point ? 0.3": "0 -1 1e-300 0.5",
+    "--address A --life ?": "1000000000",
+    "--bricks deformable --brick-mass ?": "",
+    "--bricks deformable --brick-damping ?": "0 1e-300 0.5",
+    "--bricks deformable --brick-order ?": "",
+    "--bricks deformable --brick-cells ?": "0",
+    "--brick-damping ?": "",
+    "--seed ?": "0 1000000000",
+    "--rest ?": "0 1e-300 0.5",
+    "--dt ?": "",
+    "--members ?": "",
 }
-"""{words of a run, ? the value: which of ODD go}; all others are refused before anything is begun."""
+"""{words of a run, ? the value: which of ODD go}; all others are refused before anything is
+begun."""
 YADE_ALONE = {"--past-collapse ?": "0 1e-300 0.5"}
 COMMANDS = {
-    "index H --threshold-mm ?": "0.5", "cracks H --at ?": "0 1e-300", "cracks C --wall W --tolerance-mm ?": "0.5",
-    "modes W --cells ?": "", "fragility F --out O --replicates ?": "", "study-tables S O -j ?": "",
+    "index H --threshold-mm ?": "0.5",
+    "cracks H --at ?": "0 1e-300",
+    "cracks C --wall W --tolerance-mm ?": "0.5",
+    "modes W --cells ?": "",
+    "fragility F --out O --replicates ?": "",
+    "study-tables S O -j ?": "",
 }
-"""The same of commands, with files that are there, or are looked for after the options (F, O, S)."""
+"""The same of commands, with files that are there, or are looked for after the options (F, O,
+S)."""
 FIELDS = {
-    (Brick, "length"): "0.5", (Brick, "density"): "", (Brick, "young_modulus"): "1000000000",
-    (Joint, "normal_stiffness"): "1000000000", (Joint, "tensile_strength"): "0 1e-300 1000000000 0.5",
-    (Joint, "friction_angle"): "0 1e-300 0.5", (ModelOptions, "strength_cov"): "0 1e-300 0.5",
+    (Brick, "length"): "0.5",
+    (Brick, "density"): "",
+    (Brick, "young_modulus"): "1000000000",
+    (Joint, "normal_stiffness"): "1000000000",
+    (Joint, "tensile_strength"): "0 1e-300 1000000000 0.5",
+    (Joint, "friction_angle"): "0 1e-300 0.5",
+    (ModelOptions, "strength_cov"): "0 1e-300 0.5",
 }
 
 
 def that_go(function, complaint_of):
-    """Those of ODD with which `function(value)` does not complain; of the others one line is held to what it says."""
+    """Those of ODD with which `function(value)` does not complain; of the others one line is held
+    to what it says."""
     complaints = {value: complaint_of(function, value) for value in ODD}
     for said in filter(None, complaints.values()):
         assert "\n" not in said and re.search(r"expected|invalid|choose|stable", said)
@@ -206,7 +260,9 @@ def that_go(function, complaint_of):
 
 @pytest.fixture
 def complaint_of(capsys):
-    """What the InputError says that a call raises, or a command prints; None where there is none."""
+    """What the InputError says that a call raises, or a command prints; None where there is
+    none."""
+
     def run(function, value):
         try:
             return capsys.readouterr().err.removesuffix("\n") if function(value) else None
@@ -223,7 +279,10 @@ def files(tmp_path_factory):
     wall_file(folder / "W.py", "Wall('small', 0.9, 0.45)")
     (folder / "C").write_text("crack,point,x_m,z_m,width_mm\n1,1,0.1,0.075,1\n1,2,0.3,0.075,1\n")
     names = {"H": "h.h5", "W": "W.py"} | {name: name for name in "CFOS"}
-    return {letter: str(folder / name) for letter, name in names.items()} | {"R": RECORD, "A": ADDRESS}
+    return {letter: str(folder / name) for letter, name in names.items()} | {
+        "R": RECORD,
+        "A": ADDRESS,
+    }
 
 
 def filled(template, files, value):
@@ -234,31 +293,51 @@ def prepare(words, solver="reference"):
     """All that is looked at before a run begins."""
     settings = parse_run(words, "test", solver)
     layout = lay_out(small_layout().wall, settings.model)
-    check_size(settings, layout, choose_time_step(settings, natural_modes(layout).critical_time_step_s))
+    check_size(
+        settings, layout, choose_time_step(settings, natural_modes(layout).critical_time_step_s)
+    )
 
 
 @pytest.mark.parametrize("template", RUN)
 def test_odd_values_of_options(template, files, complaint_of):
-    assert that_go(lambda value: prepare(filled(template, files, value)), complaint_of) == RUN[template]
+    assert (
+        that_go(lambda value: prepare(filled(template, files, value)), complaint_of)
+        == RUN[template]
+    )
 
 
 @pytest.mark.parametrize("template", YADE_ALONE)
 def test_odd_values_of_options_in_yade(template, complaint_of):
-    assert that_go(lambda value: prepare(filled(template, {}, value), "yade"), complaint_of) == YADE_ALONE[template]
+    assert (
+        that_go(lambda value: prepare(filled(template, {}, value), "yade"), complaint_of)
+        == YADE_ALONE[template]
+    )
 
 
 @pytest.mark.parametrize("solver", ["reference", "yade"])
 def test_every_number_on_a_command_line_is_tried(solver):
     """An option that is added without a row above fails here: it might accept NaN."""
-    tried = {word for template in (*RUN, *YADE_ALONE) for word in template.split() if word.startswith("--")}
-    numbers = {option for action in make_parser("test", solver)._actions for option in action.option_strings
-               if action.type in {int, float} or getattr(action.type, "__name__", "") in {"int", "float"}}
+    tried = {
+        word
+        for template in (*RUN, *YADE_ALONE)
+        for word in template.split()
+        if word.startswith("--")
+    }
+    numbers = {
+        option
+        for action in make_parser("test", solver)._actions
+        for option in action.option_strings
+        if action.type in {int, float} or getattr(action.type, "__name__", "") in {"int", "float"}
+    }
     assert numbers - tried == set() and len(numbers) > 15
 
 
 @pytest.mark.parametrize("template", COMMANDS)
 def test_odd_values_of_commands(template, files, complaint_of):
-    assert that_go(lambda value: main(filled(template, files, value)), complaint_of) == COMMANDS[template]
+    assert (
+        that_go(lambda value: main(filled(template, files, value)), complaint_of)
+        == COMMANDS[template]
+    )
 
 
 @pytest.mark.parametrize("record, field", FIELDS)
@@ -274,26 +353,44 @@ def test_walls_and_records_that_cannot_be_computed():
     assert "48000000 bricks" in one_line_error(Wall, "w", 900.0, 900.0)
     assert "contact points" in one_line_error(lay_out, Wall("w", 20.0, 6.0), ModelOptions(cells=16))
     bricks = Brick(young_modulus=1e20, shear_modulus=1.0)
-    stiff = Wall("w", 4.0, 3.0, brick=bricks, joint=Joint(normal_stiffness=1e20, shear_stiffness=1.0))
+    stiff = Wall(
+        "w", 4.0, 3.0, brick=bricks, joint=Joint(normal_stiffness=1e20, shear_stiffness=1.0)
+    )
     assert "no natural modes" in one_line_error(natural_modes, lay_out(stiff))
     assert "outside" in one_line_error(Wall, "w", 2.0, 1.0, [Opening(1.5, 1.0, 0.5)])
     assert "0.001 <= low" in one_line_error(band_passed, Record("r", 1e-5, 2000 * [1.0]), 1e-4, 1e4)
 
 
-# --- walls as data ----------------------------------------------------------------------------------
+# --- walls as data --------------------------------------------------------------------------------
 
-GOOD = {"name": '"house"', "length": "4.4", "height": "4.2", "precompression": "0",
-        "masonry": '{ material = "clay-standard", format = "waalformaat" }',
-        "outline": "[[0, 2.7], [2.2, 4.2], [4.4, 2.7]]"}
+GOOD = {
+    "name": '"house"',
+    "length": "4.4",
+    "height": "4.2",
+    "precompression": "0",
+    "masonry": '{ material = "clay-standard", format = "waalformaat" }',
+    "outline": "[[0, 2.7], [2.2, 4.2], [4.4, 2.7]]",
+}
 DOOR = "[[openings]]\nleft = 1.1\nwidth = 1.1\nheight = 2.1\n"
 FLOOR = "[[floors]]\nlevel = 2.7\n"
 MISTAKES = [
-    ("masonry", '{ material = "clay-standart", format = "waalformaat" }', r"one of .* did you mean clay-standard\?"),
+    (
+        "masonry",
+        '{ material = "clay-standart", format = "waalformaat" }',
+        r"one of .* did you mean clay-standard\?",
+    ),
     ("masonry", '{ material = "clay", format = "brick" }', "format 'brick': expected one of waal"),
     ("masonry", '{ material = "clay", format = "waalformaat" }', "give tensile_strength="),
-    ("masonry", '{ material = "clay-weak", format = "waalformaat", mortar = 10 }',
-     r"mortar \[m\] = 10: expected a number from 0 to 0.05"),
-    ("masonry", '{ material = "clay-weak", format = "waalformaat", wythes = 1.5 }', "whole number from 1"),
+    (
+        "masonry",
+        '{ material = "clay-weak", format = "waalformaat", mortar = 10 }',
+        r"mortar \[m\] = 10: expected a number from 0 to 0.05",
+    ),
+    (
+        "masonry",
+        '{ material = "clay-weak", format = "waalformaat", wythes = 1.5 }',
+        "whole number from 1",
+    ),
     ("masonry", '{ material = "clay-weak" }', "give one of these"),
     ("+", "[brick]\nlength = 0.2", "leave one out"),
     ("outline", "[[0.5, 2.7], [2.2, 4.2], [4.4, 2.7]]", "the first at x = 0"),
@@ -304,12 +401,24 @@ MISTAKES = [
     ("outline", "[2.7, 4.2, 2.7]", r"expected points \(x, z\)"),
     ("outline", "[[0, -1], [2.2, 4.2], [4.4, 2.7]]", "expected 0 or more"),
     ("precompression", "0.1e6", "masses by Wall.floors"),
-    ("+", "[[openings]]\nleft = 2.2\nwidth = 1.54\nheight = 0.6\nsill = 2.7", "has nothing below it"),
+    (
+        "+",
+        "[[openings]]\nleft = 2.2\nwidth = 1.54\nheight = 0.6\nsill = 2.7",
+        "has nothing below it",
+    ),
     ("+", "[[floors]]\nlevel = 9\nmass = 100", "expected a level with a course below it"),
     ("+", f"{FLOOR}mass = 100\nleft = 4.35", "expected half a brick"),
     ("+", f"{FLOOR}mass = 100\nright = 9", "correct left and right"),
-    ("+", f"{DOOR}[[floors]]\nlevel = 1.2\nmass = 9\nleft = 1.2\nright = 2", "has no brick below it"),
-    ("+", f'{DOOR}[[floors]]\nlevel = 1.2\nmass = 9\nleft = 1.2\nright = 3\nkind = "concrete"', "has nothing below it"),
+    (
+        "+",
+        f"{DOOR}[[floors]]\nlevel = 1.2\nmass = 9\nleft = 1.2\nright = 2",
+        "has no brick below it",
+    ),
+    (
+        "+",
+        f'{DOOR}[[floors]]\nlevel = 1.2\nmass = 9\nleft = 1.2\nright = 3\nkind = "concrete"',
+        "has nothing below it",
+    ),
     ("+", 2 * '[[floors]]\nlevel = 2.4\nmass = 900\nkind = "concrete"\n', "floors apart"),
     ("+", f'{FLOOR}mass = 100\nkind = "steel"', "expected one of timber, concrete"),
     ("+", FLOOR, "without a mass: expected mass"),
@@ -324,10 +433,13 @@ MISTAKES = [
 
 
 def house(folder, key="+", value=""):
-    """The path of a wall as TOML: GOOD with another value, without it if that is None; "+" is written behind."""
+    """The path of a wall as TOML: GOOD with another value, without it if that is None; "+" is
+    written behind."""
     table = GOOD | ({} if key == "+" else {key: value})
     lines = [f"{name} = {given}" for name, given in table.items() if given is not None]
-    return written(folder / "house.toml", "\n".join([*lines, value if key == "+" else ""]), encoding="utf-8")
+    return written(
+        folder / "house.toml", "\n".join([*lines, value if key == "+" else ""]), encoding="utf-8"
+    )
 
 
 @pytest.mark.parametrize("key, value, message", MISTAKES, ids=str)

@@ -1,5 +1,5 @@
-"""What a wall went through before a run: runs that continue another, joints that start without a bond."""
-
+"""What a wall went through before a run: runs that continue another, joints that start without a
+bond."""
 
 import h5py
 import numpy as np
@@ -30,29 +30,61 @@ def halves(folder, wall, **options):
     damage.run(wall, out=folder / "first.h5", **shake)
     if shake.pop("settle", None):  # once
         shake |= {"distortion": None, "supports": "bricks"}
-    second = damage.run(wall, sequence=(0.6,), out=folder / "second.h5", **shake, **{"continue": folder / "first.h5"})
+    second = damage.run(
+        wall,
+        sequence=(0.6,),
+        out=folder / "second.h5",
+        **shake,
+        **{"continue": folder / "first.h5"},
+    )
     return whole, second
 
 
-@pytest.mark.parametrize("wall, options", [
-    (SMALL, {}), (SMALL, {"settle": "hogging", "distortion": 1 / 500}),
-    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"),
-     {"mass_scaling": "none"}),  # else each half is accepted, or repeated, by itself
-    (Wall("fibres", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"),
-     {"fibres": 8, "beta": 0.0}),
-], ids=["brittle", "settled", "soft", "fibres"])
+@pytest.mark.parametrize(
+    "wall, options",
+    [
+        (SMALL, {}),
+        (SMALL, {"settle": "hogging", "distortion": 1 / 500}),
+        (
+            Wall(
+                "soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"
+            ),
+            {"mass_scaling": "none"},
+        ),  # else each half is accepted, or repeated, by itself
+        (
+            Wall(
+                "fibres",
+                1.125,
+                0.6,
+                [Opening(0.3375, 0.45, 0.3, 0.15)],
+                joint=SOFT,
+                lintel="courses",
+            ),
+            {"fibres": 8, "beta": 0.0},
+        ),
+    ],
+    ids=["brittle", "settled", "soft", "fibres"],
+)
 def test_a_run_that_continues_is_the_second_half_bit_for_bit(tmp_path, wall, options):
     whole, second = halves(tmp_path, wall, **({"rest": 0.05} | options))
     n = len(second.series)
     assert n > 50 and whole.series["shock"].iloc[-n + 1] == 2
     for name in second.series.columns.drop(["time_s", "shock", "stage"]):
         # The first sample is the last one of the first half.
-        assert_array_equal(second.series[name].to_numpy()[1:], whole.series[name].to_numpy()[1 - n:], name)
+        assert_array_equal(
+            second.series[name].to_numpy()[1:], whole.series[name].to_numpy()[1 - n :], name
+        )
     for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
         assert_array_equal(getattr(second, name), getattr(whole, name)[-n:], name)
     assert_array_equal(second.displacement[-1], whole.displacement[-1])
-    assert second.opening_m.max() > 0 and len(second.events) == (whole.events["time_s"] > -second.series[
-        "time_s"].iloc[-1] + whole.series["time_s"].iloc[-1] + 1e-9).sum()
+    assert (
+        second.opening_m.max() > 0
+        and len(second.events)
+        == (
+            whole.events["time_s"]
+            > -second.series["time_s"].iloc[-1] + whole.series["time_s"].iloc[-1] + 1e-9
+        ).sum()
+    )
 
 
 def test_a_history_of_another_wall_is_one_line(tmp_path):
@@ -70,10 +102,12 @@ def test_a_history_without_a_state_is_one_line(tmp_path):
     assert read_history(first).complete
     with h5py.File(first) as file:
         assert len(file["state/solver"]) == 0
-    refused_with("it holds no state of its solver", damage.run, SMALL, **SHAKE, **{"continue": first})
+    refused_with(
+        "it holds no state of its solver", damage.run, SMALL, **SHAKE, **{"continue": first}
+    )
 
 
-# --- surveyed cracks ---------------------------------------------------------------------------------------
+# --- surveyed cracks ------------------------------------------------------------------------------
 
 CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
 """A bed joint through the left pier, at mid-height of the opening."""
@@ -89,16 +123,20 @@ def test_joints_along_surveyed_cracks_have_no_bond(tmp_path):
     layout = lay_out(SMALL)
     cracked = with_cracks(layout, Surveyed.read(path)).contacts
     failed = np.flatnonzero((cracked.tensile_strength == 0) & (cracked.cohesion == 0))
-    expected = np.flatnonzero((layout.contacts.z == layout.contacts.z[failed][0]) & (layout.contacts.x < 0.3375)
-                              & ~layout.contacts.upright)
+    expected = np.flatnonzero(
+        (layout.contacts.z == layout.contacts.z[failed][0])
+        & (layout.contacts.x < 0.3375)
+        & ~layout.contacts.upright
+    )
     assert_array_equal(failed, expected)
     assert layout.contacts.z[failed[0]] == pytest.approx(0.3)
     assert read_cracks(path)[-1].length_m.sum() == pytest.approx(0.3375)
 
 
 DIAGONALS = "crack,point,x_m,z_m,width_mm\n" + "".join(
-    f"{label},1,{x},{z},1\n{label},2,{x + 0.3},{z + 0.3},1\n" for label, x, z in (
-        ("A", 0.02, 0.02), ("B", 0.8, 0.25), ("C", 0.01, 0.28)))
+    f"{label},1,{x},{z},1\n{label},2,{x + 0.3},{z + 0.3},1\n"
+    for label, x, z in (("A", 0.02, 0.02), ("B", 0.8, 0.25), ("C", 0.01, 0.28))
+)
 """Three straight cracks across bricks and joints, 1.27 m together."""
 
 
@@ -110,8 +148,11 @@ def test_straight_lines_become_stepped_paths(tmp_path, capsys):
     layout = lay_out(SMALL)
     with_cracks(layout, Surveyed.read(along))
     said = capsys.readouterr()
-    assert said.out == ("cracks of along.csv: 0.34 m, 100 % of it on joints up to 0 mm away; 6 of 146 contact points "
-                        "(0.34 m) start without bond; widths are not used\n")
+    assert (
+        said.out
+        == "cracks of along.csv: 0.34 m, 100 % of it on joints up to 0 mm away; 6 of 146 contact"
+        " points (0.34 m) start without bond; widths are not used\n"
+    )
     assert said.err == ""
     cracked = with_cracks(layout, Surveyed.read(across))
     freed = cracked.contacts.length[cracked.contacts.tensile_strength == 0].sum()
@@ -122,11 +163,20 @@ def test_the_tolerance_of_a_survey(tmp_path):
     """A crack 20 mm above its bed joint is on it within half a brick's length, not within 10 mm."""
     path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "0.32,1"))
     settings = parse_run(["--cracked", str(path), "--tolerance-mm", "10"], "", "reference")
-    assert settings.joints_without_bond.tolerance_m == 0.01 and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
-    with pytest.raises(InputError, match=r"0.00 of 0.34 m of its cracks run along joints of wall small \(0 %\)"):
+    assert (
+        settings.joints_without_bond.tolerance_m == 0.01
+        and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
+    )
+    with pytest.raises(
+        InputError, match=r"0.00 of 0.34 m of its cracks run along joints of wall small \(0 %\)"
+    ):
         with_cracks(lay_out(SMALL), settings.joints_without_bond)
-    assert (with_cracks(lay_out(SMALL), Surveyed.read(path)).contacts.tensile_strength == 0).sum() == 6
-    refused_with("--tolerance-mm belongs to --cracked", parse_run, ["--tolerance-mm", "10"], "", "reference")
+    assert (
+        with_cracks(lay_out(SMALL), Surveyed.read(path)).contacts.tensile_strength == 0
+    ).sum() == 6
+    refused_with(
+        "--tolerance-mm belongs to --cracked", parse_run, ["--tolerance-mm", "10"], "", "reference"
+    )
 
 
 def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
@@ -134,7 +184,9 @@ def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
     path = written(tmp_path / "cracks.csv", DIAGONALS)
     history = damage.run(SMALL, cracked=path, **SHAKE)
     summary = summarise(history)
-    freed = ((history.joints["tensile_strength_pa"] == 0) & (history.joints["cohesion_pa"] == 0)).to_numpy()
+    freed = (
+        (history.joints["tensile_strength_pa"] == 0) & (history.joints["cohesion_pa"] == 0)
+    ).to_numpy()
     assert history.static["broken_joints"] > 0 and freed[history.broken[0]].all()
     assert not any("failed under gravity" in warning for warning in summary["warnings"])
     failed = history.broken[-1] & ~freed
@@ -145,5 +197,7 @@ def test_cracks_beside_the_wall_are_one_line(tmp_path, error_of):
     path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "30.0,1"))
     words = ["reference", "walls/variants/small.py", "--cracked", path, "--out", tmp_path / "a.h5"]
     assert "100 % of the cracks' length" in error_of(*words)
-    assert "0.00 of 0.34 m of its cracks run along joints" in error_of(*words, "--accept-implausible")
+    assert "0.00 of 0.34 m of its cracks run along joints" in error_of(
+        *words, "--accept-implausible"
+    )
     assert not (tmp_path / "a.h5").exists()

@@ -1,4 +1,5 @@
-"""The same bits on every machine: published digests, and rounding by which last bits do not reach a run."""
+"""The same bits on every machine: published digests, and rounding by which last bits do not reach a
+run."""
 
 from dataclasses import replace
 
@@ -25,28 +26,43 @@ SMALL = load_wall(REPOSITORY / bits.SMALL)
 LAST_BIT, VISIBLE = 1.0 + 2.0**-52, 1.0 + 1e-5
 
 
-@pytest.mark.parametrize("name", [name if not case.is_long else pytest.param(name, marks=pytest.mark.long)
-                                  for name, case in bits.CASES.items()])
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if not case.is_long else pytest.param(name, marks=pytest.mark.long)
+        for name, case in bits.CASES.items()
+    ],
+)
 def test_this_machine_computes_the_published_histories(name):
-    """Renew them with benchmarks/same_bits.py renew, and name the runs that moved in CHANGELOG.md."""
+    """Renew them with benchmarks/same_bits.py renew, and name the runs that moved in
+    CHANGELOG.md."""
     assert bits.differing(bits.digests([name]), bits.published()) == {}
 
 
 def test_the_command_says_which_runs_differ(monkeypatch, capsys):
     known = bits.published()
     found, n = dict(known), len(bits.CASES)
-    assert bits.verdict(found, known) == f"published histories: {n} of {n} have the same bits on this machine"
+    assert (
+        bits.verdict(found, known)
+        == f"published histories: {n} of {n} have the same bits on this machine"
+    )
     found["free", "drift"] = "0" * bits.DIGITS
     assert bits.differing(found, known) == {"free": ["drift"]}
-    for made_by, words in (("abc changed", "files differ from"), ("unknown", "may have been changed"),
-                           ("abc", "please report")):
+    for made_by, words in (
+        ("abc changed", "files differ from"),
+        ("unknown", "may have been changed"),
+        ("abc", "please report"),
+    ):
         monkeypatch.setattr(bits, "commit", lambda made_by=made_by: made_by)
         assert bits.verdict(found, known).startswith(
-            f"published histories: {n - 1} of {n} have the same bits on this machine, others not (free): ")
+            f"published histories: {n - 1} of {n} have the same bits on this machine, others not"
+            " (free): "
+        )
         assert words in bits.verdict(found, known)
 
 
-# --- last bits of inputs do not reach a run ---------------------------------------------------------
+# --- last bits of inputs do not reach a run -------------------------------------------------------
+
 
 def base_of(loading):
     """Acceleration of the base in every step of a run."""
@@ -67,10 +83,15 @@ def recorded(random, factor):
 
 
 def of_joint(name):
-    """Tables of a wall one of whose joints' values, drawn near the usual one, is changed by a factor."""
+    """Tables of a wall one of whose joints' values, drawn near the usual one, is changed by a
+    factor."""
+
     def made(random, factor):
         value = getattr(SMALL.joint, name) * random.uniform(0.5, 1.5)
-        return tables_of(replace(SMALL, joint=replace(SMALL.joint, **{name: value * factor})), strength_cov=0.3)
+        return tables_of(
+            replace(SMALL, joint=replace(SMALL.joint, **{name: value * factor})), strength_cov=0.3
+        )
+
     return made
 
 
@@ -78,37 +99,64 @@ def of_brick(name):
     def made(random, factor):
         value = getattr(SMALL.brick, name) * random.uniform(0.8, 1.2)
         return tables_of(replace(SMALL, brick=replace(SMALL.brick, **{name: value * factor})))
+
     return made
 
 
 KINDS = {
     "an acceleration": recorded,
-    "an amplitude": lambda random, factor: base_of(Harmonic(0.1, random.uniform(0.1, 0.6) * factor, cycles=1)),
-    "a scale": lambda random, factor: base_of(Recorded(Record("made", 0.005, random.normal(0.0, 0.5, 40)),
-                                                       scale=random.uniform(0.5, 2) * factor)),
-    **{f"joint: {name}": of_joint(name) for name in (
-        "tensile_strength", "cohesion", "normal_stiffness", "shear_stiffness", "friction_angle")},
+    "an amplitude": lambda random, factor: base_of(
+        Harmonic(0.1, random.uniform(0.1, 0.6) * factor, cycles=1)
+    ),
+    "a scale": lambda random, factor: base_of(
+        Recorded(
+            Record("made", 0.005, random.normal(0.0, 0.5, 40)),
+            scale=random.uniform(0.5, 2) * factor,
+        )
+    ),
+    **{
+        f"joint: {name}": of_joint(name)
+        for name in (
+            "tensile_strength",
+            "cohesion",
+            "normal_stiffness",
+            "shear_stiffness",
+            "friction_angle",
+        )
+    },
     **{f"brick: {name}": of_brick(name) for name in ("young_modulus", "density")},
-    "scatter": lambda random, factor: tables_of(SMALL, strength_cov=random.uniform(0.1, 0.5) * factor),
+    "scatter": lambda random, factor: tables_of(
+        SMALL, strength_cov=random.uniform(0.1, 0.5) * factor
+    ),
     "soil": lambda random, factor: tables_of(SMALL, soil=random.uniform(1e8, 1e9) * factor),
-    "a distortion": lambda random, factor: Settlement("hogging", random.uniform(1e-4, 1e-2) * factor).displacement(
-        np.linspace(0.0, 2.0, 50), lay_out(SMALL, ModelOptions(supports="bricks")).supports),
-    "critical step": lambda random, factor: down_to_three_digits(random.uniform(1e-5, 1e-4) * factor),
+    "a distortion": (
+        lambda random, factor: Settlement(
+            "hogging", random.uniform(1e-4, 1e-2) * factor
+        ).displacement(
+            np.linspace(0.0, 2.0, 50), lay_out(SMALL, ModelOptions(supports="bricks")).supports
+        )
+    ),
+    "critical step": lambda random, factor: down_to_three_digits(
+        random.uniform(1e-5, 1e-4) * factor
+    ),
 }
 
 
 def moved(kind, factor, number):
-    """Of so many seeded inputs, how many differ where one of their values is multiplied by a factor."""
+    """Of so many seeded inputs, how many differ where one of their values is multiplied by a
+    factor."""
+
     def of(seed, factor):
         found = KINDS[kind](np.random.default_rng(seed), factor)
         return found if isinstance(found, list) else np.asarray(found).tobytes()
+
     return sum(of(seed, factor) != of(seed, 1.0) for seed in range(number))
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_last_bit_of_an_input_does_not_reach_the_step(kind):
-    """The chance is some 1e-8 a rounded value (docs/model/model.md); a relative change of 1e-5 arrives, but for the
-    step, of which three digits are kept."""
+    """The chance is some 1e-8 a rounded value (docs/model/model.md); a relative change of 1e-5
+    arrives, but for the step, of which three digits are kept."""
     assert moved(kind, LAST_BIT, 20) == 0
     assert moved(kind, VISIBLE, 20) == 20 or kind == "critical step"
 
@@ -121,12 +169,19 @@ def test_nor_do_a_thousand(kind):
 
 @pytest.mark.filterwarnings("ignore:.*elastic and cannot fail")
 def test_histories_follow_what_is_visible_alone():
-    """Digests of a softening wall by its strength and by the amplitude of its motion.  In a brittle one a strength only
-    decides at which step a joint fails: 1e-5 of it moves about one failure of a thousand."""
+    """Digests of a softening wall by its strength and by the amplitude of its motion.  In a brittle
+    one a strength only decides at which step a joint fails: 1e-5 of it moves about one failure of a
+    thousand."""
+
     def of(strength=1.0, amplitude=1.0):
-        joint = replace(SMALL.joint, tensile_strength=SMALL.joint.tensile_strength * strength,
-                        **softening_energies(SMALL.joint.tensile_strength))
-        return bits.digests_of([damage.run(replace(SMALL, joint=joint), Harmonic(0.06, 0.6 * amplitude), rest=0.1)])
+        joint = replace(
+            SMALL.joint,
+            tensile_strength=SMALL.joint.tensile_strength * strength,
+            **softening_energies(SMALL.joint.tensile_strength),
+        )
+        return bits.digests_of(
+            [damage.run(replace(SMALL, joint=joint), Harmonic(0.06, 0.6 * amplitude), rest=0.1)]
+        )
 
     plain = of()
     assert of(strength=LAST_BIT) == plain == of(amplitude=LAST_BIT)
@@ -137,4 +192,6 @@ def test_histories_follow_what_is_visible_alone():
 def test_the_command(damage_command):
     done = damage_command("check-bits", "free", status=0)
     assert done.stdout.splitlines()[-2:] == [
-        "free: equal", "published histories: 1 of 1 have the same bits on this machine"]
+        "free: equal",
+        "published histories: 1 of 1 have the same bits on this machine",
+    ]

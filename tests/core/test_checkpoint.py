@@ -21,17 +21,51 @@ OFTEN = ("--checkpoint", "0.001")
 SHAKE = (SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.1", "--no-pictures", "--quiet")
 LOOSE = 0.4e-3  # opening [m] from which bricks collide in YADE
 RUNS = {
-    "settled": ("--settle", "hogging", "--distortion", "1/500", "--stresses", "--point", "0.3", "0.3"),
+    "settled": (
+        "--settle",
+        "hogging",
+        "--distortion",
+        "1/500",
+        "--stresses",
+        "--point",
+        "0.3",
+        "0.3",
+    ),
     "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
-    "falling": (SMALL, "--harmonic", "0.1", "1.5", "--rest", "0.1", "--new-contacts", "--after-fall", "--no-pictures",
-                "--quiet"),
+    "falling": (
+        SMALL,
+        "--harmonic",
+        "0.1",
+        "1.5",
+        "--rest",
+        "0.1",
+        "--new-contacts",
+        "--after-fall",
+        "--no-pictures",
+        "--quiet",
+    ),
     "deformable": ("--bricks", "deformable", "--rest", "0"),
-    "scaled": ("window.toml", "--harmonic", "0.06", "1.5", "--cycles", "2", "--rest", "0", "--no-pictures", "--quiet"),
+    "scaled": (
+        "window.toml",
+        "--harmonic",
+        "0.06",
+        "1.5",
+        "--cycles",
+        "2",
+        "--rest",
+        "0",
+        "--no-pictures",
+        "--quiet",
+    ),
 }
-SOFT = ('name = "soft"\nlength = 0.9\nheight = 0.6\nprecompression = 0.1e6\n'
-        'joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n')
-WALLS = {"soft.toml": SOFT,  # the other's steps are repeated, with less and without mass scaling
-         "window.toml": f"{SOFT}[[openings]]\nleft = 0.3\nwidth = 0.3\nheight = 0.3\nsill = 0.15\n"}
+SOFT = (
+    'name = "soft"\nlength = 0.9\nheight = 0.6\nprecompression = 0.1e6\n'
+    "joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n"
+)
+WALLS = {
+    "soft.toml": SOFT,  # the other's steps are repeated, with less and without mass scaling
+    "window.toml": f"{SOFT}[[openings]]\nleft = 0.3\nwidth = 0.3\nheight = 0.3\nsill = 0.15\n",
+}
 
 
 def words_of(name, folder):
@@ -43,7 +77,8 @@ def words_of(name, folder):
 
 
 def in_a_child(words, looks=None, name=signal.SIGKILL):
-    """Exit status of a run in a process of its own, which gets a signal at its look of this number; -9 where killed.
+    """Exit status of a run in a process of its own, which gets a signal at its look of this number;
+    -9 where killed.
 
     A checkpoint is due at every third look.
     """
@@ -68,10 +103,12 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
 
 @pytest.mark.parametrize("name", RUNS)
 def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
-    """The n-th process is killed, or every third interrupted, at its look 4, 5, 6, ...: in the static stage, too."""
+    """The n-th process is killed, or every third interrupted, at its look 4, 5, 6, ...: in the
+    static stage, too."""
     monkeypatch.chdir(REPOSITORY)
     words, whole, cut = words_of(name, tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
-    assert run_reference([*map(str, words), "--out", str(whole)]) == 0  # here: the children find all compiled
+    # here: the children find all compiled
+    assert run_reference([*map(str, words), "--out", str(whole)]) == 0
     assert not checkpoint_path(whole).exists()
     place, ended = ("--out", cut), False
     for kills in range(6):
@@ -112,22 +149,40 @@ def refused(folder, words, capsys):
     return line
 
 
-@pytest.mark.parametrize("words, said", [
-    ((*SHAKE, "--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
-    ((*SHAKE, "--rest", "0.2"), "rest_s is 0.2, and was 0.1; expected the options of the run that was interrupted"),
-    ((*SHAKE, "--overwrite"), "with --out or --overwrite: expected one of them"),
-    ((*SHAKE, "--out", "other.h5"), "with --out or --overwrite: expected one of them"),
-    ((*SHAKE, "--members", "2"), "--members with --checkpoint or --resume: expected a single run"),
-])
-def test_another_run_than_that_of_the_checkpoint_is_one_line(interrupted, words, said, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (
+            (*SHAKE, "--scatter", "0.01", "--seed", "1"),
+            "the history of another wall, small: joints/",
+        ),
+        (
+            (*SHAKE, "--rest", "0.2"),
+            "rest_s is 0.2, and was 0.1; expected the options of the run that was interrupted",
+        ),
+        ((*SHAKE, "--overwrite"), "with --out or --overwrite: expected one of them"),
+        ((*SHAKE, "--out", "other.h5"), "with --out or --overwrite: expected one of them"),
+        (
+            (*SHAKE, "--members", "2"),
+            "--members with --checkpoint or --resume: expected a single run",
+        ),
+    ],
+)
+def test_another_run_than_that_of_the_checkpoint_is_one_line(
+    interrupted, words, said, monkeypatch, capsys
+):
     monkeypatch.chdir(REPOSITORY)
     assert said in refused(interrupted, [*words, "--resume", interrupted / "cut.h5"], capsys)
 
 
 def test_a_run_of_the_other_solver_is_one_line(interrupted):
     path = interrupted / "cut.h5"
-    said = one_line_error(read_earlier, path, lay_out(damage.load_wall(SMALL)), ("yade", "as now"), "--resume", False)
-    assert said.startswith(f"--resume {path}: a run of the reference solver; expected one of the yade solver")
+    said = one_line_error(
+        read_earlier, path, lay_out(damage.load_wall(SMALL)), ("yade", "as now"), "--resume", False
+    )
+    assert said.startswith(
+        f"--resume {path}: a run of the reference solver; expected one of the yade solver"
+    )
 
 
 def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, monkeypatch, capsys):
@@ -154,21 +209,30 @@ def test_a_complete_run_is_not_resumed(tmp_path, monkeypatch, capsys):
 @pytest.mark.yade
 @pytest.mark.parametrize("kills", [2, pytest.param(10, marks=pytest.mark.long)])
 def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_command):
-    """Killed, or every third interrupted, in the static stage and then at equal distances in the motion; the damaged
-    wall's bricks are loose by the last one.  Every bit is equal until they are: potential contacts of loose bricks are
-    found anew, in another order of sums, which a brittle wall amplifies."""
+    """Killed, or every third interrupted, in the static stage and then at equal distances in the
+    motion; the damaged wall's bricks are loose by the last one.  Every bit is equal until they are:
+    potential contacts of loose bricks are found anew, in another order of sums, which a brittle
+    wall amplifies."""
     words = (SMALL, "--harmonic", 0.06, 0.6, "--cycles", 2, "--rest", 0.06, "--no-pictures")
     done = yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5", status=0)
     whole, cut, place = damage.read_history(tmp_path / "whole.h5"), tmp_path / "cut.h5", "--out"
     for number in range(kills):
-        kind, status = ("INTERRUPTED_AT", 130) if number % 3 == 1 else ("KILLED_AT", -signal.SIGKILL)
+        kind, status = (
+            ("INTERRUPTED_AT", 130) if number % 3 == 1 else ("KILLED_AT", -signal.SIGKILL)
+        )
         time_s = number / (kills + 1) * whole.series["time_s"].iloc[-1]
-        assert yade_command("-j1", *SHORT, f"{kind}={time_s}", *words, place, cut).returncode == status
+        assert (
+            yade_command("-j1", *SHORT, f"{kind}={time_s}", *words, place, cut).returncode == status
+        )
         place = "--resume"
     there = read_checkpoint(checkpoint_path(cut))
-    assert there["last_time_s"] >= time_s and there["tracker.broken"].any() and len(there["corners"])
+    assert (
+        there["last_time_s"] >= time_s and there["tracker.broken"].any() and len(there["corners"])
+    )
     done = yade_command("-j1", *SHORT, *words, "--resume", cut)
-    assert done.returncode == 0 and "YADE executes the names of the engines" in done.stderr, done.stderr
+    assert done.returncode == 0 and "YADE executes the names of the engines" in done.stderr, (
+        done.stderr
+    )
     now, names = damage.read_history(cut), whole.series.select_dtypes("number").columns
     before, after = (history.series[names].fillna(0.0).to_numpy() for history in (whole, now))
     loose = (whole.opening_m > LOOSE).any(axis=1)
@@ -184,10 +248,14 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_com
 @pytest.mark.yade
 @pytest.mark.long
 def test_a_top_that_turns_against_a_spring_continues_in_yade(tmp_path, yade_command):
-    """What acts on a brick that is held is added between two steps, and is in the checkpoint, too."""
+    """What acts on a brick that is held is added between two steps, and is in the checkpoint,
+    too."""
     words = (SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures")
     assert yade_command("-j1", *SHORT, *words, "--out", tmp_path / "whole.h5").returncode == 0
     cut = tmp_path / "cut.h5"
-    assert yade_command("-j1", *SHORT, "KILLED_AT=0.02", *words, "--out", cut).returncode == -signal.SIGKILL
+    assert (
+        yade_command("-j1", *SHORT, "KILLED_AT=0.02", *words, "--out", cut).returncode
+        == -signal.SIGKILL
+    )
     assert yade_command("-j1", *SHORT, *words, "--resume", cut).returncode == 0
     assert differences(values(tmp_path / "whole.h5"), values(cut)) == []

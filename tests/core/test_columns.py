@@ -1,4 +1,5 @@
-"""Columns of tables and datasets of histories: each named once, with unit and meaning, and so in the documents."""
+"""Columns of tables and datasets of histories: each named once, with unit and meaning, and so in
+the documents."""
 
 import h5py
 import pandas as pd
@@ -12,7 +13,12 @@ from damage.measure import columns
 from damage.measure.summary import MEASURES
 from damage.measure.tables import summary_row
 
-SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **MEASURES}
+SUMMARY = {
+    "parameters": columns.PARAMETERS,
+    "run": columns.RUN,
+    "made by": columns.MADE_BY,
+    **MEASURES,
+}
 
 
 def test_a_summary_has_these_columns_and_no_others(still_history):
@@ -35,14 +41,17 @@ def test_a_measure_gives_its_values_by_name():
 def test_a_point_begins_with_what_its_runs_share(still_history):
     runs = pd.DataFrame([summary_row(still_history)])
     shared = list(each(columns.PARAMETERS))
-    assert list(points_of(runs).columns)[:len(shared)] == shared
+    assert list(points_of(runs).columns)[: len(shared)] == shared
 
 
 def test_a_history_has_these_datasets_with_their_units(still_history):
     with h5py.File(still_history.path) as file:
         for group, table in TABLES.items():
             assert {name: data.attrs["unit"] for name, data in file[group].items()} == {
-                name: column.unit for name, column in table.items() if f"{group}/{name}" not in OPTIONAL}
+                name: column.unit
+                for name, column in table.items()
+                if f"{group}/{name}" not in OPTIONAL
+            }
 
 
 @pytest.mark.parametrize("column", ["run", "wall"])
@@ -52,9 +61,15 @@ def test_a_name_that_would_lead_elsewhere_or_spoil_a_file_is_refused(column, nam
     table = pd.DataFrame({"run": ["r"], "point": ["p"], "wall": ["w"], column: [name]})
     said = f"summary.csv: {column} {name!r}: expected a name without slashes"
     assert said in one_line_error(columns.check_names, table, "summary.csv")
-    runs = {"strength_cov": [0.3], "strength_seed": [1], "pga_g": [0.1], "status": ["complete"], "record": ["x"],
-            "collapsed_at_s": [""],
-            **{level: [0.1] for level in LEVELS}}
+    runs = {
+        "strength_cov": [0.3],
+        "strength_seed": [1],
+        "pga_g": [0.1],
+        "status": ["complete"],
+        "record": ["x"],
+        "collapsed_at_s": [""],
+        **{level: [0.1] for level in LEVELS},
+    }
     (tmp_path / "tables").mkdir()
     table.assign(**runs).to_csv(tmp_path / "tables" / "summary.csv", index=False)
     assert said in one_line_error(load_runs, tmp_path)

@@ -1,4 +1,5 @@
-"""What every command has: its version, quiet, completion of a shell; and messages of a wall file's mistakes."""
+"""What every command has: its version, quiet, completion of a shell; and messages of a wall file's
+mistakes."""
 
 import re
 import shlex
@@ -56,12 +57,16 @@ def test_help_lists_all_commands_in_groups(capsys):
     help_of("help")
     shown = capsys.readouterr().out
     listed = re.findall(r"^  ([a-z][a-z-]+)  ", shown, re.MULTILINE)
-    assert sorted(set(listed)) == sorted({*COMMANDS, *PROGRAMS, "help"}) and "other commands" not in shown
+    assert (
+        sorted(set(listed)) == sorted({*COMMANDS, *PROGRAMS, "help"})
+        and "other commands" not in shown
+    )
     assert main(["help", "indx"]) == 2 and "did you mean index?" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("words", [["--help"], ["materials"], ["record", "BGAR_HGE"], ["study", "--help"]],
-                         ids=" ".join)
+@pytest.mark.parametrize(
+    "words", [["--help"], ["materials"], ["record", "BGAR_HGE"], ["study", "--help"]], ids=" ".join
+)
 def test_an_old_terminal_gets_replaced_letters(words):
     done = run_command("env", "PYTHONIOENCODING=ascii", sys.executable, "-m", "damage", *words)
     assert (done.returncode, done.stderr) == (0, "") and done.stdout.isascii()
@@ -70,8 +75,10 @@ def test_an_old_terminal_gets_replaced_letters(words):
 
 def test_a_wall_in_python_says_how_it_is_run():
     """By an interpreter that has no YADE, as others than Debian's have none."""
-    code = ("import sys, runpy; sys.modules['yade'] = None; sys.argv = ['walls/solid.py']\n"
-            "runpy.run_path('walls/solid.py', run_name='__main__')")
+    code = (
+        "import sys, runpy; sys.modules['yade'] = None; sys.argv = ['walls/solid.py']\n"
+        "runpy.run_path('walls/solid.py', run_name='__main__')"
+    )
     done = run_command(sys.executable, "-c", code, status=3)
     assert "expected yade walls/solid.py [OPTIONS]" in done.stderr
     assert "python3 -m damage reference walls/solid.py" in done.stderr
@@ -85,11 +92,30 @@ def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
     out = tmp_path / "a.h5"
-    assert main(["--quiet", "reference", str(tmp_path / "w.py"), "--record", str(record), "--rest", "0",
-                 f"--out={out}"]) == 0
+    assert (
+        main(
+            [
+                "--quiet",
+                "reference",
+                str(tmp_path / "w.py"),
+                "--record",
+                str(record),
+                "--rest",
+                "0",
+                f"--out={out}",
+            ]
+        )
+        == 0
+    )
     assert main(["tables", "run", str(out), "--out", str(tmp_path / "t")]) == 0
     assert main(["report", str(out)]) == 0
-    made = [path for path in tmp_path.rglob("*") if path.is_file() and path not in (record, tmp_path / "w.py")]
+    made = [
+        path
+        for path in tmp_path.rglob("*")
+        if path.is_file() and path not in (record, tmp_path / "w.py")
+    ]
     assert {path.suffix for path in made} == {".h5", ".csv", ".json", ".html", ".png", ".pdf"}
     assert not [path for path in made if str(tmp_path).encode() in path.read_bytes()]
-    assert read_history(out).command.endswith(f"w.py --record {record.name} --rest 0 --out=a.h5 --quiet")
+    assert read_history(out).command.endswith(
+        f"w.py --record {record.name} --rest 0 --out=a.h5 --quiet"
+    )

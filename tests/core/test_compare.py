@@ -1,4 +1,5 @@
-"""Comparison of histories, and fractions skill scores of crack patterns: cases whose answer is known."""
+"""Comparison of histories, and fractions skill scores of crack patterns: cases whose answer is
+known."""
 
 import json
 
@@ -8,7 +9,12 @@ from numpy.testing import assert_allclose
 from pytest import approx
 from small_history import make_history
 
-from damage.applications.cracks.patterns import compare_patterns, cracked, fractions_skill_score, places_of
+from damage.applications.cracks.patterns import (
+    compare_patterns,
+    cracked,
+    fractions_skill_score,
+    places_of,
+)
 from damage.measure.compare import cohens_kappa, compare, compare_drift, describe
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
@@ -30,7 +36,11 @@ def wave(amplitude=1e-3, period=0.1, late=0.0):
 def test_a_run_agrees_with_itself(tmp_path):
     run = history(tmp_path / "a.h5", wave(), opening={0: 3e-4}, broken={0: 1}, at_limit={1: 1})
     result = compare(run, [run])
-    assert result["agrees"] and result["drift"]["rms_whole"] == 0.0 and result["drift"]["lag_s"] == approx(0)
+    assert (
+        result["agrees"]
+        and result["drift"]["rms_whole"] == 0.0
+        and result["drift"]["lag_s"] == approx(0)
+    )
     assert all(row["first"] == row["median"] for row in result["figures"].values())
     assert "within the tolerances" in describe(result)
     json.dumps(result)
@@ -45,7 +55,10 @@ def test_drift_rms_is_the_relative_amplitude_of_the_difference(tmp_path):
 
 def test_the_median_of_an_ensemble_is_judged(tmp_path):
     first = history(tmp_path / "a.h5", wave(1.0e-3))
-    others = [history(tmp_path / f"{k}.h5", wave(scale * 1e-3)) for k, scale in enumerate((0.5, 0.99, 3.0))]
+    others = [
+        history(tmp_path / f"{k}.h5", wave(scale * 1e-3))
+        for k, scale in enumerate((0.5, 0.99, 3.0))
+    ]
     row = compare(first, others)["figures"]["max_drift_ratio"]
     assert row["median"] == approx(0.99e-3, rel=1e-3) and row["agrees"]
     assert row["range"] == approx([0.5e-3, 3e-3], rel=1e-3)
@@ -61,15 +74,16 @@ def test_tolerance_of_the_maximum_drift(tmp_path, factor, agrees):
 @pytest.mark.parametrize(("width", "agrees"), [(1.58, True), (1.62, False)])
 def test_psi_is_compared(tmp_path, width, agrees):
     """Psi grows as the width to the power 0.3: 1.15 times at 1.593 times the width."""
-    first, second = (history(tmp_path / f"{name}.h5", wave(), opening={0: opening}, broken={0: 1})
-                     for name, opening in (("a", width * 1e-3), ("b", 1e-3)))
+    first, second = (
+        history(tmp_path / f"{name}.h5", wave(), opening={0: opening}, broken={0: 1})
+        for name, opening in (("a", width * 1e-3), ("b", 1e-3))
+    )
     row = compare(first, [second])["figures"]["Psi"]
     assert row["median"] == approx(2.0) and row["agrees"] is agrees
     assert "Psi " in describe(compare(first, [second]))
 
 
 class TestKappa:
-
     def test_by_hand(self):
         # 2 x 2 table 20, 5, 10, 15: observed 0.7, by chance 0.5, kappa 0.4.
         here = [0] * 25 + [1] * 25
@@ -77,10 +91,10 @@ class TestKappa:
         assert cohens_kappa(here, there) == approx(0.4)
 
 
-# --- patterns of cracks ------------------------------------------------------------------------------
+# --- patterns of cracks ---------------------------------------------------------------------------
 
 LAYOUT = lay_out(Wall("wide", 3.6, 1.5))
-X, Z = (getattr(LAYOUT.contacts, name)[:LAYOUT.n_joints] for name in ("x", "z"))
+X, Z = (getattr(LAYOUT.contacts, name)[: LAYOUT.n_joints] for name in ("x", "z"))
 
 
 def patterned(path, joints, **more):
@@ -107,7 +121,9 @@ def test_fractions_are_shares_of_the_joint_length_in_a_window(left):
     assert_allclose(places.fractions(np.ones(len(X), bool)), 1.0)
     share = places.fractions(broken).reshape(48, 20)  # windows every 0.075 m
     assert share[2, 2] == 1.0 and share[24, 10] == 0.0
-    assert_allclose(places.fractions(broken, mirrored=True).reshape(48, 20), share[::-1], atol=1e-12)
+    assert_allclose(
+        places.fractions(broken, mirrored=True).reshape(48, 20), share[::-1], atol=1e-12
+    )
 
 
 def test_a_neighbour_scores_high_and_the_other_side_nothing(tmp_path, left):

@@ -1,4 +1,5 @@
-"""Joints that crush, and bricks that split: the law by hand, layouts, histories, and both solvers on one wall."""
+"""Joints that crush, and bricks that split: the law by hand, layouts, histories, and both solvers
+on one wall."""
 
 import math
 from dataclasses import replace
@@ -10,7 +11,14 @@ from numpy.testing import assert_allclose
 from pytest import approx
 from small_history import make_history
 
-from damage.law.joint_law import ContactState, LawParameters, Material, advance, elastic_energy, range_left
+from damage.law.joint_law import (
+    ContactState,
+    LawParameters,
+    Material,
+    advance,
+    elastic_energy,
+    range_left,
+)
 from damage.law.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
@@ -49,13 +57,16 @@ class TestLaw:
         assert again.normal_stress == approx(-FC) and again.closure == approx(2.5 * DEEP)
 
     def test_a_step_across_the_strength_dissipates_the_trapezium_of_its_stresses(self):
-        """From zero to f_c while the joint closes by 2 DEEP: f_c DEEP is put in, of which half is stored."""
-        state, = follow([-2 * DEEP])
+        """From zero to f_c while the joint closes by 2 DEEP: f_c DEEP is put in, of which half is
+        stored."""
+        (state,) = follow([-2 * DEEP])
         assert elastic_energy(state.normal_stress, 0.0, KN, KS) == approx(0.5 * FC * DEEP)
         assert state.fracture_work == approx(0.5 * FC * DEEP)
 
     def test_a_whole_bond_holds_across_the_closure(self):
-        *_, pulled, gone = follow([-3 * DEEP, -2 * DEEP + 0.99 * FT / KN, -2 * DEEP + 1.01 * FT / KN])
+        *_, pulled, gone = follow(
+            [-3 * DEEP, -2 * DEEP + 0.99 * FT / KN, -2 * DEEP + 1.01 * FT / KN]
+        )
         assert pulled.normal_stress == approx(0.99 * FT) and not pulled.broken
         assert gone.broken and gone.normal_stress == 0.0
 
@@ -75,11 +86,14 @@ class TestSofteningCrushing:
     def test_stress_follows_the_exponential_of_the_closure(self, steps):
         """(C3), in steps of any size: where it is pressed to decides, not how."""
         pressed = follow(-np.linspace(0, 10 * DEEP, steps + 1)[1:], law=TOES)[-1]
-        assert pressed.normal_stress == approx(-FC * math.exp(-FC * pressed.closure / G_C), rel=1e-12)
+        assert pressed.normal_stress == approx(
+            -FC * math.exp(-FC * pressed.closure / G_C), rel=1e-12
+        )
         assert pressed.closure == approx(10 * DEEP + pressed.normal_stress / KN, rel=1e-12)
 
     def test_it_dissipates_its_fracture_energy(self):
-        """By its own account, and by the work done on it: G_c (1 - exp(-f_c d / G_c)), within 0.1 %."""
+        """By its own account, and by the work done on it: G_c (1 - exp(-f_c d / G_c)), within 0.1
+        %."""
         path = -np.linspace(0, 5 * G_C / FC, 20001)[1:]
         states = follow(path, law=TOES)
         stress = np.array([0.0, *(state.normal_stress for state in states)])
@@ -92,39 +106,58 @@ class TestSofteningCrushing:
     def test_it_unloads_with_its_stiffness_and_crushes_again_at_what_is_left(self):
         pressed, less, again = follow([-5 * DEEP, -4.9 * DEEP, -5 * DEEP], law=TOES)
         assert less.normal_stress - pressed.normal_stress == approx(0.1 * FC)
-        assert again.normal_stress == approx(pressed.normal_stress) and again.closure == approx(pressed.closure)
+        assert again.normal_stress == approx(pressed.normal_stress) and again.closure == approx(
+            pressed.closure
+        )
         left = range_left(pressed, TOES).compressive_strength
-        assert left == approx(-pressed.normal_stress, rel=1e-12) and range_left(ContactState(), TOES)[-1] == FC
+        assert (
+            left == approx(-pressed.normal_stress, rel=1e-12)
+            and range_left(ContactState(), TOES)[-1] == FC
+        )
 
 
 @pytest.mark.yade
 @pytest.mark.long
 def test_a_crushed_joint_slides_alike_in_both_solvers():
-    """Stresses along the path and both energies within 0.5 %; sliding takes tan(phi) of what crushing has left."""
+    """Stresses along the path and both energies within 0.5 %; sliding takes tan(phi) of what
+    crushing has left."""
     path = crushing.crushed_and_slid()
-    yade, reference = (crushing.driven_along(solver, crushing.SOFTENS, path) for solver in ("yade", "reference"))
+    yade, reference = (
+        crushing.driven_along(solver, crushing.SOFTENS, path) for solver in ("yade", "reference")
+    )
     for name in ("normal_stress", "shear_stress"):
         there = getattr(reference, name)
         assert_allclose(getattr(yade, name), there, atol=5e-3 * np.abs(there).max())
-    assert_allclose([yade.friction, yade.fracture], [reference.friction, reference.fracture], rtol=5e-3)
+    assert_allclose(
+        [yade.friction, yade.fracture], [reference.friction, reference.fracture], rtol=5e-3
+    )
     pressed = path[:, 0].argmin() + 400  # the end of the first slide at the last depth
     strength = -reference.normal_stress[pressed]
     assert strength < 0.4 * crushing.STRENGTH
-    assert reference.shear_stress[pressed] == approx(np.tan(softening.JOINT.friction_angle) * strength, rel=1e-3)
+    assert reference.shear_stress[pressed] == approx(
+        np.tan(softening.JOINT.friction_angle) * strength, rel=1e-3
+    )
 
 
 class TestParameters:
-
-    @pytest.mark.parametrize("make", [lambda: Joint(compressive_strength=0.0), lambda: Joint(compressive_strength=-1.0),
-                                      lambda: Joint(compressive_fracture_energy=1e4),
-                                      lambda: Joint(compressive_strength=1e6, compressive_fracture_energy=-1.0),
-                                      lambda: Brick(tensile_strength=-1.0), lambda: Brick(cohesion=1e6)])
+    @pytest.mark.parametrize(
+        "make",
+        [
+            lambda: Joint(compressive_strength=0.0),
+            lambda: Joint(compressive_strength=-1.0),
+            lambda: Joint(compressive_fracture_energy=1e4),
+            lambda: Joint(compressive_strength=1e6, compressive_fracture_energy=-1.0),
+            lambda: Brick(tensile_strength=-1.0),
+            lambda: Brick(cohesion=1e6),
+        ],
+    )
     def test_what_cannot_be_is_refused_in_one_line(self, make):
         one_line_error(make)
 
     def test_the_rule_is_continuous_and_above_80_mpa_proportional(self):
         assert crushing_energy(11.22e6) == approx(17952)
-        assert crushing_energy(12e6) == approx(1.6 * 12e3, rel=0.03)  # the sources' constants: 2 % apart
+        # the sources' constants: 2 % apart
+        assert crushing_energy(12e6) == approx(1.6 * 12e3, rel=0.03)
         assert crushing_energy(100e6) == approx(33e3)
 
     def test_lintels_and_cuts_do_not_crush(self):
@@ -141,8 +174,10 @@ class TestCuts:
         for weight in (np.ones_like, lambda x: x, np.square):
             sums = [np.sum(of.mass * weight(of.x)) for of in (whole, split)]
             if weight is np.square:
-                sums = [total + np.sum(of.inertia - of.mass * of.height**2 / 12)
-                        for total, of in zip(sums, (whole, split))]
+                sums = [
+                    total + np.sum(of.inertia - of.mass * of.height**2 / 12)
+                    for total, of in zip(sums, (whole, split))
+                ]
             assert_allclose(*sums)
         assert_allclose(np.unique(split.length.round(9)), [SPLITTING.length / 2, 0.9])
 
@@ -162,10 +197,13 @@ class TestCuts:
             pairs = {}
             for row in np.flatnonzero(across):
                 key = int(contacts.first[row]), int(contacts.second[row])
-                pairs[key] = pairs.get(key, 0.0) + contacts.normal_stiffness[row] * contacts.area[row]
+                pairs[key] = (
+                    pairs.get(key, 0.0) + contacts.normal_stiffness[row] * contacts.area[row]
+                )
             stiffness.append(sum(1 / value for value in pairs.values()))
         half = SPLITTING.length / 2 / SPLITTING.young_modulus / (0.075 * 0.1025)
-        assert stiffness[1] == approx(stiffness[0] + half, rel=1e-9)  # four cuts, and three joints less a half each
+        # four cuts, and three joints less a half each
+        assert stiffness[1] == approx(stiffness[0] + half, rel=1e-9)
 
 
 class TestHistory:
@@ -173,14 +211,21 @@ class TestHistory:
     def history(self, tmp_path_factory):
         layout = lay_out(Wall("small", 0.9, 0.45, brick=SPLITTING))
         cuts = np.flatnonzero(layout.contacts.kind == CUT)
-        return make_history(tmp_path_factory.mktemp("split") / "split.h5", layout,
-                            opening={int(cut): 1e-3 for cut in cuts[:CUT_POINTS]})
+        return make_history(
+            tmp_path_factory.mktemp("split") / "split.h5",
+            layout,
+            opening={int(cut): 1e-3 for cut in cuts[:CUT_POINTS]},
+        )
 
     def test_a_split_brick_is_in_no_index_but_in_psi_and_a_column_of_its_own(self, history):
         found = summarise(history)
         assert found["max"]["DI"] == 0.0 and found["max_psi"] > 1
-        assert found["split_length_m"] == approx(SPLITTING.height) and found["crushed_length_m"] == 0.0
-        assert found["total_joint_length_m"] == approx(float(history.attributes["total_joint_length_m"]))
+        assert (
+            found["split_length_m"] == approx(SPLITTING.height) and found["crushed_length_m"] == 0.0
+        )
+        assert found["total_joint_length_m"] == approx(
+            float(history.attributes["total_joint_length_m"])
+        )
         assert summary_row(history)["split_length_m"] == approx(SPLITTING.height)
 
 

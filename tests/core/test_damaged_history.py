@@ -1,4 +1,5 @@
-"""Histories that were damaged, changed or cut short: one clear line, no wait, no crash; and what a file is worth."""
+"""Histories that were damaged, changed or cut short: one clear line, no wait, no crash; and what a
+file is worth."""
 
 import json
 import os
@@ -29,17 +30,28 @@ def files(tmp_path_factory):
     paths = {FINISHED: folder / "finished.h5", KILLED: folder / "killed.h5"}
     with pytest.MonkeyPatch.context() as patch:
         copy_before_it_closes(patch, paths[KILLED])
-        damage.run(load_wall(REPOSITORY / "walls" / "variants" / "small.py"), harmonic=(0.06, 0.6), cycles=2, rest=0.05,
-                   out=paths[FINISHED])
+        damage.run(
+            load_wall(REPOSITORY / "walls" / "variants" / "small.py"),
+            harmonic=(0.06, 0.6),
+            cycles=2,
+            rest=0.05,
+            out=paths[FINISHED],
+        )
     return paths
 
 
 def copy_before_it_closes(patch, path):
-    """Have the first file that HDF5 closes in the folder copied before, as a writer leaves it that is killed there."""
+    """Have the first file that HDF5 closes in the folder copied before, as a writer leaves it that
+    is killed there."""
     close = h5py.File.close
 
     def copy_and_close(self):
-        if self and self.mode == "r+" and not path.exists() and os.path.dirname(self.filename) == str(path.parent):
+        if (
+            self
+            and self.mode == "r+"
+            and not path.exists()
+            and os.path.dirname(self.filename) == str(path.parent)
+        ):
             self.flush()
             shutil.copy(self.filename, path)
         close(self)
@@ -62,11 +74,14 @@ def altered(path, what):
 
 # --- the seal -------------------------------------------------------------------------------------
 
+
 def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
     head, history = read_head(finished), damage.read_history(finished)
     assert head.sealed and head.model == f"reference {history.versions['model']}"
     text = finished.read_bytes()[:HEAD_BYTES].decode()
-    assert text.startswith(f"masonry-damage-history {SCHEMA_VERSION}\nsoftware {damage.__version__}\nmodel reference ")
+    assert text.startswith(
+        f"masonry-damage-history {SCHEMA_VERSION}\nsoftware {damage.__version__}\nmodel reference "
+    )
     count = f"tail -c +{HEAD_BYTES + 1} {finished} | sha256sum"  # anyone can
     assert run_command("bash", "-c", count).stdout.split()[0] == head.sha256
 
@@ -83,7 +98,11 @@ def test_one_changed_byte_is_found(place, finished):
 def test_a_file_of_another_length_is_found(change_size, finished):
     size = finished.stat().st_size + change_size
     os.truncate(finished, size)
-    refused_with(rf"has {size - HEAD_BYTES} bytes behind its head, \d+ were sealed", damage.read_history, finished)
+    refused_with(
+        rf"has {size - HEAD_BYTES} bytes behind its head, \d+ were sealed",
+        damage.read_history,
+        finished,
+    )
 
 
 @pytest.mark.parametrize("length", [0, 511, 700])
@@ -92,7 +111,9 @@ def test_a_stump_is_refused(length, finished):
     refused_with(r"cannot be read as a history|were sealed", damage.read_history, finished)
 
 
-@pytest.mark.parametrize(("old", "new"), [(b"sealed sha256", b"sealed sha257"), (b" bytes\n\0", b" bytes\n\1")])
+@pytest.mark.parametrize(
+    ("old", "new"), [(b"sealed sha256", b"sealed sha257"), (b" bytes\n\0", b" bytes\n\1")]
+)
 def test_a_damaged_head_is_refused(old, new, finished):
     finished.write_bytes(finished.read_bytes().replace(old, new, 1))
     refused_with("cannot be read as a history", damage.read_history, finished)
@@ -122,11 +143,14 @@ def test_a_live_history_is_read_apart_and_alike(tmp_path):
 
 def test_a_dataset_that_no_schema_names_yet_is_left_alone(finished):
     whole = damage.read_history(finished)
-    history = damage.read_history(altered(finished, lambda file: file.create_dataset("series/later_m", data=[1.0])))
+    history = damage.read_history(
+        altered(finished, lambda file: file.create_dataset("series/later_m", data=[1.0]))
+    )
     assert history.series.equals(whole.series)
 
 
 # --- check ----------------------------------------------------------------------------------------
+
 
 def test_check_says_what_each_file_is_worth(files, finished, tmp_path, capsys):
     def run(*words):
@@ -134,8 +158,12 @@ def test_check_says_what_each_file_is_worth(files, finished, tmp_path, capsys):
         return status, *capsys.readouterr()
 
     make_history(tmp_path / "early.h5", status="interrupted")
-    paths = {WHOLE: finished, OPEN: files[KILLED], ENDED_EARLY: tmp_path / "early.h5",
-             DAMAGED: written(tmp_path / "bad.h5", "words")}
+    paths = {
+        WHOLE: finished,
+        OPEN: files[KILLED],
+        ENDED_EARLY: tmp_path / "early.h5",
+        DAMAGED: written(tmp_path / "bad.h5", "words"),
+    }
     for worth, path in paths.items():
         assert check(path)["worth"] == worth
     status, out, err = run(*paths.values())
@@ -146,16 +174,22 @@ def test_check_says_what_each_file_is_worth(files, finished, tmp_path, capsys):
     assert status == 1 and [one["status"] for one in json.loads(out)] == ["complete", "unfinished"]
 
 
-@pytest.mark.parametrize("command", [
-    "index ?", "plot ? --out x", "laboratory ? --out x", "tables summary ? --out x.csv"])
-def test_a_command_refuses_a_damaged_history_in_one_line(command, finished, tmp_path, monkeypatch, error_of):
+@pytest.mark.parametrize(
+    "command", ["index ?", "plot ? --out x", "laboratory ? --out x", "tables summary ? --out x.csv"]
+)
+def test_a_command_refuses_a_damaged_history_in_one_line(
+    command, finished, tmp_path, monkeypatch, error_of
+):
     monkeypatch.chdir(tmp_path)
     os.truncate(finished, 20000)
     said = error_of(*command.replace("?", str(finished)).split())
-    assert re.fullmatch(r"error: \S+a\.h5 has 19488 bytes behind its head, \d+ were sealed: .*\n", said)
+    assert re.fullmatch(
+        r"error: \S+a\.h5 has 19488 bytes behind its head, \d+ were sealed: .*\n", said
+    )
 
 
 # --- two writers ----------------------------------------------------------------------------------
+
 
 @pytest.mark.parametrize("overwrite", [False, True])
 def test_a_second_run_on_one_history_is_refused(overwrite, tmp_path):
@@ -163,7 +197,9 @@ def test_a_second_run_on_one_history_is_refused(overwrite, tmp_path):
     writer = open_writer(path)
     write_samples(writer, 3)
     writer.flush()
-    with pytest.raises(InputError, match="in use: another run writes it" if overwrite else "exists already"):
+    with pytest.raises(
+        InputError, match="in use: another run writes it" if overwrite else "exists already"
+    ):
         open_writer(path, overwrite=overwrite)
     write_samples(writer, 3, first=3)
     writer.finish("complete")

@@ -1,4 +1,5 @@
-"""Damping of the reference solver: Rayleigh's ratio at two frequencies, adaptive for static solutions."""
+"""Damping of the reference solver: Rayleigh's ratio at two frequencies, adaptive for static
+solutions."""
 
 import numpy as np
 import pytest
@@ -26,7 +27,8 @@ def slender():
 
 
 def decay_ratio(solver, shape, period):
-    """Damping ratio from the logarithmic decrement of the motion in one mode's shape over ten cycles."""
+    """Damping ratio from the logarithmic decrement of the motion in one mode's shape over ten
+    cycles."""
     mass = np.column_stack([solver.layout.bodies.mass] * 2 + [solver.layout.bodies.inertia])
     solver.velocity = 1e-3 * shape
     steps = round(period / solver.time_step)
@@ -48,26 +50,35 @@ def test_rayleigh_damping_has_its_ratio_at_both_frequencies():
     for mode in (0, 3):
         solver = ReferenceWall(layout, 0.3 * modes.critical_time_step_s, alpha=alpha, beta=beta)
         solver.gravity = np.zeros(1)
-        assert_allclose(decay_ratio(solver, modes.shape[mode], modes.period_s[mode]), 0.03, rtol=0.02)
+        assert_allclose(
+            decay_ratio(solver, modes.shape[mode], modes.period_s[mode]), 0.03, rtol=0.02
+        )
 
 
-@pytest.mark.parametrize("words, message", [
-    (["--rayleigh", "2", "5", "20"], "ratio from 0 to 1"),
-    (["--rayleigh", "0.02", "20", "5"], "rising"),
-    (["--rayleigh", "0.02", "5", "20", "--beta", "1e-6"], "choose one"),
-])
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        (["--rayleigh", "2", "5", "20"], "ratio from 0 to 1"),
+        (["--rayleigh", "0.02", "20", "5"], "rising"),
+        (["--rayleigh", "0.02", "5", "20", "--beta", "1e-6"], "choose one"),
+    ],
+)
 def test_bad_damping_is_refused(words, message):
     refused_with(message, parse_run, words, "test", "reference")
 
 
 def relaxed(**damping):
-    """(unbalanced force, settlement of the top course) 12 000 steps after gravity came all at once."""
+    """(unbalanced force, settlement of the top course) 12 000 steps after gravity came all at
+    once."""
     layout, modes = slender()
     solver = ReferenceSolver(layout, STEP_FACTOR * modes.critical_time_step_s)
     for name, value in damping.items():
         setattr(solver, name, value)
     solver.run(12_000)
-    return unbalanced_force(layout, *solver.forces()), solver.displacement[layout.drift_bodies, 1].mean()
+    return (
+        unbalanced_force(layout, *solver.forces()),
+        solver.displacement[layout.drift_bodies, 1].mean(),
+    )
 
 
 def test_adaptive_damping_finds_the_static_solution_sooner_than_local():

@@ -1,7 +1,10 @@
-"""Deformable bricks and Gauss points, against theory: patch test, beams, waves, free vibration, energy.
+"""Deformable bricks and Gauss points, against theory: patch test, beams, waves, free vibration,
+energy.
 
-E = 5.2 GPa, G = 2.16 GPa, so that Poisson's ratio is 0.204; 1900 kg/m3.  In plane stress waves travel at
-sqrt(E / (1 - nu^2) / rho) = 1690 and sqrt(G / rho) = 1066 m/s; across bed joints in series, 1/E + 1/(k_n h) and
+E = 5.2 GPa, G = 2.16 GPa, so that Poisson's ratio is 0.204; 1900 kg/m3.  In plane stress waves
+travel at
+sqrt(E / (1 - nu^2) / rho) = 1690 and sqrt(G / rho) = 1066 m/s; across bed joints in series, 1/E +
+1/(k_n h) and
 1/G + 1/(k_s h), at 1643 and 1030 m/s.
 """
 
@@ -64,6 +67,7 @@ def forces(layout):
 
 # --- one brick ----------------------------------------------------------------------------------
 
+
 @pytest.mark.parametrize(("order", "number"), [(2, 9), (3, 17)])
 def test_modes_are_orthonormal_and_free_of_rigid_motion(order, number):
     modes = brick_modes(BRICK, LENGTH, order, "stress")
@@ -80,45 +84,67 @@ def test_modes_are_orthonormal_and_free_of_rigid_motion(order, number):
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("length", [LENGTH, 0.1])
 def test_modes_solve_the_eigenproblem_by_gauss_points(length, order):
-    """Stresses of modes times strains of modes, over the brick, are the squares of their frequencies."""
+    """Stresses of modes times strains of modes, over the brick, are the squares of their
+    frequencies."""
     modes = brick_modes(BRICK, length, order, "strain")
     place, weight = np.polynomial.legendre.leggauss(5)
     x, z = (axis.ravel() for axis in np.meshgrid(place * length / 2, place * HEIGHT / 2))
-    volume, stress = np.outer(weight, weight).ravel() / 4 * length * HEIGHT * THICKNESS, modes.stress(x, z)
+    volume, stress = (
+        np.outer(weight, weight).ravel() / 4 * length * HEIGHT * THICKNESS,
+        modes.stress(x, z),
+    )
     strain = np.einsum("ij,pjm->pim", np.linalg.inv(modes.elasticity), stress)
     squares = np.einsum("p,pim,pin->mn", volume, stress, strain)
-    assert_allclose(squares, np.diag(modes.frequency**2), atol=1e-13 * modes.frequency[-1]**2)
+    assert_allclose(squares, np.diag(modes.frequency**2), atol=1e-13 * modes.frequency[-1] ** 2)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 12])
 def test_eigenvalues_are_those_of_lapack(n):
-    root = np.random.default_rng(n).normal(size=(n, n)) * 10.0**-np.arange(n)
+    root = np.random.default_rng(n).normal(size=(n, n)) * 10.0 ** -np.arange(n)
     for matrix in (root @ root.T, root[:, :1] @ root[:, :1].T, np.zeros((n, n))):
         squares, vectors = eigen(matrix)
-        assert_allclose(np.sort(squares), np.linalg.eigvalsh(matrix), atol=1e-14 * np.abs(matrix).max())
+        assert_allclose(
+            np.sort(squares), np.linalg.eigvalsh(matrix), atol=1e-14 * np.abs(matrix).max()
+        )
         assert_allclose(vectors.T @ vectors, np.eye(n), atol=1e-14)
         assert_allclose((vectors * squares) @ vectors.T, matrix, atol=1e-14 * np.abs(matrix).max())
 
 
-@pytest.mark.parametrize(("plane", "normal", "ratio"), [("stress", 5.2e9 / (1 - 0.2037**2), 0.2037),
-                                                        ("strain", 5.2e9 * 0.7963 / 1.2037 / 0.5926, 0.2037 / 0.7963)])
+@pytest.mark.parametrize(
+    ("plane", "normal", "ratio"),
+    [
+        ("stress", 5.2e9 / (1 - 0.2037**2), 0.2037),
+        ("strain", 5.2e9 * 0.7963 / 1.2037 / 0.5926, 0.2037 / 0.7963),
+    ],
+)
 def test_elasticity_in_the_plane(plane, normal, ratio):
     elasticity = elasticity_of(BRICK, plane)
-    assert_allclose(elasticity, [[normal, ratio * normal, 0], [ratio * normal, normal, 0], [0, 0, 2.16e9]], rtol=2e-4)
+    assert_allclose(
+        elasticity,
+        [[normal, ratio * normal, 0], [ratio * normal, normal, 0], [0, 0, 2.16e9]],
+        rtol=2e-4,
+    )
 
 
 def test_stresses_are_those_of_the_displacements():
     modes, step = brick_modes(BRICK, LENGTH, 3, "strain"), 1e-6
     x, z = np.array([0.03, -0.1]), np.array([0.02, -0.03])
-    dx, dz = ((modes.displacement(x + i * step, z + j * step) - modes.displacement(x - i * step, z - j * step))
-              / (2 * step) for i, j in ((1, 0), (0, 1)))
+    dx, dz = (
+        (
+            modes.displacement(x + i * step, z + j * step)
+            - modes.displacement(x - i * step, z - j * step)
+        )
+        / (2 * step)
+        for i, j in ((1, 0), (0, 1))
+    )
     strain = np.stack([dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]], axis=1)
     stress = np.einsum("ij,pjm->pim", elasticity_of(BRICK, "strain"), strain)
     assert_allclose(modes.stress(x, z), stress, atol=1e-7 * np.abs(stress).max())
 
 
 def finite_elements(n_x, n_z, number):
-    """Lowest angular frequencies of the free brick by n_x times n_z elements of nine nodes, mass consistent."""
+    """Lowest angular frequencies of the free brick by n_x times n_z elements of nine nodes, mass
+    consistent."""
     place, weight = np.polynomial.legendre.leggauss(3)
     terms = np.stack([place * (place - 1) / 2, 1 - place**2, place * (place + 1) / 2])
     slopes = np.stack([place - 0.5, -2 * place, place + 0.5])
@@ -128,17 +154,21 @@ def finite_elements(n_x, n_z, number):
         found, half = np.zeros((3, 2 * n + 1, 2 * n + 1)), size / n / 2
         for first in range(0, 2 * n, 2):
             part = slice(first, first + 3)
-            for matrix, (a, b, scale) in zip(found, ((terms, terms, half), (slopes, slopes, 1 / half),
-                                                     (slopes, terms, 1.0))):
+            for matrix, (a, b, scale) in zip(
+                found, ((terms, terms, half), (slopes, slopes, 1 / half), (slopes, terms, 1.0))
+            ):
                 matrix[part, part] += scale * (weight * a) @ b.T
         return found
 
     (mass_x, stiff_x, mixed_x), (mass_z, stiff_z, mixed_z) = line(n_x, LENGTH), line(n_z, HEIGHT)
     (c11, c12, _), (_, c22, _), (_, _, shear) = elasticity_of(BRICK, "stress")
     beside = c12 * np.kron(mixed_x, mixed_z.T) + shear * np.kron(mixed_x.T, mixed_z)
-    stiffness = np.block([
-        [c11 * np.kron(stiff_x, mass_z) + shear * np.kron(mass_x, stiff_z), beside],
-        [beside.T, c22 * np.kron(mass_x, stiff_z) + shear * np.kron(stiff_x, mass_z)]])
+    stiffness = np.block(
+        [
+            [c11 * np.kron(stiff_x, mass_z) + shear * np.kron(mass_x, stiff_z), beside],
+            [beside.T, c22 * np.kron(mass_x, stiff_z) + shear * np.kron(stiff_x, mass_z)],
+        ]
+    )
     mass = BRICK.density * np.kron(np.eye(2), np.kron(mass_x, mass_z))
     return np.sqrt(eigh(stiffness, mass, eigvals_only=True, subset_by_index=[3, number + 2]))
 
@@ -149,17 +179,26 @@ def orders(numbers, errors):
 
 
 def test_strain_modes_converge_by_their_order():
-    """The two lowest frequencies of a free brick by polynomials of order p, over those of order 12 and, near these, of
-    finite elements.  One stretches the brick along its length and is smooth: its error falls exponentially, so that
-    the order of convergence in p doubles with p.  The other bends it, and leaves displacements of r^2.74 at the free
-    corners (M. L. Williams, 1952): its order grows to 4 times that, 11 (I. Babuska, M. Suri, 1987).  Bending gains
-    nothing from odd p, stretching nothing from even p.
+    """The two lowest frequencies of a free brick by polynomials of order p, over those of order 12
+    and, near these, of finite elements.  One stretches the brick along its length and is smooth:
+    its error falls exponentially, so that the order of convergence in p doubles with p.  The other
+    bends it, and leaves displacements of r^2.74 at the free corners (M. L. Williams, 1952): its
+    order grows to 4 times that, 11 (I. Babuska, M. Suri, 1987).  Bending gains nothing from odd p,
+    stretching nothing from even p.
     """
     p = np.array([2, 4, 8])
-    found = {order: brick_modes(BRICK, LENGTH, order, "stress").frequency[:2] for order in (*p, 3, 12)}
+    found = {
+        order: brick_modes(BRICK, LENGTH, order, "stress").frequency[:2] for order in (*p, 3, 12)
+    }
     assert_allclose(finite_elements(8, 4, 2), found[12], rtol=1e-3)
-    assert_allclose([found[2] / found[12] - 1, found[3] / found[12] - 1], [[0.183, 0.102], [0.183, 0.0003]], atol=2e-3)
-    bending, stretching = (orders(p, [found[order][mode] / found[12][mode] - 1 for order in p]) for mode in range(2))
+    assert_allclose(
+        [found[2] / found[12] - 1, found[3] / found[12] - 1],
+        [[0.183, 0.102], [0.183, 0.0003]],
+        atol=2e-3,
+    )
+    bending, stretching = (
+        orders(p, [found[order][mode] / found[12][mode] - 1 for order in p]) for mode in range(2)
+    )
     assert 4 < bending[0] < 5 and 7 < bending[1] < 11
     assert 8 < stretching[0] < 9 and stretching[1] == pytest.approx(2 * stretching[0], rel=0.1)
     assert_allclose([found[3][0], found[3][1]], [found[2][0], found[4][1]], rtol=1e-6)
@@ -167,9 +206,11 @@ def test_strain_modes_converge_by_their_order():
 
 # --- statics ------------------------------------------------------------------------------------
 
+
 @pytest.mark.parametrize("order", [2, 3])
 def test_patch(order):
-    """Uniform pressure on top of a wall on a base without friction: every stress in every brick is that pressure."""
+    """Uniform pressure on top of a wall on a base without friction: every stress in every brick is
+    that pressure."""
     pressure, layout = 1e6, lay(4, 6, Joint(**ELASTIC), brick_order=order)
     contacts = layout.contacts
     base = np.flatnonzero(contacts.first < 0)
@@ -185,39 +226,61 @@ def test_patch(order):
     found = displacement(layout, load)
     for brick in range(layout.n_bricks):
         x, z = (axis.ravel() for axis in np.meshgrid([-0.5, 0.1, 0.5], [-0.5, 0.2, 0.5]))
-        stress = modes_of(layout, brick).stress(x * layout.bodies.length[brick], z * HEIGHT) @ found[brick, RIGID:]
+        stress = (
+            modes_of(layout, brick).stress(x * layout.bodies.length[brick], z * HEIGHT)
+            @ found[brick, RIGID:]
+        )
         assert_allclose(stress / pressure, np.tile([0.0, -1.0, 0.0], (9, 1)), atol=1e-10)
 
 
 def of_timoshenko(layout):
-    """Deflections of a cantilever two bricks wide by a unit force at its top, along x: of the layout, and of the beam,
-    by bending and by shear, h^3 / 3 E I and h / (5/6 G A), moduli of bricks in series with the bed joints [m/N]."""
+    """Deflections of a cantilever two bricks wide by a unit force at its top, along x: of the
+    layout, and of the beam, by bending and by shear, h^3 / 3 E I and h / (5/6 G A), moduli of
+    bricks in series with the bed joints [m/N]."""
     wall, n = layout.wall, RIGID + (layout.strain.n_modes if layout.strain else 0)
-    brick, joint, top = wall.brick, wall.joint, np.flatnonzero(layout.bodies.course == wall.courses - 1)
+    brick, joint, top = (
+        wall.brick,
+        wall.joint,
+        np.flatnonzero(layout.bodies.course == wall.courses - 1),
+    )
     share, load = layout.bodies.length[top] / (2 * LENGTH), np.zeros((len(layout.bodies), n))
     load[top, 0] = share
     young = 1 / (1 / brick.young_modulus + 1 / (joint.normal_stiffness * HEIGHT))
     shear = 1 / (1 / brick.shear_modulus + 1 / (joint.shear_stiffness * HEIGHT))
-    height, area, inertia = (wall.courses - 0.5) * HEIGHT, 2 * LENGTH * THICKNESS, THICKNESS * (2 * LENGTH)**3 / 12
-    return displacement(layout, load)[top, 0] @ share, height**3 / (3 * young * inertia), 1.2 * height / (shear * area)
+    height, area, inertia = (
+        (wall.courses - 0.5) * HEIGHT,
+        2 * LENGTH * THICKNESS,
+        THICKNESS * (2 * LENGTH) ** 3 / 12,
+    )
+    return (
+        displacement(layout, load)[top, 0] @ share,
+        height**3 / (3 * young * inertia),
+        1.2 * height / (shear * area),
+    )
 
 
 @pytest.mark.parametrize(("factor", "courses", "order"), [(1, 36, 2), (1000, 36, 3)])
 def test_a_bonded_cantilever_bends_as_timoshenkos_beam(factor, courses, order):
-    """A plate clamped over its whole width is stiffer by 0.15 % at 36 courses (0.9985 by 12 x 71 elements of nine
-    nodes), and order 2 with stiff joints by 0.4 % more: half as much at twice the height."""
+    """A plate clamped over its whole width is stiffer by 0.15 % at 36 courses (0.9985 by 12 x 71
+    elements of nine nodes), and order 2 with stiff joints by 0.4 % more: half as much at twice the
+    height."""
     found, bending, sheared = of_timoshenko(lay(2, courses, stiffer(factor), brick_order=order))
     assert_allclose(found, bending + sheared, rtol=5e-3)
 
 
 @pytest.mark.parametrize(("order", "missing"), [(2, 0.12), (3, 0.0)])
 def test_without_lateral_contraction_order_3_bends_exactly(order, missing):
-    """At a Poisson's ratio of zero the clamped base restrains nothing.  Order 3 is then exact; order 2 loses a constant
-    share of the shear deflection, whose stress is a parabola over the width."""
+    """At a Poisson's ratio of zero the clamped base restrains nothing.  Order 3 is then exact;
+    order 2 loses a constant share of the shear deflection, whose stress is a parabola over the
+    width."""
     brick = Brick(shear_modulus=BRICK.young_modulus / 2)
     for courses in (18, 36):
-        wall = Wall("w", 2 * LENGTH, courses * HEIGHT, precompression=0.0, joint=stiffer(1000), brick=brick)
-        found, bending, sheared = of_timoshenko(lay_out(wall, ModelOptions(**DEFORMABLE, brick_order=order)))
+        wall = Wall(
+            "w", 2 * LENGTH, courses * HEIGHT, precompression=0.0, joint=stiffer(1000), brick=brick
+        )
+        found, bending, sheared = of_timoshenko(
+            lay_out(wall, ModelOptions(**DEFORMABLE, brick_order=order))
+        )
         assert (bending + sheared - found) / sheared == pytest.approx(missing, abs=0.015)
 
 
@@ -225,19 +288,31 @@ def test_without_lateral_contraction_order_3_bends_exactly(order, missing):
 
 
 def test_the_first_period_is_that_of_a_triangle_mesh():
-    """Four cells a brick, of four constant-strain triangles each, whose nodes are the unknowns; two points a cell."""
-    by_modes, by_mesh = (lay_out(load_wall("walls/solid.py"), ModelOptions(contacts="gauss", cells=cells,
-                                                                             bricks="deformable")) for cells in (2, 4))
-    assert natural_modes(by_modes, 1).period_s[0] == pytest.approx(Mesh(by_mesh, 4).first_period(), rel=3e-3)
+    """Four cells a brick, of four constant-strain triangles each, whose nodes are the unknowns; two
+    points a cell."""
+    by_modes, by_mesh = (
+        lay_out(
+            load_wall("walls/solid.py"),
+            ModelOptions(contacts="gauss", cells=cells, bricks="deformable"),
+        )
+        for cells in (2, 4)
+    )
+    assert natural_modes(by_modes, 1).period_s[0] == pytest.approx(
+        Mesh(by_mesh, 4).first_period(), rel=3e-3
+    )
 
 
 def test_mass_scaling_lengthens_the_step_and_leaves_the_period():
-    found = {factor: natural_modes(lay(2, 12, precompression=3e5, brick_mass=factor), 1) for factor in (1.0, 9.0)}
+    found = {
+        factor: natural_modes(lay(2, 12, precompression=3e5, brick_mass=factor), 1)
+        for factor in (1.0, 9.0)
+    }
     assert_allclose(found[9.0].period_s, found[1.0].period_s, rtol=1e-3)
     assert 2 < found[9.0].critical_time_step_s / found[1.0].critical_time_step_s <= 3
 
 
 # --- dynamics -----------------------------------------------------------------------------------
+
 
 def solver_of(layout, factor=0.5):
     return ReferenceSolver(layout, factor * natural_modes(layout, 1).critical_time_step_s)
@@ -245,7 +320,8 @@ def solver_of(layout, factor=0.5):
 
 @pytest.mark.parametrize("ratio", [0.0, 0.1])
 def test_a_strain_mode_vibrates_at_its_frequency_and_decays_by_its_damping(ratio):
-    """A brick on joints a millionth as stiff: q = exp(-zeta w t) sin(w_d t) / w_d, w its frequency over sqrt(mass)."""
+    """A brick on joints a millionth as stiff: q = exp(-zeta w t) sin(w_d t) / w_d, w its frequency
+    over sqrt(mass)."""
     layout = lay(1, 1, stiffer(1e-6), brick_damping=ratio, brick_mass=4.0)
     frequency = modes_of(layout, 0).frequency[1] / 2.0
     solver = ReferenceSolver(layout, 0.002 / frequency)
@@ -264,7 +340,10 @@ def test_weight_and_base_do_not_excite_strain_in_free_bricks():
     solver.start(np.full((50, 2), 3.0))
     solver.run(50)
     assert np.abs(solver.system.velocity[0, :2]).min() > 0
-    assert np.abs(solver.system.place[0, RIGID:]).max() < 1e-9 * np.abs(solver.system.place[0, :2]).max()
+    assert (
+        np.abs(solver.system.place[0, RIGID:]).max()
+        < 1e-9 * np.abs(solver.system.place[0, :2]).max()
+    )
 
 
 def test_a_wall_begins_at_rest_and_on_its_weight():
@@ -299,18 +378,23 @@ def test_damping_of_static_solutions_acts_on_strain_modes(damping):
 
 def test_a_run_has_a_balanced_history(run_of, tmp_path, monkeypatch):
     history = run_of("deformable")
-    assert (history.model.bricks, history.model.brick_mass, history.model.contacts) == ("deformable", 16.0, "gauss")
+    assert (history.model.bricks, history.model.brick_mass, history.model.contacts) == (
+        "deformable",
+        16.0,
+        "gauss",
+    )
     assert energy_error(history.series) < 5e-3
     assert history.series["damping_energy_j"].iloc[-1] > 0
     assert set(history.events["kind"]) >= {"tension", "opened"}
     check_stresses(history)
-    monkeypatch.setattr("damage.draw.run.PICTURES", {})  # those of every run are drawn by other tests
+    # those of every run are drawn by other tests
+    monkeypatch.setattr("damage.draw.run.PICTURES", {})
     assert any(path.stem == "stress_max" for path in save_all(history, tmp_path / "pictures"))
 
 
 def check_stresses(history):
-    """At the start the lowest course carries the weight of all that is above its middle, in the mean over its bricks;
-    and the top course's stresses at rest are those of the precompression."""
+    """At the start the lowest course carries the weight of all that is above its middle, in the
+    mean over its bricks; and the top course's stresses at rest are those of the precompression."""
     bodies, first = history.bodies, history.stress_pa[0].astype(float)
     area = bodies["length_m"] * THICKNESS
     for course in (0, 7):
@@ -324,9 +408,12 @@ def check_stresses(history):
 
 # --- options ------------------------------------------------------------------------------------
 
+
 def test_options_of_deformable_bricks_alone():
     assert "beside --bricks deformable" in one_line_error(ModelOptions, brick_order=3)
-    assert "--brick-mass" in one_line_error(ModelOptions, bricks="deformable", brick_mass=float("nan"))
+    assert "--brick-mass" in one_line_error(
+        ModelOptions, bricks="deformable", brick_mass=float("nan")
+    )
     assert "--brick-damping" in one_line_error(ModelOptions, bricks="deformable", brick_damping=1.5)
     assert "--brick-order" in one_line_error(ModelOptions, bricks="deformable", brick_order=4)
     assert "even number" in one_line_error(ModelOptions, contacts="gauss", cells=3)
@@ -339,11 +426,15 @@ def test_choices_that_do_not_suit_deformable_bricks_are_warned_of():
     plain = Wall("w", 2.0, 1.0)
     soft = replace(plain, joint=Joint(mode_i_fracture_energy=12, mode_ii_fracture_energy=120))
     assert deformable_warnings(suited, soft) == deformable_warnings(ModelOptions(), plain) == []
-    (brittle,), (corners,) = (deformable_warnings(suited, plain), deformable_warnings(
-        replace(suited, contacts="corners"), soft))
+    (brittle,), (corners,) = (
+        deformable_warnings(suited, plain),
+        deformable_warnings(replace(suited, contacts="corners"), soft),
+    )
     assert "fracture energies" in brittle and "--contacts gauss" in corners
     splitting = replace(soft, brick=Brick(tensile_strength=2e6))
     (whole,) = deformable_warnings(suited, splitting)
     assert "a tensile strength of 2 MPa of the bricks: strain modes keep them whole" in whole
     assert deformable_warnings(replace(suited, brick_cells=4), splitting) == []
-    assert describe_brick(BRICK, suited).endswith("modulus 5200 MPa, deformable (order 2, plane stress)")
+    assert describe_brick(BRICK, suited).endswith(
+        "modulus 5200 MPa, deformable (order 2, plane stress)"
+    )

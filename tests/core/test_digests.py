@@ -1,4 +1,5 @@
-"""Digests of the code that decides the values of runs and of tables: they change with it, and with nothing else."""
+"""Digests of the code that decides the values of runs and of tables: they change with it, and with
+nothing else."""
 
 import os
 import shutil
@@ -26,8 +27,12 @@ def test_the_digest_is_of_what_decides_values_alone(tmp_path):
 
 def test_the_commit_is_that_of_the_package_and_says_whether_files_differ(tmp_path, monkeypatch):
     def git(*words):
-        subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a@b", *words], cwd=tmp_path, check=True,
-                       capture_output=True)
+        subprocess.run(
+            ["git", "-c", "user.name=a", "-c", "user.email=a@b", *words],
+            cwd=tmp_path,
+            check=True,
+            capture_output=True,
+        )
 
     package = tmp_path / "damage"
     package.mkdir()
@@ -43,14 +48,17 @@ def test_the_commit_is_that_of_the_package_and_says_whether_files_differ(tmp_pat
     os.utime(package / "__init__.py", (1, 1))
     index = (tmp_path / ".git" / "index").read_bytes()
     assert commit.__wrapped__() == clean
-    assert (tmp_path / ".git" / "index").read_bytes() == index  # a process that is killed leaves no lock on it
+    # a process that is killed leaves no lock on it
+    assert (tmp_path / ".git" / "index").read_bytes() == index
     (package / "__init__.py").write_text("x = 1\n")
     assert commit.__wrapped__() == f"{clean} changed"
 
 
 def test_a_file_that_is_not_there_has_no_checksum(tmp_path):
-    assert file_origin(written(tmp_path / "wall.py", "words")) == {"file": "wall.py", "sha256": (
-        "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e")}
+    assert file_origin(written(tmp_path / "wall.py", "words")) == {
+        "file": "wall.py",
+        "sha256": "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e",
+    }
     assert file_origin(tmp_path / "none.py") == {"file": "none.py", "sha256": UNKNOWN}
 
 
@@ -59,7 +67,15 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
     monkeypatch.chdir(REPOSITORY)
     paths = [tmp_path / name for name in ("a.h5", "b.h5")]
     for path in paths:
-        words = ["walls/variants/small.py", "--harmonic", "0.06", "0.6", "--rest", "0", "--no-pictures"]
+        words = [
+            "walls/variants/small.py",
+            "--harmonic",
+            "0.06",
+            "0.6",
+            "--rest",
+            "0",
+            "--no-pictures",
+        ]
         assert run_reference([*words, "--out", str(path)]) == 0
     first, second = map(contents, paths)
     assert first.keys() == second.keys() and len(first) > 50
@@ -70,10 +86,14 @@ SOLVERS = {"reference": REPOSITORY / "damage" / "reference", "yade": REPOSITORY 
 
 
 def modules_that_change(monkeypatch, tmp_path, digest_of):
-    """Modules of both packages, as paths in the repository, that change a digest: (digest of a folder's copy)."""
+    """Modules of both packages, as paths in the repository, that change a digest: (digest of a
+    folder's copy)."""
     for name in ("damage", "yade_scripts"):
-        shutil.copytree(REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns(
-            "data", "__pycache__", "page"))
+        shutil.copytree(
+            REPOSITORY / name,
+            tmp_path / name,
+            ignore=shutil.ignore_patterns("data", "__pycache__", "page"),
+        )
     monkeypatch.setattr("damage.provenance.HERE", tmp_path / "damage")
     usual, found = digest_of(), set()
     for path in sorted(tmp_path.rglob("*.py")):
@@ -86,28 +106,62 @@ def modules_that_change(monkeypatch, tmp_path, digest_of):
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_the_digest_of_the_model_is_of_its_folders_and_those_of_applications(solver, tmp_path, monkeypatch):
-    """Its own solver's, and what an application registers as `exposure` draws motions; not what measures, draws and
-    writes."""
+def test_the_digest_of_the_model_is_of_its_folders_and_those_of_applications(
+    solver, tmp_path, monkeypatch
+):
+    """Its own solver's, and what an application registers as `exposure` draws motions; not what
+    measures, draws and writes."""
     own = SOLVERS[solver].relative_to(REPOSITORY)
-    found = modules_that_change(monkeypatch, tmp_path, lambda: model_digest.__wrapped__(tmp_path / own))
-    assert {f"damage/{name}.py" for name in (
-        "rounded", "run/watch", "run/before", "applications/cracks/crack_paths", "law/joint_law",
-        "applications/groningen/exposure/models/bommer_2022")} | {f"{own.as_posix()}/solver.py"} <= found
+    found = modules_that_change(
+        monkeypatch, tmp_path, lambda: model_digest.__wrapped__(tmp_path / own)
+    )
+    assert {
+        f"damage/{name}.py"
+        for name in (
+            "rounded",
+            "run/watch",
+            "run/before",
+            "applications/cracks/crack_paths",
+            "law/joint_law",
+            "applications/groningen/exposure/models/bommer_2022",
+        )
+    } | {f"{own.as_posix()}/solver.py"} <= found
     folders = {path.rpartition("/")[0] for path in found}
-    other = next(str(path.relative_to(REPOSITORY)) for path in SOLVERS.values() if path != SOLVERS[solver])
-    assert not folders & {"damage/draw", "damage/history", "damage/commands", "damage/applications/groningen/claim", other}
+    other = next(
+        str(path.relative_to(REPOSITORY)) for path in SOLVERS.values() if path != SOLVERS[solver]
+    )
+    assert not folders & {
+        "damage/draw",
+        "damage/history",
+        "damage/commands",
+        "damage/applications/groningen/claim",
+        other,
+    }
     assert not found & {"damage/version.py", "damage/__main__.py", "damage/measure/summary.py"}
 
 
 def test_the_digest_of_measures_is_of_their_folders(tmp_path, monkeypatch):
     found = modules_that_change(monkeypatch, tmp_path, measures_digest.__wrapped__)
-    assert {f"damage/{name}.py" for name in (
-        "index", "measure/summary", "applications/cracks/kept", "history/reader", "motion/intensity",
-        "wall/geometry")} <= found
+    assert {
+        f"damage/{name}.py"
+        for name in (
+            "index",
+            "measure/summary",
+            "applications/cracks/kept",
+            "history/reader",
+            "motion/intensity",
+            "wall/geometry",
+        )
+    } <= found
     folders = {path.rpartition("/")[0] for path in found}
-    assert folders == {"damage", "damage/history", "damage/measure", "damage/motion", "damage/wall",
-                       "damage/applications/cracks"}
+    assert folders == {
+        "damage",
+        "damage/history",
+        "damage/measure",
+        "damage/motion",
+        "damage/wall",
+        "damage/applications/cracks",
+    }
     assert not found & {"damage/motion/record.py", "damage/wall/layout.py"}
 
 
@@ -124,15 +178,29 @@ def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
     assert measures_digest.__wrapped__() != measures_digest()
 
 
-@pytest.mark.parametrize("module, said, decides", [
-    ("measure/cycles.py", ("natural period of a run in free vibration", "period of a free vibration"),
-     ('"period_s": Column', '"natural_period_s": Column')),
-    ("wall/parameters.py", ("a brick of a scale model; a historical wall", "some brick"),
-     ("default=0.1025", "default=0.1")),
-    ("wall/model_options.py", ("contact points per half brick", "points of half a brick"),
-     ("1, 16, whole=True, default=2", "1, 16, whole=True, default=3")),
-])
-def test_a_digest_follows_names_and_defaults_and_not_what_is_said_of_them(module, said, decides, tmp_path):
+@pytest.mark.parametrize(
+    "module, said, decides",
+    [
+        (
+            "measure/cycles.py",
+            ("natural period of a run in free vibration", "period of a free vibration"),
+            ('"period_s": Column', '"natural_period_s": Column'),
+        ),
+        (
+            "wall/parameters.py",
+            ("a brick of a scale model; a historical wall", "some brick"),
+            ("default=0.1025", "default=0.1"),
+        ),
+        (
+            "wall/model_options.py",
+            ("contact points per half brick", "points of half a brick"),
+            ("1, 16, whole=True, default=2", "1, 16, whole=True, default=3"),
+        ),
+    ],
+)
+def test_a_digest_follows_names_and_defaults_and_not_what_is_said_of_them(
+    module, said, decides, tmp_path
+):
     text, copy, code = (REPOSITORY / "damage" / module).read_text(), tmp_path / "copy.py", []
     for version in (text, text.replace(*said), text.replace(*decides)):
         copy.write_text(version)

@@ -1,4 +1,5 @@
-"""Elementary functions: their errors against 60 decimal digits, and bits that any machine must reproduce."""
+"""Elementary functions: their errors against 60 decimal digits, and bits that any machine must
+reproduce."""
 
 import math
 from decimal import Decimal, localcontext
@@ -23,7 +24,7 @@ def pi():
 def _series(x, sign):
     """x + sign x^3 / 3 + x^5 / 5 + ..."""
     total, term, k = Decimal(0), x, 1
-    while abs(term) > abs(x) * Decimal(10)**-DIGITS:
+    while abs(term) > abs(x) * Decimal(10) ** -DIGITS:
         total += term / k
         term, k = term * x * x * sign, k + 2
     return total
@@ -32,7 +33,7 @@ def _series(x, sign):
 def _sine(x):
     """Sine of a small x by its Taylor series."""
     total, term, k = Decimal(0), x, 1
-    while abs(term) > abs(x) * Decimal(10)**-DIGITS:
+    while abs(term) > abs(x) * Decimal(10) ** -DIGITS:
         total += term
         term, k = -term * x * x / ((k + 1) * (k + 2)), k + 2
     return total
@@ -66,40 +67,82 @@ def largest_error(function, true, points):
     """In units in the last place, over points (n,)."""
     with localcontext() as context:
         context.prec = DIGITS
-        return max(units(value, true(point)) for value, point in zip(function(points), points.tolist()))
+        return max(
+            units(value, true(point)) for value, point in zip(function(points), points.tolist())
+        )
 
 
 RANDOM = np.random.RandomState(1)  # its numbers do not change
-SPREAD = np.concatenate([[0.0, -0.0], *(sign * 10.0**RANDOM.uniform(-9, high, 300)
-                                        for sign in (1, -1) for high in (0, 3, 6))])
-NEAR_QUARTERS = np.concatenate([np.nextafter(k * (math.pi / 2), towards) for towards in (-np.inf, np.inf)
-                                for k in (np.arange(-20, 20), RANDOM.randint(-636_619, 636_619, 500))])
+SPREAD = np.concatenate(
+    [
+        [0.0, -0.0],
+        *(sign * 10.0 ** RANDOM.uniform(-9, high, 300) for sign in (1, -1) for high in (0, 3, 6)),
+    ]
+)
+NEAR_QUARTERS = np.concatenate(
+    [
+        np.nextafter(k * (math.pi / 2), towards)
+        for towards in (-np.inf, np.inf)
+        for k in (np.arange(-20, 20), RANDOM.randint(-636_619, 636_619, 500))
+    ]
+)
 """The floats next to quarter turns, where sines are smallest beside their argument."""
-ANGLES = np.concatenate([SPREAD, np.arange(-40, 41) * (math.pi / 4), NEAR_QUARTERS,
-                         NEAR_QUARTERS + math.pi / 4, np.nextafter(math.pi / 4, [0, 1]), [LARGEST, -LARGEST],
-                         RANDOM.uniform(-LARGEST, LARGEST, 500), RANDOM.uniform(-7, 7, 1000)])
+ANGLES = np.concatenate(
+    [
+        SPREAD,
+        np.arange(-40, 41) * (math.pi / 4),
+        NEAR_QUARTERS,
+        NEAR_QUARTERS + math.pi / 4,
+        np.nextafter(math.pi / 4, [0, 1]),
+        [LARGEST, -LARGEST],
+        RANDOM.uniform(-LARGEST, LARGEST, 500),
+        RANDOM.uniform(-7, 7, 1000),
+    ]
+)
 TURNS = np.concatenate([SPREAD, np.arange(-9, 10) / 8, RANDOM.uniform(-2, 2, 1000)])
-POWERS = np.concatenate([[0.0, -0.0, 1.0, -1.0, 1e-300], RANDOM.uniform(-5, 0, 1500), RANDOM.uniform(-700, 700, 1500),
-                         10.0**RANDOM.uniform(-12, 0, 200), (np.arange(-40, 41) + 0.5) * math.log(2)])
-POSITIVE = np.concatenate([[1.0, 0.5, 2.0, math.sqrt(0.5), 5e-324, 1.7e308, 2.2e-308],
-                           np.nextafter(1.0, [0, 2]), 1 + RANDOM.uniform(-1e-3, 1e-3, 500),
-                           1 + 10.0**RANDOM.uniform(-15, 0, 300), RANDOM.uniform(0.4, 3, 1000),
-                           10.0**RANDOM.uniform(-300, 300, 1000)])
-SLOPES = np.concatenate([SPREAD, [7 / 16, 11 / 16, 19 / 16, 39 / 16, 1.0, -1.0, 1e300], RANDOM.uniform(-4, 4, 1500)])
+POWERS = np.concatenate(
+    [
+        [0.0, -0.0, 1.0, -1.0, 1e-300],
+        RANDOM.uniform(-5, 0, 1500),
+        RANDOM.uniform(-700, 700, 1500),
+        10.0 ** RANDOM.uniform(-12, 0, 200),
+        (np.arange(-40, 41) + 0.5) * math.log(2),
+    ]
+)
+POSITIVE = np.concatenate(
+    [
+        [1.0, 0.5, 2.0, math.sqrt(0.5), 5e-324, 1.7e308, 2.2e-308],
+        np.nextafter(1.0, [0, 2]),
+        1 + RANDOM.uniform(-1e-3, 1e-3, 500),
+        1 + 10.0 ** RANDOM.uniform(-15, 0, 300),
+        RANDOM.uniform(0.4, 3, 1000),
+        10.0 ** RANDOM.uniform(-300, 300, 1000),
+    ]
+)
+SLOPES = np.concatenate(
+    [SPREAD, [7 / 16, 11 / 16, 19 / 16, 39 / 16, 1.0, -1.0, 1e300], RANDOM.uniform(-4, 4, 1500)]
+)
 
 
-@pytest.mark.parametrize("function, true, points, most", [
-    (exp, lambda x: Decimal(x).exp(), POWERS, 1.0), (log, lambda x: Decimal(x).ln(), POSITIVE, 1.0),
-    (sin, true_sin, ANGLES, 1.0), (cos, true_cos, ANGLES, 1.0),
-    (tan, lambda x: true_sin(x) / true_cos(x), ANGLES, 3.0),
-    (sin_of_turns, lambda x: true_sin(2 * pi() * Decimal(x)), TURNS, 3.0),
-    (atan, true_atan, SLOPES, 1.0)], ids=lambda value: getattr(value, "__name__", None))
+@pytest.mark.parametrize(
+    "function, true, points, most",
+    [
+        (exp, lambda x: Decimal(x).exp(), POWERS, 1.0),
+        (log, lambda x: Decimal(x).ln(), POSITIVE, 1.0),
+        (sin, true_sin, ANGLES, 1.0),
+        (cos, true_cos, ANGLES, 1.0),
+        (tan, lambda x: true_sin(x) / true_cos(x), ANGLES, 3.0),
+        (sin_of_turns, lambda x: true_sin(2 * pi() * Decimal(x)), TURNS, 3.0),
+        (atan, true_atan, SLOPES, 1.0),
+    ],
+    ids=lambda value: getattr(value, "__name__", None),
+)
 def test_errors_are_as_stated(function, true, points, most):
     assert largest_error(function, true, points) < most
 
 
 def test_powers_are_as_stated():
-    base, exponent = 10.0**RANDOM.uniform(-20, 20, 1000), RANDOM.uniform(-10, 10, 1000)
+    base, exponent = 10.0 ** RANDOM.uniform(-20, 20, 1000), RANDOM.uniform(-10, 10, 1000)
     with localcontext() as context:
         context.prec = DIGITS
         for x, y, value in zip(base.tolist(), exponent.tolist(), power(base, exponent)):
@@ -112,18 +155,31 @@ def test_the_reference_is_right():
     """pi, sin 1, cos 1 and atan 2 as tables have them."""
     with localcontext() as context:
         context.prec = DIGITS
-        for value, digits in ((pi(), "3.14159265358979323846264338327950288419716939937510"),
-                              (true_sin(1.0), "0.84147098480789650665250232163029899962256306079837"),
-                              (true_cos(1.0), "0.54030230586813971740093660744297660373231042061792"),
-                              (true_atan(2.0), "1.10714871779409050301706546017853704007004764540143")):
+        for value, digits in (
+            (pi(), "3.14159265358979323846264338327950288419716939937510"),
+            (true_sin(1.0), "0.84147098480789650665250232163029899962256306079837"),
+            (true_cos(1.0), "0.54030230586813971740093660744297660373231042061792"),
+            (true_atan(2.0), "1.10714871779409050301706546017853704007004764540143"),
+        ):
             assert abs(value - Decimal(digits)) < Decimal("1e-49")
 
 
-@pytest.mark.parametrize("function, points", [
-    (exp, POWERS), (log, POSITIVE), (sin, ANGLES), (cos, ANGLES), (tan, ANGLES), (sin_of_turns, TURNS),
-    (atan, SLOPES)], ids=lambda value: getattr(value, "__name__", None))
+@pytest.mark.parametrize(
+    "function, points",
+    [
+        (exp, POWERS),
+        (log, POSITIVE),
+        (sin, ANGLES),
+        (cos, ANGLES),
+        (tan, ANGLES),
+        (sin_of_turns, TURNS),
+        (atan, SLOPES),
+    ],
+    ids=lambda value: getattr(value, "__name__", None),
+)
 def test_numbers_arrays_and_parts_of_arrays_give_equal_bits(function, points):
-    """Of every fifth point; parts begin at another place and lie apart, by which libraries choose instructions."""
+    """Of every fifth point; parts begin at another place and lie apart, by which libraries choose
+    instructions."""
     whole = function(points)
     assert np.array_equal(whole[::5], [function(x) for x in points[::5].tolist()])
     assert np.array_equal(whole[::5], [function(x) for x in points[::5]])
@@ -132,26 +188,65 @@ def test_numbers_arrays_and_parts_of_arrays_give_equal_bits(function, points):
 
 
 BITS = {
-    "exp": {-5.0: "0x1.b993fe00d5376p-8", -0.3: "0x1.7b4c869c37c05p-1", 0.001: "0x1.0041919b7ee34p+0",
-            1.0: "0x1.5bf0a8b14576ap+1", 300.7: "0x1.c3714f17ae742p+433"},
-    "log": {0.001: "-0x1.ba18a998fffa0p+2", 0.7: "-0x1.6d3c324e13f50p-2", 1.3: "0x1.0ca937be1b9dcp-2",
-            10.0: "0x1.26bb1bbb55516p+1", 6.02e+23: "0x1.b6094e92cca28p+5"},
-    "sin": {0.1: "0x1.98eaecb8bcb2cp-4", 1.0: "0x1.aed548f090ceep-1", 2.5: "0x1.326af0dcfcab0p-1",
-            -77.7: "-0x1.7d31cb31f6496p-1", 123456.789: "-0x1.ff50e60ab53f9p-1"},
-    "cos": {0.1: "0x1.fd712f9a817c1p-1", 1.0: "0x1.14a280fb5068cp-1", 2.5: "-0x1.9a2f7ef858b7dp-1",
-            -77.7: "-0x1.55cf9c92e02cbp-1", 123456.789: "0x1.a74d27c41b22ap-5"},
-    "tan": {0.1: "0x1.9af8877430b7fp-4", 1.0: "0x1.8eb245cbee3a5p+0", -2.5: "0x1.7e79b4e00bb14p-1",
-            1.57: "0x1.39f0ff737e7f3p+10"},
-    "sin_of_turns": {0.1: "0x1.2cf2304755a5ep-1", 0.3333333333333333: "0x1.bb67ae8584cabp-1",
-                     -0.7: "0x1.e6f0e134454ffp-1", 12.3: "0x1.e6f0e134454f3p-1"},
-    "atan": {0.3: "0x1.2a73a661eaf06p-2", -0.6: "-0x1.14b1dd5f90ce1p-1", 1.0: "0x1.921fb54442d18p-1",
-             2.0: "0x1.1b6e192ebbe44p+0", 57.3: "0x1.8da816e576fd0p+0"}}
-POWER_BITS = {(2.0, 0.5): "0x1.6a09e667f3bccp+0", (10.0, -3.0): "0x1.0624dd2f1a9f9p-10",
-              (0.3, 1.7): "0x1.08819f76d9f8dp-3"}
+    "exp": {
+        -5.0: "0x1.b993fe00d5376p-8",
+        -0.3: "0x1.7b4c869c37c05p-1",
+        0.001: "0x1.0041919b7ee34p+0",
+        1.0: "0x1.5bf0a8b14576ap+1",
+        300.7: "0x1.c3714f17ae742p+433",
+    },
+    "log": {
+        0.001: "-0x1.ba18a998fffa0p+2",
+        0.7: "-0x1.6d3c324e13f50p-2",
+        1.3: "0x1.0ca937be1b9dcp-2",
+        10.0: "0x1.26bb1bbb55516p+1",
+        6.02e23: "0x1.b6094e92cca28p+5",
+    },
+    "sin": {
+        0.1: "0x1.98eaecb8bcb2cp-4",
+        1.0: "0x1.aed548f090ceep-1",
+        2.5: "0x1.326af0dcfcab0p-1",
+        -77.7: "-0x1.7d31cb31f6496p-1",
+        123456.789: "-0x1.ff50e60ab53f9p-1",
+    },
+    "cos": {
+        0.1: "0x1.fd712f9a817c1p-1",
+        1.0: "0x1.14a280fb5068cp-1",
+        2.5: "-0x1.9a2f7ef858b7dp-1",
+        -77.7: "-0x1.55cf9c92e02cbp-1",
+        123456.789: "0x1.a74d27c41b22ap-5",
+    },
+    "tan": {
+        0.1: "0x1.9af8877430b7fp-4",
+        1.0: "0x1.8eb245cbee3a5p+0",
+        -2.5: "0x1.7e79b4e00bb14p-1",
+        1.57: "0x1.39f0ff737e7f3p+10",
+    },
+    "sin_of_turns": {
+        0.1: "0x1.2cf2304755a5ep-1",
+        0.3333333333333333: "0x1.bb67ae8584cabp-1",
+        -0.7: "0x1.e6f0e134454ffp-1",
+        12.3: "0x1.e6f0e134454f3p-1",
+    },
+    "atan": {
+        0.3: "0x1.2a73a661eaf06p-2",
+        -0.6: "-0x1.14b1dd5f90ce1p-1",
+        1.0: "0x1.921fb54442d18p-1",
+        2.0: "0x1.1b6e192ebbe44p+0",
+        57.3: "0x1.8da816e576fd0p+0",
+    },
+}
+POWER_BITS = {
+    (2.0, 0.5): "0x1.6a09e667f3bccp+0",
+    (10.0, -3.0): "0x1.0624dd2f1a9f9p-10",
+    (0.3, 1.7): "0x1.08819f76d9f8dp-3",
+}
 """Values at arguments, as any machine must give them."""
 
 
-@pytest.mark.parametrize("function", [exp, log, sin, cos, tan, sin_of_turns, atan], ids=lambda one: one.__name__)
+@pytest.mark.parametrize(
+    "function", [exp, log, sin, cos, tan, sin_of_turns, atan], ids=lambda one: one.__name__
+)
 def test_known_bits(function):
     known = BITS[function.__name__]
     assert {x: float(function(x)).hex() for x in known} == known

@@ -1,4 +1,5 @@
-"""A joint ends where its two faces no longer overlap: closed forms of a brick that is pushed, or shoved, off another.
+"""A joint ends where its two faces no longer overlap: closed forms of a brick that is pushed, or
+shoved, off another.
 
 Both bricks are 0.1125 m long, lie on each other over their whole length, and all joints are dry.
 """
@@ -23,10 +24,13 @@ FRICTION_COEFFICIENT = np.tan(Joint().friction_angle)
 
 
 def pair(joint=DRY, new_contacts=False, **options):
-    """Two bricks on each other, at rest under their weight; the upper one is body 1 and interface 1."""
+    """Two bricks on each other, at rest under their weight; the upper one is body 1 and interface
+    1."""
     wall = Wall("pair", LENGTH, 2 * HEIGHT, precompression=0.0, joint=Joint(**joint))
     layout = lay_out(wall, ModelOptions(**options))
-    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, new_contacts=new_contacts)
+    wall = ReferenceSolver(
+        layout, 0.3 * natural_modes(layout).critical_time_step_s, new_contacts=new_contacts
+    )
     come_to_rest(wall)
     return wall
 
@@ -62,7 +66,8 @@ def run_to_the_end(wall, most=20_000):
 
 @pytest.mark.parametrize("speed", [1.0, -1.0])
 def test_a_brick_that_is_pushed_off_falls_freely_from_where_the_faces_end(speed):
-    """Pushed at constant speed, not turning, on a brick that stands still: s = v t, friction takes mu m g s."""
+    """Pushed at constant speed, not turning, on a brick that stands still: s = v t, friction takes
+    mu m g s."""
     wall = pair()
     wall.system.inverse_mass[0] = wall.system.velocity[0] = 0.0
     wall.hold(np.array([1]), rotation=True)
@@ -70,31 +75,47 @@ def test_a_brick_that_is_pushed_off_falls_freely_from_where_the_faces_end(speed)
     began, start = total_energy(wall), wall.displacement[1]
     steps = int(np.ceil((LENGTH - np.sign(speed) * start[X]) / (wall.time_step * abs(speed))))
     wall.run(steps - 1)
-    assert ended(wall) == FAILED and wall.force[1, Z] == pytest.approx(GRAVITY * wall.layout.bodies.mass[1], rel=1e-4)
+    assert ended(wall) == FAILED and wall.force[1, Z] == pytest.approx(
+        GRAVITY * wall.layout.bodies.mass[1], rel=1e-4
+    )
     wall.run(1)
     assert ended(wall) == ENDING
     for _ in range(40):
         wall.run(100)
         assert ended(wall) == ENDED and np.all(wall.force[1] == 0.0)
-        time_s = (wall.step - 3000 - steps - 0.5) * wall.time_step  # velocities belong to half steps
-        assert wall.displacement[1, Z] - start[Z] == pytest.approx(-GRAVITY * time_s**2 / 2, abs=2e-8)
+        # velocities belong to half steps
+        time_s = (wall.step - 3000 - steps - 0.5) * wall.time_step
+        assert wall.displacement[1, Z] - start[Z] == pytest.approx(
+            -GRAVITY * time_s**2 / 2, abs=2e-8
+        )
     assert wall.displacement[1, Z] < -HEIGHT / 5
     friction = FRICTION_COEFFICIENT * GRAVITY * wall.layout.bodies.mass[1] * LENGTH
     assert wall.energy[FRICTION] == pytest.approx(friction, rel=3e-4)
     assert total_energy(wall) - began == pytest.approx(0.0, abs=1e-4 * friction)
 
 
-KINDS = {"dry": DRY, "brittle": {"tensile_strength": 1e4, "cohesion": 1e4},
-         "softening": {"tensile_strength": 1e4, "cohesion": 1e4, "mode_i_fracture_energy": 0.1,
-                       "mode_ii_fracture_energy": 1.0}, "crushing": DRY | {"compressive_strength": 1e4}}
+KINDS = {
+    "dry": DRY,
+    "brittle": {"tensile_strength": 1e4, "cohesion": 1e4},
+    "softening": {
+        "tensile_strength": 1e4,
+        "cohesion": 1e4,
+        "mode_i_fracture_energy": 0.1,
+        "mode_ii_fracture_energy": 1.0,
+    },
+    "crushing": DRY | {"compressive_strength": 1e4},
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_energy_balance_is_closed_through_the_end(kind):
-    """To 1e-9 of the kinetic energy of the shove, off a brick that stands still: what the contacts had stored, friction
-    takes.  A brick that does not turn bears on all of them until then, and is slowed down by mu g."""
+    """To 1e-9 of the kinetic energy of the shove, off a brick that stands still: what the contacts
+    had stored, friction takes.  A brick that does not turn bears on all of them until then, and is
+    slowed down by mu g."""
     wall = pair(KINDS[kind])
-    wall.system.inverse_mass[0] = wall.system.velocity[0] = wall.system.inverse_mass[1, ROTATION] = 0.0
+    wall.system.inverse_mass[0] = wall.system.velocity[0] = wall.system.inverse_mass[
+        1, ROTATION
+    ] = 0.0
     shove(wall, 3.0)
     wall.run(10)  # a brittle bond breaks: what it takes depends on the step
     began, kinetic = total_energy(wall), wall.kinetic_energy()
@@ -104,7 +125,9 @@ def test_the_energy_balance_is_closed_through_the_end(kind):
     assert ended(wall) == ENDED
     assert wall.elastic_energy() < stored and wall.energy[FRICTION] > taken
     if kind in ("dry", "crushing"):
-        assert wall.velocity[1, X]**2 == pytest.approx(3.0**2 - 2 * FRICTION_COEFFICIENT * GRAVITY * LENGTH, rel=1e-3)
+        assert wall.velocity[1, X] ** 2 == pytest.approx(
+            3.0**2 - 2 * FRICTION_COEFFICIENT * GRAVITY * LENGTH, rel=1e-3
+        )
     wall.run(500)
     assert total_energy(wall) - began == pytest.approx(0.0, abs=1e-9 * kinetic)
 
@@ -119,7 +142,8 @@ def test_contact_data_keep_the_values_of_the_end():
     assert_allclose(then["offset_m"][0, joint], LENGTH, rtol=1e-3)
     wall.run(3000)
     for name, values in wall.instants().contacts.items():
-        assert_allclose(values[0, joint], then[name][0, joint], atol=1e-7)  # but for the elastic part of the offset
+        # but for the elastic part of the offset
+        assert_allclose(values[0, joint], then[name][0, joint], atol=1e-7)
     assert wall.displacement[1, X] > 1.5 * LENGTH
     wall.displacement = np.zeros((2, 3))  # put back it stays without forces: a joint ends for good
     assert ended(wall) == ENDED and np.all(wall.force[1] == 0.0)
@@ -127,8 +151,14 @@ def test_contact_data_keep_the_values_of_the_end():
 
 def test_the_cut_of_a_split_brick_ends_over_its_height():
     """Two halves that have split, shifted upwards against each other."""
-    wall = Wall("brick", 0.225, HEIGHT, precompression=0.0, joint=Joint(**DRY),
-                brick=Brick(tensile_strength=1e4, cohesion=1e4))
+    wall = Wall(
+        "brick",
+        0.225,
+        HEIGHT,
+        precompression=0.0,
+        joint=Joint(**DRY),
+        brick=Brick(tensile_strength=1e4, cohesion=1e4),
+    )
     split = ReferenceSolver(lay_out(wall), 1e-6)
     cut = int(np.flatnonzero(split.system.interfaces["head"])[0])
     assert split.layout.n_bricks == 2 and cut == len(split.system.interfaces) - 1

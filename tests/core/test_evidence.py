@@ -1,4 +1,5 @@
-"""Evidence for a run: which of its quantities lie outside the range of validity, and where it says so."""
+"""Evidence for a run: which of its quantities lie outside the range of validity, and where it says
+so."""
 
 import json
 import re
@@ -14,12 +15,26 @@ from damage.history.info import info
 from damage.measure.evidence import describe, evidence_for, outside
 from damage.measure.tables import summary_row
 
-SHAKEN = {"loading": {"kind": "harmonic", "period_s": 0.2, "amplitude_g": 0.05}, "sequence": [1.0], "rest_s": 1.0}
+SHAKEN = {
+    "loading": {"kind": "harmonic", "period_s": 0.2, "amplitude_g": 0.05},
+    "sequence": [1.0],
+    "rest_s": 1.0,
+}
 WALL = damage.Wall("w", 2.0, 2.0)
-HOUSE = damage.Wall("house", 6.2, 5.6, precompression=0.0, joint=damage.Joint(friction_angle=atan(0.82)))
-RESULT = {"max_drift_ratio": 0.001, "max_offset_mm": 1.0, "max_offset_over_overlap": 0.1, "collapsed_at_s": None,
-          "tension_breaks": 9, "shear_breaks": 1, "crushed_length_m": 0.0, "split_length_m": 0.0,
-          "energy_error_fraction": 1e-4}
+HOUSE = damage.Wall(
+    "house", 6.2, 5.6, precompression=0.0, joint=damage.Joint(friction_angle=atan(0.82))
+)
+RESULT = {
+    "max_drift_ratio": 0.001,
+    "max_offset_mm": 1.0,
+    "max_offset_over_overlap": 0.1,
+    "collapsed_at_s": None,
+    "tension_breaks": 9,
+    "shear_breaks": 1,
+    "crushed_length_m": 0.0,
+    "split_length_m": 0.0,
+    "energy_error_fraction": 1e-4,
+}
 DRY = damage.Joint(tensile_strength=0.0, cohesion=0.0)
 RECORD = {"kind": "record", "scale": 1.0, "vertical": None}
 
@@ -33,34 +48,52 @@ def test_a_wall_within_the_evidence_is_inside():
     assert names_outside() == []
     assert names_outside(replace(WALL, joint=DRY, precompression=0.1e6)) == []
     found = evidence_for(WALL, SHAKEN, RESULT)
-    assert re.fullmatch(r"evidence for this run: inside the range of validity in all 1\d quantities", describe(found))
+    assert re.fullmatch(
+        r"evidence for this run: inside the range of validity in all 1\d quantities",
+        describe(found),
+    )
 
 
 def test_a_house_is_outside_in_four_quantities():
-    assert names_outside(HOUSE) == ["precompression of mortar joints", "length", "height", "tan(phi)"]
+    assert names_outside(HOUSE) == [
+        "precompression of mortar joints",
+        "length",
+        "height",
+        "tan(phi)",
+    ]
     found = evidence_for(HOUSE, SHAKEN)
-    assert outside(found) == ["precompression of mortar joints 0 MPa (0.3 to 0.9 MPa)", "length 6.2 m (1 to 4.05 m)",
-                              "height 5.62 m (1 to 2.78 m)", "tan(phi) 0.82 (0.42 to 0.63)"]
+    assert outside(found) == [
+        "precompression of mortar joints 0 MPa (0.3 to 0.9 MPa)",
+        "length 6.2 m (1 to 4.05 m)",
+        "height 5.62 m (1 to 2.78 m)",
+        "tan(phi) 0.82 (0.42 to 0.63)",
+    ]
 
 
-@pytest.mark.parametrize(("name", "given"), [
-    ("vertical components of the motion", {"loading": RECORD | {"vertical": {"record": "up"}}}),
-    ("drift", {"result": {"max_drift_ratio": 0.0031}}),
-    ("slip of a joint", {"result": {"max_offset_mm": 10.1}}),
-    ("slip over the overlap of the faces", {"result": {"max_offset_over_overlap": 1.01}}),
-    ("bricks followed after a fall", {"result": {"collapsed_at_s": 0.5}, "after_fall": True}),
-    ("precompression of mortar joints", {"pier_stress_pa": 0.95e6}),
-    ("precompression of dry joints", {"wall": replace(WALL, joint=DRY)}),
-    ("storeys", {"wall": replace(WALL, floors=[damage.Floor(1.05, 200.0), damage.Floor(2.025, 200.0)])}),
-    ("cohesion of mortar joints", {"wall": replace(WALL, joint=damage.Joint(cohesion=0.1e6))}),
-    ("shear failures of brittle joints", {"result": {"tension_breaks": 4, "shear_breaks": 5}}),
-    ("split or crushed length", {"result": {"split_length_m": 0.1}}),
-    ("period of a harmonic motion", {"loading": SHAKEN["loading"] | {"period_s": 0.05}}),
-    ("amplitude of a harmonic motion", {"sequence": [1.0, -2.5]}),
-    ("scale of a record", {"loading": RECORD | {"scale": -2.1}}),
-    ("rest after the motion", {"rest_s": 0.2}),
-    ("energy balance error", {"result": {"energy_error_fraction": 0.011}}),
-])
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("vertical components of the motion", {"loading": RECORD | {"vertical": {"record": "up"}}}),
+        ("drift", {"result": {"max_drift_ratio": 0.0031}}),
+        ("slip of a joint", {"result": {"max_offset_mm": 10.1}}),
+        ("slip over the overlap of the faces", {"result": {"max_offset_over_overlap": 1.01}}),
+        ("bricks followed after a fall", {"result": {"collapsed_at_s": 0.5}, "after_fall": True}),
+        ("precompression of mortar joints", {"pier_stress_pa": 0.95e6}),
+        ("precompression of dry joints", {"wall": replace(WALL, joint=DRY)}),
+        (
+            "storeys",
+            {"wall": replace(WALL, floors=[damage.Floor(1.05, 200.0), damage.Floor(2.025, 200.0)])},
+        ),
+        ("cohesion of mortar joints", {"wall": replace(WALL, joint=damage.Joint(cohesion=0.1e6))}),
+        ("shear failures of brittle joints", {"result": {"tension_breaks": 4, "shear_breaks": 5}}),
+        ("split or crushed length", {"result": {"split_length_m": 0.1}}),
+        ("period of a harmonic motion", {"loading": SHAKEN["loading"] | {"period_s": 0.05}}),
+        ("amplitude of a harmonic motion", {"sequence": [1.0, -2.5]}),
+        ("scale of a record", {"loading": RECORD | {"scale": -2.1}}),
+        ("rest after the motion", {"rest_s": 0.2}),
+        ("energy balance error", {"result": {"energy_error_fraction": 0.011}}),
+    ],
+)
 def test_each_quantity_outside_alone(name, given):
     assert names_outside(**given) == [name]
 
@@ -73,30 +106,50 @@ def test_the_strongest_event_of_a_sequence_of_records_counts():
 
 
 def test_limits_are_inside_and_what_does_not_apply_is_neither():
-    assert names_outside(replace(WALL, length=4.05, joint=damage.Joint(friction_angle=atan(0.63)))) == []
+    assert (
+        names_outside(replace(WALL, length=4.05, joint=damage.Joint(friction_angle=atan(0.63))))
+        == []
+    )
     found = evidence_for(WALL, {"loading": {"kind": "pushover"}})
     assert found["rest after the motion"]["inside"] is found["drift"]["inside"] is None
 
 
 def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypatch, output_of):
-    for name in ("run_part.still", "run_part.preview", "report.plotly_code"):  # they take most of a page's time
-        monkeypatch.setattr(f"damage.applications.report.{name}", lambda *_: "plotly.js (basic - minified) v0")
+    # they take most of a page's time
+    for name in ("run_part.still", "run_part.preview", "report.plotly_code"):
+        monkeypatch.setattr(
+            f"damage.applications.report.{name}", lambda *_: "plotly.js (basic - minified) v0"
+        )
     high = "Wall('high', 0.45, 0.9, precompression=0.0, joint=Joint(friction_angle=0.687))"
     wall = wall_file(tmp_path / "w.py", high)
     out = tmp_path / "a.h5"
     history = run_here(out, wall, "--harmonic", 0.1, 0.05, "--cycles", 1, "--rest", 0.2)
-    line = ("evidence for this run: outside the range of validity (docs/model/validity.md) in 5 of 16 quantities: "
-            "precompression of mortar joints 0 MPa (0.3 to 0.9 MPa), length 0.45 m (1 to 4.05 m), height 0.9 m "
-            "(1 to 2.78 m), tan(phi) 0.82 (0.42 to 0.63), rest after the motion 0.2 s (1 to 2 s)")
+    line = (
+        "evidence for this run: outside the range of validity (docs/model/validity.md) in 5 of 16"
+        " quantities: precompression of mortar joints 0 MPa (0.3 to 0.9 MPa), length 0.45 m (1 to"
+        " 4.05 m), height 0.9 m (1 to 2.78 m), tan(phi) 0.82 (0.42 to 0.63), rest after the motion"
+        " 0.2 s (1 to 2 s)"
+    )
     assert line in capsys.readouterr().out.splitlines()
     shown = json.loads(output_of("index", out, "--json"))
-    assert shown["evidence"]["length"] == {"value": 0.45, "least": 1.0, "most": 4.05, "unit": "m", "inside": False}
+    assert shown["evidence"]["length"] == {
+        "value": 0.45,
+        "least": 1.0,
+        "most": 4.05,
+        "unit": "m",
+        "inside": False,
+    }
     words = line.partition("quantities: ")[2].replace("), ", "); ")
     assert summary_row(history)["outside_validity"] == shown["outside_validity"] == words
     assert info(history)["results"]["outside_validity"] == words
     table = damage.evidence_of(history)
     assert table.index[[one is False for one in table["inside"]]].tolist() == [
-        "precompression of mortar joints", "length", "height", "tan(phi)", "rest after the motion"]
+        "precompression of mortar joints",
+        "length",
+        "height",
+        "tan(phi)",
+        "rest after the motion",
+    ]
     text = page([out], [])
     assert line in text and "<td>0.45 m</td><td>1 to 4.05 m</td><td>outside</td>" in text
     assert "<td>does not apply</td><td>up to 2</td><td></td>" in text

@@ -1,4 +1,5 @@
-"""Fields that say their limits once: the check and its message, the schema of a wall, words in place of numbers."""
+"""Fields that say their limits once: the check and its message, the schema of a wall, words in
+place of numbers."""
 
 from dataclasses import dataclass, fields
 
@@ -16,21 +17,39 @@ from damage.wall.parameters import Brick, Joint, Opening, Wall
 class Beam:
     length: float = quantity("m", 0.1, 50.0, (0.5, 20), "a lintel; a bridge")
     count: int = quantity("1", 1, 9, whole=True, default=1)
-    strength: float | str | None = quantity("Pa", 0.0, 1e9, (1e5, 1e8), "peat; steel", words=("rule",), default=None)
+    strength: float | str | None = quantity(
+        "Pa", 0.0, 1e9, (1e5, 1e8), "peat; steel", words=("rule",), default=None
+    )
     kind: str = choice(("oak", "fir"), default="fir")
 
     def __post_init__(self):
         check_fields(self)
 
 
-@pytest.mark.parametrize("given, said", [
-    ({"length": 0.0}, "Beam.length = 0.0: expected a number from 0.1 to 50; correct it"),
-    ({"length": 300}, "Beam.length = 300: expected a number from 0.1 to 50; correct it: 300 cm is 300e-2 m"),
-    ({"length": None}, "Beam.length = None: expected a number"), ({"length": True}, "Beam.length = True: expected"),
-    ({"length": 1.0, "count": 1.5}, "Beam.count = 1.5: expected a whole number, 1 to 9; correct it"),
-    ({"length": 1.0, "kind": "elm"}, "Beam.kind = 'elm': expected one of oak, fir; choose one of them"),
-    ({"length": 1.0, "strength": "guess"}, "Beam.strength = 'guess': expected a number from 0 to 1e+09"),
-])
+@pytest.mark.parametrize(
+    "given, said",
+    [
+        ({"length": 0.0}, "Beam.length = 0.0: expected a number from 0.1 to 50; correct it"),
+        (
+            {"length": 300},
+            "Beam.length = 300: expected a number from 0.1 to 50; correct it: 300 cm is 300e-2 m",
+        ),
+        ({"length": None}, "Beam.length = None: expected a number"),
+        ({"length": True}, "Beam.length = True: expected"),
+        (
+            {"length": 1.0, "count": 1.5},
+            "Beam.count = 1.5: expected a whole number, 1 to 9; correct it",
+        ),
+        (
+            {"length": 1.0, "kind": "elm"},
+            "Beam.kind = 'elm': expected one of oak, fir; choose one of them",
+        ),
+        (
+            {"length": 1.0, "strength": "guess"},
+            "Beam.strength = 'guess': expected a number from 0 to 1e+09",
+        ),
+    ],
+)
 def test_a_field_refuses_in_one_line(given, said):
     assert one_line_error(lambda: Beam(**given)).startswith(said)
 
@@ -42,7 +61,9 @@ def test_words_and_a_default_of_none_stand_in_place_of_numbers():
 def test_what_is_implausible_is_said_once_and_by_unit():
     beams = Beam(30.0, strength=0.2), Beam(30.0)
     length, strength = implausible_fields(*beams)
-    assert length == "Beam.length = 30 m, expected 0.5 to 20 m" and "0.2 MPa is 0.2e6 Pa" in strength
+    assert (
+        length == "Beam.length = 30 m, expected 0.5 to 20 m" and "0.2 MPa is 0.2e6 Pa" in strength
+    )
     assert implausible_fields(*beams, unit="Pa") == [strength]
 
 
@@ -50,18 +71,37 @@ def test_what_is_implausible_is_said_once_and_by_unit():
 @pytest.mark.parametrize("value", [False, "", ()])
 def test_nothing_in_a_word_is_no_fracture_energy(name, value):
     """They were taken as none."""
-    assert f"Joint.{name} = {value!r}: expected a number" in one_line_error(lambda: Joint(**{name: value}))
+    assert f"Joint.{name} = {value!r}: expected a number" in one_line_error(
+        lambda: Joint(**{name: value})
+    )
 
 
 def test_an_option_is_called_as_it_is_typed():
-    assert one_line_error(lambda: ModelOptions(brick_mass=30)).startswith("--brick-mass = 30: expected a number")
-    assert one_line_error(lambda: ModelOptions(footing=30)).startswith("--footing [m] = 30: expected a number")
+    assert one_line_error(lambda: ModelOptions(brick_mass=30)).startswith(
+        "--brick-mass = 30: expected a number"
+    )
+    assert one_line_error(lambda: ModelOptions(footing=30)).startswith(
+        "--footing [m] = 30: expected a number"
+    )
 
 
 def test_the_schema_of_a_wall_has_what_its_fields_say():
-    joint, floor = wall_schema()["properties"]["joint"], wall_schema()["properties"]["floors"]["items"]
-    assert joint["properties"]["mode_i_fracture_energy"] == {"anyOf": [{"type": "number"}, {"const": "rule"}]}
+    joint, floor = (
+        wall_schema()["properties"]["joint"],
+        wall_schema()["properties"]["floors"]["items"],
+    )
+    assert joint["properties"]["mode_i_fracture_energy"] == {
+        "anyOf": [{"type": "number"}, {"const": "rule"}]
+    }
     assert floor["properties"]["kind"] == {"enum": list(KINDS_OF_FLOORS)}
     assert all(one.metadata for kind in (Brick, Joint, Floor) for one in fields(kind))
     assert {one.name for kind in (Opening, Wall) for one in fields(kind) if not one.metadata} == {
-        "name", "openings", "brick", "joint", "outline", "floors", "lintel", "restraints"}
+        "name",
+        "openings",
+        "brick",
+        "joint",
+        "outline",
+        "floors",
+        "lintel",
+        "restraints",
+    }

@@ -26,13 +26,26 @@ DOOR, LOW_DOOR = (Opening(0.8, 0.6, 1.6),), (Opening(0.8, 0.6, 0.7),)
 
 
 def wall(*floors, length=2.0, height=2.4, openings=(), **more):
-    return Wall("w", length, height, openings, precompression=0.0, brick=BRICK, floors=floors, lintel="courses", **more)
+    return Wall(
+        "w",
+        length,
+        height,
+        openings,
+        precompression=0.0,
+        brick=BRICK,
+        floors=floors,
+        lintel="courses",
+        **more,
+    )
 
 
 def base_reaction(layout):
-    """Vertical force [N] and its moment about x = 0 [N m] on the base, of the intact wall at rest."""
+    """Vertical force [N] and its moment about x = 0 [N m] on the base, of the intact wall at
+    rest."""
     contacts = layout.contacts
-    opening = kinematic_matrix(layout, contact_normals(contacts)) @ static_displacement(layout).ravel()
+    opening = (
+        kinematic_matrix(layout, contact_normals(contacts)) @ static_displacement(layout).ravel()
+    )
     force = -contacts.normal_stiffness * contacts.area * opening
     base = contacts.first < 0
     return force[base].sum(), (force[base] * contacts.x[base]).sum()
@@ -41,13 +54,22 @@ def base_reaction(layout):
 @pytest.mark.parametrize("floors", [(TIMBER, SLAB), (Floor(2.4, 500.0, 1.0),)], ids=len)
 @pytest.mark.parametrize("openings", [(), LOW_DOOR], ids=["solid", "door"])
 def test_reactions_carry_every_floor_where_it_rests(floors, openings):
-    """The weight, and its moment by the middles of the floors, beside those of the wall's bricks."""
+    """The weight, and its moment by the middles of the floors, beside those of the wall's
+    bricks."""
     layout = lay_out(wall(*floors, openings=openings), ModelOptions(contacts="gauss"))
     bricks = slice(0, layout.n_bricks)
-    own = BRICK.density * BRICK.thickness * layout.bodies.length[bricks] * layout.bodies.height[bricks]
+    own = (
+        BRICK.density
+        * BRICK.thickness
+        * layout.bodies.length[bricks]
+        * layout.bodies.height[bricks]
+    )
     spans = [(floor.mass, *floor.span(layout.wall)) for floor in floors]
     weight = GRAVITY * (own.sum() + sum(mass for mass, _, _ in spans))
-    moment = GRAVITY * (own @ layout.bodies.x[bricks] + sum(mass * (left + right) / 2 for mass, left, right in spans))
+    moment = GRAVITY * (
+        own @ layout.bodies.x[bricks]
+        + sum(mass * (left + right) / 2 for mass, left, right in spans)
+    )
     assert_allclose(base_reaction(layout), (weight, moment), rtol=2.0**-26)
 
 
@@ -59,12 +81,15 @@ def test_a_timber_floor_is_mass_on_the_course_below_it():
     left, right = bare.bodies.x - bare.bodies.length / 2, bare.bodies.x + bare.bodies.length / 2
     covered = np.maximum(np.minimum(right, 1.6) - np.maximum(left, 0.4), 0.0) * on
     assert_allclose(more, 800.0 * covered / 1.2, atol=1e-9)  # as long a half of a brick at each end
-    assert_allclose(laden.bodies.inertia / laden.bodies.mass, bare.bodies.inertia / bare.bodies.mass)
+    assert_allclose(
+        laden.bodies.inertia / laden.bodies.mass, bare.bodies.inertia / bare.bodies.mass
+    )
     assert laden.total_joint_length == bare.total_joint_length
 
 
 def test_a_timber_floor_beside_an_opening_rests_on_what_is_there():
-    """0.4 m left and 0.2 m right of the door: the resultant is at (0.4 x 0.6 + 0.2 x 1.5) / 0.6 m."""
+    """0.4 m left and 0.2 m right of the door: the resultant is at (0.4 x 0.6 + 0.2 x 1.5) / 0.6
+    m."""
     bare, laden = (lay_out(wall(*floors, openings=DOOR)) for floors in ((), (TIMBER,)))
     more = laden.bodies.mass - bare.bodies.mass
     assert more.min() >= 0
@@ -72,42 +97,67 @@ def test_a_timber_floor_beside_an_opening_rests_on_what_is_there():
 
 
 def test_a_slab_takes_the_place_of_courses_and_is_joined_above_and_below():
-    """Two courses of 2 m go, with two and a half bed joints' worth of heads; the slab has one bed below, one above."""
+    """Two courses of 2 m go, with two and a half bed joints' worth of heads; the slab has one bed
+    below, one above."""
     bare, layout = (lay_out(wall(*floors)) for floors in ((), (SLAB,)))
     slab = layout.n_bricks
     assert len(layout.plan.slabs) == 1 and len(layout.bodies) == slab + 1
     assert layout.n_bricks == bare.n_bricks - (10 + 11)
-    assert_allclose([layout.bodies.z[slab], layout.bodies.height[slab], layout.bodies.mass[slab]], [1.9, 0.2, 1500.0])
+    assert_allclose(
+        [layout.bodies.z[slab], layout.bodies.height[slab], layout.bodies.mass[slab]],
+        [1.9, 0.2, 1500.0],
+    )
     contacts = layout.contacts
     beside = (contacts.first == slab) | (contacts.second == slab)
-    assert set(contacts.kind[beside]) == {BED} and HEAD in contacts.kind and CAP not in contacts.kind
+    assert (
+        set(contacts.kind[beside]) == {BED} and HEAD in contacts.kind and CAP not in contacts.kind
+    )
     assert_allclose(contacts.length[contacts.first == slab].sum(), 2.0)
     assert_allclose(contacts.length[contacts.second == slab].sum(), 2.0)
     assert_allclose(layout.total_joint_length, bare.total_joint_length - 2.0 - 0.1 * (9 + 10))
 
 
 def test_two_storeys_have_the_periods_of_a_shear_cantilever():
-    """Light storeys ten times as long as high, between heavy slabs: two masses on two springs k = G A / h, G of the
-    running bond (verification/elastic.py), h with all twelve bed joints of a storey of eleven courses."""
+    """Light storeys ten times as long as high, between heavy slabs: two masses on two springs k = G
+    A / h, G of the running bond (verification/elastic.py), h with all twelve bed joints of a storey
+    of eleven courses."""
     length, storey, mass, depth = 12.0, 1.2, 40e3, 0.1
     brick, joint = Brick(length=0.2, height=0.1, thickness=0.1, density=20.0), Joint()
-    bed_n, bed_s = (1 / (1 / k + brick.height / modulus) for k, modulus in (
-        (joint.normal_stiffness, brick.young_modulus), (joint.shear_stiffness, brick.shear_modulus)))
+    bed_n, bed_s = (
+        1 / (1 / k + brick.height / modulus)
+        for k, modulus in (
+            (joint.normal_stiffness, brick.young_modulus),
+            (joint.shear_stiffness, brick.shear_modulus),
+        )
+    )
     head_s = 1 / (1 / joint.shear_stiffness + brick.length / brick.shear_modulus)
-    shear = 1 / (1 / (bed_s * brick.height)
-                 + 1 / (bed_n * brick.length**2 / (4 * brick.height) + head_s * brick.length))
+    shear = 1 / (
+        1 / (bed_s * brick.height)
+        + 1 / (bed_n * brick.length**2 / (4 * brick.height) + head_s * brick.length)
+    )
     spring = shear * length * brick.thickness / storey
     squares, vectors = eigh([[2 * spring, -spring], [-spring, spring]], mass * np.eye(2))
     floors = [Floor(level, mass, kind="concrete", depth=depth) for level in (storey, 2 * storey)]
-    layout = lay_out(Wall("w", length, 2 * storey, precompression=0.0, brick=brick, joint=joint, floors=floors),
-                     ModelOptions(contacts="gauss"))
+    layout = lay_out(
+        Wall("w", length, 2 * storey, precompression=0.0, brick=brick, joint=joint, floors=floors),
+        ModelOptions(contacts="gauss"),
+    )
     modes, bodies = natural_modes(layout, 8), layout.bodies
     for square, vector in zip(squares, vectors.T):
-        sway = np.interp(bodies.z, (0.0, storey - depth / 2, 2 * storey - depth / 2), (0.0, *vector))
-        alike = [(bodies.mass * sway @ shape[:, 0])**2 / (bodies.mass @ sway**2)
-                 / np.sum(bodies.mass[:, None] * shape[:, :2]**2) for shape in modes.shape]  # modal assurance
+        sway = np.interp(
+            bodies.z, (0.0, storey - depth / 2, 2 * storey - depth / 2), (0.0, *vector)
+        )
+        alike = [
+            (bodies.mass * sway @ shape[:, 0]) ** 2
+            / (bodies.mass @ sway**2)
+            # modal assurance
+            / np.sum(bodies.mass[:, None] * shape[:, :2] ** 2)
+            for shape in modes.shape
+        ]
         assert max(alike) > 0.99
-        assert_allclose(modes.period_s[int(np.argmax(alike))], 2 * math.pi / math.sqrt(square), rtol=0.05)
+        assert_allclose(
+            modes.period_s[int(np.argmax(alike))], 2 * math.pi / math.sqrt(square), rtol=0.05
+        )
 
 
 def test_storey_drifts_are_differences_of_the_floors_and_add_up_to_the_wall(run_of, tmp_path):
@@ -122,12 +172,15 @@ def test_storey_drifts_are_differences_of_the_floors_and_add_up_to_the_wall(run_
     assert_allclose(drift[:, 1], (floor - slab) / 0.6, rtol=1e-5, atol=1e-10)
     times = shaken.series["time_s"].to_numpy()
     at = [int(np.argmin(np.abs(times - time))) for time in shaken.snapshot_time_s]
-    assert_allclose(drift @ np.diff(heights), shaken.series["top_displacement_m"].to_numpy()[at], atol=1e-12)
+    assert_allclose(
+        drift @ np.diff(heights), shaken.series["top_displacement_m"].to_numpy()[at], atol=1e-12
+    )
     assert_allclose(storeys_table(shaken)["max_drift_ratio"], np.abs(drift).max(axis=0))
     assert tmp_path / "run_storeys.csv" in write_run_tables(shaken, tmp_path / "run")
 
 
-# --- mass per area ------------------------------------------------------------------------------------------
+# --- mass per area --------------------------------------------------------------------------------
+
 
 def test_a_floor_per_area_is_the_mass_of_what_bears_on_the_wall():
     """60 kg/m2 over half of a span of 4.2 m, on 1.2 m of the wall."""
@@ -142,11 +195,16 @@ def test_a_floor_per_area_is_the_mass_of_what_bears_on_the_wall():
     assert "mass_per_area" not in given.wall.as_dict()["floors"][0]
 
 
-@pytest.mark.parametrize("make, said", [
-    (lambda: Floor(1.0), "without a mass: expected mass .kg., or mass_per_area"),
-    (lambda: Floor(1.0, mass_per_area=60.0), "tributary_width = None m: expected both"),
-    (lambda: wall(Floor(1.0, 800.0, mass_per_area=60.0, tributary_width=2.1)),
-     "mass = 800 kg, but 60 kg/m2 on 2 x 2.1 m are 252 kg"),
-])
+@pytest.mark.parametrize(
+    "make, said",
+    [
+        (lambda: Floor(1.0), "without a mass: expected mass .kg., or mass_per_area"),
+        (lambda: Floor(1.0, mass_per_area=60.0), "tributary_width = None m: expected both"),
+        (
+            lambda: wall(Floor(1.0, 800.0, mass_per_area=60.0, tributary_width=2.1)),
+            "mass = 800 kg, but 60 kg/m2 on 2 x 2.1 m are 252 kg",
+        ),
+    ],
+)
 def test_floors_with_too_little_or_too_much_said_are_one_line(make, said):
     refused_with(said, make)

@@ -130,11 +130,27 @@ class TestMiniSeed:
             ("M/S**2", "M/S", "M/S of NL.BGAR..HGE"),
             ('Station code="BGAR"', 'Station code="OTHER"', "obspy says"),
             ("213867.4766", "0", "no sensitivity of NL.BGAR..HGE"),
-            ("213867.4766", "427734.9532", "other.xml: sensitivity of NL.BGAR..HGE: 427735, but the gains of its 2 "
-             "stages make 213867.4 (0.5099 x 419430); expected the same within 5%"),
-            ("419430</Value>", "4194300</Value>", "213867.5, but the gains of its 2 stages make 2138674 "),
-            ("COUNTS", "V", "other.xml: sensitivity of NL.BGAR..HGE: 213867.5 V per M/S**2 (by the gains of its 2 "
-             "stages 213867.4); expected counts per M/S**2"),
+            (
+                "213867.4766",
+                "427734.9532",
+                (
+                    "other.xml: sensitivity of NL.BGAR..HGE: 427735, but the gains of its 2 "
+                    "stages make 213867.4 (0.5099 x 419430); expected the same within 5%"
+                ),
+            ),
+            (
+                "419430</Value>",
+                "4194300</Value>",
+                "213867.5, but the gains of its 2 stages make 2138674 ",
+            ),
+            (
+                "COUNTS",
+                "V",
+                (
+                    "other.xml: sensitivity of NL.BGAR..HGE: 213867.5 V per M/S**2 (by the gains of"
+                    " its 2 stages 213867.4); expected counts per M/S**2"
+                ),
+            ),
             ("<Network", "<Nonsense", "obspy says"),
         ],
     )
@@ -150,18 +166,25 @@ class TestMiniSeed:
         message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
         assert "is per M/S**2, but its first stage takes M/S; expected M/S**2 of both" in message
 
-    def test_a_sensitivity_within_the_tolerance_and_one_without_stages_are_taken(self, obspy, tmp_path):
+    def test_a_sensitivity_within_the_tolerance_and_one_without_stages_are_taken(
+        self, obspy, tmp_path
+    ):
         usual = read_record(shipped_record_path("NL.BGAR..HGE"))
         text = self.STATION_XML.read_text().replace("213867.4766", "220000")
         path = written(tmp_path / "other.xml", text)
         found = read_record(shipped_record_path("NL.BGAR..HGE"), path)
-        assert_allclose(found.acceleration_m_s2, usual.acceleration_m_s2 * 213867.4766 / 220000, rtol=ROUND_OFF)
+        assert_allclose(
+            found.acceleration_m_s2, usual.acceleration_m_s2 * 213867.4766 / 220000, rtol=ROUND_OFF
+        )
         inventory = obspy.read_inventory(str(self.STATION_XML))
         for channel in inventory[0][0]:
             channel.response.response_stages = []
         inventory.write(str(path), format="STATIONXML")
-        assert_allclose(read_record(shipped_record_path("NL.BGAR..HGE"), path).acceleration_m_s2,
-                        usual.acceleration_m_s2, rtol=1e-6)
+        assert_allclose(
+            read_record(shipped_record_path("NL.BGAR..HGE"), path).acceleration_m_s2,
+            usual.acceleration_m_s2,
+            rtol=1e-6,
+        )
 
     def test_samples_in_a_physical_unit_are_no_counts(self, trace, tmp_path):
         """They were taken for counts: a PGA of 0.11 g was read as 5e-7 g."""
@@ -170,7 +193,10 @@ class TestMiniSeed:
         del trace.stats.mseed  # with the encoding of whole numbers
         message = one_line_error(read_record, self.saved(trace, tmp_path), self.STATION_XML)
         peak = np.abs(trace.data).argmax()
-        assert f"are no whole numbers, such as number {peak}, {trace.data[peak]:.6g}; expected counts" in message
+        assert (
+            f"are no whole numbers, such as number {peak}, {trace.data[peak]:.6g}; expected counts"
+            in message
+        )
         trace.data = counts.astype(np.float32)  # counts all the same
         again = read_record(self.saved(trace, tmp_path), self.STATION_XML)
         assert again.acceleration_m_s2.tobytes() == whole.acceleration_m_s2.tobytes()
@@ -183,23 +209,32 @@ def test_without_obspy_the_extra_is_named(monkeypatch):
 
 
 class TestOtherFormats:
-    @pytest.mark.parametrize("begins, name", [
-        (b"Corrected acceleration    (Format v01.20 with 13 text lines) Src: f", "COSMOS"),
-        (b"2 CORRECTED ACCELEROGRAM   \r\n*", "SMC (USGS)"),
-        (b"Origin Time       2018/01/24 19:51:00\n", "K-NET, KiK-net"),
-        (b"EVENT_NAME: GREECE\nEVENT_ID: EMSC\n", "ESM, ITACA (DYNA)"), (b"* VOL1DS FILE:  5520/01\r\n", "BHRC (Iran)"),
-        (b"FILE     0 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:", "USC"),
-        (b"Corrected accelerogram 20180212_211554_WPWS_20 GNS Science\n", "GeoNet V1A/V2A"),
-        (b"UNCORRECTED ACCELEROGRAM DATA    PROCESSED: 07/16/98, CDMG", "CSMIP (V1, V2, V3), RENADIC"),
-        (b"STRONG GROUND MOTION RECORDS OF TURKIYE\r\n", "AFAD, NSMN (Turkey)"),
-        (b"*" * 86 + b"\r\n            INSTITUTO DE INGENIERIA, UNAM", "UNAM (Mexico)"),
-        (b"TIMESERIES NL_BGAR__HGE_R, 9304 samples, 200 sps, ...", "SLIST or TSPAIR"),
-        (b"\0\0\xa0\x40" * 76 + b"\6\0\0\0" + b"\0" * 400, "SAC"),
-        (b"\0\0\xa0\x40" * 76 + b"\0\0\0\6" + b"\0" * 400, "SAC"),
-        (b"   0.01000000      -12345.00\n", "SAC"), (b"WID2 2018/01/08", "GSE2 or IMS1"),
-        (b"PK\x03\x04..", "spreadsheet or ZIP"),
-        (b"<!DOCTYPE html><html>", "web page"),
-        (b"\xef\xbb\xbf<?xml version='1.0'?>", "XML, as StationXML or QuakeML")])
+    @pytest.mark.parametrize(
+        "begins, name",
+        [
+            (b"Corrected acceleration    (Format v01.20 with 13 text lines) Src: f", "COSMOS"),
+            (b"2 CORRECTED ACCELEROGRAM   \r\n*", "SMC (USGS)"),
+            (b"Origin Time       2018/01/24 19:51:00\n", "K-NET, KiK-net"),
+            (b"EVENT_NAME: GREECE\nEVENT_ID: EMSC\n", "ESM, ITACA (DYNA)"),
+            (b"* VOL1DS FILE:  5520/01\r\n", "BHRC (Iran)"),
+            (b"FILE     0 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:", "USC"),
+            (b"Corrected accelerogram 20180212_211554_WPWS_20 GNS Science\n", "GeoNet V1A/V2A"),
+            (
+                b"UNCORRECTED ACCELEROGRAM DATA    PROCESSED: 07/16/98, CDMG",
+                "CSMIP (V1, V2, V3), RENADIC",
+            ),
+            (b"STRONG GROUND MOTION RECORDS OF TURKIYE\r\n", "AFAD, NSMN (Turkey)"),
+            (b"*" * 86 + b"\r\n            INSTITUTO DE INGENIERIA, UNAM", "UNAM (Mexico)"),
+            (b"TIMESERIES NL_BGAR__HGE_R, 9304 samples, 200 sps, ...", "SLIST or TSPAIR"),
+            (b"\0\0\xa0\x40" * 76 + b"\6\0\0\0" + b"\0" * 400, "SAC"),
+            (b"\0\0\xa0\x40" * 76 + b"\0\0\0\6" + b"\0" * 400, "SAC"),
+            (b"   0.01000000      -12345.00\n", "SAC"),
+            (b"WID2 2018/01/08", "GSE2 or IMS1"),
+            (b"PK\x03\x04..", "spreadsheet or ZIP"),
+            (b"<!DOCTYPE html><html>", "web page"),
+            (b"\xef\xbb\xbf<?xml version='1.0'?>", "XML, as StationXML or QuakeML"),
+        ],
+    )
     def test_a_format_that_is_not_read_is_named(self, tmp_path, begins, name):
         path = tmp_path / "record.txt"
         path.write_bytes(begins)
@@ -212,10 +247,12 @@ class TestOtherFormats:
         pulse_gal = 0.15 * 981 * (1 - 2 * phase) * np.exp(-phase)
         counts = np.round(pulse_gal * 8388608 / 2000).astype(int) - 18000
         head = [line[:18].ljust(18) + line[18:] for line in K_NET.splitlines()]
-        data = ("".join(map("{:9d}".format, counts[k:k + 8])) for k in range(0, 400, 8))
+        data = ("".join(map("{:9d}".format, counts[k : k + 8])) for k in range(0, 400, 8))
         written(tmp_path / "FILE", "\n".join([*head, *data]) + "\n")
         guide = (REPOSITORY / "docs/guides/own-record.md").read_text()
-        recipe = re.search(r"^```\n(trace = obspy.read.*?)^```$", guide, re.MULTILINE | re.DOTALL)[1]
+        recipe = re.search(r"^```\n(trace = obspy.read.*?)^```$", guide, re.MULTILINE | re.DOTALL)[
+            1
+        ]
         monkeypatch.chdir(tmp_path)
         exec(f"import numpy, obspy\n{recipe}", {})
         record = read_record("record.csv")

@@ -20,7 +20,13 @@ from damage.history.writer import HistoryWriter
 from damage.law.states import AT_LIMIT, BROKEN
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g
-from damage.motion.loading import FreeVibration, Harmonic, Recorded, TopDisplacement, loading_from_dict
+from damage.motion.loading import (
+    FreeVibration,
+    Harmonic,
+    Recorded,
+    TopDisplacement,
+    loading_from_dict,
+)
 from damage.run.settings import RunSettings
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -31,17 +37,25 @@ PARAMETERS = {"loading": Harmonic(0.2, 0.05).as_dict(), "wall": LAYOUT.wall.as_d
 
 
 def open_writer(path, **options):
-    return HistoryWriter(path, LAYOUT, solver="yade", parameters=PARAMETERS,
-                         versions={"yade": "0"}, **options)
+    return HistoryWriter(
+        path, LAYOUT, solver="yade", parameters=PARAMETERS, versions={"yade": "0"}, **options
+    )
 
 
 def write_samples(writer, n, first=0):
     for k in range(first, first + n):
-        opening, slip = np.full((1, LAYOUT.n_joints), 1e-5 * k), np.full((1, LAYOUT.n_joints), -2e-5 * k)
+        opening, slip = (
+            np.full((1, LAYOUT.n_joints), 1e-5 * k),
+            np.full((1, LAYOUT.n_joints), -2e-5 * k),
+        )
         state = np.full((1, LAYOUT.n_joints), BROKEN | AT_LIMIT if k > 2 else 0)
-        writer.extend("motion", {"time_s": np.array([0.1 * k]), "drift_ratio": np.array([1e-4 * k])}, slice(None),
-                      {"opening_m": opening, "slip_m": slip, "offset_m": 2 * slip, "state": state},
-                      {f"ground/{name}": np.zeros((1, len(LAYOUT.supports), 3)) for name in GROUND})
+        writer.extend(
+            "motion",
+            {"time_s": np.array([0.1 * k]), "drift_ratio": np.array([1e-4 * k])},
+            slice(None),
+            {"opening_m": opening, "slip_m": slip, "offset_m": 2 * slip, "state": state},
+            {f"ground/{name}": np.zeros((1, len(LAYOUT.supports), 3)) for name in GROUND},
+        )
 
 
 def test_round_trip(tmp_path):
@@ -70,21 +84,38 @@ def test_round_trip(tmp_path):
     assert_allclose(history.index(slip="accumulated").DI_slip.iloc[[4, 6]], [0, 1])
 
 
-LOADINGS = [Harmonic(0.3, 0.05, 4), FreeVibration(2e-3), TopDisplacement((0.1, 0.2), 1, "fixed", 0.01, 0.5),
-            TopDisplacement((0.3,), 0)]
-RECORDED = Recorded(read_record(shipped_record_path("BGAR_HGE")), scale=2.0, window_s=(17.0, 25.0), baseline_order=1)
+LOADINGS = [
+    Harmonic(0.3, 0.05, 4),
+    FreeVibration(2e-3),
+    TopDisplacement((0.1, 0.2), 1, "fixed", 0.01, 0.5),
+    TopDisplacement((0.3,), 0),
+]
+RECORDED = Recorded(
+    read_record(shipped_record_path("BGAR_HGE")), scale=2.0, window_s=(17.0, 25.0), baseline_order=1
+)
 
 
 @pytest.mark.parametrize("loading", LOADINGS, ids=lambda loading: loading.name)
 def test_a_history_gives_its_records_back(tmp_path, loading):
-    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), brick=Brick(density=2000.0))
+    wall = Wall(
+        "w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), brick=Brick(density=2000.0)
+    )
     model = ModelOptions(lintel=2, load="piers", cells=3)
     settings = RunSettings(loading, model, sequence=(1.0, 0.5), command="yade w.py")
-    HistoryWriter(tmp_path / "a.h5", lay_out(wall, model), solver="yade", versions={},
-                  parameters={"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": 2e-5}).finish("complete")
+    HistoryWriter(
+        tmp_path / "a.h5",
+        lay_out(wall, model),
+        solver="yade",
+        versions={},
+        parameters={"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": 2e-5},
+    ).finish("complete")
     history = damage.read_history(tmp_path / "a.h5")
     assert (history.loading, history.model, history.masonry_wall) == (loading, model, wall)
-    assert (history.sequence, history.time_step_s, history.eigen_period_s) == ((1.0, 0.5), 2e-5, None)
+    assert (history.sequence, history.time_step_s, history.eigen_period_s) == (
+        (1.0, 0.5),
+        2e-5,
+        None,
+    )
     assert history.command == "yade w.py" and "command" not in history.parameters
 
 
@@ -93,19 +124,37 @@ def test_a_recorded_motion_comes_back_without_its_samples():
     for name in ("name", "duration_s", "window_s", "scale"):
         assert getattr(found, name) == getattr(RECORDED, name)
     refused_with("expected the record's file", found.drive.base, np.zeros(1))
-    assert found.as_dict() == json.loads(json.dumps(RECORDED.as_dict())) | {"window_s": (17.0, 25.0)}
-    assert (found.pga_g, found.sa_02_s_g) == pytest.approx((pga_g(RECORDED.motion[0]), found.as_dict()["sa_0.2_s_g"]))
+    assert found.as_dict() == json.loads(json.dumps(RECORDED.as_dict())) | {
+        "window_s": (17.0, 25.0)
+    }
+    assert (found.pga_g, found.sa_02_s_g) == pytest.approx(
+        (pga_g(RECORDED.motion[0]), found.as_dict()["sa_0.2_s_g"])
+    )
     assert found.horizontal["record"] == RECORDED.record.name and found.vertical is None
-    assert_allclose(2 * found.unscaled(RECORDED.record).acceleration_m_s2, RECORDED.motion[0].acceleration_m_s2)
+    assert_allclose(
+        2 * found.unscaled(RECORDED.record).acceleration_m_s2, RECORDED.motion[0].acceleration_m_s2
+    )
     assert loading_from_dict({"kind": "record", "name": "old"}).pga_g is None
 
 
-@pytest.mark.parametrize(("make", "complaint"), [
-    (lambda: loading_from_dict({"kind": "blast"}), "kind 'blast'.*expected one of harmonic"),
-    (lambda: loading_from_dict({"kind": "harmonic", "period_s": 0.2}), "amplitude_g.*expected a table"),
-    (lambda: loading_from_dict(LOADINGS[0].as_dict() | {"jerk": 1.0}), "Harmonic with jerk = 1.0.*update"),
-    (lambda: Wall.from_dict(LAYOUT.wall.as_dict() | {"curved": True}), "Wall with curved = True.*update"),
-])
+@pytest.mark.parametrize(
+    ("make", "complaint"),
+    [
+        (lambda: loading_from_dict({"kind": "blast"}), "kind 'blast'.*expected one of harmonic"),
+        (
+            lambda: loading_from_dict({"kind": "harmonic", "period_s": 0.2}),
+            "amplitude_g.*expected a table",
+        ),
+        (
+            lambda: loading_from_dict(LOADINGS[0].as_dict() | {"jerk": 1.0}),
+            "Harmonic with jerk = 1.0.*update",
+        ),
+        (
+            lambda: Wall.from_dict(LAYOUT.wall.as_dict() | {"curved": True}),
+            "Wall with curved = True.*update",
+        ),
+    ],
+)
 def test_tables_of_later_versions_are_refused(make, complaint):
     refused_with(complaint, make)
 
@@ -114,8 +163,13 @@ def test_every_dataset_names_its_unit(tmp_path):
     open_writer(tmp_path / "a.h5").finish("complete")
     with h5py.File(tmp_path / "a.h5", "r") as file:
         missing = []
-        file.visititems(lambda name, item: missing.append(name) if isinstance(item, h5py.Dataset)
-                        and not {"unit", "codes"} & set(item.attrs) else None)
+        file.visititems(
+            lambda name, item: (
+                missing.append(name)
+                if isinstance(item, h5py.Dataset) and not {"unit", "codes"} & set(item.attrs)
+                else None
+            )
+        )
     assert missing == []
 
 
@@ -131,7 +185,9 @@ def test_what_was_flushed_is_whole_after_sigkill(tmp_path):
             if round_ == 20: print("ready", flush=True)
     """)
     path = tmp_path / "a.h5"
-    child = subprocess.Popen([sys.executable, "-c", script, path], cwd=REPOSITORY, stdout=subprocess.PIPE)
+    child = subprocess.Popen(
+        [sys.executable, "-c", script, path], cwd=REPOSITORY, stdout=subprocess.PIPE
+    )
     assert child.stdout.readline() == b"ready\n"
     time.sleep(0.2)
     os.kill(child.pid, signal.SIGKILL)
@@ -156,7 +212,9 @@ def test_an_existing_history_is_kept_unless_asked(tmp_path):
     assert len(damage.read_history(path).series) == 0
 
 
-@pytest.mark.parametrize("make", [lambda path: path.write_text("notes"), os.mkfifo], ids=["text", "pipe"])
+@pytest.mark.parametrize(
+    "make", [lambda path: path.write_text("notes"), os.mkfifo], ids=["text", "pipe"]
+)
 def test_overwrite_replaces_histories_alone(make, tmp_path):
     path = tmp_path / "notes.h5"
     make(path)
@@ -164,23 +222,32 @@ def test_overwrite_replaces_histories_alone(make, tmp_path):
     assert path.exists() and path.is_fifo() == (make is os.mkfifo)
 
 
-@pytest.mark.parametrize(("make", "complaint"), [
-    (lambda path: None, "No such file or directory; expected a history"),
-    (lambda path: path.write_text("hello"), "cannot be read"),
-    (lambda path: path.write_bytes(b""), "cannot be read"),
-    (lambda path: h5py.File(path, "w").close(), "no history of this software|begins otherwise"),
-])
+@pytest.mark.parametrize(
+    ("make", "complaint"),
+    [
+        (lambda path: None, "No such file or directory; expected a history"),
+        (lambda path: path.write_text("hello"), "cannot be read"),
+        (lambda path: path.write_bytes(b""), "cannot be read"),
+        (lambda path: h5py.File(path, "w").close(), "no history of this software|begins otherwise"),
+    ],
+)
 def test_what_is_no_history_is_refused(tmp_path, make, complaint):
     path = tmp_path / "a.h5"
     make(path)
     refused_with(complaint, damage.read_history, path)
 
 
-@pytest.mark.parametrize(("version", "remedy"), [(SCHEMA_VERSION + 1, "update the software"), (8, "run it again")])
+@pytest.mark.parametrize(
+    ("version", "remedy"), [(SCHEMA_VERSION + 1, "update the software"), (8, "run it again")]
+)
 def test_another_schema_is_refused(version, remedy, tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
     content, head = path.read_bytes(), f"masonry-damage-history {SCHEMA_VERSION}\n".encode()
     assert content.startswith(head)
-    path.write_bytes(f"masonry-damage-history {version}\n".encode() + content[len(head):])
-    refused_with(f"schema version {version}, this software reads {SCHEMA_VERSION}; {remedy}", damage.read_history, path)
+    path.write_bytes(f"masonry-damage-history {version}\n".encode() + content[len(head) :])
+    refused_with(
+        f"schema version {version}, this software reads {SCHEMA_VERSION}; {remedy}",
+        damage.read_history,
+        path,
+    )

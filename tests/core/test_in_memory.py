@@ -19,10 +19,15 @@ from damage.history.writer import HistoryWriter
 from damage.index import damage_index
 from damage.measure.tables import joints_table
 
-CRACKED = {  # several chunks of samples, with contact points active in one alone; minus zero is a number of its own
+# several chunks of samples, with contact points active in one alone; minus zero is a number of its
+# own
+CRACKED = {
     "stages": ("motion",) * 200 + ("rest",) * 60 + ("settling",) * 20,
-    "opening": {3: np.where(np.arange(280) < 50, 0.0, 2e-4)}, "slip": {5: np.linspace(0.0, 3e-4, 280), 7: -0.0},
-    "broken": [9], "drift": np.linspace(0.0, 1e-3, 280), "collapsed_at_s": 2.0,
+    "opening": {3: np.where(np.arange(280) < 50, 0.0, 2e-4)},
+    "slip": {5: np.linspace(0.0, 3e-4, 280), 7: -0.0},
+    "broken": [9],
+    "drift": np.linspace(0.0, 1e-3, 280),
+    "collapsed_at_s": 2.0,
 }
 
 FRAMES = ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "crushed")
@@ -30,6 +35,7 @@ FRAMES = ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "crushed")
 
 def differences(one, other):
     """Names of the fields of two histories that differ in any bit, but for when they were made."""
+
     def differ(a, b):
         if isinstance(a, pd.DataFrame):
             return not a.equals(b) or list(a.dtypes) != list(b.dtypes)
@@ -38,21 +44,31 @@ def differences(one, other):
         if isinstance(a, Contacts):
             return any(map(differ, a, b))
         if isinstance(a, dict):
-            return a.keys() != b.keys() or any(differ(a[name], b[name]) for name in a.keys() - {"created_utc"})
+            return a.keys() != b.keys() or any(
+                differ(a[name], b[name]) for name in a.keys() - {"created_utc"}
+            )
         return a != b and not (a != a and b != b)
 
-    return [field.name for field in fields(one) if field.name != "path" and differ(
-        getattr(one, field.name), getattr(other, field.name))]
+    return [
+        field.name
+        for field in fields(one)
+        if field.name != "path" and differ(getattr(one, field.name), getattr(other, field.name))
+    ]
 
 
 def test_it_is_what_would_be_read_and_leaves_no_file(tmp_path):
     written = make_history(tmp_path / "a.h5", **CRACKED)
     kept = make_history(tmp_path / "b.h5", **CRACKED, write=HistoryInMemory)
-    assert written.broken.any() and np.signbit(written.slip_m[:, 7]).all() and len(written.snapshot_time_s) == 56
+    assert (
+        written.broken.any()
+        and np.signbit(written.slip_m[:, 7]).all()
+        and len(written.snapshot_time_s) == 56
+    )
     assert differences(written, kept) == [] and not (tmp_path / "b.h5").exists()
     assert record_of(kept, "run", "point") == record_of(written, "run", "point")
-    assert differences(written, make_history(tmp_path / "c.h5", **CRACKED | {"drift": 0.0}, write=HistoryInMemory)) == [
-        "series"]
+    assert differences(
+        written, make_history(tmp_path / "c.h5", **CRACKED | {"drift": 0.0}, write=HistoryInMemory)
+    ) == ["series"]
 
 
 @pytest.mark.parametrize("most_bytes", [0, 6000])
@@ -78,12 +94,22 @@ def test_active_contacts_are_those_with_any_value(write, tmp_path):
     history = make_history(tmp_path / "a.h5", **CRACKED, write=write)
     active = history.active
     others = np.setdiff1d(np.arange(len(history.joints)), active.joints)
-    assert set(active.joints) == {3, 5, 7} and len(others) > 0  # of the one that is broken alone no number asks
+    # of the one that is broken alone no number asks
+    assert set(active.joints) == {3, 5, 7} and len(others) > 0
     for name in ("opening_m", "slip_m", "offset_m", "at_limit"):
         frames = getattr(history, name)
-        assert np.array_equal(getattr(active, name), frames[:, active.joints]) and not frames[:, others].any()
-    dense = damage_index(history.series["time_s"], history.series["drift_ratio"], history.opening_m, history.offset_m,
-                         history.at_limit, history.joint_length_m)
+        assert (
+            np.array_equal(getattr(active, name), frames[:, active.joints])
+            and not frames[:, others].any()
+        )
+    dense = damage_index(
+        history.series["time_s"],
+        history.series["drift_ratio"],
+        history.opening_m,
+        history.offset_m,
+        history.at_limit,
+        history.joint_length_m,
+    )
     assert np.allclose(history.index().to_numpy(), dense.to_numpy(), rtol=1e-12, atol=0)
 
 
@@ -95,8 +121,17 @@ def test_whole_frames_are_made_when_they_are_asked_for_first(tmp_path):
     assert not vars(kept).keys() & set(FRAMES) and not record["intact"]
     assert kept.broken is kept.broken and differences(written, kept) == []
     assert all(np.array_equal(getattr(written, name), getattr(kept, name)) for name in FRAMES)
-    half = replace(kept, series=kept.series.iloc[:100], contacts=kept.contacts._replace(
-        **{name: rows[:100] for name, rows in kept.contacts._asdict().items() if name != "joints"}))
+    half = replace(
+        kept,
+        series=kept.series.iloc[:100],
+        contacts=kept.contacts._replace(
+            **{
+                name: rows[:100]
+                for name, rows in kept.contacts._asdict().items()
+                if name != "joints"
+            }
+        ),
+    )
     assert half.active.opening_m.shape == (100, 3) and len(half.index()) == 100
 
 
@@ -135,7 +170,9 @@ print(before - resident())
 """
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the file of the process's memory is Linux's")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="the file of the process's memory is Linux's"
+)
 def test_freed_arrays_below_one_in_use_are_returned():
     done = run_command(sys.executable, "-c", FREED, check=True)
     assert int(done.stdout) > 3e8

@@ -51,7 +51,6 @@ def constant(amplitude_m_s2=1.0, step_s=0.01, samples=501):
 
 
 class TestPeaks:
-
     def test_pgv_converges_with_the_square_of_the_step(self):
         exact = 100 * 2 / (2 * np.pi / 0.5)
         errors = [abs(pgv_cm_s(sine(samples_per_cycle=n)) - exact) for n in (50, 100)]
@@ -94,13 +93,24 @@ class TestSpectrum:
             sa_g = response_spectrum(record, [record.time_step_s / part])
             assert_allclose(sa_g, pga_g(record), rtol=1e-3 / part)
 
-    @pytest.mark.parametrize("refusal", [
-        *(("expected 0 <= start < end <= 1", significant_duration_s, constant(), *bounds) for bounds in (
-            (0.75, 0.05), (0.5, 0.5), (-0.1, 0.5), (0.5, 1.1))),
-        ("no motion", significant_duration_s, Record("still", 0.01, np.zeros(100))),
-        *(("periods", response_spectrum, sine(), periods_s) for periods_s in (
-            [0.0], [-0.1], [math.nan], [[0.1, 0.2]])),
-        *(("damping ratio", response_spectrum, sine(), [0.1], damping) for damping in (-0.1, 1.0, math.nan))])
+    @pytest.mark.parametrize(
+        "refusal",
+        [
+            *(
+                ("expected 0 <= start < end <= 1", significant_duration_s, constant(), *bounds)
+                for bounds in ((0.75, 0.05), (0.5, 0.5), (-0.1, 0.5), (0.5, 1.1))
+            ),
+            ("no motion", significant_duration_s, Record("still", 0.01, np.zeros(100))),
+            *(
+                ("periods", response_spectrum, sine(), periods_s)
+                for periods_s in ([0.0], [-0.1], [math.nan], [[0.1, 0.2]])
+            ),
+            *(
+                ("damping ratio", response_spectrum, sine(), [0.1], damping)
+                for damping in (-0.1, 1.0, math.nan)
+            ),
+        ],
+    )
     def test_fractions_increase_periods_are_positive_and_damping_is_below_critical(self, refusal):
         refused_with(*refusal)
 
@@ -108,8 +118,9 @@ class TestSpectrum:
 class TestZeerijpRecords:
     """The measured values that came with the data; tolerance: half a unit of their last digit."""
 
-    # Record, PGA [g] as it is; PGV [cm/s], Arias [m/s], D5-75 [s], D5-95 [s] after a band-pass of 0.1-40 Hz.  PGV came
-    # as the sum of the samples times their step, up to 1 % from the velocity's peak at 200 samples a second.
+    # Record, PGA [g] as it is; PGV [cm/s], Arias [m/s], D5-75 [s], D5-95 [s] after a band-pass of
+    # 0.1-40 Hz.  PGV came as the sum of the samples times their step, up to 1 % from the velocity's
+    # peak at 200 samples a second.
     PEAKS = (
         ("BGAR_HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),
         ("NL.BGAR..HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),
@@ -130,7 +141,9 @@ class TestZeerijpRecords:
             half_digit = 0.5 * 10.0 ** -len(str(expected).partition(".")[2])
             if key == "pgv_cm_s":
                 half_digit = 0.005  # 2.00 has two decimals, Python prints one
-                summed = 100 * np.abs(np.cumsum(filtered.acceleration_m_s2)).max() * record.time_step_s
+                summed = (
+                    100 * np.abs(np.cumsum(filtered.acceleration_m_s2)).max() * record.time_step_s
+                )
                 assert summed == pytest.approx(expected, abs=half_digit)
                 half_digit += 0.01 * summed
             assert found[key] == pytest.approx(expected, abs=half_digit), key
@@ -141,60 +154,94 @@ class TestZeerijpRecords:
         assert_allclose(list(found.values()), self.SA_G, rtol=0, atol=5e-4)
 
 
-CUT = {"scale": 3.0, "window_s": (18.2, 20.2)}  # 2 s of BGAR, of which a band-pass from 0.1 Hz makes another motion
+# 2 s of BGAR, of which a band-pass from 0.1 Hz makes another motion
+CUT = {"scale": 3.0, "window_s": (18.2, 20.2)}
 
 
 class TestLargestOfAllDirections:
     @staticmethod
     def rotated(pair, degrees):
         angle = math.radians(degrees)
-        return Record("turned", pair[0].time_step_s, math.cos(angle) * pair[0].acceleration_m_s2
-                      + math.sin(angle) * pair[1].acceleration_m_s2)
+        return Record(
+            "turned",
+            pair[0].time_step_s,
+            math.cos(angle) * pair[0].acceleration_m_s2
+            + math.sin(angle) * pair[1].acceleration_m_s2,
+        )
 
     @pytest.mark.parametrize("station", ["BGAR", "BLOP"])
     def test_shipped_stations_against_a_turn_by_single_degrees(self, station):
         """180 directions miss the largest by up to 1 - cos(0.5 degrees), 4e-5."""
-        east, north = (read_record(shipped_record_path(f"{station}_{end}")) for end in ("HGE", "HGN"))
+        east, north = (
+            read_record(shipped_record_path(f"{station}_{end}")) for end in ("HGE", "HGN")
+        )
         window = (17.0, 27.0)
-        pair = [windowed(one, *window) for one in (band_passed(east, 0.5, 40), band_passed(
-            on_axis_of(north, east, window), 0.5, 40))]
+        pair = [
+            windowed(one, *window)
+            for one in (
+                band_passed(east, 0.5, 40),
+                band_passed(on_axis_of(north, east, window), 0.5, 40),
+            )
+        ]
         turned = [self.rotated(pair, degrees) for degrees in range(180)]
         found = rotd100(*pair)
         assert found["pga_rotd100_g"] == pytest.approx(max(map(pga_g, turned)), rel=1e-4)
         assert found["pgv_rotd100_cm_s"] == pytest.approx(max(map(pgv_cm_s, turned)), rel=2e-4)
         for period in SPECTRUM_PERIODS_S[2::3]:
             assert found["sa_rotd100_g"][str(period)] == pytest.approx(
-                max(response_spectrum(one, period)[0] for one in turned), rel=1e-3)
-        table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#").set_index("record")
-        whole = 0.05 if station == "BLOP" else 0.01  # the table's is of the whole record; BLOP steps before 17 s
-        assert 0.1 * table["pgv_rotd100_mm_s"][f"{station}_HGE"] == pytest.approx(found["pgv_rotd100_cm_s"], rel=whole)
+                max(response_spectrum(one, period)[0] for one in turned), rel=1e-3
+            )
+        table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#").set_index(
+            "record"
+        )
+        # the table's is of the whole record; BLOP steps before 17 s
+        whole = 0.05 if station == "BLOP" else 0.01
+        assert 0.1 * table["pgv_rotd100_mm_s"][f"{station}_HGE"] == pytest.approx(
+            found["pgv_rotd100_cm_s"], rel=whole
+        )
 
     def test_a_circle_has_its_radius_in_all_directions(self):
         time_s = np.arange(2001) * 1e-3
         pair = [Record("x", 1e-3, np.cos(7 * time_s)), Record("y", 1e-3, np.sin(7 * time_s))]
         assert_allclose(rotd100(*pair)["pga_rotd100_g"] * GRAVITY, 1.0, rtol=1e-12)
-        assert pgv_rotd100_m_s(*pair) == pytest.approx(2 / 7, rel=1e-4)  # from rest: the circle's diameter
+        # from rest: the circle's diameter
+        assert pgv_rotd100_m_s(*pair) == pytest.approx(2 / 7, rel=1e-4)
 
     def test_a_run_has_it_where_the_other_component_is_given(self):
         east, north = (read_record(shipped_record_path(f"BGAR_{end}")) for end in ("HGE", "HGN"))
         loading = Recorded(east, 2.0, (17, 27), across=on_axis_of(north, east, (17, 27)))
         found = applied_measures(loading.applied(), 0.2, loading.applied_across())
-        assert found["pgv_rotd100_m_s"] > found["pgv_m_s"] == applied_measures(loading.applied(), 0.2)["pgv_m_s"]
+        assert (
+            found["pgv_rotd100_m_s"]
+            > found["pgv_m_s"]
+            == applied_measures(loading.applied(), 0.2)["pgv_m_s"]
+        )
         assert applied_measures(loading.applied(), 0.2)["pgv_rotd100_m_s"] is None
         of_both = pgv_rotd100_m_s(*(windowed(one, 17, 27) for one in (east, loading.across)))
         assert found["pgv_rotd100_m_s"] == pytest.approx(2 * of_both, rel=1e-9)
         again = loading_from_dict(loading.as_dict())
         assert again.across["record"] == north.name
-        assert "across" not in Recorded(east).as_dict() and loading.name == Recorded(east, 2.0, (17, 27)).name
+        assert (
+            "across" not in Recorded(east).as_dict()
+            and loading.name == Recorded(east, 2.0, (17, 27)).name
+        )
 
     def test_a_component_that_lacks_part_of_the_motion_is_refused(self):
         east, north = (read_record(shipped_record_path(f"BGAR_{end}")) for end in ("HGE", "HGN"))
         refused_with("give --window", on_axis_of, north, east)
         for other in ("BGAR_HGE", "BZN1_HGN"):
             with pytest.raises(InputError, match="of the same station"):
-                Recorded(east, window_s=(17, 27), across=on_axis_of(
-                    read_record(shipped_record_path(other)), east, (17, 27)))
-        refused_with("time step", on_axis_of, Record("coarse", 0.02, np.ones(5000), start_utc=east.start_utc), east)
+                Recorded(
+                    east,
+                    window_s=(17, 27),
+                    across=on_axis_of(read_record(shipped_record_path(other)), east, (17, 27)),
+                )
+        refused_with(
+            "time step",
+            on_axis_of,
+            Record("coarse", 0.02, np.ones(5000), start_utc=east.start_utc),
+            east,
+        )
 
 
 class TestMotionSummary:
@@ -204,10 +251,13 @@ class TestMotionSummary:
 
     def test_a_cut_has_the_measures_of_the_run(self):
         found = self.found(**CUT)
-        applied = applied_measures(Recorded(read_record(shipped_record_path("BGAR_HGE")), **CUT).applied(), None)
+        applied = applied_measures(
+            Recorded(read_record(shipped_record_path("BGAR_HGE")), **CUT).applied(), None
+        )
         assert found["pgv_cm_s"] == 100 * applied["pgv_m_s"] == pytest.approx(10.05, abs=0.005)
-        assert [found[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")] == \
-            [applied[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")]
+        assert [found[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")] == [
+            applied[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")
+        ]
         assert found["filtered"] == [] and "\nfilter: none (--band" in describe(found)
 
     @staticmethod
@@ -224,27 +274,45 @@ class TestMotionSummary:
         """As recorded, BLOP east drifts to seven times its PGV; filtered it comes to rest."""
         record = read_record(shipped_record_path("BLOP_HGE"))
         (line,) = end_warnings(Recorded(record, window_s=(16.5, 24.5)).applied())
-        assert line.startswith("when the motion ends the base still moves at 0.117 m/s, 100 % of PGV")
-        assert end_warnings(Recorded(record, window_s=(16.5, 24.5), band_hz=(0.5, 40.0)).applied()) == []
+        assert line.startswith(
+            "when the motion ends the base still moves at 0.117 m/s, 100 % of PGV"
+        )
+        assert (
+            end_warnings(Recorded(record, window_s=(16.5, 24.5), band_hz=(0.5, 40.0)).applied())
+            == []
+        )
 
 
 MOTIONS = {  # of shipped records, one with all that a run may do to it
-    name: {} for name in ("BGAR_HGE", "BLOP_HGN", "MID1_N_synthetic")} | {
+    name: {} for name in ("BGAR_HGE", "BLOP_HGN", "MID1_N_synthetic")
+} | {
     "windowed": {"window_s": (17.0, 25.0), "scale": -2.0},
-    "prepared": {"window_s": (15.0, 30.0), "scale": 1.5, "baseline_order": 1, "band_hz": (0.3, 30.0)}}
+    "prepared": {
+        "window_s": (15.0, 30.0),
+        "scale": 1.5,
+        "baseline_order": 1,
+        "band_hz": (0.3, 30.0),
+    },
+}
 
 
 def fine(record, parts):
-    """Time and acceleration on a grid `parts` times as fine, by straight lines between the samples."""
+    """Time and acceleration on a grid `parts` times as fine, by straight lines between the
+    samples."""
     time_s = np.linspace(0, record.duration_s, parts * (record.acceleration_m_s2.size - 1) + 1)
     return time_s, np.interp(time_s, record.time_s, record.acceleration_m_s2)
 
 
 def simulated_sa_g(record, period_s):
-    """Pseudo-acceleration by SciPy's own discretisation of the damped oscillator, base acceleration linear in steps."""
+    """Pseudo-acceleration by SciPy's own discretisation of the damped oscillator, base acceleration
+    linear in steps."""
     omega = 2 * np.pi / period_s
-    time_s, acceleration = fine(rested(record, period_s), math.ceil(100 * record.time_step_s / period_s))
-    over, under, _ = signal.cont2discrete(([-(omega**2)], [1, 0.1 * omega, omega**2]), time_s[1], method="foh")
+    time_s, acceleration = fine(
+        rested(record, period_s), math.ceil(100 * record.time_step_s / period_s)
+    )
+    over, under, _ = signal.cont2discrete(
+        ([-(omega**2)], [1, 0.1 * omega, omega**2]), time_s[1], method="foh"
+    )
     return np.abs(signal.lfilter(over.ravel(), under, acceleration)).max() / GRAVITY
 
 
@@ -253,7 +321,9 @@ class TestAppliedMotion:
 
     @pytest.mark.parametrize("name", MOTIONS)
     def test_shipped_records_against_scipys_own_integration_and_simulation(self, name):
-        record = read_record(shipped_record_path(name if name in MOTIONS and not MOTIONS[name] else "BGAR_HGE"))
+        record = read_record(
+            shipped_record_path(name if name in MOTIONS and not MOTIONS[name] else "BGAR_HGE")
+        )
         loading = Recorded(record, **MOTIONS[name])
         found = applied_measures(loading.applied(), self.EIGEN_S)
         assert list(found) == list(APPLIED)
@@ -264,19 +334,26 @@ class TestAppliedMotion:
         velocity = integrate.cumulative_trapezoid(acceleration, time_s, initial=0)
         assert found["pgv_m_s"] == pytest.approx(np.abs(velocity).max(), rel=1e-5)
         expected = [simulated_sa_g(loading.applied(), period) for period in AVERAGE_PERIODS_S]
-        # both look for the peak at 100 instants a period at least, and may pass it by BETWEEN_INSTANTS
-        assert found["avg_sa_g"] == pytest.approx(np.exp(np.mean(np.log(expected))), rel=BETWEEN_INSTANTS)
-        assert found["sa_eigen_period_g"] == pytest.approx(simulated_sa_g(loading.applied(), self.EIGEN_S),
-                                                           rel=BETWEEN_INSTANTS)
+        # both look for the peak at 100 instants a period at least, and may pass it by
+        # BETWEEN_INSTANTS
+        assert found["avg_sa_g"] == pytest.approx(
+            np.exp(np.mean(np.log(expected))), rel=BETWEEN_INSTANTS
+        )
+        assert found["sa_eigen_period_g"] == pytest.approx(
+            simulated_sa_g(loading.applied(), self.EIGEN_S), rel=BETWEEN_INSTANTS
+        )
         time_s, acceleration = loading.applied().time_s, loading.applied().acceleration_m_s2
-        energy = np.concatenate([[0], np.cumsum((acceleration[1:]**2 + acceleration[:-1]**2) / 2 * np.diff(time_s))])
+        energy = np.concatenate(
+            [[0], np.cumsum((acceleration[1:] ** 2 + acceleration[:-1] ** 2) / 2 * np.diff(time_s))]
+        )
         assert found["arias_m_s"] == pytest.approx(np.pi / 2 / GRAVITY * energy[-1], rel=1e-9)
         for key, share in (("d5_75_s", 0.75), ("d5_95_s", 0.95)):
             begin, end = np.interp([0.05 * energy[-1], share * energy[-1]], energy, time_s)
             assert found[key] == pytest.approx(end - begin, rel=1e-9)
 
     def test_the_peak_velocity_between_two_samples(self):
-        # from 2 to -1 m/s2 in 0.3 s the acceleration passes zero after 0.2 s, where the velocity is 0.2 m/s
+        # from 2 to -1 m/s2 in 0.3 s the acceleration passes zero after 0.2 s, where the velocity is
+        # 0.2 m/s
         assert pgv_m_s(Record("r", 0.3, [2.0, -1.0])) == pytest.approx(0.2)
         assert pgv_m_s(Record("r", 0.3, [-2.0, -2.0])) == pytest.approx(0.6)
 
@@ -289,12 +366,17 @@ class TestAppliedMotion:
         assert found["sa_eigen_period_g"] is None
 
     def test_a_slow_oscillator_peaks_in_the_rest_after_a_short_motion(self):
-        # a pulse far shorter than the period leaves the velocity v: Sa = omega v exp(-z atan(q) / q') of free vibration
+        # a pulse far shorter than the period leaves the velocity v: Sa = omega v exp(-z atan(q) /
+        # q') of free vibration
         period_s, z = 1.0, 0.05
         record = Record("pulse", 0.001, [0.0, 1.0, 0.0])
         phase = math.acos(z)
-        expected = 2 * np.pi / period_s * 0.001 * math.exp(-z / math.sqrt(1 - z**2) * phase) / GRAVITY
-        assert applied_measures(record, period_s)["sa_eigen_period_g"] == pytest.approx(expected, rel=2e-3)
+        expected = (
+            2 * np.pi / period_s * 0.001 * math.exp(-z / math.sqrt(1 - z**2) * phase) / GRAVITY
+        )
+        assert applied_measures(record, period_s)["sa_eigen_period_g"] == pytest.approx(
+            expected, rel=2e-3
+        )
         assert response_spectrum(record, [period_s])[0] < 0.1 * expected
 
     def test_what_does_not_apply_is_none(self):
@@ -302,7 +384,10 @@ class TestAppliedMotion:
         assert Harmonic(0.1, 0.1, 10**6).applied() is None
         still = applied_measures(Harmonic(0.1, 0.0).applied(), 0.2)
         assert [name for name, value in still.items() if value is None] == [
-            "pgv_rotd100_m_s", "d5_75_s", "d5_95_s"]
+            "pgv_rotd100_m_s",
+            "d5_75_s",
+            "d5_95_s",
+        ]
         assert still["avg_sa_g"] == 0
         kept = Recorded(read_record(shipped_record_path())).as_dict()
         assert loading_from_dict(kept).applied() is None  # without its samples

@@ -65,7 +65,13 @@ def test_shear_under_tension_is_weaker_and_opens_the_joint():
 
 
 def test_slip_is_frozen_while_open_and_reclosing_starts_without_shear():
-    path = [(FT / KN * 1.01, 0.0), (2e-4, 0.0), (2e-4, 5e-4), (-0.2e6 / KN, 5e-4), (-0.2e6 / KN, 5e-4 + 1e-6)]
+    path = [
+        (FT / KN * 1.01, 0.0),
+        (2e-4, 0.0),
+        (2e-4, 5e-4),
+        (-0.2e6 / KN, 5e-4),
+        (-0.2e6 / KN, 5e-4 + 1e-6),
+    ]
     states, _ = follow(path)
     assert states[2].slip == 0.0 and not states[2].at_limit
     assert states[3].normal_stress == approx(-0.2e6)
@@ -86,18 +92,31 @@ def test_cyclic_shear_is_a_rectangle():
     assert states[-1].friction_work - states[n - 1].friction_work == approx(2 * loop, rel=2e-3)
 
 
-@pytest.mark.parametrize("law", [LAW, LAW._replace(mode_i_energy=5.0, mode_ii_energy=50.0)],
-                         ids=["brittle", "softening"])
+@pytest.mark.parametrize(
+    "law", [LAW, LAW._replace(mode_i_energy=5.0, mode_ii_energy=50.0)], ids=["brittle", "softening"]
+)
 def test_mirrored_shear_gives_mirrored_state(law):
-    path = [(1e-6 * (math.sin(k / 5) - pull), 5e-5 * math.sin(k / 9)) for pull in (1, 0) for k in range(500)]
-    (here, _), (there, _) = follow(path, law=law), follow([(opening, -shear) for opening, shear in path], law=law)
+    path = [
+        (1e-6 * (math.sin(k / 5) - pull), 5e-5 * math.sin(k / 9))
+        for pull in (1, 0)
+        for k in range(500)
+    ]
+    (here, _), (there, _) = (
+        follow(path, law=law),
+        follow([(opening, -shear) for opening, shear in path], law=law),
+    )
     for a, b in zip(here, there):
-        assert (a.normal_stress, a.shear_stress, a.slip) == (b.normal_stress, -b.shear_stress, -b.slip)
+        assert (a.normal_stress, a.shear_stress, a.slip) == (
+            b.normal_stress,
+            -b.shear_stress,
+            -b.slip,
+        )
     assert here[-1].broken and any(state.slip for state in here)
 
 
 def test_sliding_under_a_changing_normal_stress_balances_step_by_step():
-    """Coarse steps: the normal stress falls from 1 MPa to nothing and rises again while the joint slides."""
+    """Coarse steps: the normal stress falls from 1 MPa to nothing and rises again while the joint
+    slides."""
     state, work, opening = ContactState(broken=True), 0.0, -1e6 / KN
     state, _ = advance(opening, 1e-4, state, LAW)  # to the limit
     state = state._replace(friction_work=0.0)
@@ -107,7 +126,11 @@ def test_sliding_under_a_changing_normal_stress_balances_step_by_step():
         state, _ = advance(sigma / KN, 2e-5, state, LAW)
         work += (old.normal_stress + state.normal_stress) / 2 * (sigma - old.normal_stress) / KN
         work += (old.shear_stress + state.shear_stress) / 2 * 2e-5
-        balance = elastic_energy(state.normal_stress, state.shear_stress, KN, KS) - stored + state.friction_work
+        balance = (
+            elastic_energy(state.normal_stress, state.shear_stress, KN, KS)
+            - stored
+            + state.friction_work
+        )
         assert balance == approx(work, rel=1e-12)
     assert state.friction_work > 10
 
@@ -121,17 +144,24 @@ def test_shear_that_a_joint_still_holds_as_it_opens_is_dissipated():
 
 SOFT = LAW._replace(mode_i_energy=5.0, mode_ii_energy=50.0)
 CRUSHES = {"compressive_strength": 3e6}
-LAWS = {"brittle": LAW, "softening": SOFT, "crushing": LAW._replace(**CRUSHES),
-        "softening and crushing": SOFT._replace(**CRUSHES),
-        "all soften": SOFT._replace(**CRUSHES, crushing_energy=600.0)}
-corners = st.lists(st.tuples(st.floats(-1.5e-4, 4e-5), st.floats(-2e-4, 2e-4)), min_size=1, max_size=6)
+LAWS = {
+    "brittle": LAW,
+    "softening": SOFT,
+    "crushing": LAW._replace(**CRUSHES),
+    "softening and crushing": SOFT._replace(**CRUSHES),
+    "all soften": SOFT._replace(**CRUSHES, crushing_energy=600.0),
+}
+corners = st.lists(
+    st.tuples(st.floats(-1.5e-4, 4e-5), st.floats(-2e-4, 2e-4)), min_size=1, max_size=6
+)
 """Of paths: opening and shear displacement [m]; 5e-5 crushes."""
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_work_done_is_stored_or_dissipated(name):
-    """Along any path of small steps: the trapezium of the work is exact while stresses are linear, so that each event
-    within a step leaves a rest of the order of stress times step.  Nothing that is lost comes back."""
+    """Along any path of small steps: the trapezium of the work is exact while stresses are linear,
+    so that each event within a step leaves a rest of the order of stress times step.  Nothing that
+    is lost comes back."""
     law, n = LAWS[name], 400
 
     @settings(max_examples=30, deadline=None)
@@ -144,7 +174,8 @@ def test_work_done_is_stored_or_dissipated(name):
         kept = test_softening.stored(last, path[-1][0] + last.closure, law)
         stress = max(abs(state.normal_stress) + abs(state.shear_stress) for state in states)
         assert work - kept - last.friction_work - last.fracture_work == approx(
-            0.0, abs=5 * (stress + FT + C) * largest * (1 + len(targets)))
+            0.0, abs=5 * (stress + FT + C) * largest * (1 + len(targets))
+        )
         for value in ("kappa", "gap", "closure", "friction_work", "fracture_work"):
             assert (np.diff([getattr(state, value) for state in states]) >= 0).all()
 
@@ -163,20 +194,30 @@ def test_stresses_stay_within_what_is_left(name):
             state, _ = advance(opening, target - shear, state, law)
             shear = target
             strength, cohesion = strength_left(state.broken, law, state.kappa)
-            assert -law.compressive_strength * (1 + 1e-9) <= state.normal_stress <= strength * (1 + 1e-9)
-            assert abs(state.shear_stress) <= max(cohesion - MU * state.normal_stress, 0.0) * (1 + 1e-9) + 1e-6
+            assert (
+                -law.compressive_strength * (1 + 1e-9)
+                <= state.normal_stress
+                <= strength * (1 + 1e-9)
+            )
+            assert (
+                abs(state.shear_stress)
+                <= max(cohesion - MU * state.normal_stress, 0.0) * (1 + 1e-9) + 1e-6
+            )
             assert not (state.broken and state.normal_stress > 0)
 
     check()
 
 
-near_the_strengths = st.tuples(st.floats(-2.0, 2.0), st.floats(-4.0, 4.0), st.booleans(), st.floats(-0.5, 0.5))
+near_the_strengths = st.tuples(
+    st.floats(-2.0, 2.0), st.floats(-4.0, 4.0), st.booleans(), st.floats(-0.5, 0.5)
+)
 
 
 @settings(max_examples=300, deadline=None)
 @given(near_the_strengths)
 def test_the_elastic_domain_is_where_the_law_changes_nothing_but_stresses(place):
-    """Opening over f_t/k_n, shear over c/k_s, and a shear stress that a broken contact still holds over c."""
+    """Opening over f_t/k_n, shear over c/k_s, and a shear stress that a broken contact still holds
+    over c."""
     opening, shear, broken, held = place
     opening, shear = opening * FT / KN, shear * C / KS
     state = ContactState(shear_stress=held * C if broken else 0.0, broken=broken, slip=1e-5)
@@ -185,7 +226,12 @@ def test_the_elastic_domain_is_where_the_law_changes_nothing_but_stresses(place)
     if stays_elastic(sigma, trial, *strength_left(broken, LAW), MU):
         assert event == INTACT and new == state._replace(normal_stress=sigma, shear_stress=trial)
     else:
-        assert event != INTACT or abs(new.shear_stress) < abs(trial) or new.normal_stress < sigma or trial == 0.0
+        assert (
+            event != INTACT
+            or abs(new.shear_stress) < abs(trial)
+            or new.normal_stress < sigma
+            or trial == 0.0
+        )
 
 
 @settings(max_examples=300, deadline=None)
@@ -193,5 +239,7 @@ def test_the_elastic_domain_is_where_the_law_changes_nothing_but_stresses(place)
 def test_the_elastic_range_is_the_domain_in_displacements(opening, shear):
     opening, shear = opening * FT / KN, shear * C / KS
     in_stresses = stays_elastic(KN * opening, KS * shear, FT, C, MU)
-    on_the_edge = (math.isclose(KN * opening, FT) or math.isclose(abs(KS * shear), C - KN * opening * MU))
+    on_the_edge = math.isclose(KN * opening, FT) or math.isclose(
+        abs(KS * shear), C - KN * opening * MU
+    )
     assert on_the_edge or stays_elastic(opening, shear, *elastic_range(LAW)) == in_stresses

@@ -1,4 +1,5 @@
-"""Stresses of joints against statics of a pier and of a flat arch, and YADE's contact forces; what is shown of them."""
+"""Stresses of joints against statics of a pier and of a flat arch, and YADE's contact forces; what
+is shown of them."""
 
 from types import SimpleNamespace
 
@@ -11,7 +12,13 @@ from short_runs import POINTS, SMALL
 
 import damage
 from damage import Brick, Joint, Lintel, Opening, Wall
-from damage.measure.joint_stress import contact_forces, joint_history, joint_of, points_table, sections_table
+from damage.measure.joint_stress import (
+    contact_forces,
+    joint_history,
+    joint_of,
+    points_table,
+    sections_table,
+)
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
@@ -21,12 +28,20 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
 BRICK = Brick(0.2, 0.1, 0.1)
-PIER = Wall("pier", 0.2, 1.0, precompression=0.5e6, brick=BRICK, joint=Joint(tensile_strength=1e6, cohesion=1e6))
+PIER = Wall(
+    "pier",
+    0.2,
+    1.0,
+    precompression=0.5e6,
+    brick=BRICK,
+    joint=Joint(tensile_strength=1e6, cohesion=1e6),
+)
 NO_TENSION = Joint(2e10, 1e10, 1.2, 0.0, 1e7)
 
 
 def at_rest(layout, across=0.0, steps=60000):
-    """Instants of a wall at rest under its weight and a horizontal acceleration of its base [m/s2], and the solver."""
+    """Instants of a wall at rest under its weight and a horizontal acceleration of its base [m/s2],
+    and the solver."""
     solver = ReferenceSolver(layout, 2e-5)
     solver.with_stresses = True
     solver.damp(adaptive=1.0)
@@ -38,22 +53,31 @@ def at_rest(layout, across=0.0, steps=60000):
 
 def as_history(layout, stress):
     """What the measures take of a History, of one sample."""
-    joints = joint_table(layout).assign(area_m2=layout.contacts.area[:layout.n_joints])
-    return SimpleNamespace(joint_stress_pa=stress, joints=joints, bodies=body_table(layout), plan=layout.plan,
-                           masonry_wall=layout.wall, path="x.h5",
-                           index=lambda **_: pd.DataFrame({"DI": [0.0]}), series=pd.DataFrame({"time_s": [0.0]}))
+    joints = joint_table(layout).assign(area_m2=layout.contacts.area[: layout.n_joints])
+    return SimpleNamespace(
+        joint_stress_pa=stress,
+        joints=joints,
+        bodies=body_table(layout),
+        plan=layout.plan,
+        masonry_wall=layout.wall,
+        path="x.h5",
+        index=lambda **_: pd.DataFrame({"DI": [0.0]}),
+        series=pd.DataFrame({"time_s": [0.0]}),
+    )
 
 
 @pytest.fixture(scope="module")
 def pier():
-    """A pier of one brick under its weight, a mass on top, and a lateral field of 0.3 m/s2, at rest."""
+    """A pier of one brick under its weight, a mass on top, and a lateral field of 0.3 m/s2, at
+    rest."""
     layout = lay_out(PIER, ModelOptions(contacts="gauss"))
     now, _ = at_rest(layout, 0.3)
     return layout, now
 
 
 def carried(layout, now, z, across):
-    """Weight [N], lateral force [N] and moment about the pier's axis [N m] of what is above a height, as displaced."""
+    """Weight [N], lateral force [N] and moment about the pier's axis [N m] of what is above a
+    height, as displaced."""
     bodies, (ux, uz) = layout.bodies, now.displacement[0, :, :2].T
     above, order = bodies.z > z, np.argsort(bodies.z, kind="stable")
     axis = 0.1 + np.interp(z, np.append(0.0, bodies.z[order]), np.append(0.0, ux[order]))
@@ -66,11 +90,13 @@ def test_stresses_of_a_pier_are_n_over_a_plus_m_over_w(pier):
     layout, now = pier
     contacts, area, modulus = layout.contacts, 0.2 * 0.1, 0.1 * 0.2**2 / 6
     weight, lateral, moment = carried(layout, now, 0.0, 0.3)
-    base = np.flatnonzero(contacts.first[:layout.n_joints] < 0)
+    base = np.flatnonzero(contacts.first[: layout.n_joints] < 0)
     share = (contacts.x[base] - 0.1) / 0.1  # of the way to the edge
-    (normal, shear), turn = now.joint_stress_pa[0, base].T, now.displacement[0, 0, 2] / 2  # of the joint's axes
-    # The base joint is one brick's: its stress is linear.  Its four Gauss points have the second moment of the section.
-    assert contacts.area[base] @ (contacts.x[base] - 0.1)**2 == pytest.approx(modulus * 0.1)
+    # of the joint's axes
+    (normal, shear), turn = now.joint_stress_pa[0, base].T, now.displacement[0, 0, 2] / 2
+    # The base joint is one brick's: its stress is linear.  Its four Gauss points have the second
+    # moment of the section.
+    assert contacts.area[base] @ (contacts.x[base] - 0.1) ** 2 == pytest.approx(modulus * 0.1)
     assert_allclose(normal, -weight / area - share * moment / modulus, rtol=2e-4)
     assert normal.max() - normal.min() > 0.3 * weight / area  # a lateral force that counts
     assert_allclose(shear.sum() * 0.005, lateral * np.cos(turn) - weight * np.sin(turn), rtol=1e-7)
@@ -85,7 +111,8 @@ def test_thrust_of_a_pier_passes_where_statics_says(pier):
     for row in table.itertuples():
         weight, lateral, moment = carried(layout, now, row.place_m, 0.3)
         assert_allclose(row.normal_force_n, -weight, rtol=2e-5)
-        assert abs(row.shear_force_n - lateral) <= 1.01 * weight * turn  # along the joint as it has turned
+        # along the joint as it has turned
+        assert abs(row.shear_force_n - lateral) <= 1.01 * weight * turn
         assert_allclose(row.thrust_x_m, 0.1 + moment / weight, atol=5e-6)
         assert_allclose(row.eccentricity_over_length, moment / weight / 0.2, atol=2.5e-5)
 
@@ -93,66 +120,111 @@ def test_thrust_of_a_pier_passes_where_statics_says(pier):
 def test_contact_forces_carry_every_course_and_every_brick():
     layout = lay_out(SMALL)
     now, _ = at_rest(layout)
-    history, bodies, points = as_history(layout, now.joint_stress_pa), layout.bodies, layout.contacts
+    history, bodies, points = (
+        as_history(layout, now.joint_stress_pa),
+        layout.bodies,
+        layout.contacts,
+    )
     force = turned(layout, now, contact_forces(history, 0))
-    beds = points.z[:layout.n_joints][(history.joints["kind"] == "bed").to_numpy()]
+    beds = points.z[: layout.n_joints][(history.joints["kind"] == "bed").to_numpy()]
     for z in np.unique(np.round(beds, 9)):
-        cut = (history.joints["kind"] == "bed").to_numpy() & (np.abs(points.z[:layout.n_joints] - z) < 1e-9)
-        assert force[cut, 1].sum() == pytest.approx(GRAVITY * bodies.mass[bodies.z > z].sum(), rel=1e-9)
-    base = points.first[:layout.n_joints] < 0
+        cut = (history.joints["kind"] == "bed").to_numpy() & (
+            np.abs(points.z[: layout.n_joints] - z) < 1e-9
+        )
+        assert force[cut, 1].sum() == pytest.approx(
+            GRAVITY * bodies.mass[bodies.z > z].sum(), rel=1e-9
+        )
+    base = points.first[: layout.n_joints] < 0
     assert force[base, 1].sum() == pytest.approx(GRAVITY * bodies.mass.sum(), rel=1e-9)
     on_bodies = np.zeros((len(bodies), 2))
     for sign, side in ((-1, points.first), (1, points.second)):
-        of = side[:layout.n_joints]
+        of = side[: layout.n_joints]
         np.add.at(on_bodies, of[of >= 0], sign * force[of >= 0])
     on_bodies[:, 1] -= GRAVITY * bodies.mass
-    glued = np.concatenate([points.first[layout.n_joints:], points.second[layout.n_joints:]])  # to the masses on top
+    # to the masses on top
+    glued = np.concatenate([points.first[layout.n_joints :], points.second[layout.n_joints :]])
     on_bodies[glued] = 0.0
     assert np.abs(on_bodies).max() < 1e-9 * GRAVITY * bodies.mass.sum()
 
 
 def turned(layout, now, force):
-    """Contact forces (n_joints, 2) along the axes of the joints as they have turned, with the mean of both bodies."""
-    ends = (side[:layout.n_joints] for side in (layout.contacts.first, layout.contacts.second))
+    """Contact forces (n_joints, 2) along the axes of the joints as they have turned, with the mean
+    of both bodies."""
+    ends = (side[: layout.n_joints] for side in (layout.contacts.first, layout.contacts.second))
     turn = sum(np.where(end < 0, 0.0, now.displacement[0, end, 2]) for end in ends) / 2
     along, up = force.T
-    return np.column_stack([along * np.cos(turn) - up * np.sin(turn), along * np.sin(turn) + up * np.cos(turn)])
+    return np.column_stack(
+        [along * np.cos(turn) - up * np.sin(turn), along * np.sin(turn) + up * np.cos(turn)]
+    )
 
 
 def test_thrust_of_a_flat_arch_is_the_parabola_of_its_weight():
-    """24 bricks on end over 4 bricks' length, nothing on top: H is constant, H (z - crown) = -w (x - middle)^2 / 2."""
+    """24 bricks on end over 4 bricks' length, nothing on top: H is constant, H (z - crown) = -w (x
+    - middle)^2 / 2."""
     brick = Brick(length=0.36, height=0.06, thickness=0.1)
-    opening = Opening(brick.length, 4 * brick.length, 8 * brick.height, 0.0, Lintel("arch", 5 * brick.height, 0.0))
-    layout = lay_out(Wall("arch", 6 * brick.length, 13 * brick.height, (opening,), 0.0, brick=brick, joint=NO_TENSION),
-                     ModelOptions(contacts="corners"))
+    opening = Opening(
+        brick.length, 4 * brick.length, 8 * brick.height, 0.0, Lintel("arch", 5 * brick.height, 0.0)
+    )
+    layout = lay_out(
+        Wall(
+            "arch",
+            6 * brick.length,
+            13 * brick.height,
+            (opening,),
+            0.0,
+            brick=brick,
+            joint=NO_TENSION,
+        ),
+        ModelOptions(contacts="corners"),
+    )
     now, _ = at_rest(layout, steps=120000)
     table = sections_table(as_history(layout, now.joint_stress_pa), ["rest"])
     arch = table[table["part"] == "arch 1"]
-    span, per_length = 4 * brick.length, GRAVITY * brick.density * brick.thickness * 5 * brick.height
-    assert_allclose(arch["place_m"].to_numpy(), brick.length + np.arange(25) * brick.height, atol=1e-9)
+    span, per_length = (
+        4 * brick.length,
+        GRAVITY * brick.density * brick.thickness * 5 * brick.height,
+    )
+    assert_allclose(
+        arch["place_m"].to_numpy(), brick.length + np.arange(25) * brick.height, atol=1e-9
+    )
     thrust, x = -arch["normal_force_n"].mean(), arch["place_m"].to_numpy() - 3 * brick.length
     assert_allclose(arch["normal_force_n"], -thrust, rtol=2e-3)
     assert_allclose(arch["shear_force_n"], per_length * x, atol=2e-3 * per_length * span)
     crown = arch["thrust_z_m"].iloc[12]
-    assert_allclose(arch["thrust_z_m"], crown - per_length * x**2 / (2 * thrust), atol=2e-3 * 5 * brick.height)
-    # The arch spreads its piers: its thrust comes near H h = V L / 4, from the top in the middle to the bottom.
-    assert per_length * span**2 / 8 / (5 * brick.height) < thrust < 1.3 * per_length * span**2 / 8 / (5 * brick.height)
-    assert_allclose(table[table["part"] == "pier 1"]["normal_force_n"].iloc[0],
-                    -GRAVITY * layout.bodies.mass.sum() / 2, rtol=2e-3)
+    assert_allclose(
+        arch["thrust_z_m"], crown - per_length * x**2 / (2 * thrust), atol=2e-3 * 5 * brick.height
+    )
+    # The arch spreads its piers: its thrust comes near H h = V L / 4, from the top in the middle to
+    # the bottom.
+    assert (
+        per_length * span**2 / 8 / (5 * brick.height)
+        < thrust
+        < 1.3 * per_length * span**2 / 8 / (5 * brick.height)
+    )
+    assert_allclose(
+        table[table["part"] == "pier 1"]["normal_force_n"].iloc[0],
+        -GRAVITY * layout.bodies.mass.sum() / 2,
+        rtol=2e-3,
+    )
 
 
-# --- of runs ----------------------------------------------------------------------------------------
+# --- of runs --------------------------------------------------------------------------------------
+
 
 @pytest.fixture
 def shaken(run_of):
-    """A wall that cracks, with the stresses of its joints and two material points; and the same run without."""
+    """A wall that cracks, with the stresses of its joints and two material points; and the same run
+    without."""
     return run_of("stresses"), run_of("shaken")
 
 
 def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken):
     kept, without = shaken
     joints, series, base = kept.joints, kept.series, (kept.joints["first_body"] < 0).to_numpy()
-    assert kept.joint_stress_pa.shape == (len(series), len(joints), 2) and without.joint_stress_pa is None
+    assert (
+        kept.joint_stress_pa.shape == (len(series), len(joints), 2)
+        and without.joint_stress_pa is None
+    )
     weights = joints["area_m2"].to_numpy()[base]
     normal, shear = np.moveaxis(kept.joint_stress_pa[:, base].astype(float), 2, 0) @ weights
     assert -normal[0] == pytest.approx(kept.static["weight_n"], rel=1e-6)
@@ -160,7 +232,11 @@ def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken)
     # Small turns: until the first joint fails the axes of joints are those of the base.
     elastic = series["time_s"] < kept.events["time_s"].min()
     assert elastic.sum() > 3
-    assert_allclose(shear[elastic], series["base_shear_n"][elastic], atol=1e-4 * series["base_shear_n"].abs().max())
+    assert_allclose(
+        shear[elastic],
+        series["base_shear_n"][elastic],
+        atol=1e-4 * series["base_shear_n"].abs().max(),
+    )
     for name in ("opening_m", "slip_m", "broken"):
         assert_array_equal(getattr(kept, name), getattr(without, name))
     pd.testing.assert_frame_equal(series, without.series)
@@ -168,10 +244,14 @@ def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken)
 
 def test_the_joint_law_holds_in_what_is_kept(shaken):
     kept, _ = shaken
-    normal, shear = np.moveaxis(kept.joint_stress_pa[:, ~kept.joints["elastic"].to_numpy()].astype(float), 2, 0)
+    normal, shear = np.moveaxis(
+        kept.joint_stress_pa[:, ~kept.joints["elastic"].to_numpy()].astype(float), 2, 0
+    )
     joint, broken = SMALL.joint, kept.broken[:, ~kept.joints["elastic"].to_numpy()]
     friction = np.tan(joint.friction_angle) * -np.minimum(normal, 0.0)
-    assert broken.any() and np.all(np.abs(shear) <= (friction + np.where(broken, 0.0, joint.cohesion)) * 1.0001 + 1.0)
+    assert broken.any() and np.all(
+        np.abs(shear) <= (friction + np.where(broken, 0.0, joint.cohesion)) * 1.0001 + 1.0
+    )
     assert (normal <= joint.tensile_strength * 1.0001).all()
 
 
@@ -190,27 +270,48 @@ def test_material_points_move_with_their_bricks(shaken):
     at = np.searchsorted(kept.series["time_s"], kept.snapshot_time_s)
     for number, (x, z) in enumerate(kept.points):
         bodies = kept.bodies
-        body = np.flatnonzero((abs(bodies.x_m - x) <= bodies.length_m / 2 + 1e-9)
-                              & (abs(bodies.z_m - z) <= bodies.height_m / 2 + 1e-9))[0]
-        moved = rigid_displacement(*kept.displacement[:, body].astype(float).T, x - bodies.x_m[body],
-                                   z - bodies.z_m[body])
+        body = np.flatnonzero(
+            (abs(bodies.x_m - x) <= bodies.length_m / 2 + 1e-9)
+            & (abs(bodies.z_m - z) <= bodies.height_m / 2 + 1e-9)
+        )[0]
+        moved = rigid_displacement(
+            *kept.displacement[:, body].astype(float).T, x - bodies.x_m[body], z - bodies.z_m[body]
+        )
         assert_allclose(kept.point_displacement[at, number].T, moved, atol=1e-9)
     assert np.abs(kept.point_displacement).max() > 1e-5
     table = points_table(kept)
     assert len(table) == 2 * len(kept.series) and table["point"].iloc[-1] == 2
-    assert_array_equal(table["displacement_z_m"][:len(kept.series)], kept.point_displacement[:, 0, 1])
+    assert_array_equal(
+        table["displacement_z_m"][: len(kept.series)], kept.point_displacement[:, 0, 1]
+    )
 
 
 def test_a_point_of_a_deformable_brick_bends_with_it():
-    """Both sides of an intact bed joint move together; the middle of a brick moves otherwise than its rigid motion."""
-    panel = Wall("panel", 0.6, 0.4, precompression=0.3e6, brick=BRICK,
-                 joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
-    history = damage.run(panel, pushover=0.005, bricks="deformable", contacts="gauss",
-                         point=[(0.3, 0.2999), (0.3, 0.3001), (0.1, 0.25)])
+    """Both sides of an intact bed joint move together; the middle of a brick moves otherwise than
+    its rigid motion."""
+    panel = Wall(
+        "panel",
+        0.6,
+        0.4,
+        precompression=0.3e6,
+        brick=BRICK,
+        joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0),
+    )
+    history = damage.run(
+        panel,
+        pushover=0.005,
+        bricks="deformable",
+        contacts="gauss",
+        point=[(0.3, 0.2999), (0.3, 0.3001), (0.1, 0.25)],
+    )
     last = history.point_displacement[-1]
-    body = np.flatnonzero((np.abs(history.bodies.x_m - 0.1) < 0.01) & (np.abs(history.bodies.z_m - 0.25) < 0.01))[0]
-    assert not np.allclose(last[2], history.displacement[-1, body, :2], rtol=1e-4)  # a centre bends away, too
-    assert_allclose(last[0], last[1], atol=0.05 * np.abs(last).max())  # both sides of an intact bed joint
+    body = np.flatnonzero(
+        (np.abs(history.bodies.x_m - 0.1) < 0.01) & (np.abs(history.bodies.z_m - 0.25) < 0.01)
+    )[0]
+    # a centre bends away, too
+    assert not np.allclose(last[2], history.displacement[-1, body, :2], rtol=1e-4)
+    # both sides of an intact bed joint
+    assert_allclose(last[0], last[1], atol=0.05 * np.abs(last).max())
 
 
 def test_a_joint_by_its_number_or_place(shaken):
@@ -222,8 +323,14 @@ def test_a_joint_by_its_number_or_place(shaken):
     assert joints["kind"][joint_of(kept, "bed:0.225,0.0375")] == "bed"
     table = joint_history(kept, f"{joints['x_m'][7]},{joints['z_m'][7]}")
     assert_array_equal(table[["normal_stress_pa", "shear_stress_pa"]], kept.joint_stress_pa[:, 7])
-    for name, said in (("400", "expected a row of the joints, 0 to"), ("9,9", "the nearest, "), ("0.1", "correct it"),
-                       ("cut:0,0", "no joint of kind cut"), ("a,b", "correct it"), ("nan,0", "the nearest")):
+    for name, said in (
+        ("400", "expected a row of the joints, 0 to"),
+        ("9,9", "the nearest, "),
+        ("0.1", "correct it"),
+        ("cut:0,0", "no joint of kind cut"),
+        ("a,b", "correct it"),
+        ("nan,0", "the nearest"),
+    ):
         assert said in one_line_error(joint_of, kept, name)
 
 
@@ -239,31 +346,68 @@ def test_what_is_shown_of_them(shaken, tmp_path, output_of, error_of):
     joints = pd.read_csv(tmp_path / "st" / f"joint_{row}.csv")
     assert_allclose(joints["normal_stress_pa"], kept.joint_stress_pa[:, row, 0], rtol=1e-7)
     assert (tmp_path / "st" / "contact_forces_0.03.png").exists()
-    assert "--at later: expected rest, max, end or a time [s]" in error_of("stresses", kept.path, "--at", "later")
-    assert "has no stresses of joints: expected a run with --stresses" in error_of("stresses", without.path)
+    assert "--at later: expected rest, max, end or a time [s]" in error_of(
+        "stresses", kept.path, "--at", "later"
+    )
+    assert "has no stresses of joints: expected a run with --stresses" in error_of(
+        "stresses", without.path
+    )
 
 
-@pytest.mark.parametrize("place, said", [
-    (("0.6", "0.25"), "--point 0.6 0.25: no brick is there; expected x and z in the undeformed wall [m]; the nearest"),
-])
+@pytest.mark.parametrize(
+    "place, said",
+    [
+        (
+            ("0.6", "0.25"),
+            (
+                "--point 0.6 0.25: no brick is there; expected x and z in the undeformed wall [m];"
+                " the nearest"
+            ),
+        ),
+    ],
+)
 def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, tmp_path, error_of):
-    assert said in error_of("reference", "walls/variants/small.py", "--point", *place, "--out", tmp_path / "a.h5")
+    assert said in error_of(
+        "reference", "walls/variants/small.py", "--point", *place, "--out", tmp_path / "a.h5"
+    )
     assert list(tmp_path.iterdir()) == []
 
 
-# --- YADE ----------------------------------------------------------------------------------------------
+# --- YADE -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.yade
 def test_both_solvers_have_the_same_stresses(tmp_path, in_both):
-    wall = wall_file(tmp_path / "wall.py", "Wall('panel', 0.675, 0.3, precompression=0.3e6, "
-                     "joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))")
-    one, two = in_both(tmp_path, wall, "--harmonic", 0.05, 0.05, "--cycles", 1, "--rest", 0, "--stresses", "--point",
-                       0.3, 0.1, "--fibres", 4, yade=SHORT).values()
+    wall = wall_file(
+        tmp_path / "wall.py",
+        "Wall('panel', 0.675, 0.3, precompression=0.3e6, "
+        "joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))",
+    )
+    one, two = in_both(
+        tmp_path,
+        wall,
+        "--harmonic",
+        0.05,
+        0.05,
+        "--cycles",
+        1,
+        "--rest",
+        0,
+        "--stresses",
+        "--point",
+        0.3,
+        0.1,
+        "--fibres",
+        4,
+        yade=SHORT,
+    ).values()
     largest = np.abs(two.joint_stress_pa[0]).max()
     assert_allclose(one.joint_stress_pa[0], two.joint_stress_pa[0], atol=1e-3 * largest)
     n = min(len(one.series), len(two.series))
     assert_allclose(one.joint_stress_pa[:n], two.joint_stress_pa[:n], atol=2e-2 * largest)
-    assert_allclose(one.point_displacement[:n], two.point_displacement[:n],
-                    atol=0.02 * np.abs(two.point_displacement).max())
+    assert_allclose(
+        one.point_displacement[:n],
+        two.point_displacement[:n],
+        atol=0.02 * np.abs(two.point_displacement).max(),
+    )
     assert len(one.static_stage) > 5 and one.static_stage["unbalanced_force"].iloc[-1] < 1e-5

@@ -14,18 +14,37 @@ from damage.wall.parameters import Brick, Opening, Wall
 
 BRICK = 0.225
 
-EVERY_OPTION = [ModelOptions(lintel=lintel, top=top, cells=cells, contacts=contacts)
-                for lintel, top, cells, contacts in itertools.product(
-                    ("elastic", "none"), ("piers", "uniform", "beam"), (1, 3), ("interior", "corners"))]
-EVERY_OPTION += [ModelOptions(top=top, cells=cells, contacts="gauss") for top in ("piers", "beam") for cells in (2, 4)]
+EVERY_OPTION = [
+    ModelOptions(lintel=lintel, top=top, cells=cells, contacts=contacts)
+    for lintel, top, cells, contacts in itertools.product(
+        ("elastic", "none"), ("piers", "uniform", "beam"), (1, 3), ("interior", "corners")
+    )
+]
+EVERY_OPTION += [
+    ModelOptions(top=top, cells=cells, contacts="gauss")
+    for top in ("piers", "beam")
+    for cells in (2, 4)
+]
 
 # Walls whose openings ask for cut bricks, for windows, for several openings.
 ODD_WALLS = [
     Wall("odd-length", 2.3, 0.6),
     Wall("cut-pier", 4.0, 1.2, (Opening(1.03, 2.0, 0.75),), lintel="courses"),
     Wall("sliver", 3.0, 0.9, (Opening(0.9 + 0.03, 1.0, 0.45, 0.15),), lintel="courses"),
-    Wall("two-windows", 5.0, 2.7, (Opening(0.7, 0.9, 1.2, 0.9), Opening(2.31, 1.0, 1.2, 0.9)), lintel="courses"),
-    Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)), lintel="courses"),
+    Wall(
+        "two-windows",
+        5.0,
+        2.7,
+        (Opening(0.7, 0.9, 1.2, 0.9), Opening(2.31, 1.0, 1.2, 0.9)),
+        lintel="courses",
+    ),
+    Wall(
+        "storeys",
+        4.05,
+        3.0,
+        (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)),
+        lintel="courses",
+    ),
 ]
 
 
@@ -42,16 +61,31 @@ def test_solid_wall_joint_length_by_hand():
     assert_allclose(lay_out(solid).total_joint_length, by_hand, rtol=1e-12)
 
 
-STOREYS = Wall("door-below-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.2, 3.0)), precompression=1e5)
+STOREYS = Wall(
+    "door-below-window",
+    4.0,
+    5.4,
+    (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.2, 3.0)),
+    precompression=1e5,
+)
 
 
-@pytest.mark.parametrize(("wall", "piers"), [
-    (STOREYS, [(0.0, 2.5), (3.5, 4.0)]),  # above the door is a whole storey
-    (Wall("low-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.5, 2.1))), [(0.0, 0.5), (2.0, 2.5),
-                                                                                          (3.5, 4.0)]),
-    (Wall("door-in-tall-wall", 4.0, 5.4, (Opening(0.5, 1.5, 2.1),)), [(0.0, 0.5), (2.0, 4.0)]),
-    (Wall("stacked", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(0.6, 1.5, 1.2, 3.0))), [(0.0, 0.6), (2.1, 4.0)]),
-], ids=lambda value: getattr(value, "name", ""))
+@pytest.mark.parametrize(
+    ("wall", "piers"),
+    [
+        (STOREYS, [(0.0, 2.5), (3.5, 4.0)]),  # above the door is a whole storey
+        (
+            Wall("low-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.5, 2.1))),
+            [(0.0, 0.5), (2.0, 2.5), (3.5, 4.0)],
+        ),
+        (Wall("door-in-tall-wall", 4.0, 5.4, (Opening(0.5, 1.5, 2.1),)), [(0.0, 0.5), (2.0, 4.0)]),
+        (
+            Wall("stacked", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(0.6, 1.5, 1.2, 3.0))),
+            [(0.0, 0.6), (2.1, 4.0)],
+        ),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
 def test_the_top_storeys_piers_carry_the_top(wall, piers):
     layout = lay_out(wall)
     assert_allclose(layout.plan.piers, piers, atol=1e-12)
@@ -64,18 +98,26 @@ def test_the_top_storeys_piers_carry_the_top(wall, piers):
 
 
 def test_inertia_is_that_of_points_of_mass_all_over_the_brick(symmetric_wall):
-    """Midpoints of 400 x 400 parts: what is missing is a part's own inertia, 1 / 400^2 of the brick's."""
+    """Midpoints of 400 x 400 parts: what is missing is a part's own inertia, 1 / 400^2 of the
+    brick's."""
     layout = lay_out(symmetric_wall)
-    square = np.mean(((np.arange(400) + 0.5) / 400 - 0.5)**2)
-    length, height, mass, inertia = (getattr(layout.bodies, name)[:layout.n_bricks]
-                                     for name in ("length", "height", "mass", "inertia"))
+    square = np.mean(((np.arange(400) + 0.5) / 400 - 0.5) ** 2)
+    length, height, mass, inertia = (
+        getattr(layout.bodies, name)[: layout.n_bricks]
+        for name in ("length", "height", "mass", "inertia")
+    )
     assert_allclose(inertia, mass * square * (length**2 + height**2), rtol=1e-5)
 
 
 @pytest.mark.parametrize("top", ["piers", "uniform", "beam"])
 def test_the_load_on_piers_is_the_precompression_in_them(symmetric_wall, top):
-    on_length, on_piers = (lay_out(symmetric_wall, ModelOptions(top=top, load=load)) for load in ("length", "piers"))
-    assert (on_length.pier_stress, on_piers.pier_stress) == (pytest.approx(0.6e6), pytest.approx(0.3e6))
+    on_length, on_piers = (
+        lay_out(symmetric_wall, ModelOptions(top=top, load=load)) for load in ("length", "piers")
+    )
+    assert (on_length.pier_stress, on_piers.pier_stress) == (
+        pytest.approx(0.6e6),
+        pytest.approx(0.3e6),
+    )
     bricks = sum(lay_out(Wall(**{**vars(symmetric_wall), "precompression": 0.0})).bodies.mass)
     area = 2 * 4.5 * BRICK * 0.1025  # of the piers, half of the wall's
     assert_allclose((on_piers.total_mass - bricks) * 9.81, 0.3e6 * area, rtol=2.0**-25)
@@ -95,7 +137,7 @@ class TestOddWall:
     """What they cover, and how: `test_any_wall.py`."""
 
     def test_no_brick_is_longer_than_a_whole_one_or_shorter_than_a_quarter(self, wall):
-        length = lay_out(wall).bodies.length[:lay_out(wall).n_bricks]
+        length = lay_out(wall).bodies.length[: lay_out(wall).n_bricks]
         assert length.min() > BRICK / 4 - 1e-6
         assert length.max() < BRICK * 1.25 + 1e-6
 
@@ -104,9 +146,15 @@ class TestOddWall:
         contacts, cells = layout.contacts, layout.cells
         bed = (contacts.kind != HEAD) & (contacts.first != GROUND)
         for edge in (cells.left, cells.right):
-            assert_allclose(edge[contacts.first_cell[bed]], edge[contacts.second_cell[bed]], atol=1e-7)
+            assert_allclose(
+                edge[contacts.first_cell[bed]], edge[contacts.second_cell[bed]], atol=1e-7
+            )
         head = contacts.kind == HEAD
-        assert_allclose(cells.right[contacts.first_cell[head]], cells.left[contacts.second_cell[head]], atol=1e-7)
+        assert_allclose(
+            cells.right[contacts.first_cell[head]],
+            cells.left[contacts.second_cell[head]],
+            atol=1e-7,
+        )
 
     def test_head_joints_of_neighbouring_courses_are_not_in_line(self, wall):
         contacts = lay_out(wall).contacts
@@ -117,13 +165,24 @@ class TestOddWall:
 
 
 @pytest.mark.parametrize("contacts", ["interior", "corners", "gauss"])
-def test_a_lintel_of_n_courses_holds_their_joints_and_the_beds_between_them(symmetric_wall, contacts):
-    per_head = {"interior": 1, "corners": 2, "gauss": 2}[contacts]  # a brick of a bed has four points with either
-    for courses, beds, heads in ((0, 0, 0), (1, 0, 10), (2, 44, 21), (3, 88, 31), (4, 132, 42), (99, 132, 42)):
+def test_a_lintel_of_n_courses_holds_their_joints_and_the_beds_between_them(
+    symmetric_wall, contacts
+):
+    # a brick of a bed has four points with either
+    per_head = {"interior": 1, "corners": 2, "gauss": 2}[contacts]
+    for courses, beds, heads in (
+        (0, 0, 0),
+        (1, 0, 10),
+        (2, 44, 21),
+        (3, 88, 31),
+        (4, 132, 42),
+        (99, 132, 42),
+    ):
         layout = lay_out(symmetric_wall, ModelOptions(lintel=courses, contacts=contacts))
         inside = layout.contacts.elastic & (layout.contacts.kind != CAP)
         kind = layout.contacts.kind[inside]
-        # The courses over the opening have 10 and 11 head joints between the ends of the bearing, in turns.
+        # The courses over the opening have 10 and 11 head joints between the ends of the bearing,
+        # in turns.
         assert (np.sum(kind == BED), np.sum(kind == HEAD)) == (beds, heads * per_head)
         top = (33 + min(courses, 4)) * 0.075
         assert np.all(layout.contacts.z[inside] < top + 1e-9)
@@ -131,8 +190,16 @@ def test_a_lintel_of_n_courses_holds_their_joints_and_the_beds_between_them(symm
 
 
 def test_a_lintel_ends_below_the_next_opening_whatever_is_asked_for():
-    wall = Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)), lintel="courses")
-    elastic, many = (lay_out(wall, ModelOptions(lintel=lintel)).contacts.elastic for lintel in ("elastic", 8))
+    wall = Wall(
+        "storeys",
+        4.05,
+        3.0,
+        (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)),
+        lintel="courses",
+    )
+    elastic, many = (
+        lay_out(wall, ModelOptions(lintel=lintel)).contacts.elastic for lintel in ("elastic", 8)
+    )
     # Eight courses from z = 1.2 reach the sill at 1.8, and four of them from 2.7 the top at 3.0.
     assert np.array_equal(elastic, many)
     few = lay_out(wall, ModelOptions(lintel=2)).contacts
@@ -148,23 +215,34 @@ def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
         # Head joints beside half bricks are stiffer; the settled values are whole against whole.
         assert_allclose(contacts.normal_stiffness[inner].min(), normal, rtol=2e-3)
         assert_allclose(contacts.shear_stiffness[inner].min(), shear, rtol=5e-3)
-    assert_allclose(contacts.normal_stiffness[base], 1 / (1 / 12e11 + 0.0375 / 5.2e9), rtol=2.0**-26)
+    assert_allclose(
+        contacts.normal_stiffness[base], 1 / (1 / 12e11 + 0.0375 / 5.2e9), rtol=2.0**-26
+    )
 
 
-@pytest.mark.parametrize(("change", "complaint"), [
-    (lambda: Wall("w", 2.0, 1.0, (Opening(0.5, 1.0, 1.2),)), "outside"),
-    (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
-    (lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))), "another opening"),
-    (lambda: Wall("w", 0.05, 1.0), "smaller than"),
-    (lambda: Wall("no good", 2.0, 1.0), "names files"),
-    (lambda: ModelOptions(lintel="slate"), "none, concrete, steel, timber, arch, courses, or how many"),
-    (lambda: ModelOptions(lintel="stone"), "expected its modulus"),
-    (lambda: ModelOptions(lintel=-1), "how many courses stay elastic, 0 to 20000"),
-    (lambda: ModelOptions(lintel=True), "how many courses"),
-    (lambda: ModelOptions(cells=0), "whole number"),
-    (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),
-    (lambda: ModelOptions(strength_seed=-1), "whole number"),
-])
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda: Wall("w", 2.0, 1.0, (Opening(0.5, 1.0, 1.2),)), "outside"),
+        (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
+        (
+            lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))),
+            "another opening",
+        ),
+        (lambda: Wall("w", 0.05, 1.0), "smaller than"),
+        (lambda: Wall("no good", 2.0, 1.0), "names files"),
+        (
+            lambda: ModelOptions(lintel="slate"),
+            "none, concrete, steel, timber, arch, courses, or how many",
+        ),
+        (lambda: ModelOptions(lintel="stone"), "expected its modulus"),
+        (lambda: ModelOptions(lintel=-1), "how many courses stay elastic, 0 to 20000"),
+        (lambda: ModelOptions(lintel=True), "how many courses"),
+        (lambda: ModelOptions(cells=0), "whole number"),
+        (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),
+        (lambda: ModelOptions(strength_seed=-1), "whole number"),
+    ],
+)
 def test_bad_parameters_are_refused_in_one_line(change, complaint):
     refused_with(complaint, change)
 
@@ -175,8 +253,8 @@ def test_scattered_strengths_are_lognormal_of_mean_one_joint_by_joint():
     for seed in range(5):
         layout = lay_out(wall, ModelOptions(strength_cov=0.4, strength_seed=seed))
         contacts = layout.contacts
-        factor = contacts.tensile_strength[:layout.n_joints] / wall.joint.tensile_strength
-        assert_allclose(contacts.cohesion[:layout.n_joints] / wall.joint.cohesion, factor)
+        factor = contacts.tensile_strength[: layout.n_joints] / wall.joint.tensile_strength
+        assert_allclose(contacts.cohesion[: layout.n_joints] / wall.joint.cohesion, factor)
         joints = {}
         for pair, value in zip(zip(contacts.first, contacts.second), factor):
             assert joints.setdefault(pair, value) == value
@@ -189,9 +267,16 @@ def test_scattered_strengths_are_lognormal_of_mean_one_joint_by_joint():
 def test_scattered_strengths_do_not_depend_on_the_placing_of_contact_points():
     found = []
     for options in ({}, {"cells": 3}, {"contacts": "corners"}):
-        layout = lay_out(Wall("small", 0.9, 0.45), ModelOptions(strength_cov=0.3, strength_seed=7, **options))
+        layout = lay_out(
+            Wall("small", 0.9, 0.45), ModelOptions(strength_cov=0.3, strength_seed=7, **options)
+        )
         contacts = layout.contacts
-        found.append({(a, b): s for a, b, s in zip(contacts.first, contacts.second, contacts.tensile_strength)})
+        found.append(
+            {
+                (a, b): s
+                for a, b, s in zip(contacts.first, contacts.second, contacts.tensile_strength)
+            }
+        )
     assert found[0] == found[1] == found[2]
     assert np.all(np.isinf(contacts.tensile_strength[contacts.kind == CAP]))
 
@@ -199,11 +284,20 @@ def test_scattered_strengths_do_not_depend_on_the_placing_of_contact_points():
 @pytest.mark.parametrize("brick", [Brick(), Brick(tensile_strength=2e6)])
 def test_what_members_share_is_laid_out_once_and_is_of_each_its_own(brick, monkeypatch):
     """Bit by bit as if it were laid out anew, whatever is done to one that was laid out before."""
+
     def laid_out(seed, **options):
-        layout = lay_out(Wall("members", 1.8, 0.9, brick=brick), ModelOptions(
-            strength_cov=0.3, strength_seed=seed, **options), scatter=0.1, seed=seed)
-        return [*vars(layout.bodies).values(), *vars(layout.cells).values(), *vars(layout.contacts).values(),
-                layout.drift_bodies], layout
+        layout = lay_out(
+            Wall("members", 1.8, 0.9, brick=brick),
+            ModelOptions(strength_cov=0.3, strength_seed=seed, **options),
+            scatter=0.1,
+            seed=seed,
+        )
+        return [
+            *vars(layout.bodies).values(),
+            *vars(layout.cells).values(),
+            *vars(layout.contacts).values(),
+            layout.drift_bodies,
+        ], layout
 
     first, _ = laid_out(1)
     wanted = [array.tobytes() for array in first]

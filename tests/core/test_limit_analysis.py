@@ -1,4 +1,5 @@
-"""Limit analysis of dry joints against hand calculations and a published multiplier; the solver against it."""
+"""Limit analysis of dry joints against hand calculations and a published multiplier; the solver
+against it."""
 
 import math
 
@@ -18,9 +19,17 @@ from verification.limit_analysis import balance, body_load, collapse_load, flow,
 
 def stack(courses, friction=0.65, length=0.4, height=0.2, **more):
     """Courses of one brick's length: whole bricks and two halves in turn."""
-    return lay_out(Wall("stack", length, courses * height, brick=Brick(length, height, 0.1, 2000.0),
-                        joint=Joint(1e10, 4e9, math.atan(friction), 0.0, 0.0),
-                        **{"precompression": 0.0, **more}), ModelOptions(lintel="none", contacts="corners", top="beam"))
+    return lay_out(
+        Wall(
+            "stack",
+            length,
+            courses * height,
+            brick=Brick(length, height, 0.1, 2000.0),
+            joint=Joint(1e10, 4e9, math.atan(friction), 0.0, 0.0),
+            **{"precompression": 0.0, **more},
+        ),
+        ModelOptions(lintel="none", contacts="corners", top="beam"),
+    )
 
 
 class TestByHand:
@@ -30,10 +39,13 @@ class TestByHand:
 
     @pytest.mark.parametrize("height", [0.25, 0.8, 1.6])
     def test_a_high_block_tips_at_length_over_height(self, height):
-        assert_allclose(collapse_load(stack(1, 10.0, height=height)).multiplier, 0.4 / height, rtol=1e-9)
+        assert_allclose(
+            collapse_load(stack(1, 10.0, height=height)).multiplier, 0.4 / height, rtol=1e-9
+        )
 
     def test_a_pushed_cap_kept_from_rotating_slides_on_the_weakest_joint(self):
-        """Below the top course: mu times what lies on it; free to rotate the top tips the wall instead."""
+        """Below the top course: mu times what lies on it; free to rotate the top tips the wall
+        instead."""
         layout = stack(4, 0.45, precompression=0.3e6)
         top = layout.wall.top_mass + 0.4 * 0.2 * 0.1 * 2000
         held = collapse_load(layout, load=top_load(layout), held=layout.pushed_bodies)
@@ -41,8 +53,11 @@ class TestByHand:
         assert collapse_load(layout, load=top_load(layout)).multiplier < 0.6 * held.multiplier
 
     def test_crushing_moves_the_hinge_inwards(self):
-        """A tipping block on a toe that carries no more than the strength: e = (b - N / (f t)) / 2."""
-        layout = lay_out(stack(1, 10.0, height=1.6).wall, ModelOptions(contacts="corners", cells=16))
+        """A tipping block on a toe that carries no more than the strength: e = (b - N / (f t)) /
+        2."""
+        layout = lay_out(
+            stack(1, 10.0, height=1.6).wall, ModelOptions(contacts="corners", cells=16)
+        )
         weight = GRAVITY * layout.total_mass
         strength = weight / (0.2 * 0.4 * 0.1)
         crushed = collapse_load(layout, crushing=strength).multiplier
@@ -66,25 +81,40 @@ class TestTheProgramme:
         opening, slip = flow(layout, result.motion)
         assert np.all(opening >= FRICTION * np.abs(slip) - 1e-12)
         assert_allclose(np.sum(body_load(layout) * result.motion), 1.0)
-        assert_allclose(np.sum(GRAVITY * layout.bodies.mass * result.motion[:, 1]), result.multiplier)
+        assert_allclose(
+            np.sum(GRAVITY * layout.bodies.mass * result.motion[:, 1]), result.multiplier
+        )
 
     def test_more_contact_points_within_a_joint_change_nothing(self):
         fine = lay_out(lay("door").wall, ModelOptions(lintel="none", contacts="corners", cells=5))
-        assert_allclose(collapse_load(fine).multiplier, collapse_load(lay("door")).multiplier, rtol=1e-9)
+        assert_allclose(
+            collapse_load(fine).multiplier, collapse_load(lay("door")).multiplier, rtol=1e-9
+        )
 
     def test_published_benchmark(self):
-        assert_allclose(collapse_load(lay("benchmark")).multiplier, PUBLISHED["benchmark"], rtol=0.01)
+        assert_allclose(
+            collapse_load(lay("benchmark")).multiplier, PUBLISHED["benchmark"], rtol=0.01
+        )
 
     def test_a_wall_that_cannot_stand_is_refused(self):
-        wall = Wall("gap", 2.0, 1.0, openings=(Opening(0.6, 0.8, 0.6),), precompression=0.0,
-                    brick=Brick(0.4, 0.2, 0.1, 2000.0), joint=Joint(1e10, 4e9, 0.05, 0.0, 0.0))
+        wall = Wall(
+            "gap",
+            2.0,
+            1.0,
+            openings=(Opening(0.6, 0.8, 0.6),),
+            precompression=0.0,
+            brick=Brick(0.4, 0.2, 0.1, 2000.0),
+            joint=Joint(1e10, 4e9, 0.05, 0.0, 0.0),
+        )
         refused_with("own weight", collapse_load, lay_out(wall, OPTIONS))
 
 
 class TestTheSolver:
     @pytest.mark.parametrize("friction, height, expected", [(0.5, 0.2, 0.5), (1.0, 0.8, 0.5)])
     def test_a_block_slides_or_tips_as_by_hand(self, friction, height, expected):
-        found = collapse_multiplier(stack(1, friction, height=height), 1.2 * expected, tolerance=2e-3)
+        found = collapse_multiplier(
+            stack(1, friction, height=height), 1.2 * expected, tolerance=2e-3
+        )
         assert_allclose(found.multiplier, expected, rtol=2e-3)
 
     def test_the_benchmark_falls_at_its_multiplier(self):
@@ -104,7 +134,20 @@ class TestTheSolver:
 
 
 def test_the_command_writes_its_table_and_pictures(tmp_path):
-    assert main(["--only", "benchmark", "--tolerance", "0.05", "--markdown", str(tmp_path / "a.md"),
-                 "--pictures", str(tmp_path / "p")]) == 0
+    assert (
+        main(
+            [
+                "--only",
+                "benchmark",
+                "--tolerance",
+                "0.05",
+                "--markdown",
+                str(tmp_path / "a.md"),
+                "--pictures",
+                str(tmp_path / "p"),
+            ]
+        )
+        == 0
+    )
     assert "| benchmark, published 0.643 | 33 | 0.6429 |" in (tmp_path / "a.md").read_text()
     assert (tmp_path / "p" / "mechanism_benchmark.png").stat().st_size > 10_000

@@ -62,10 +62,20 @@ class TestHarmonic:
         # near its peak the sine hides the round-off of the time: only that of the product is left
         assert_allclose(found, [0.1, -0.1] * 3, rtol=1e-14)
 
-    @pytest.mark.parametrize("refusal", [
-        *(("harmonic period", period_s, 0.05) for period_s in (0, -0.2, math.nan, math.inf)),
-        *(("harmonic amplitude", 0.2, amplitude_g) for amplitude_g in (-0.1, math.nan, math.inf)),
-        *(("cycles = .*: expected a whole number", 0.2, 0.05, cycles) for cycles in (0, -1, 1.5, math.nan, math.inf))])
+    @pytest.mark.parametrize(
+        "refusal",
+        [
+            *(("harmonic period", period_s, 0.05) for period_s in (0, -0.2, math.nan, math.inf)),
+            *(
+                ("harmonic amplitude", 0.2, amplitude_g)
+                for amplitude_g in (-0.1, math.nan, math.inf)
+            ),
+            *(
+                ("cycles = .*: expected a whole number", 0.2, 0.05, cycles)
+                for cycles in (0, -1, 1.5, math.nan, math.inf)
+            ),
+        ],
+    )
     def test_period_is_positive_amplitude_not_negative_and_cycles_are_whole(self, refusal):
         words, *numbers = refusal
         refused_with(words, Harmonic, *numbers)
@@ -81,8 +91,12 @@ class TestRecorded:
     def test_a_sample_is_met_at_times_that_are_off_by_rounding(self, bgar):
         """The last one, too, which is zero just after it."""
         load = Recorded(bgar)
-        for time_s in (np.nextafter(bgar.time_s, -1.0), bgar.time_s, np.nextafter(bgar.time_s, 100.0),
-                       np.arange(bgar.time_s.size) * 131 * load.preferred_step_s(0.005 / 131)):
+        for time_s in (
+            np.nextafter(bgar.time_s, -1.0),
+            bgar.time_s,
+            np.nextafter(bgar.time_s, 100.0),
+            np.arange(bgar.time_s.size) * 131 * load.preferred_step_s(0.005 / 131),
+        ):
             assert np.array_equal(load.base_acceleration(time_s)[:, 0], bgar.acceleration_m_s2)
         load = Recorded(Record("r", 0.1, [1.0, 3.0, 2.0]))
         assert load.base_acceleration([-1e-9, 0.2 + 1e-9]).tolist() == [[0.0, 0.0], [0.0, 0.0]]
@@ -110,7 +124,8 @@ class TestRecorded:
     def test_a_record_is_interpolated_for_a_wall_whose_period_has_fewer_than_ten_steps(self):
         """Lines between samples took off 13 % at five steps a period, 42 % at 2.5 of them."""
         load = Recorded(noise(), -2.0, (3, 5), vertical=noise("up", seed=2), band_hz=(0.5, 20))
-        assert load.for_period(0.05) is load and load.lost_by_lines is None  # bit for bit what it was
+        # bit for bit what it was
+        assert load.for_period(0.05) is load and load.lost_by_lines is None
         driven = load.for_period(0.025)
         assert driven.lost_by_lines == pytest.approx(0.125, abs=1e-3)
         assert load.for_period(0.0127).lost_by_lines == pytest.approx(0.415, abs=2e-3)
@@ -128,10 +143,17 @@ class TestRecorded:
         driven = load.for_period(0.025)
         table = json.loads(json.dumps(driven.as_dict()))
         assert (table["interpolated_for_s"], table["lost_by_lines"], table["time_step_s"]) == (
-            0.025, driven.lost_by_lines, 0.005)
+            0.025,
+            driven.lost_by_lines,
+            0.005,
+        )
         again = loading_from_dict(table)
         assert json.loads(json.dumps(again.as_dict())) == table
-        assert_allclose(2 * again.unscaled(noise()).acceleration_m_s2, driven.applied().acceleration_m_s2, rtol=1e-14)
+        assert_allclose(
+            2 * again.unscaled(noise()).acceleration_m_s2,
+            driven.applied().acceleration_m_s2,
+            rtol=1e-14,
+        )
         assert table["pga_g"] == driven.peak_g > load.as_dict()["pga_g"]
 
     def test_vertical_gets_the_same_preparation(self):
@@ -193,11 +215,15 @@ class TestRecorded:
 
 
 class TestFreeVibration:
-
     def test_last_bits_of_the_critical_step_do_not_choose_the_step(self):
-        """Those of one wall's linear algebra by one thread and by two: a wall pushed so had peaks 0.7 % apart."""
+        """Those of one wall's linear algebra by one thread and by two: a wall pushed so had peaks
+        0.7 % apart."""
         one, two = 9.270022376811165e-06, 9.27002237681116e-06
-        assert FreeVibration().preferred_step_s(one) == FreeVibration().preferred_step_s(two) == 9.27002e-06
+        assert (
+            FreeVibration().preferred_step_s(one)
+            == FreeVibration().preferred_step_s(two)
+            == 9.27002e-06
+        )
 
     @pytest.mark.parametrize("velocity", [0.0, -1e-3, math.nan, math.inf])
     def test_velocity_must_be_positive(self, velocity):
@@ -212,13 +238,18 @@ class TestTopDisplacement:
         top = self.LOAD.top_displacement(time_s, self.HEIGHT)
         turns = top[np.flatnonzero(np.diff(np.sign(np.diff(top))))]
         assert_allclose([turns.max(), turns.min()], [2.8e-3, -2.8e-3], rtol=1e-6)
-        assert_allclose(self.LOAD.turning_points(self.HEIGHT), [2.8e-4, -2.8e-4, 2.8e-3, -2.8e-3, 0])
+        assert_allclose(
+            self.LOAD.turning_points(self.HEIGHT), [2.8e-4, -2.8e-4, 2.8e-3, -2.8e-3, 0]
+        )
         assert top[0] == 0 and abs(top[-1]) < 1e-15
         assert np.abs(top).max() <= self.LOAD.turning_points(self.HEIGHT).max() * (1 + 1e-12)
 
     def test_the_last_bit_of_the_height_does_not_reach_the_top(self):
         time_s = np.linspace(0, self.LOAD.length_s(self.HEIGHT), 1001)
-        top = [self.LOAD.top_displacement(time_s, height) for height in (self.HEIGHT, np.nextafter(self.HEIGHT, 3.0))]
+        top = [
+            self.LOAD.top_displacement(time_s, height)
+            for height in (self.HEIGHT, np.nextafter(self.HEIGHT, 3.0))
+        ]
         assert np.array_equal(*top)
 
     def velocities(self, interval_s):

@@ -1,4 +1,5 @@
-"""Measured dry-joint stone walls: data, hand calculations, stones that split; the pushes are marked long."""
+"""Measured dry-joint stone walls: data, hand calculations, stones that split; the pushes are marked
+long."""
 
 import numpy as np
 import pytest
@@ -52,13 +53,20 @@ class TestLimitAnalysis:
         layout = lay(name)
         halves = lay_splitting(name, 1e9)
         assert_allclose(bound(halves), bound(layout), rtol=1e-6)
-        assert_allclose(collapse_load(halves).multiplier, collapse_load(layout).multiplier, rtol=1e-6)
+        assert_allclose(
+            collapse_load(halves).multiplier, collapse_load(layout).multiplier, rtol=1e-6
+        )
 
 
 def test_tension_of_a_stone_on_its_two_ends():
     """A stone that carries its own weight from end to end: W L / 8 in its middle."""
-    wall = ReferenceWall(lay_out(Wall("one", STONE.length, STONE.height, precompression=0.0, brick=STONE),
-                                 ModelOptions(contacts="corners")), 1e-6)
+    wall = ReferenceWall(
+        lay_out(
+            Wall("one", STONE.length, STONE.height, precompression=0.0, brick=STONE),
+            ModelOptions(contacts="corners"),
+        ),
+        1e-6,
+    )
     contacts, weight = wall.layout.contacts, GRAVITY * wall.layout.total_mass
     ends = np.abs(contacts.x - STONE.length / 2) > 0.4 * STONE.length
     assert ends.sum() == 2
@@ -87,7 +95,8 @@ def test_rigid_stones_overrate_sw200_and_split_ones_less():
 
 @pytest.mark.long
 def test_a_top_on_a_spring_explains_the_peak_of_sw200_and_not_the_fall_after_it():
-    """docs/validation/dry-joints.md: 4e5 N m/rad, within 15 % at the peak and beyond 25 % at 20 mm."""
+    """docs/validation/dry-joints.md: 4e5 N m/rad, within 15 % at the peak and beyond 25 % at 20
+    mm."""
     done = push(lay("SW.200"), farthest=0.021, top=4e5)
     assert_allclose(done.peak, measured_peak("SW.200"), rtol=0.15)
     assert far_force(done.displacement, done.force) > 1.25 * measured_far("SW.200")

@@ -1,5 +1,5 @@
-"""Selective mass scaling: periods by their closed form, energies, equal bits in both widths, the factor beside SciPy's,
-which runs are accepted, and the symmetric wall beside explicit steps."""
+"""Selective mass scaling: periods by their closed form, energies, equal bits in both widths, the
+factor beside SciPy's, which runs are accepted, and the symmetric wall beside explicit steps."""
 
 from dataclasses import replace
 
@@ -31,7 +31,9 @@ MILDLY = SHAKEN | {"harmonic": (0.06, 0.25)}
 
 def softening_wall():
     made = small_wall()
-    return replace(made, joint=replace(made.joint, mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0))
+    return replace(
+        made, joint=replace(made.joint, mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -48,23 +50,32 @@ def free_wall(layout, time_step, **how):
 
 @pytest.mark.parametrize("mode, time_step", [(0, 1e-4), (3, 2e-4)])
 def test_a_mode_vibrates_with_the_period_of_the_closed_form(mode, time_step):
-    """sin(omega' dt / 2) = dt / 2 omega / sqrt(1 + dt^2 omega^2 / 2): T1 to T4 of the symmetric wall, 5 to 30 Hz."""
+    """sin(omega' dt / 2) = dt / 2 omega / sqrt(1 + dt^2 omega^2 / 2): T1 to T4 of the symmetric
+    wall, 5 to 30 Hz."""
     layout = lay_out(load_wall(SYMMETRIC))
     modes = natural_modes(layout)
     exact = 2 * np.pi / modes.period_s[mode]
-    slower = 2 / time_step * np.arcsin(time_step / 2 * exact / np.sqrt(1 + time_step**2 * exact**2 / 2))
+    slower = (
+        2 / time_step * np.arcsin(time_step / 2 * exact / np.sqrt(1 + time_step**2 * exact**2 / 2))
+    )
     wall, shape = free_wall(layout, time_step), 1e-7 * modes.shape[mode]
     n = round(9.75 * 2 * np.pi / slower / time_step)
     wall.displacement = shape
     wall.velocity = shape * (1 - np.cos(slower * time_step)) / time_step
     wall.run(n)
     mass = mass_vector(layout)
-    now = (mass * wall.displacement.ravel()) @ shape.ravel() / ((mass * shape.ravel()) @ shape.ravel())
+    now = (
+        (mass * wall.displacement.ravel())
+        @ shape.ravel()
+        / ((mass * shape.ravel()) @ shape.ravel())
+    )
     assert now == pytest.approx(np.cos(slower * n * time_step), abs=1e-5)
     assert abs(now - np.cos(exact * n * time_step)) > 1e-4
 
 
-@pytest.mark.parametrize("model", [ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")])
+@pytest.mark.parametrize(
+    "model", [ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")]
+)
 def test_kinetic_energy_with_the_matrix_closes_the_balance_of_a_linear_wall(model):
     layout = lay_out(softening_wall(), model)
     wall = free_wall(layout, 1e-4)
@@ -76,8 +87,14 @@ def test_kinetic_energy_with_the_matrix_closes_the_balance_of_a_linear_wall(mode
     assert_allclose(total, total[0], rtol=1e-7)
 
 
-@pytest.mark.parametrize("model", [ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss"),
-                                   ModelOptions(soil="1e9", soil_velocity=100.0)])
+@pytest.mark.parametrize(
+    "model",
+    [
+        ModelOptions(),
+        ModelOptions(bricks="deformable", contacts="gauss"),
+        ModelOptions(soil="1e9", soil_velocity=100.0),
+    ],
+)
 @pytest.mark.parametrize("held", [False, True])
 def test_a_step_solves_with_the_matrix_as_scipy_does(model, held):
     layout = lay_out(softening_wall(), model)
@@ -102,20 +119,29 @@ def test_a_step_solves_with_the_matrix_as_scipy_does(model, held):
 
 def test_the_matrix_is_that_of_the_definition(layout):
     whole = scaled_mass(layout, 2e-4, 1e-6).whole
-    expected = np.diag(mass_vector(layout)) + 0.5 * 2e-4 * (2e-4 + 1e-6) * stiffness_matrix(layout).toarray()
+    expected = (
+        np.diag(mass_vector(layout))
+        + 0.5 * 2e-4 * (2e-4 + 1e-6) * stiffness_matrix(layout).toarray()
+    )
     assert_allclose(whole.sparse().toarray(), expected, rtol=1e-12, atol=1e-12)
 
 
 def test_a_wall_that_moves_as_a_whole_has_its_mass_alone():
     """What joints add to the matrix gives no momentum to rigid motion, to rounding."""
     layout = lay_out(softening_wall(), ModelOptions(soil="1e9", soil_velocity=100.0))
-    inner = replace(layout, contacts=replace(layout.contacts, area=np.where(
-        layout.contacts.first < 0, 0.0, layout.contacts.area)))  # without the ground
+    inner = replace(
+        layout,
+        contacts=replace(
+            layout.contacts, area=np.where(layout.contacts.first < 0, 0.0, layout.contacts.area)
+        ),
+    )  # without the ground
     whole, bodies = scaled_mass(inner, 2e-4, 1e-6).whole.sparse(), layout.bodies
     mass, none, one = mass_vector(layout), np.zeros(len(bodies)), np.ones(len(bodies))
     for motion in ((one, none, none), (none, one, none), (-bodies.z, bodies.x, one)):
         moved = np.column_stack(motion).ravel()
-        assert np.abs(whole @ moved - mass * moved).max() < 1e-15 * (abs(whole) @ np.abs(moved)).max()
+        assert (
+            np.abs(whole @ moved - mass * moved).max() < 1e-15 * (abs(whole) @ np.abs(moved)).max()
+        )
 
 
 def test_a_wall_has_the_same_bits_alone_and_among_eight(layout):
@@ -142,11 +168,18 @@ def test_walls_of_other_steps_are_no_batch(layout):
         run_together(walls, 10)
 
 
-@pytest.mark.parametrize("words, complaint", [
-    (["--new-contacts"], "collision"), (["--relaxation", "local"], "--relaxation local"),
-    (["--settling", "local"], "--settling local")])
+@pytest.mark.parametrize(
+    "words, complaint",
+    [
+        (["--new-contacts"], "collision"),
+        (["--relaxation", "local"], "--relaxation local"),
+        (["--settling", "local"], "--settling local"),
+    ],
+)
 def test_what_needs_the_masses_themselves_is_refused(words, complaint):
-    refused_with(complaint, parse_run, ["--mass-scaling", "selective", *words], prog="", solver="reference")
+    refused_with(
+        complaint, parse_run, ["--mass-scaling", "selective", *words], prog="", solver="reference"
+    )
 
 
 @pytest.mark.parametrize("dt", [1e-5, 1e-3])
@@ -155,18 +188,36 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
         damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=dt)
 
 
-@pytest.mark.parametrize("words, step_s", [
-    ("", 1e-4), ("--sequence 1,0.5", 1e-4), ("--lintel none", 1e-4),
-    ("--bricks deformable --contacts gauss", 5e-5), ("--mass-scaling none", None), ("--dt 1e-5", None),
-    ("--pushover 0.1", None), ("--free-vibration", None), ("--settle hogging", None),
-    ("--settle hogging --harmonic 0.2 0.05", None), ("--settle hogging --harmonic 0.2 0.05 --settling adaptive", 1e-4),
-    ("--contacts gauss", None),
-    ("--bricks deformable", None), ("--soil 1e8", None), ("--fibres 4", None), ("--new-contacts", None),
-    ("--settling local", None), ("--relaxation local", None)])
+@pytest.mark.parametrize(
+    "words, step_s",
+    [
+        ("", 1e-4),
+        ("--sequence 1,0.5", 1e-4),
+        ("--lintel none", 1e-4),
+        ("--bricks deformable --contacts gauss", 5e-5),
+        ("--mass-scaling none", None),
+        ("--dt 1e-5", None),
+        ("--pushover 0.1", None),
+        ("--free-vibration", None),
+        ("--settle hogging", None),
+        ("--settle hogging --harmonic 0.2 0.05", None),
+        ("--settle hogging --harmonic 0.2 0.05 --settling adaptive", 1e-4),
+        ("--contacts gauss", None),
+        ("--bricks deformable", None),
+        ("--soil 1e8", None),
+        ("--fibres 4", None),
+        ("--new-contacts", None),
+        ("--settling local", None),
+        ("--relaxation local", None),
+    ],
+)
 def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
     """Of a stiff wall with an opening and softening joints; None: explicit."""
+
     def of(wall, period_s=0.06):
-        (settings, step), *_ = scheme.schemes(parse_run(words.split(), "", "reference"), wall, 4e-5, period_s)
+        (settings, step), *_ = scheme.schemes(
+            parse_run(words.split(), "", "reference"), wall, 4e-5, period_s
+        )
         return step if settings.mass_scaling == "selective" else None
 
     soft = softening_wall()
@@ -177,12 +228,13 @@ def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
 
 
 def test_yade_takes_explicit_steps():
-    (settings, step), *others = scheme.schemes(parse_run([], "", "yade"), softening_wall(), 4e-5, 0.2)
+    (settings, step), *others = scheme.schemes(
+        parse_run([], "", "yade"), softening_wall(), 4e-5, 0.2
+    )
     assert settings.mass_scaling == "none" and step < 4e-5 and not others
 
 
 class TestAcceptance:
-
     def test_an_explicit_run_replaces_those_that_are_not_accepted(self, monkeypatch, tmp_path):
         monkeypatch.setattr(scheme, "ACCEPTED_ERROR", 0.0)
         for out in ({}, {"out": str(tmp_path / "run.h5")}):
@@ -194,8 +246,10 @@ class TestAcceptance:
 
     def test_half_the_step_comes_first(self, monkeypatch):
         errors = iter([1.0, 0.0])
-        monkeypatch.setattr("damage.run.session.check_energy",
-                            lambda settings, error: scheme.check_energy(settings, next(errors)))
+        monkeypatch.setattr(
+            "damage.run.session.check_energy",
+            lambda settings, error: scheme.check_energy(settings, next(errors)),
+        )
         found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4)
         assert found.parameters["time_step_s"] == 1e-4 and found.parameters["repeats"] == 1
         assert found.parameters["mass_scaling"] == "selective"
@@ -207,7 +261,10 @@ class TestAcceptance:
 
         monkeypatch.setattr("damage.run.session.check_energy", fails)
         found = damage.run(softening_wall(), **MILDLY)
-        assert found.complete and (found.parameters["repeats"], found.parameters["repeated_for"]) == (2, "failure")
+        assert found.complete and (
+            found.parameters["repeats"],
+            found.parameters["repeated_for"],
+        ) == (2, "failure")
 
     def test_an_accepted_run_is_not_repeated(self):
         found = damage.run(softening_wall(), **MILDLY, mass_scaling="selective")
@@ -225,8 +282,11 @@ class TestDrop:
     @pytest.fixture
     def spandrel(self, layout):
         """Bricks above the opening, which no bed joint bears."""
-        lowest = [brick for brick in range(layout.n_bricks) if layout.bodies.z[brick] > 0.45
-                  and abs(layout.bodies.x[brick] - 0.5625) < 0.2]
+        lowest = [
+            brick
+            for brick in range(layout.n_bricks)
+            if layout.bodies.z[brick] > 0.45 and abs(layout.bodies.x[brick] - 0.5625) < 0.2
+        ]
         assert lowest
         return lowest
 
@@ -237,7 +297,9 @@ class TestDrop:
 
     def test_none_of_a_wall_that_moves_or_turns_as_a_whole(self, layout):
         motion, angle = np.zeros((1, len(layout.bodies), 3)), 0.02
-        motion[0, :, 1] = -5e-3 + np.sin(angle) * layout.bodies.x - (1 - np.cos(angle)) * layout.bodies.z
+        motion[0, :, 1] = (
+            -5e-3 + np.sin(angle) * layout.bodies.x - (1 - np.cos(angle)) * layout.bodies.z
+        )
         motion[0, :, 2] = angle
         assert Borne(layout).largest_drop(motion)[0] < 1e-4
 
@@ -248,4 +310,8 @@ def test_a_run_that_continues_is_the_second_half_of_a_sequence(tmp_path):
     damage.run(softening_wall(), **how, out=str(first))
     second = damage.run(softening_wall(), **{**how, "continue": str(first), "sequence": (0.6,)})
     assert whole.broken.any() and whole.parameters["repeats"] == second.parameters["repeats"] == 0
-    assert_allclose(second.series["drift_ratio"].to_numpy()[-1], whole.series["drift_ratio"].to_numpy()[-1], rtol=1e-9)
+    assert_allclose(
+        second.series["drift_ratio"].to_numpy()[-1],
+        whole.series["drift_ratio"].to_numpy()[-1],
+        rtol=1e-9,
+    )

@@ -9,7 +9,14 @@ from small_history import make_history, small_layout
 
 from damage.index import damage_index
 from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table, upward_crossings
-from damage.measure.energy import DISSIPATED, STORED, Balance, energy_error, energy_measures, imbalance
+from damage.measure.energy import (
+    DISSIPATED,
+    STORED,
+    Balance,
+    energy_error,
+    energy_measures,
+    imbalance,
+)
 from damage.measure.limits import LIMITS, classes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
@@ -24,8 +31,12 @@ TIME_S = STEP_S * np.arange(len(STAGES))
 @pytest.fixture
 def harmonic(tmp_path):
     """Make histories of three cycles of 0.2 s, then rest and settling; returns the maker."""
+
     def make(drift, **options):
-        return make_history(tmp_path / "run.h5", stages=STAGES, step_s=STEP_S, drift=drift, **options)
+        return make_history(
+            tmp_path / "run.h5", stages=STAGES, step_s=STEP_S, drift=drift, **options
+        )
+
     return make
 
 
@@ -43,19 +54,29 @@ def test_crossings_of_a_sine_lie_a_period_apart():
 
 def test_ripples_around_zero_are_no_cycles():
     time_s = np.arange(0, 2, 0.0001)
-    rippled = np.sin(2 * np.pi * 4 * (time_s - 0.1)) - 0.018 * np.sin(2 * np.pi * 300 * time_s)  # steeper than it
+    # steeper than it
+    rippled = np.sin(2 * np.pi * 4 * (time_s - 0.1)) - 0.018 * np.sin(2 * np.pi * 300 * time_s)
     assert np.diff(upward_crossings(time_s, rippled)) == pytest.approx(0.25, abs=0.004)
     assert len(upward_crossings(time_s, rippled, rearm=0.0)) > 8
 
 
 def test_the_energy_balance_counts_all_that_is_stored_and_dissipated():
-    """Of 8 J that come in each term takes 1 J, and 2 J are missing; what was there at first does not count."""
-    series = pd.DataFrame({"stage": "motion", "input_energy_j": [0.0, 8.0], **{name: [5.0, 6.0] for name in STORED},
-                           **{name: [0.0, 1.0] for name in DISSIPATED}})
+    """Of 8 J that come in each term takes 1 J, and 2 J are missing; what was there at first does
+    not count."""
+    series = pd.DataFrame(
+        {
+            "stage": "motion",
+            "input_energy_j": [0.0, 8.0],
+            **{name: [5.0, 6.0] for name in STORED},
+            **{name: [0.0, 1.0] for name in DISSIPATED},
+        }
+    )
     assert imbalance(series) == pytest.approx([0.0, -2.0])
     assert energy_error(series) == pytest.approx(0.25)
     balance = Balance(noise=0.0)
-    balance.add({name: series[name].to_numpy() for name in (*STORED, *DISSIPATED, "input_energy_j")})
+    balance.add(
+        {name: series[name].to_numpy() for name in (*STORED, *DISSIPATED, "input_energy_j")}
+    )
     assert balance.error == pytest.approx(0.25)
 
 
@@ -98,17 +119,32 @@ def test_a_run_cut_short_has_its_whole_cycles_only(tmp_path):
 
 def test_energies_leave_the_damping_of_the_settling_out(harmonic):
     settling = np.array(STAGES) == "settling"
-    found = energy_measures(harmonic(0.0, row={
-        "friction_energy_j": 3 * TIME_S, "fracture_energy_j": 0.5, "input_energy_j": 7.0,
-        "damping_energy_j": np.where(settling, 10.0, TIME_S / TIME_S[MOTION + REST - 1])}))
+    found = energy_measures(
+        harmonic(
+            0.0,
+            row={
+                "friction_energy_j": 3 * TIME_S,
+                "fracture_energy_j": 0.5,
+                "input_energy_j": 7.0,
+                "damping_energy_j": np.where(settling, 10.0, TIME_S / TIME_S[MOTION + REST - 1]),
+            },
+        )
+    )
     assert found["dissipated_energy_j"] == pytest.approx(3 * TIME_S[-1] + 0.5)
     assert found["input_energy_j"] == 7.0
     assert found["damping_energy_j"] == pytest.approx(1.0)
 
 
 def test_classes_of_published_limits():
-    assert list(classes(0.0009, 1.2, 0.5).values()) == ["light", "light", "minor", "up to 0.5 %", "up to 1/600",
-                                                        "visible", "very slight"]
+    assert list(classes(0.0009, 1.2, 0.5).values()) == [
+        "light",
+        "light",
+        "minor",
+        "up to 0.5 %",
+        "up to 1/600",
+        "visible",
+        "very slight",
+    ]
 
 
 @pytest.mark.parametrize("limits", LIMITS, ids=lambda limits: limits.name)
@@ -127,13 +163,28 @@ def test_summary_row_holds_every_measure(harmonic):
     assert summarise(history)["psi_class"] == "visible"
     assert row["max_psi"] == pytest.approx(2 * 0.4**0.3, rel=1e-3)
     assert row["residual_crack_width_mm"] == pytest.approx(0.4, rel=1e-3)
-    for name in ("last_cycle_s", "first_free_cycle_s", "period_elongation", "dissipated_energy_j",
-                 "damping_energy_j", "max_crack_width_mm", "residual_psi", *(one.name for one in LIMITS)):
+    for name in (
+        "last_cycle_s",
+        "first_free_cycle_s",
+        "period_elongation",
+        "dissipated_energy_j",
+        "damping_energy_j",
+        "max_crack_width_mm",
+        "residual_psi",
+        *(one.name for one in LIMITS),
+    ):
         assert name in row
 
 
-WRITTEN = {"pgv_m_s": 0.02, "pgv_rotd100_m_s": 0.03, "avg_sa_g": 0.3, "sa_eigen_period_g": 0.4, "arias_m_s": 0.1,
-           "d5_75_s": 2.0, "d5_95_s": None}
+WRITTEN = {
+    "pgv_m_s": 0.02,
+    "pgv_rotd100_m_s": 0.03,
+    "avg_sa_g": 0.3,
+    "sa_eigen_period_g": 0.4,
+    "arias_m_s": 0.1,
+    "d5_75_s": 2.0,
+    "d5_95_s": None,
+}
 
 
 class TestMotion:
@@ -142,48 +193,99 @@ class TestMotion:
         history.parameters.update(WRITTEN, sequence=[0.5, -2.0])
         # velocity and acceleration with the factor, squares with its square, durations not at all
         assert motion_measures(history) == pytest.approx(
-            {"pgv_m_s": 0.04, "pgv_rotd100_m_s": 0.06, "avg_sa_g": 0.6, "sa_eigen_period_g": 0.8, "arias_m_s": 0.4,
-             "d5_75_s": 2.0, "d5_95_s": None})
+            {
+                "pgv_m_s": 0.04,
+                "pgv_rotd100_m_s": 0.06,
+                "avg_sa_g": 0.6,
+                "sa_eigen_period_g": 0.8,
+                "arias_m_s": 0.4,
+                "d5_75_s": 2.0,
+                "d5_95_s": None,
+            }
+        )
         row = summary_row(history)
         assert {name: row[name] for name in WRITTEN} == motion_measures(history)
 
 
-# --- the index: equations (1) to (4), thresholds, clipping, criteria ---------------------------------
+# --- the index: equations (1) to (4), thresholds, clipping, criteria ------------------------------
 
 LENGTH = np.array([1.0, 2.0, 3.0, 4.0])  # [m], 10 m in all
 
 
 def index_of(drift=0.0, opening=(0, 0, 0, 0), slip=(0, 0, 0, 0), at_limit=(0, 0, 0, 0), **options):
-    frame = damage_index([0.0], [drift], np.array([opening], float), np.array([slip], float),
-                         np.array([at_limit], bool), LENGTH, **options)
+    frame = damage_index(
+        [0.0],
+        [drift],
+        np.array([opening], float),
+        np.array([slip], float),
+        np.array([at_limit], bool),
+        LENGTH,
+        **options,
+    )
     return frame.iloc[0]
 
 
 FIRST, SECOND, LIMITED = (2e-4, 0, 0, 0), (0, 2e-4, 0, 0), (0, 0, 1, 1)
 
 
-@pytest.mark.parametrize(("given", "expected"), [
-    ({"opening": (2e-4, 0, 0.9e-4, 1.1e-4), "slip": (0, -2e-4, 0, 0)}, {"DI_open": 0.5, "DI_slip": 0.2}),
-    ({"drift": -0.005, "opening": FIRST, "slip": SECOND}, {"DI_drift": 0.25, "DI": 1 - 0.75 * 0.9 * 0.8}),
-    ({"opening": FIRST, "slip": SECOND, "total_length": 20.0}, {"DI_open": 0.05, "DI_slip": 0.1}),
-    ({"drift": 0.05}, {"DI_drift": 1.0, "drift_over_limit": 2.5}),
-    ({"slip": FIRST, "at_limit": LIMITED}, {"DI_slip": 0.1}),
-    ({"slip": FIRST, "at_limit": LIMITED, "slip_criterion": "shear-limit"}, {"DI_slip": 0.7}),
-    ({"drift": 0.005, "opening": FIRST, "threshold": 3e-4, "drift_limit": 0.01}, {"DI_open": 0.0, "DI_drift": 0.5})],
-    ids=["lengths over the threshold add up", "equation (1)", "joints that are left out count in the total",
-         "drift is clipped and kept", "slip", "slip by the shear limit", "threshold and drift limit can be set"])
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (
+            {"opening": (2e-4, 0, 0.9e-4, 1.1e-4), "slip": (0, -2e-4, 0, 0)},
+            {"DI_open": 0.5, "DI_slip": 0.2},
+        ),
+        (
+            {"drift": -0.005, "opening": FIRST, "slip": SECOND},
+            {"DI_drift": 0.25, "DI": 1 - 0.75 * 0.9 * 0.8},
+        ),
+        (
+            {"opening": FIRST, "slip": SECOND, "total_length": 20.0},
+            {"DI_open": 0.05, "DI_slip": 0.1},
+        ),
+        ({"drift": 0.05}, {"DI_drift": 1.0, "drift_over_limit": 2.5}),
+        ({"slip": FIRST, "at_limit": LIMITED}, {"DI_slip": 0.1}),
+        ({"slip": FIRST, "at_limit": LIMITED, "slip_criterion": "shear-limit"}, {"DI_slip": 0.7}),
+        (
+            {"drift": 0.005, "opening": FIRST, "threshold": 3e-4, "drift_limit": 0.01},
+            {"DI_open": 0.0, "DI_drift": 0.5},
+        ),
+    ],
+    ids=[
+        "lengths over the threshold add up",
+        "equation (1)",
+        "joints that are left out count in the total",
+        "drift is clipped and kept",
+        "slip",
+        "slip by the shear limit",
+        "threshold and drift limit can be set",
+    ],
+)
 def test_the_index_of_an_instant(given, expected):
     row = index_of(**given)
     assert {name: row[name] for name in expected} == pytest.approx(expected)
 
 
 def test_index_is_now_and_not_ever():
-    frame = damage_index([0.0, 1.0], [0.01, 0.0], np.array([[1e-3] * 4, [0.0] * 4]), np.zeros((2, 4)),
-                         np.zeros((2, 4), bool), LENGTH)
+    frame = damage_index(
+        [0.0, 1.0],
+        [0.01, 0.0],
+        np.array([[1e-3] * 4, [0.0] * 4]),
+        np.zeros((2, 4)),
+        np.zeros((2, 4), bool),
+        LENGTH,
+    )
     assert_allclose(frame.DI, [1.0, 0.0])
 
 
-@pytest.mark.parametrize("options", [{"threshold": 0.0}, {"drift_limit": -1.0}, {"threshold": float("nan")},
-                                     {"slip_criterion": "sliding"}])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"threshold": 0.0},
+        {"drift_limit": -1.0},
+        {"threshold": float("nan")},
+        {"slip_criterion": "sliding"},
+    ],
+)
 def test_bad_options_are_refused(options):
     refused_with("expected", index_of, **options)

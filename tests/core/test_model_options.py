@@ -1,4 +1,5 @@
-"""The default model stands once, in ModelOptions: command lines, names and tables follow from its fields."""
+"""The default model stands once, in ModelOptions: command lines, names and tables follow from its
+fields."""
 
 from dataclasses import replace
 
@@ -18,65 +19,136 @@ from paper.evidence import SHAPE
 from paper.study_figures import choice
 
 
-@pytest.mark.parametrize(("options", "name"), [
-    ({}, "w_harmonic_0.2s_0.05g_yade.h5"),
-    ({"lintel": "none", "contacts": "corners"}, "w_harmonic_0.2s_0.05g_yade_lintel-none_corners.h5"),
-    ({"lintel": 2, "load": "piers"}, "w_harmonic_0.2s_0.05g_yade_lintel-2_load-piers.h5"),
-    ({"top": "beam", "strength_cov": 0.3}, "w_harmonic_0.2s_0.05g_yade_top-beam_strength-0.3-0.h5"),
-])
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        ({}, "w_harmonic_0.2s_0.05g_yade.h5"),
+        (
+            {"lintel": "none", "contacts": "corners"},
+            "w_harmonic_0.2s_0.05g_yade_lintel-none_corners.h5",
+        ),
+        ({"lintel": 2, "load": "piers"}, "w_harmonic_0.2s_0.05g_yade_lintel-2_load-piers.h5"),
+        (
+            {"top": "beam", "strength_cov": 0.3},
+            "w_harmonic_0.2s_0.05g_yade_top-beam_strength-0.3-0.h5",
+        ),
+    ],
+)
 def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
     settings = RunSettings(Harmonic(0.2, 0.05), ModelOptions(**options))
     assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path) == tmp_path / name
     (tmp_path / name.removesuffix(".h5")).mkdir()  # pictures, whose history is gone
-    assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path).name == name.replace(".h5", "_2.h5")
+    assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path).name == name.replace(
+        ".h5", "_2.h5"
+    )
 
 
 def test_figures_and_evidence_know_every_choice():
-    assert {"cells", "contacts", "top", "load", "strength_cov", "fibres", "bricks", "brick_order", "plane",
-            "brick_mass", "brick_damping", "brick_cells",
-            "supports", "soil", "soil_shear", "footing", "soil_velocity"} == USUAL_MODEL.keys() & SHAPE.keys()
+    assert {
+        "cells",
+        "contacts",
+        "top",
+        "load",
+        "strength_cov",
+        "fibres",
+        "bricks",
+        "brick_order",
+        "plane",
+        "brick_mass",
+        "brick_damping",
+        "brick_cells",
+        "supports",
+        "soil",
+        "soil_shear",
+        "footing",
+        "soil_velocity",
+    } == USUAL_MODEL.keys() & SHAPE.keys()
     assert choice({**USUAL_MODEL, "cycles": 3}) == "default"
     assert choice({**USUAL_MODEL, "strength_cov": 0.3}) == "strength_cov 0.3"
 
 
-@pytest.mark.parametrize(("given", "kept"), [("elastic", "elastic"), ("none", "none"), (0, "none"), ("0", "none"),
-                                            (2, "2"), ("2", "2"), ("02", "2"), ("concrete", "concrete")])
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ("elastic", "elastic"),
+        ("none", "none"),
+        (0, "none"),
+        ("0", "none"),
+        (2, "2"),
+        ("2", "2"),
+        ("02", "2"),
+        ("concrete", "concrete"),
+    ],
+)
 def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     assert ModelOptions(lintel=given).lintel == kept
     assert parse_run(["--lintel", str(given)], "test", "yade").model.lintel == kept
     write_table(pd.DataFrame({"lintel": [kept]}), tmp_path / "points.csv")
     assert list(read_table(tmp_path / "points.csv")["lintel"]) == [kept]
-    assert choice({**USUAL_MODEL, "lintel": kept}) == ("default" if kept == "elastic" else f"lintel: {kept}")
+    assert choice({**USUAL_MODEL, "lintel": kept}) == (
+        "default" if kept == "elastic" else f"lintel: {kept}"
+    )
 
 
-@pytest.mark.parametrize(("options", "words"), [
-    ({"harmonic": (0.2, 0.05), "cycles": 2, "rest": np.float64(1)}, "--harmonic 0.2 0.05 --cycles 2 --rest 1.0"),
-    ({"harmonic": [1, "0.05"], "sequence": (1, 0.5)}, "--harmonic 1 0.05 --sequence 1.0,0.5"),
-    ({"cyclic": "0.1,0.2", "top-rotation": 0, "stresses": True, "pictures": False},
-     "--cyclic 0.1,0.2 --top-rotation 0 --stresses --no-pictures"),
-    ({"settle": "tilt", "distortion": "1/200", "point": [(0.3, 0.3), (0.5, 0.1)], "beta": None, "quiet": False},
-     "--settle tilt --distortion 0.005 --point 0.3 0.3 --point 0.5 0.1")])
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            {"harmonic": (0.2, 0.05), "cycles": 2, "rest": np.float64(1)},
+            "--harmonic 0.2 0.05 --cycles 2 --rest 1.0",
+        ),
+        ({"harmonic": [1, "0.05"], "sequence": (1, 0.5)}, "--harmonic 1 0.05 --sequence 1.0,0.5"),
+        (
+            {"cyclic": "0.1,0.2", "top-rotation": 0, "stresses": True, "pictures": False},
+            "--cyclic 0.1,0.2 --top-rotation 0 --stresses --no-pictures",
+        ),
+        (
+            {
+                "settle": "tilt",
+                "distortion": "1/200",
+                "point": [(0.3, 0.3), (0.5, 0.1)],
+                "beta": None,
+                "quiet": False,
+            },
+            "--settle tilt --distortion 0.005 --point 0.3 0.3 --point 0.5 0.1",
+        ),
+    ],
+)
 def test_a_command_line_is_one_way_to_give_options(options, words):
     given, parsed = settings_of(options, "", "reference"), parse_run(words.split(), "", "reference")
     assert replace(given, command="") == replace(parsed, command="")
     assert parse_run(words_of(options), "", "reference") == given
 
 
-@pytest.mark.parametrize(("options", "words", "said"), [
-    ({"harmonic": 0.2}, "--harmonic 0.2", "argument --harmonic: expected 2 arguments"),
-    ({"rest": "x"}, "--rest x", "argument --rest: invalid float value: 'x'"),
-    ({"cycles": "2.5"}, "--cycles 2.5", "argument --cycles: invalid int value: '2.5'"),
-    ({"top": "flat"}, "--top flat", "argument --top: invalid choice: 'flat'"),
-    ({"cyclic": "1,x"}, "--cyclic 1,x", "argument --cyclic: 1,x: expected numbers with commas between"),
-    ({"scale": 2}, "--scale 2", "--scale belongs to --record")])
+@pytest.mark.parametrize(
+    ("options", "words", "said"),
+    [
+        ({"harmonic": 0.2}, "--harmonic 0.2", "argument --harmonic: expected 2 arguments"),
+        ({"rest": "x"}, "--rest x", "argument --rest: invalid float value: 'x'"),
+        ({"cycles": "2.5"}, "--cycles 2.5", "argument --cycles: invalid int value: '2.5'"),
+        ({"top": "flat"}, "--top flat", "argument --top: invalid choice: 'flat'"),
+        (
+            {"cyclic": "1,x"},
+            "--cyclic 1,x",
+            "argument --cyclic: 1,x: expected numbers with commas between",
+        ),
+        ({"scale": 2}, "--scale 2", "--scale belongs to --record"),
+    ],
+)
 def test_a_wrong_option_is_refused_alike_however_it_is_given(options, words, said):
     refused_with(said, settings_of, options, "", "reference")
     refused_with(said, parse_run, words.split(), "", "reference")
 
 
-@pytest.mark.parametrize(("options", "said"), [
-    ({"cycles": 2.5}, "argument --cycles: invalid int value: 2.5"), ({"rest": True}, "invalid float value: True"),
-    ({"quiet": 1}, "quiet = 1: expected True or False"), ({"point": 3}, "point = 3: expected X_M Z_M"),
-    ({"harmonc": 1}, "did you mean harmonic")])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"cycles": 2.5}, "argument --cycles: invalid int value: 2.5"),
+        ({"rest": True}, "invalid float value: True"),
+        ({"quiet": 1}, "quiet = 1: expected True or False"),
+        ({"point": 3}, "point = 3: expected X_M Z_M"),
+        ({"harmonc": 1}, "did you mean harmonic"),
+    ],
+)
 def test_a_value_that_no_command_line_can_have_is_refused(options, said):
     refused_with(said, settings_of, options, "", "reference")

@@ -28,7 +28,8 @@ from damage.wall.parameters import Opening, Wall
 from damage.wall.restraints import Restraint
 
 PERIODS_S = {"solid": 0.0637, "symmetric": 0.2003, "asymmetric": 0.1745}
-"""First periods, which both solvers vibrate with (README.md); the paper's are 0.06 and about 0.2 s."""
+"""First periods, which both solvers vibrate with (README.md); the paper's are 0.06 and about 0.2
+s."""
 
 
 def test_first_period_is_the_one_that_the_solvers_show(shipped_wall):
@@ -63,8 +64,12 @@ def test_a_stack_of_one_brick_vibrates_as_by_hand():
     shear, rocking = k_s * area, k_n * area * arm**2
     matrix = np.array([[shear, shear * half], [shear * half, rocking + shear * half**2]])
     root = np.diag([mass, inertia]) ** 0.5
-    omega = np.sqrt(np.append(np.linalg.eigvalsh(np.linalg.solve(root, matrix) @ np.linalg.inv(root)),
-                              k_n * area / mass))
+    omega = np.sqrt(
+        np.append(
+            np.linalg.eigvalsh(np.linalg.solve(root, matrix) @ np.linalg.inv(root)),
+            k_n * area / mass,
+        )
+    )
     full = stiffness_matrix(layout).toarray() / np.sqrt(np.outer(*[mass_vector(layout)] * 2))
     assert_allclose(np.sqrt(np.linalg.eigvalsh(full)), np.sort(omega), rtol=1e-10)
 
@@ -76,23 +81,39 @@ def test_a_cap_on_a_hinge_has_no_period_even_where_rounding_gives_it_one():
     layout = lay_out(HALF_BRICK_PIER, ModelOptions(contacts="corners"))
     glue = layout.contacts.second == layout.n_bricks  # of the cap on half a brick
     middle = np.where(glue, layout.bodies.x[layout.n_bricks], layout.contacts.x)
-    refused_with("can move freely", natural_modes, replace(layout, contacts=replace(layout.contacts, x=middle)))
+    refused_with(
+        "can move freely",
+        natural_modes,
+        replace(layout, contacts=replace(layout.contacts, x=middle)),
+    )
 
 
 def test_modes_are_those_of_lapack(symmetric_wall):
     layout = lay_out(symmetric_wall)
     modes = natural_modes(layout, 3)
-    squares, vectors = eigh(stiffness_matrix(layout).toarray(), np.diag(mass_vector(layout)), subset_by_index=[0, 2])
+    squares, vectors = eigh(
+        stiffness_matrix(layout).toarray(), np.diag(mass_vector(layout)), subset_by_index=[0, 2]
+    )
     assert_allclose(modes.period_s, 2 * np.pi / np.sqrt(squares), rtol=2.0**-26)
     for found, exact in zip(modes.shape, vectors.T.reshape(3, -1, 3)):
-        assert_allclose(found, np.vdot(found, exact) / np.vdot(exact, exact) * exact, atol=1e-8 * np.abs(found).max())
+        assert_allclose(
+            found,
+            np.vdot(found, exact) / np.vdot(exact, exact) * exact,
+            atol=1e-8 * np.abs(found).max(),
+        )
 
 
-@pytest.mark.parametrize("options", [ModelOptions(), ModelOptions(contacts="gauss", bricks="deformable")])
+@pytest.mark.parametrize(
+    "options", [ModelOptions(), ModelOptions(contacts="gauss", bricks="deformable")]
+)
 @pytest.mark.parametrize("restraints", [(), (Restraint("top"), Restraint("left"))])
 def test_free_vibration_begins_with_the_first_mode(options, restraints):
-    layout = lay_out(Wall("w", 2.025, 1.2, (Opening(0.45, 0.9, 0.75),), precompression=1e5, restraints=restraints),
-                     options)
+    layout = lay_out(
+        Wall(
+            "w", 2.025, 1.2, (Opening(0.45, 0.9, 0.75),), precompression=1e5, restraints=restraints
+        ),
+        options,
+    )
     wanted = natural_modes(layout).shape[0]
     assert_allclose(first_mode(layout), wanted, atol=1e-8 * np.abs(wanted).max())
 
@@ -101,7 +122,8 @@ def test_modes_do_not_know_the_last_bits_of_libraries(symmetric_wall, monkeypatc
     """Squared frequencies off by more than what separates libraries, vectors of other signs."""
     layout = lay_out(symmetric_wall)
     wanted = natural_modes(layout)
-    assert np.any(np.abs(wanted.shape[:, layout.drift_bodies, 0].mean(axis=1)) < 1e-3)  # one moves up and down
+    # one moves up and down
+    assert np.any(np.abs(wanted.shape[:, layout.drift_bodies, 0].mean(axis=1)) < 1e-3)
 
     def otherwise(matrix, **how):
         found = eigsh(matrix, **how)
@@ -112,7 +134,9 @@ def test_modes_do_not_know_the_last_bits_of_libraries(symmetric_wall, monkeypatc
     monkeypatch.setattr("damage.law.modes.eigsh", otherwise)
     monkeypatch.setattr("damage.law.modes._KEPT", {})
     found = natural_modes(layout)
-    assert np.array_equal(found.shape, wanted.shape) and np.array_equal(found.period_s, wanted.period_s)
+    assert np.array_equal(found.shape, wanted.shape) and np.array_equal(
+        found.period_s, wanted.period_s
+    )
     assert found.critical_time_step_s == wanted.critical_time_step_s
 
 
@@ -127,18 +151,34 @@ def test_large_rigid_rotation_opens_no_joint_between_bricks(symmetric_wall):
     assert_allclose(shear[inner], 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("options", [ModelOptions(), ModelOptions(contacts="gauss", bricks="deformable"),
-                                     ModelOptions(contacts="gauss", bricks="deformable", brick_order=3)])
+@pytest.mark.parametrize(
+    "options",
+    [
+        ModelOptions(),
+        ModelOptions(contacts="gauss", bricks="deformable"),
+        ModelOptions(contacts="gauss", bricks="deformable", brick_order=3),
+    ],
+)
 @pytest.mark.parametrize("restraints", [(), (Restraint("top"), Restraint("left"))])
 def test_static_displacements_are_those_of_a_sparse_solver(options, restraints):
-    layout = lay_out(Wall("w", 2.025, 1.2, (Opening(0.45, 0.9, 0.75),), precompression=1e5, restraints=restraints),
-                     options)
-    free, weight = mass_vector(layout) > 0, np.zeros((len(layout.bodies), 3 + (layout.strain.n_modes if layout.strain
-                                                                               else 0)))
+    layout = lay_out(
+        Wall(
+            "w", 2.025, 1.2, (Opening(0.45, 0.9, 0.75),), precompression=1e5, restraints=restraints
+        ),
+        options,
+    )
+    free, weight = (
+        mass_vector(layout) > 0,
+        np.zeros((len(layout.bodies), 3 + (layout.strain.n_modes if layout.strain else 0))),
+    )
     weight[:, 1] = -GRAVITY * layout.weighing
     expected = np.zeros(len(free))
-    expected[free] = splu(stiffness_matrix(layout).tocsc()[free][:, free]).solve(weight.ravel()[free])
-    assert_allclose(static_displacement(layout).ravel(), expected, atol=1e-9 * np.abs(expected).max())
+    expected[free] = splu(stiffness_matrix(layout).tocsc()[free][:, free]).solve(
+        weight.ravel()[free]
+    )
+    assert_allclose(
+        static_displacement(layout).ravel(), expected, atol=1e-9 * np.abs(expected).max()
+    )
 
 
 def test_a_factor_makes_up_its_matrix(symmetric_wall):
@@ -153,7 +193,9 @@ def test_a_factor_makes_up_its_matrix(symmetric_wall):
     unit = lower + np.eye(3 * n)
     order = (3 * factor.order[:, None] + np.arange(3)).ravel()
     assert (whole == whole.T).all()
-    assert_allclose(unit @ diagonal @ unit.T, whole[np.ix_(order, order)], atol=1e-13 * np.abs(whole).max())
+    assert_allclose(
+        unit @ diagonal @ unit.T, whole[np.ix_(order, order)], atol=1e-13 * np.abs(whole).max()
+    )
     assert_allclose(factor.inverse @ factor.diagonal, np.tile(np.eye(3), (n, 1, 1)), atol=1e-9)
 
 

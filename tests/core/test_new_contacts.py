@@ -1,4 +1,5 @@
-"""Bricks whose joints have ended find new contacts: the hand-over from joint to loose pair, walls that fall."""
+"""Bricks whose joints have ended find new contacts: the hand-over from joint to loose pair, walls
+that fall."""
 
 import re
 from functools import partial
@@ -43,9 +44,10 @@ def test_a_wall_in_which_no_joint_ends_has_the_same_bits(action):
 
 
 def test_a_brick_that_is_lifted_off_and_let_fall_lands_on_the_other():
-    """A joint that gapes by more than 2 r has ended.  From a height h a brick lands after sqrt(2 h / g), and lies on
-    the other, shifted by s after it has bounced.  Two corners lie on faces and sink in by u, the two that hang over
-    touch rounded corners, s^2 / (4 r) lower: m g = 2 k u + 2 k max(u - s^2 / (4 r), 0)."""
+    """A joint that gapes by more than 2 r has ended.  From a height h a brick lands after sqrt(2 h
+    / g), and lies on the other, shifted by s after it has bounced.  Two corners lie on faces and
+    sink in by u, the two that hang over touch rounded corners, s^2 / (4 r) lower: m g = 2 k u + 2 k
+    max(u - s^2 / (4 r), 0)."""
     wall = pair()
     for height, state in ((0.99 * DIAMETER, FAILED), (0.02, ENDED)):
         wall.displacement = [[0, 0, 0], [0, height, 0]]
@@ -56,7 +58,9 @@ def test_a_brick_that_is_lifted_off_and_let_fall_lands_on_the_other():
     while wall.loose.energy[STORED] == 0.0:
         wall.run(1)
     fallen = start - wall.displacement[1, Z]
-    assert (wall.step - began) * wall.time_step == pytest.approx(np.sqrt(2 * fallen / GRAVITY), rel=0.005)
+    assert (wall.step - began) * wall.time_step == pytest.approx(
+        np.sqrt(2 * fallen / GRAVITY), rel=0.005
+    )
     assert fallen == pytest.approx(0.02, abs=1e-5)
     wall.run(round(1.0 / wall.time_step))
     weight = wall.layout.bodies.mass[1] * GRAVITY
@@ -73,12 +77,23 @@ def rotated(angle, x, z):
     return np.cos(angle) * x - np.sin(angle) * z, np.sin(angle) * x + np.cos(angle) * z
 
 
-@pytest.mark.parametrize("joint", [DRY, {"tensile_strength": 1e5, "cohesion": 1e5, "mode_i_fracture_energy": 5.0,
-                                         "mode_ii_fracture_energy": 50.0}], ids=["dry", "softening"])
+@pytest.mark.parametrize(
+    "joint",
+    [
+        DRY,
+        {
+            "tensile_strength": 1e5,
+            "cohesion": 1e5,
+            "mode_i_fracture_energy": 5.0,
+            "mode_ii_fracture_energy": 50.0,
+        },
+    ],
+    ids=["dry", "softening"],
+)
 def test_the_hand_over_passes_on_what_the_joint_has_stored(joint):
-    """The upper brick is turned about its left contact point, L/4 from its centre, and pressed down.  Its left corner
-    comes to lie by r in the lower brick, which contact points inside the faces do not resist: the joint ends, and the
-    corner takes over its elastic energy to 1 %."""
+    """The upper brick is turned about its left contact point, L/4 from its centre, and pressed
+    down.  Its left corner comes to lie by r in the lower brick, which contact points inside the
+    faces do not resist: the joint ends, and the corner takes over its elastic energy to 1 %."""
     wall = pair(joint)
     held = 1e-9 * wall.system.inverse_mass[1]
     wall.system.inverse_mass[:2] = 0.0
@@ -87,8 +102,10 @@ def test_the_hand_over_passes_on_what_the_joint_has_stored(joint):
         x, z = rotated(angle, -LENGTH / 4, -HEIGHT / 2)
         wall.velocity = [[0, 0, 0], [z, -x - 1e-4, 1.0]]
         wall.run(1)
-    assert angle == pytest.approx(0.087, rel=0.02)  # L/4 - r from the point to the corner of the core
-    wall.velocity, wall.system.inverse_mass[1] = 0.0, held  # so that it does not move in the next step
+    # L/4 - r from the point to the corner of the core
+    assert angle == pytest.approx(0.087, rel=0.02)
+    # so that it does not move in the next step
+    wall.velocity, wall.system.inverse_mass[1] = 0.0, held
     stored = float(wall.sample_now().stored[0, wall.layout.contacts.first >= 0].sum())
     friction = wall.energy[FRICTION]
     wall.run(1)
@@ -99,7 +116,8 @@ def test_the_hand_over_passes_on_what_the_joint_has_stored(joint):
 
 
 def test_a_brick_that_is_shoved_off_falls_to_the_ground_and_rests():
-    """It lies flat or on end on the ground, whose joint with the lower brick continues; no energy is created."""
+    """It lies flat or on end on the ground, whose joint with the lower brick continues; no energy
+    is created."""
     wall = pair()
     shove(wall, 2.0)
     run_to_the_end(wall)
@@ -118,7 +136,8 @@ def test_a_brick_that_is_shoved_off_falls_to_the_ground_and_rests():
 
 
 def test_a_brick_that_slides_over_its_length_on_the_ground_keeps_on_sliding():
-    """Its joint ends there, and the ground bears it on: friction slows it down by mu g all along."""
+    """Its joint ends there, and the ground bears it on: friction slows it down by mu g all
+    along."""
     wall = pair()
     wall.system.inverse_mass[1] = wall.system.velocity[1] = 0.0  # the upper one is out of the way
     wall.displacement = [[0, 0, 0], [0, 1.0, 0]]
@@ -135,15 +154,21 @@ def test_a_brick_that_slides_over_its_length_on_the_ground_keeps_on_sliding():
 
 
 def fallen_wall():
-    """A small wall whose spandrel of three courses over an opening has lost its lintel: dry, under its weight."""
-    wall = Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=Joint(**DRY))
+    """A small wall whose spandrel of three courses over an opening has lost its lintel: dry, under
+    its weight."""
+    wall = Wall(
+        "spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=Joint(**DRY)
+    )
     layout = lay_out(wall, ModelOptions(lintel="none"))
-    return ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True)
+    return ReferenceSolver(
+        layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True
+    )
 
 
 def test_a_spandrel_without_a_lintel_falls_and_rests():
-    """Its centres fall from 0.675 m with up to sqrt(2 g h) = 3.6 m/s.  No energy is created, no core lies in another,
-    and the rectangles themselves, of all pairs, overlap by less than their rounded corners."""
+    """Its centres fall from 0.675 m with up to sqrt(2 g h) = 3.6 m/s.  No energy is created, no
+    core lies in another, and the rectangles themselves, of all pairs, overlap by less than their
+    rounded corners."""
     wall, energies, speeds = fallen_wall(), [], []
     for _ in range(100):
         before = wall.displacement
@@ -151,7 +176,9 @@ def test_a_spandrel_without_a_lintel_falls_and_rests():
         lifted = GRAVITY * float(wall.layout.bodies.mass @ wall.displacement[:, Z])
         stored = wall.kinetic_energy() + wall.elastic_energy() + lifted
         energies.append((stored, wall.energy[1:].sum() - wall.energy[0]))
-        speeds.append(np.hypot(*(wall.displacement - before)[:wall.layout.n_bricks, :2].T).max() / 0.02)
+        speeds.append(
+            np.hypot(*(wall.displacement - before)[: wall.layout.n_bricks, :2].T).max() / 0.02
+        )
     assert 2.0 < max(speeds) < np.sqrt(2 * GRAVITY * 0.675)
     assert fastest_fallen(wall.layout, wall.displacement, before, 0.02) < RESTS_BELOW_M_S
     assert (wall.layout.bodies.z + wall.displacement[:, Z]).min() > HEIGHT / 2 - DIAMETER
@@ -162,39 +189,68 @@ def test_a_spandrel_without_a_lintel_falls_and_rests():
     assert np.abs(energies.sum(axis=1)).max() < 0.03 * released
     places = body_corners(body_table(wall.layout), wall.displacement)
     low, high = places.min(axis=1), places.max(axis=1)
-    pairs = [(a, b) for a in range(len(places)) for b in range(a)
-             if np.all((low[a] < high[b]) & (low[b] < high[a]))]
+    pairs = [
+        (a, b)
+        for a in range(len(places))
+        for b in range(a)
+        if np.all((low[a] < high[b]) & (low[b] < high[a]))
+    ]
     assert max(depth(places[a], places[b]) for a, b in pairs) < DIAMETER
     assert wall.instants().contacts["state"].max() & ENDED
 
 
 def test_bricks_that_press_each_other_too_hard_end_the_run():
-    """With m v^2 / 2 = 4 k d^2 / 2 a brick stops within d: at 200 m/s that is more than the rounded corners hold."""
+    """With m v^2 / 2 = 4 k d^2 / 2 a brick stops within d: at 200 m/s that is more than the rounded
+    corners hold."""
     wall = pair()
     wall.displacement = [[0, 0, 0], [0, 0.02, 0]]
     wall.run(2)
     wall.velocity = [[0, 0, 0], [0, -200.0, 0]]
-    with pytest.raises(RunError, match="bricks press each other by more than the 4.5 mm of their rounded corners"):
+    with pytest.raises(
+        RunError, match="bricks press each other by more than the 4.5 mm of their rounded corners"
+    ):
         wall.run(20)
 
 
 def test_a_run_follows_what_falls_until_it_rests(tmp_path, capsys):
-    wall = wall_file(tmp_path / "spandrel.py", "Wall('spandrel', 2.925, 0.525, [Opening(0.45, 2.025, 0.225)])")
-    history = run_here(tmp_path / "fall.h5", wall, "--lintel", "none", "--harmonic", 0.05, 0.5, "--rest", 0.5,
-                       "--new-contacts", "--after-fall")
+    wall = wall_file(
+        tmp_path / "spandrel.py", "Wall('spandrel', 2.925, 0.525, [Opening(0.45, 2.025, 0.225)])"
+    )
+    history = run_here(
+        tmp_path / "fall.h5",
+        wall,
+        "--lintel",
+        "none",
+        "--harmonic",
+        0.05,
+        0.5,
+        "--rest",
+        0.5,
+        "--new-contacts",
+        "--after-fall",
+    )
     said = capsys.readouterr().out
     rest, overlap = re.search(
-        r"at rest ([\d.]+) s after the first one fell; they overlapped by up to ([\d.]+) of 4.5 mm", said).groups()
+        r"at rest ([\d.]+) s after the first one fell; they overlapped by up to ([\d.]+) of 4.5 mm",
+        said,
+    ).groups()
     assert 0.3 < float(rest) < 4.0 and 0.0 < float(overlap) < 4.5
-    assert history.complete and history.parameters["new_contacts"] and history.parameters["after_fall"]
+    assert (
+        history.complete and history.parameters["new_contacts"] and history.parameters["after_fall"]
+    )
     assert history.series["time_s"].iloc[-1] == pytest.approx(history.collapsed_at_s)
     assert history.snapshot_time_s[-1] > history.collapsed_at_s + float(rest) - 0.1
     (warning,) = [line for line in warnings_of(history) if line.code == "ended_joints"]
     assert "the bricks collide as rectangles with rounded corners" in warning
     assert has_heap(history)
     last = history.displacement[-1].astype(float)
-    shape = shape_at(history, len(history.series) - 1, 0.1, magnify=1.0, snapshot=len(history.displacement) - 1)
+    shape = shape_at(
+        history, len(history.series) - 1, 0.1, magnify=1.0, snapshot=len(history.displacement) - 1
+    )
     assert shape.time_s == history.snapshot_time_s[-1]
     assert_allclose(shape.corners, body_corners(history.bodies, last))
     hidden = np.isnan(shape.segments).any(axis=(1, 2))
-    assert np.array_equal(hidden, joint_gaps(history.joints, history.bodies, last) > 0.01) and hidden.any()
+    assert (
+        np.array_equal(hidden, joint_gaps(history.joints, history.bodies, last) > 0.01)
+        and hidden.any()
+    )

@@ -1,4 +1,5 @@
-"""The offset of two bricks now, and what they slid while closed: both solvers along a path that is known by hand."""
+"""The offset of two bricks now, and what they slid while closed: both solvers along a path that is
+known by hand."""
 
 import math
 from functools import partial
@@ -23,8 +24,13 @@ PAIR = Wall("pair", length=0.1125, height=0.15, precompression=0.0)
 SOFT = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
 CONTACTS = lay_out(PAIR).contacts
 BETWEEN = np.flatnonzero((CONTACTS.kind == BED) & (CONTACTS.first >= 0))
-KN, KS, MU = CONTACTS.normal_stiffness[BETWEEN[0]], CONTACTS.shear_stiffness[BETWEEN[0]], math.tan(math.radians(32))
-PRESSED, HELD = -0.3e6 / KN, MU * 0.3e6 / KS  # [m]: pressed together by 0.3 MPa; sheared elastically up to friction
+KN, KS, MU = (
+    CONTACTS.normal_stiffness[BETWEEN[0]],
+    CONTACTS.shear_stiffness[BETWEEN[0]],
+    math.tan(math.radians(32)),
+)
+# [m]: pressed together by 0.3 MPa; sheared elastically up to friction
+PRESSED, HELD = -0.3e6 / KN, MU * 0.3e6 / KS
 
 PATH = [  # opening, shear displacement; slip accumulated, offset [m]
     ((3e-4, 0.0), (0.0, 0.0)),  # the bond breaks
@@ -44,8 +50,10 @@ class Pair:
     """Two bricks of the reference solver, the upper one at a prescribed position."""
 
     def __init__(self, joint=None, model=None):
-        self.layout = lay_out(PAIR if joint is None else Wall("pair", 0.1125, 0.15, precompression=0.0, joint=joint),
-                              model or ModelOptions())
+        self.layout = lay_out(
+            PAIR if joint is None else Wall("pair", 0.1125, 0.15, precompression=0.0, joint=joint),
+            model or ModelOptions(),
+        )
         self.solver, self.here = ReferenceSolver(self.layout, 1e-5), np.zeros(2)
 
     def go(self, there, steps=200):
@@ -71,11 +79,20 @@ def test_a_bond_that_breaks_in_shear_keeps_what_friction_does_not_hold():
     now = pair.go((PRESSED, 1.01 * peak))
     assert_allclose(now.offset[BETWEEN], 1.01 * peak - HELD)
     assert_allclose(now.slip[BETWEEN], 1.01 * peak - HELD)
-    assert_allclose(pair.go((1e-5, 1.01 * peak)).offset[BETWEEN], 1.01 * peak)  # opens: friction holds nothing
+    # opens: friction holds nothing
+    assert_allclose(pair.go((1e-5, 1.01 * peak)).offset[BETWEEN], 1.01 * peak)
 
 
-SOFT_PATH = [(PRESSED, 4e-5), (1e-5, 4e-5), (2e-5, 8e-5), (PRESSED, 8e-5), (PRESSED, -1e-4), (3e-4, -2e-4),
-             (PRESSED, -2e-4), (PRESSED, 1e-4)]
+SOFT_PATH = [
+    (PRESSED, 4e-5),
+    (1e-5, 4e-5),
+    (2e-5, 8e-5),
+    (PRESSED, 8e-5),
+    (PRESSED, -1e-4),
+    (3e-4, -2e-4),
+    (PRESSED, -2e-4),
+    (PRESSED, 1e-4),
+]
 
 
 def by_law(path, strengths, energies):
@@ -92,7 +109,8 @@ def by_law(path, strengths, energies):
 
 @pytest.mark.parametrize("number", [0, 8])
 def test_a_bond_that_softens_and_its_fibres(number):
-    """The bond holds a part of its cohesion and opens and closes; of fibres each has its own stress."""
+    """The bond holds a part of its cohesion and opens and closes; of fibres each has its own
+    stress."""
     pair = Pair(SOFT, ModelOptions(fibres=number))
     ours = [pair.go(there).offset[BETWEEN[0]] for there in SOFT_PATH]
     if number == 0:
@@ -100,14 +118,18 @@ def test_a_bond_that_softens_and_its_fibres(number):
     else:
         fibres = pair.layout.fibres
         mine = np.flatnonzero(fibres.contact == BETWEEN[0])
-        expected = sum(fibres.share[k] * by_law(SOFT_PATH, (fibres.tensile_strength[k], fibres.cohesion[k]), (0.0, 0.0))
-                       for k in mine)
+        expected = sum(
+            fibres.share[k]
+            * by_law(SOFT_PATH, (fibres.tensile_strength[k], fibres.cohesion[k]), (0.0, 0.0))
+            for k in mine
+        )
     assert_allclose(ours, expected, atol=1e-11)
     assert 0 < ours[0] < 4e-5 and abs(ours[-2]) > 1e-4
 
 
 def test_a_rocking_brick_has_no_offset_and_one_that_turned_far_keeps_within_its_motion():
-    """About a toe both faces stay in line along the joint's mean axes; whatever bricks do, a point counts once."""
+    """About a toe both faces stay in line along the joint's mean axes; whatever bricks do, a point
+    counts once."""
     pair = Pair()
     pair.go((3e-4, 0.0))
     toe = np.array([-0.05625, -0.0375])  # from the upper brick's centre
@@ -118,14 +140,23 @@ def test_a_rocking_brick_has_no_offset_and_one_that_turned_far_keeps_within_its_
         assert_allclose(pair.solver.offset[BETWEEN], 0.0, atol=1e-12)
 
 
-# --- measures --------------------------------------------------------------------------------------
+# --- measures -------------------------------------------------------------------------------------
+
 
 @pytest.fixture
 def rattled(tmp_path):
-    """A joint that slid to and fro by 0.3 mm and is back, one that is 0.15 mm off and slid by nothing."""
+    """A joint that slid to and fro by 0.3 mm and is back, one that is 0.15 mm off and slid by
+    nothing."""
     ramp = np.minimum(np.arange(21), 10) / 10
-    return partial(make_history, tmp_path / "rattled.h5", slip={3: 3e-4 * ramp, 5: 0.0}, offset={5: 1.5e-4 * ramp},
-                   broken=(5,), drift=1e-4 * np.arange(21), overwrite=True)
+    return partial(
+        make_history,
+        tmp_path / "rattled.h5",
+        slip={3: 3e-4 * ramp, 5: 0.0},
+        offset={5: 1.5e-4 * ramp},
+        broken=(5,),
+        drift=1e-4 * np.arange(21),
+        overwrite=True,
+    )
 
 
 def test_each_measure_says_which_slip_it_shows(rattled):
@@ -133,15 +164,25 @@ def test_each_measure_says_which_slip_it_shows(rattled):
     length = small_layout().contacts.length
     share = {joint: length[joint] / history.joints["length_m"].sum() for joint in (3, 5)}
     row = summary_row(history)
-    assert row["max_DI_slip"] == pytest.approx(share[5]) and row["max_accumulated_DI_slip"] == pytest.approx(share[3])
+    assert row["max_DI_slip"] == pytest.approx(share[5]) and row[
+        "max_accumulated_DI_slip"
+    ] == pytest.approx(share[3])
     assert (row["slip"], row["max_slip_mm"], row["max_offset_mm"]) == (
-        "displacement", pytest.approx(0.3), pytest.approx(0.15))
-    assert row["max_psi"] == pytest.approx(float(psi_value(1, 1.5e-4)), rel=1e-6) and row["psi_from_mm"] == 0.02
+        "displacement",
+        pytest.approx(0.3),
+        pytest.approx(0.15),
+    )
+    assert (
+        row["max_psi"] == pytest.approx(float(psi_value(1, 1.5e-4)), rel=1e-6)
+        and row["psi_from_mm"] == 0.02
+    )
     assert summarise(history, slip="accumulated")["max"]["DI_slip"] == pytest.approx(share[3])
     assert list(np.flatnonzero(cracked(history, "visible"))) == [5]
     table = index_table(history)
     assert table["accumulated_DI_slip"].iloc[-1] == pytest.approx(share[3])
-    assert table["DI_slip"].iloc[-1] == pytest.approx(share[5]) and set(table["slip"]) == {"displacement"}
+    assert table["DI_slip"].iloc[-1] == pytest.approx(share[5]) and set(table["slip"]) == {
+        "displacement"
+    }
     assert drift_at_first_crack(history) == pytest.approx(7e-4)  # 0.105 mm
 
 

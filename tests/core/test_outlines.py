@@ -1,5 +1,5 @@
-"""Outlines: gables, wings, parapets, openings that reach the top; what is built, by hand and by closed forms."""
-
+"""Outlines: gables, wings, parapets, openings that reach the top; what is built, by hand and by
+closed forms."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,15 @@ GABLE = ((0.0, 0.4), (0.8, 1.2), (1.6, 0.4))
 
 def wall(length, outline, **more):
     """A wall of bricks of 0.2 x 0.1 m below an outline, without precompression."""
-    return Wall("w", length, max(z for _, z in outline), precompression=0.0, brick=BRICK, outline=outline, **more)
+    return Wall(
+        "w",
+        length,
+        max(z for _, z in outline),
+        precompression=0.0,
+        brick=BRICK,
+        outline=outline,
+        **more,
+    )
 
 
 class TestByHand:
@@ -28,26 +36,34 @@ class TestByHand:
         assert flat.total_joint_length == plain.total_joint_length
 
     def test_a_lower_wing(self):
-        """Four courses of 1.2 m on the left 0.6 m, two on the rest: beds 1.2 + 1.2 + 0.6 + 0.6; heads 5, 6, 2 and 3."""
+        """Four courses of 1.2 m on the left 0.6 m, two on the rest: beds 1.2 + 1.2 + 0.6 + 0.6;
+        heads 5, 6, 2 and 3."""
         layout = lay_out(wall(1.2, ((0.0, 0.4), (0.6, 0.4), (0.6, 0.2), (1.2, 0.2))))
         assert [len(runs) for runs in layout.plan.runs] == [1, 1, 1, 1]
         assert layout.n_bricks == 6 + 7 + 3 + 4
         assert_allclose(layout.total_joint_length, 3.6 + 0.1 * (5 + 6 + 2 + 3), rtol=1e-12)
 
     def test_a_gable_of_45_degrees(self):
-        """Over two courses of 0.8 m the slopes take 0.05 m a side of the third course and 0.1 m more of each next:
-        beds 0.8 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1; heads 3, 4, and one of each whole brick's end inside the others."""
+        """Over two courses of 0.8 m the slopes take 0.05 m a side of the third course and 0.1 m
+        more of each next: beds 0.8 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1; heads 3, 4, and one of each whole
+        brick's end inside the others."""
         layout = lay_out(wall(0.8, ((0.0, 0.2), (0.4, 0.6), (0.8, 0.2))))
         lengths = [right - left for runs in layout.plan.runs for left, right in runs]
         assert_allclose(lengths, [0.8, 0.8, 0.7, 0.5, 0.3, 0.1])
-        # third course, 0.05 to 0.75: joints at 0.2, 0.4, 0.6; fourth, 0.15 to 0.65: at 0.3 and 0.5, no sliver's at 0.1;
-        # fifth, 0.25 to 0.55: at 0.4; sixth, 0.35 to 0.45: none at the quarter's edge but at its middle
+        # third course, 0.05 to 0.75: joints at 0.2, 0.4, 0.6; fourth, 0.15 to 0.65: at 0.3 and 0.5,
+        # no sliver's at 0.1; fifth, 0.25 to 0.55: at 0.4; sixth, 0.35 to 0.45: none at the
+        # quarter's edge but at its middle
         heads = 3 + 4 + 3 + 2 + 1 + 0
-        assert_allclose(layout.total_joint_length, 0.8 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1 + 0.1 * heads, rtol=1e-12)
+        assert_allclose(
+            layout.total_joint_length, 0.8 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1 + 0.1 * heads, rtol=1e-12
+        )
 
     def test_a_parapet_with_an_opening_that_reaches_the_top(self):
-        """Two courses of 1.2 m; above them a gap of 0.4 m between two battlements of 0.4 m, two courses high."""
-        layout = lay_out(Wall("w", 1.2, 0.4, (Opening(0.4, 0.4, 0.2, 0.2),), precompression=0.0, brick=BRICK))
+        """Two courses of 1.2 m; above them a gap of 0.4 m between two battlements of 0.4 m, two
+        courses high."""
+        layout = lay_out(
+            Wall("w", 1.2, 0.4, (Opening(0.4, 0.4, 0.2, 0.2),), precompression=0.0, brick=BRICK)
+        )
         beds, heads = 1.2 + 1.2 + 0.8 + 0.8, 0.1 * (5 + 6 + (1 + 1) + (2 + 2))
         assert_allclose(layout.total_joint_length, beds + heads, rtol=1e-12)
         assert layout.plan.piers == ((0.0, 0.4), (0.8, 1.2))
@@ -60,13 +76,19 @@ class TestByHand:
 
 
 class TestDrift:
-    @pytest.mark.parametrize(("outline", "course"), [
-        (((0.0, 0.6), (1.6, 0.6)), 5),
-        (GABLE, 7),  # 0.8 m long in its middle
-        (((0.0, 1.0), (0.9, 1.0), (0.9, 0.4), (1.6, 0.4)), 9),  # the higher part is the longer one
-        (((0.0, 1.0), (0.7, 1.0), (0.7, 0.4), (1.6, 0.4)), 3),
-        (((0.0, 0.6), (0.2, 0.6), (0.2, 0.4), (1.6, 0.4)), 3),  # a chimney does not count
-    ])
+    @pytest.mark.parametrize(
+        ("outline", "course"),
+        [
+            (((0.0, 0.6), (1.6, 0.6)), 5),
+            (GABLE, 7),  # 0.8 m long in its middle
+            (
+                ((0.0, 1.0), (0.9, 1.0), (0.9, 0.4), (1.6, 0.4)),
+                9,
+            ),  # the higher part is the longer one
+            (((0.0, 1.0), (0.7, 1.0), (0.7, 0.4), (1.6, 0.4)), 3),
+            (((0.0, 0.6), (0.2, 0.6), (0.2, 0.4), (1.6, 0.4)), 3),  # a chimney does not count
+        ],
+    )
     def test_it_is_of_the_highest_course_half_as_long_as_the_wall(self, outline, course):
         layout = lay_out(wall(1.6, outline))
         assert layout.plan.drift_course == course

@@ -43,17 +43,32 @@ PULSE = np.sin(np.pi * np.arange(21) / 20)  # largest at sample 10
 OPENING = {0: 3.0e-4 * PULSE, 1: 2.0e-4 * PULSE, 20: 1.5e-4 * PULSE, 30: 0.9e-4 * PULSE}
 SLIP = {0: -4.0e-4 * PULSE, 5: 2.5e-4 * PULSE}
 CASES = {
-    "cracked": {"opening": OPENING, "slip": SLIP, "broken": (7, 8), "at_limit": (12,), "drift": 1e-3 * PULSE},
+    "cracked": {
+        "opening": OPENING,
+        "slip": SLIP,
+        "broken": (7, 8),
+        "at_limit": (12,),
+        "drift": 1e-3 * PULSE,
+    },
     "nothing happens": {},
     "one sample": {"stages": ("motion",), "status": "interrupted", "snapshots": {}},
     "killed": {"stages": ("motion",) * 3, "status": "unfinished", "drift": 1e-4},
     "no settling": {"stages": ("motion",) * 8 + ("rest",) * 2, "status": "interrupted"},
     "long name": {"loading": "record", "status": "interrupted", "snapshots": {}},
     "failed": {"status": "failed", "drift": np.append(np.zeros(20), 1e3)},
-    "free vibration": {"stages": ("rest",) * 16 + ("settling",) * 5, "loading": "free_vibration",
-                       "drift": 1.02e-5 * np.sin(np.arange(21)), "row": {"input_energy_j": 0.0}},
-    "collapsed": {"stages": ("motion",) * 21, "collapsed_at_s": 0.2, "drift": 0.05 * np.arange(21) / 20,
-                  "opening": dict.fromkeys(range(20), 0.02), "row": {"base_acceleration_z_m_s2": 0.1}},
+    "free vibration": {
+        "stages": ("rest",) * 16 + ("settling",) * 5,
+        "loading": "free_vibration",
+        "drift": 1.02e-5 * np.sin(np.arange(21)),
+        "row": {"input_energy_j": 0.0},
+    },
+    "collapsed": {
+        "stages": ("motion",) * 21,
+        "collapsed_at_s": 0.2,
+        "drift": 0.05 * np.arange(21) / 20,
+        "opening": dict.fromkeys(range(20), 0.02),
+        "row": {"base_acceleration_z_m_s2": 0.1},
+    },
 }
 
 
@@ -61,6 +76,7 @@ CASES = {
 def history(tmp_path):
     def make(**options):
         return make_history(tmp_path / "small.h5", LAYOUT, overwrite=True, **options)
+
     return make
 
 
@@ -70,7 +86,7 @@ def cracked(tmp_path_factory):
 
 
 def collection(figure, label):
-    found, = (c for c in figure.axes[0].collections if c.get_label() == label)
+    (found,) = (c for c in figure.axes[0].collections if c.get_label() == label)
     return found
 
 
@@ -83,7 +99,7 @@ def title(figure):
 
 
 def line(ax, label):
-    found, = (drawn for drawn in ax.get_lines() if drawn.get_label().startswith(label))
+    (found,) = (drawn for drawn in ax.get_lines() if drawn.get_label().startswith(label))
     return found
 
 
@@ -92,7 +108,6 @@ def labels(figure):
 
 
 class TestJoints:
-
     @pytest.mark.parametrize("slip", ["displacement", "shear-limit"])
     @pytest.mark.parametrize("threshold", [1e-4, 1.8e-4])
     @pytest.mark.parametrize("sample", [0, 4, 10, 20])
@@ -102,8 +117,12 @@ class TestJoints:
         counted = cracked.index(threshold=threshold, slip=slip).iloc[sample]
         total = LAYOUT.total_joint_length
         assert sum(drawn.values()) == pytest.approx(total, rel=ROUND_OFF)
-        assert (drawn["opened"] + drawn["both"]) / total == pytest.approx(counted["DI_open"], rel=ROUND_OFF)
-        assert (drawn["slipped"] + drawn["both"]) / total == pytest.approx(counted["DI_slip"], rel=ROUND_OFF)
+        assert (drawn["opened"] + drawn["both"]) / total == pytest.approx(
+            counted["DI_open"], rel=ROUND_OFF
+        )
+        assert (drawn["slipped"] + drawn["both"]) / total == pytest.approx(
+            counted["DI_slip"], rel=ROUND_OFF
+        )
 
     def test_crack_width_joins_opening_and_slip(self, cracked):
         # 0.3 mm of opening and 0.4 mm of slip are 0.5 mm.
@@ -121,11 +140,15 @@ class TestJoints:
             bed = ends[is_bed & np.isclose(joints["z_m"], course * 0.075)]
             bed = bed[np.argsort(bed[:, 0, 0])]
             assert_allclose(bed[1:, 0, 0], bed[:-1, 1, 0], atol=1e-12)
-            assert_allclose([bed[0, 0], bed[-1, 1]], [(0, course * 0.075), (0.9, course * 0.075)], atol=1e-12)
+            assert_allclose(
+                [bed[0, 0], bed[-1, 1]], [(0, course * 0.075), (0.9, course * 0.075)], atol=1e-12
+            )
         head = ends[~is_bed]
         heights = np.round(head[..., 1] / 0.075, 9)
         assert np.all(head[:, 0, 0] == head[:, 1, 0])
-        assert lengths(head) == pytest.approx(sum(3 if course % 2 == 0 else 4 for course in range(6)) * 0.075)
+        assert lengths(head) == pytest.approx(
+            sum(3 if course % 2 == 0 else 4 for course in range(6)) * 0.075
+        )
         assert np.all(np.floor(heights[:, 0]) == np.ceil(heights[:, 1]) - 1)  # within one course
 
 
@@ -155,8 +178,17 @@ class TestShape:
         assert_allclose(moved[~at_base], carried[~at_base], atol=1e-12)
         assert_allclose(moved[at_base], (carried[at_base] + ends[at_base]) / 2, atol=1e-12)
 
-    @pytest.mark.parametrize("options", [{"sample": "middle"}, {"sample": 21}, {"magnify": -1.0},
-                                         {"magnify": np.nan}, {"slip": "often"}, {"threshold": 0.0}])
+    @pytest.mark.parametrize(
+        "options",
+        [
+            {"sample": "middle"},
+            {"sample": 21},
+            {"magnify": -1.0},
+            {"magnify": np.nan},
+            {"slip": "often"},
+            {"threshold": 0.0},
+        ],
+    )
     def test_bad_options_are_refused(self, cracked, options):
         refused_with("expected", wall_picture, cracked, **options)
 
@@ -164,28 +196,36 @@ class TestShape:
 class TestInAxesOfAnother:
     """`damage.plot_wall`: the picture's own drawing, at a time."""
 
-    @pytest.mark.parametrize(("t", "sample"), [(0.1004, 10), (0.2, 20), ("max", 10), ("end", 20), (-0.005, 0)])
+    @pytest.mark.parametrize(
+        ("t", "sample"), [(0.1004, 10), (0.2, 20), ("max", 10), ("end", 20), (-0.005, 0)]
+    )
     def test_the_sample_nearest_to_a_time_is_drawn(self, cracked, t, sample):
         ax = Figure(dpi=200).subplots()
         shape = plot_wall(cracked, ax, t, magnify=3.0)
         expected = wall_shape(cracked, sample, magnify=3.0)
         assert shape.sample == sample and np.all(shape.state == expected.state)
-        bricks, = (one for one in ax.collections if one.get_label() == "bricks")
+        (bricks,) = (one for one in ax.collections if one.get_label() == "bricks")
         drawn = np.array([path.vertices[:4] for path in bricks.get_paths()])
         assert_allclose(drawn, expected.corners[expected.kinds == "bricks"])
-        lines, = (one for one in ax.collections if one.get_label() == "both")
+        (lines,) = (one for one in ax.collections if one.get_label() == "both")
         assert len(lines.get_segments()) == np.sum(expected.state == STATES.index("both"))
-        assert f"{expected.index:.3f} at {expected.time_s:.3f} s" in ax.get_title() and ax.get_aspect() == 1.0
+        assert (
+            f"{expected.index:.3f} at {expected.time_s:.3f} s" in ax.get_title()
+            and ax.get_aspect() == 1.0
+        )
 
 
 class TestIndexPicture:
     def test_lines_are_the_index(self, cracked):
         below = index_picture(cracked).axes[1]
         index, latched = cracked.index(), cracked.index(slip="shear-limit")
-        for label, column in (("DI", index["DI"]), (r"DI$_\mathrm{drift}$", index["DI_drift"]),
-                              (r"DI$_\mathrm{open}$", index["DI_open"]),
-                              (r"DI$_\mathrm{slip}$", index["DI_slip"])):
-            drawn, = (one for one in below.get_lines() if one.get_label() == label)
+        for label, column in (
+            ("DI", index["DI"]),
+            (r"DI$_\mathrm{drift}$", index["DI_drift"]),
+            (r"DI$_\mathrm{open}$", index["DI_open"]),
+            (r"DI$_\mathrm{slip}$", index["DI_slip"]),
+        ):
+            (drawn,) = (one for one in below.get_lines() if one.get_label() == label)
             assert_allclose(drawn.get_ydata(), column)
             assert drawn.get_linestyle() == "-"
         assert_allclose(line(below, "DI, shear limit").get_ydata(), latched["DI"])
@@ -196,10 +236,14 @@ class TestIndexPicture:
         damage = cracked.index()["DI"]
         largest, residual = line(below, "maximum"), line(below, "residual")
         assert_allclose([*largest.get_xdata(), *largest.get_ydata()], [0.10, damage[10]])
-        assert_allclose([*residual.get_xdata(), *residual.get_ydata()], [0.20, damage[20]], atol=ROUND_OFF)
+        assert_allclose(
+            [*residual.get_xdata(), *residual.get_ydata()], [0.20, damage[20]], atol=ROUND_OFF
+        )
         assert float(re.search(r"maximum (\S+) at", largest.get_label())[1]) == round(damage[10], 3)
 
-    def test_base_acceleration_in_g_with_the_vertical_one_where_there_is_one(self, cracked, history):
+    def test_base_acceleration_in_g_with_the_vertical_one_where_there_is_one(
+        self, cracked, history
+    ):
         above = index_picture(cracked).axes[0]
         assert_allclose(line(above, "base, horizontal").get_ydata()[5], 0.05)
         assert not any("vertical" in label for label in labels(index_picture(cracked)))
@@ -209,31 +253,48 @@ class TestIndexPicture:
 
 
 class TestTitles:
-    @pytest.mark.parametrize(("loading", "words"), [
-        ("harmonic", "Small wall, harmonic motion of 0.2 s and 0.05 g, three cycles"),
-        ("cyclic", "Small wall, top moved to and fro by a drift of 0.2 %, three cycles, free to rotate"),
-        ("free_vibration", "Small wall, free vibration in its first mode from 1 mm/s at the top"),
-        ("record", "Small wall, record NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz")])
+    @pytest.mark.parametrize(
+        ("loading", "words"),
+        [
+            ("harmonic", "Small wall, harmonic motion of 0.2 s and 0.05 g, three cycles"),
+            (
+                "cyclic",
+                (
+                    "Small wall, top moved to and fro by a drift of 0.2 %, three cycles, free to"
+                    " rotate"
+                ),
+            ),
+            (
+                "free_vibration",
+                "Small wall, free vibration in its first mode from 1 mm/s at the top",
+            ),
+            ("record", "Small wall, record NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"),
+        ],
+    )
     def test_wall_and_motion_are_named_in_words_and_the_file_below(self, history, loading, words):
         run = history(loading=loading)
         assert run_title(run) == words
         lines = title(drift_picture(run)).split("\n")
-        first = "".join(lines[:lines.index("reference solver, small.h5")]).replace(" ", "")
+        first = "".join(lines[: lines.index("reference solver, small.h5")]).replace(" ", "")
         assert first == words.replace(" ", "")  # without the ends of lines
 
 
 class TestOtherPictures:
-
     def test_hysteresis_in_percent_and_kilonewton(self, cracked):
         ax = hysteresis_picture(cracked).axes[0]
         motion, rest = line(ax, "motion"), line(ax, "rest")
         assert_allclose(motion.get_xdata(), 0.1 * PULSE[:10])
         assert_allclose(motion.get_ydata(), LAYOUT.drift_height * PULSE[:10])  # 1 MN/m times 1e-3
-        assert_allclose(rest.get_xdata(), 0.1 * PULSE[9:16])  # joined to the motion, without settling
+        # joined to the motion, without settling
+        assert_allclose(rest.get_xdata(), 0.1 * PULSE[9:16])
 
     def test_energies_are_supplied_stored_dissipated_and_damped(self, history):
-        parts = {f"{name}_energy_j": factor * np.arange(21.0) for factor, name in enumerate(
-            ("kinetic", "elastic", "gravity", "friction", "fracture", "damping"), start=1)}
+        parts = {
+            f"{name}_energy_j": factor * np.arange(21.0)
+            for factor, name in enumerate(
+                ("kinetic", "elastic", "gravity", "friction", "fracture", "damping"), start=1
+            )
+        }
         figure = energy_picture(history(row=parts | {"input_energy_j": 21 * np.arange(21.0)}))
         drawn = {one.get_label(): one.get_ydata() for one in figure.axes[0].get_lines()}
         assert list(drawn) == ["supplied", "stored", "dissipated in joints", "damped"]
@@ -255,14 +316,18 @@ class TestFiles:
         folder = tmp_path / "new" / "folder"
         paths = save_all(cracked, folder)
         assert sorted(path.name for path in paths) == sorted(
-            f"{name}.{ending}" for ending in ("png", "pdf")
-            for name in ("wall_max", "wall_end", "index", "drift", "hysteresis", "energy"))
+            f"{name}.{ending}"
+            for ending in ("png", "pdf")
+            for name in ("wall_max", "wall_end", "index", "drift", "hysteresis", "energy")
+        )
         assert sorted(folder.iterdir()) == sorted(paths)  # and nothing temporary
         for path in paths:
             signature = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-"}[path.suffix]
             assert path.read_bytes().startswith(signature)
 
-    def test_a_heap_is_drawn_where_bricks_were_followed_into_it(self, history, tmp_path, monkeypatch):
+    def test_a_heap_is_drawn_where_bricks_were_followed_into_it(
+        self, history, tmp_path, monkeypatch
+    ):
         fallen = REST + [0.4, -0.1, 2.0]
         before, after = ({0.0: REST, time_s: fallen} for time_s in (0.2, 0.9))
         assert not has_heap(history(**CASES["collapsed"], snapshots=before))
@@ -271,19 +336,30 @@ class TestFiles:
         assert "heap.png" in [path.name for path in save_all(run, tmp_path)]
         figure = heap_picture(run)
         assert "0.70 s after the first brick fell" in title(figure)
-        drawn = np.concatenate([[path.vertices[:4] for path in collection(figure, label).get_paths()]
-                                for label in ("bricks", "top mass")])
-        assert_allclose(drawn, body_corners(run.bodies, run.displacement[-1].astype(float)), rtol=ROUND_OFF)
+        drawn = np.concatenate(
+            [
+                [path.vertices[:4] for path in collection(figure, label).get_paths()]
+                for label in ("bricks", "top mass")
+            ]
+        )
+        assert_allclose(
+            drawn, body_corners(run.bodies, run.displacement[-1].astype(float)), rtol=ROUND_OFF
+        )
 
     def test_a_picture_says_what_made_it(self, cracked, tmp_path, monkeypatch):
         monkeypatch.setattr(pictures, "PICTURES", {"index": index_picture})
         png, pdf = save_all(cracked, tmp_path)
         metadata = Image.open(png).text
         assert metadata["Software"].startswith(f"masonry-damage {damage.__version__}, commit ")
-        assert cracked.command in metadata["Description"] and "model unknown" in metadata["Description"]
+        assert (
+            cracked.command in metadata["Description"]
+            and "model unknown" in metadata["Description"]
+        )
         assert b"/Creator (masonry-damage" in pdf.read_bytes() and b"/Subject" in pdf.read_bytes()
 
-    def test_a_file_that_fails_leaves_the_old_one_and_nothing_half_written(self, cracked, tmp_path, monkeypatch):
+    def test_a_file_that_fails_leaves_the_old_one_and_nothing_half_written(
+        self, cracked, tmp_path, monkeypatch
+    ):
         (tmp_path / "out").mkdir()
         (tmp_path / "out" / "wall_max.png").write_text("old")
 
@@ -303,5 +379,5 @@ class TestFiles:
             assert dict(matplotlib.rcParams) == before
         assert line(figure.axes[1], "DI, shear").get_linewidth() == 0.6
         assert figure.axes[0].yaxis.label.get_size() == 7
-        words = ("import sys, damage.draw.run; sys.exit('matplotlib.pyplot' in sys.modules)")
+        words = "import sys, damage.draw.run; sys.exit('matplotlib.pyplot' in sys.modules)"
         assert subprocess.run([sys.executable, "-c", words], timeout=120).returncode == 0

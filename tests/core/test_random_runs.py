@@ -1,4 +1,5 @@
-"""Random legal walls and motions: the command line against `damage.run`, energies that balance or a warning."""
+"""Random legal walls and motions: the command line against `damage.run`, energies that balance or a
+warning."""
 
 import pytest
 

@@ -39,7 +39,6 @@ def sine_record(frequency_hz=2.0, step_s=0.005, duration_s=20.0, name="sine"):
 
 
 class TestRecord:
-
     def test_a_record_cannot_be_changed_from_outside(self):
         samples = np.array([0.0, 1.0, 2.0])
         record = Record("r", 0.01, samples)
@@ -51,36 +50,53 @@ class TestRecord:
             record.time_step_s = 1.0
 
     def test_start_is_kept_in_utc(self):
-        assert Record("r", 1.0, [0, 1], "2018-01-08T15:00:00+01:00").start_utc == (
-            "2018-01-08T14:00:00.000000Z"
+        assert (
+            Record("r", 1.0, [0, 1], "2018-01-08T15:00:00+01:00").start_utc
+            == "2018-01-08T14:00:00.000000Z"
         )
 
 
 class TestOffsetsAndSpikes:
-    """A motion about another value than zero, samples that are none: named, with what to do; nothing else is."""
+    """A motion about another value than zero, samples that are none: named, with what to do;
+    nothing else is."""
 
     def test_an_offset_is_named_until_the_baseline_is_taken_off(self):
         moved = Record("moved", 0.005, sine_record().acceleration_m_s2 + 0.2)
         loading = Recorded(moved, window_s=(3.0, 8.0))
         (said,) = record_warnings(loading)
-        assert "moved: the mean of the first 1 s is 0.2 m/s2, 17 % of the peak" in said and "--baseline 0" in said
+        assert (
+            "moved: the mean of the first 1 s is 0.2 m/s2, 17 % of the peak" in said
+            and "--baseline 0" in said
+        )
         assert record_warnings(replace(loading, baseline_order=0)) == []
 
-    @pytest.mark.parametrize("samples, said", [
-        ({1500: -9.99}, "sample 1500 (from 0) at 7.5 s is -9.99 m/s2; expected about "),
-        ({1500: -9.99, 1501: -9.99, 3000: -9.99}, "-9.99 m/s2, and 2 more like it; expected about"),
-        ({0: 4.0}, "sample 0 (from 0) at 0 s is 4 m/s2")])
+    @pytest.mark.parametrize(
+        "samples, said",
+        [
+            ({1500: -9.99}, "sample 1500 (from 0) at 7.5 s is -9.99 m/s2; expected about "),
+            (
+                {1500: -9.99, 1501: -9.99, 3000: -9.99},
+                "-9.99 m/s2, and 2 more like it; expected about",
+            ),
+            ({0: 4.0}, "sample 0 (from 0) at 0 s is 4 m/s2"),
+        ],
+    )
     def test_a_sample_that_no_motion_has(self, samples, said):
         motion = sine_record().acceleration_m_s2.copy()
         motion[list(samples)] = list(samples.values())
         assert any(said in one for one in record_warnings(Recorded(Record("r", 0.005, motion))))
         quiet = Record("quiet", 0.005, np.zeros(motion.size))
-        assert any(said in one for one in record_warnings(Recorded(quiet, across=Record("r", 0.005, motion))))
+        assert any(
+            said in one
+            for one in record_warnings(Recorded(quiet, across=Record("r", 0.005, motion)))
+        )
 
     def test_no_record_that_ships_is_doubtful(self):
         paths = [path for path in shipped_records().values() if path.suffix == ".csv"]
         assert len(paths) >= 30
-        assert [said for path in paths for said in record_warnings(Recorded(read_record(path)))] == []
+        assert [
+            said for path in paths for said in record_warnings(Recorded(read_record(path)))
+        ] == []
 
 
 class TestWindow:
@@ -93,9 +109,12 @@ class TestWindow:
 
 
 def sines(rate_hz, until_s=4.0):
-    """Seven sines up to 21.75 Hz, of which a sampling at 50 Hz holds everything, sampled at a rate [Hz]."""
+    """Seven sines up to 21.75 Hz, of which a sampling at 50 Hz holds everything, sampled at a rate
+    [Hz]."""
     time_s = np.arange(round(until_s * rate_hz) + 1) / rate_hz
-    values = sum(np.sin(2 * np.pi * hz * time_s + hz) for hz in (1.3, 4.7, 8.1, 11.9, 15.3, 18.2, 21.75))
+    values = sum(
+        np.sin(2 * np.pi * hz * time_s + hz) for hz in (1.3, 4.7, 8.1, 11.9, 15.3, 18.2, 21.75)
+    )
     return Record(f"sines_{rate_hz:g}", 1 / rate_hz, values, start_utc="2018-01-08T14:00:37Z")
 
 
@@ -107,27 +126,42 @@ class TestInterpolation:
         off = np.abs(coarse.acceleration_m_s2 - true.acceleration_m_s2)
         assert off[640:-640].max() < 2e-4 * np.abs(true.acceleration_m_s2).max()
         lines = np.interp(true.time_s, sines(50).time_s, sines(50).acceleration_m_s2)
-        assert np.abs(lines - true.acceleration_m_s2).max() > 0.3 * np.abs(true.acceleration_m_s2).max()
+        assert (
+            np.abs(lines - true.acceleration_m_s2).max()
+            > 0.3 * np.abs(true.acceleration_m_s2).max()
+        )
 
     def test_a_window_is_the_part_of_the_whole(self):
         record = sines(50, 10.0)
-        part, whole, cut = interpolated(record, (4.0, 6.0)), interpolated(record), windowed(record, 4.0, 6.0)
+        part, whole, cut = (
+            interpolated(record, (4.0, 6.0)),
+            interpolated(record),
+            windowed(record, 4.0, 6.0),
+        )
         assert (part.duration_s, part.start_utc) == (pytest.approx(cut.duration_s), cut.start_utc)
-        assert_allclose(part.acceleration_m_s2, whole.acceleration_m_s2[2000:3001], rtol=0, atol=1e-12)
+        assert_allclose(
+            part.acceleration_m_s2, whole.acceleration_m_s2[2000:3001], rtol=0, atol=1e-12
+        )
         refused_with("expected 0 <= start < end", interpolated, record, (4.0, 60.0))
 
     def test_a_record_that_gets_too_long_is_refused(self):
         long = Record("long", 0.01, np.zeros(100_001))
-        refused_with("100001 samples of 0.01 s to interpolate; expected up to 100000", interpolated, long)
+        refused_with(
+            "100001 samples of 0.01 s to interpolate; expected up to 100000", interpolated, long
+        )
         assert interpolated(long, (0.0, 10.0)).duration_s == pytest.approx(10.0)
 
     @pytest.mark.parametrize("size", [3, 50, 2000])
     def test_values_are_those_of_scipy(self, size):
         """Within 1e-14 of the peak; shorter records than REACH are reflected again and again."""
         record = Record("noise", 0.01, np.random.default_rng(5).normal(size=size))
-        window = scipy.signal.firwin(2 * REACH * FINER + 1, 1 / FINER, window=("kaiser", KAISER_BETA))
+        window = scipy.signal.firwin(
+            2 * REACH * FINER + 1, 1 / FINER, window=("kaiser", KAISER_BETA)
+        )
         around = np.pad(record.acceleration_m_s2, REACH, mode="reflect", reflect_type="odd")
-        expected = scipy.signal.resample_poly(around, FINER, 1, window=window)[REACH * FINER:][:(size - 1) * FINER + 1]
+        expected = scipy.signal.resample_poly(around, FINER, 1, window=window)[REACH * FINER :][
+            : (size - 1) * FINER + 1
+        ]
         found = interpolated(record).acceleration_m_s2
         assert_allclose(found, expected, rtol=0, atol=1e-14 * np.abs(around).max())
 
@@ -138,7 +172,9 @@ class TestLines:
         at, values = np.cumsum(np.random.default_rng(6).uniform(0.1, 2.0, (2, 30)), axis=1)
         x = np.linspace(at[0] - 1, at[-1] + 1, 1001)
         assert_allclose(linear(x, at, values), np.interp(x, at, values), rtol=1e-14)
-        assert np.array_equal(linear([at[0] - 1, *at, at[-1] + 1], at, values), [values[0], *values, values[-1]])
+        assert np.array_equal(
+            linear([at[0] - 1, *at, at[-1] + 1], at, values), [values[0], *values, values[-1]]
+        )
         assert linear(0.5, (0.0, 1.0), (2.0, 4.0)) == 3.0
 
 
@@ -152,36 +188,48 @@ class TestAlignment:
 
 
 class TestBaseline:
-
     @pytest.mark.parametrize("order", [0, 1, 4, 9])
     def test_values_are_those_of_numpy(self, order):
         """Within 1e-13 of the largest; ten samples have a polynomial of the order 9 through all."""
         for size in (10, 3000):
             record = Record("walk", 0.01, np.cumsum(np.random.default_rng(7).normal(size=size)))
             fit = np.polynomial.Polynomial.fit(record.time_s, record.acceleration_m_s2, order)
-            assert_allclose(baseline_corrected(record, order).acceleration_m_s2,
-                            record.acceleration_m_s2 - fit(record.time_s),
-                            rtol=0, atol=1e-13 * np.abs(record.acceleration_m_s2).max())
+            assert_allclose(
+                baseline_corrected(record, order).acceleration_m_s2,
+                record.acceleration_m_s2 - fit(record.time_s),
+                rtol=0,
+                atol=1e-13 * np.abs(record.acceleration_m_s2).max(),
+            )
 
 
 class TestBandPass:
-
     @pytest.mark.parametrize("order", [2, 4, 20])
     @pytest.mark.parametrize("band_hz", [(0.1, 40.0), (2.0, 3.0), (0.05, 99.0)])
     def test_values_are_those_of_scipy(self, order, band_hz):
-        """Within 1e-10 of the peak, to the last sample, of a record that begins and ends in full motion."""
+        """Within 1e-10 of the peak, to the last sample, of a record that begins and ends in full
+        motion."""
         record = Record("noise", 0.005, np.random.default_rng(8).normal(size=3000) + 2.0)
-        sections = scipy.signal.butter(order // 2, band_hz, "bandpass", fs=1 / record.time_step_s, output="sos")
+        sections = scipy.signal.butter(
+            order // 2, band_hz, "bandpass", fs=1 / record.time_step_s, output="sos"
+        )
         expected = scipy.signal.sosfiltfilt(sections, record.acceleration_m_s2)
         found = band_passed(record, *band_hz, order).acceleration_m_s2
-        assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(record.acceleration_m_s2).max())
+        assert_allclose(
+            found, expected, rtol=0, atol=1e-10 * np.abs(record.acceleration_m_s2).max()
+        )
 
     @pytest.mark.parametrize("order", [2, 4, 20])
     def test_the_shortest_record_is_longer_than_what_its_ends_are_continued_by(self, order):
         record = Record("noise", 0.005, np.random.default_rng(9).normal(size=3 * order + 4))
         assert np.isfinite(band_passed(record, 0.5, 20, order).acceleration_m_s2).all()
-        refused_with("samples are too few for a filter", band_passed, windowed(record, 0.0, 0.005 * (3 * order + 2)),
-                     0.5, 20, order)
+        refused_with(
+            "samples are too few for a filter",
+            band_passed,
+            windowed(record, 0.0, 0.005 * (3 * order + 2)),
+            0.5,
+            20,
+            order,
+        )
 
 
 class TestWholeSteps:
@@ -199,11 +247,16 @@ class TestWholeSteps:
         assert whole_steps(0.005, 0.005 / share) == share
 
 
-@pytest.mark.parametrize("prepared, start", [
-    (lambda record: interpolated(record, (17.0, 23.0)), "95b99cf4bc81"),
-    (lambda record: band_passed(record, 0.1, 40.0), "5aa156fd7444"),
-    (lambda record: band_passed(record, 0.5, 20.0, 6), "a8d437bc2abe"),
-    (lambda record: baseline_corrected(record, 9), "106235ec8f3b")], ids=["interpolated", "band", "band 6", "baseline"])
+@pytest.mark.parametrize(
+    "prepared, start",
+    [
+        (lambda record: interpolated(record, (17.0, 23.0)), "95b99cf4bc81"),
+        (lambda record: band_passed(record, 0.1, 40.0), "5aa156fd7444"),
+        (lambda record: band_passed(record, 0.5, 20.0, 6), "a8d437bc2abe"),
+        (lambda record: baseline_corrected(record, 9), "106235ec8f3b"),
+    ],
+    ids=["interpolated", "band", "band 6", "baseline"],
+)
 def test_bits_are_the_same_on_every_machine(prepared, start):
     """Of one record that ships, by the start of their SHA-256."""
     samples = prepared(read_record(shipped_record_path())).acceleration_m_s2
@@ -213,24 +266,56 @@ def test_bits_are_the_same_on_every_machine(prepared, start):
 SINE = sine_record()
 
 
-@pytest.mark.parametrize("refusal", [
-    *(("time step", Record, "r", step, [0.0, 1.0]) for step in (0.0, -0.01, math.nan, math.inf)),
-    *(("shape", Record, "r", 0.01, samples) for samples in ([], [1.0], [[0.0, 1.0], [1.0, 2.0]])),
-    *(("sample 2 is", Record, "r", 0.01, [0.0, 1.0, bad]) for bad in (math.nan, math.inf, -math.inf)),
-    ("yesterday", Record, "r", 1.0, [0, 1], "yesterday"),
-    *(("scale factor", scaled, SINE, factor) for factor in (math.nan, math.inf)),
-    *(("window", windowed, SINE, *ends) for ends in (
-        (-1, 5), (5, 21), (5, 5), (6, 5), (math.nan, 5), (0, math.inf), (1.0, 1.001))),
-    *(("to cover the other", aligned_with, windowed(SINE, 3.0, 8.0), windowed(SINE, *ends)) for ends in (
-        (2.0, 4.0), (7.0, 9.0), (0.0, 20.0))),
-    ("no start time", aligned_with, SINE, Record("r", 1, [0, 1])),
-    *(("baseline order", baseline_corrected, SINE, order) for order in (-1, 1.5, math.nan, 10)),
-    *(("100 Hz", band_passed, SINE, *corners) for corners in (
-        (0, 20), (-1, 20), (20, 10), (10, 10), (0.1, 100), (0.1, math.nan))),
-    *(("filter order", band_passed, SINE, 0.1, 40, order) for order in (0, 3, -4, 2.5, math.nan)),
-    ("too few", band_passed, Record("r", 0.005, [0, 1, 0]), 0.1, 40),
-    *(("time step", whole_steps, 0.005, limit) for limit in (0, -1, math.nan, math.inf))], ids=lambda row: row[0])
+@pytest.mark.parametrize(
+    "refusal",
+    [
+        *(
+            ("time step", Record, "r", step, [0.0, 1.0])
+            for step in (0.0, -0.01, math.nan, math.inf)
+        ),
+        *(
+            ("shape", Record, "r", 0.01, samples)
+            for samples in ([], [1.0], [[0.0, 1.0], [1.0, 2.0]])
+        ),
+        *(
+            ("sample 2 is", Record, "r", 0.01, [0.0, 1.0, bad])
+            for bad in (math.nan, math.inf, -math.inf)
+        ),
+        ("yesterday", Record, "r", 1.0, [0, 1], "yesterday"),
+        *(("scale factor", scaled, SINE, factor) for factor in (math.nan, math.inf)),
+        *(
+            ("window", windowed, SINE, *ends)
+            for ends in (
+                (-1, 5),
+                (5, 21),
+                (5, 5),
+                (6, 5),
+                (math.nan, 5),
+                (0, math.inf),
+                (1.0, 1.001),
+            )
+        ),
+        *(
+            ("to cover the other", aligned_with, windowed(SINE, 3.0, 8.0), windowed(SINE, *ends))
+            for ends in ((2.0, 4.0), (7.0, 9.0), (0.0, 20.0))
+        ),
+        ("no start time", aligned_with, SINE, Record("r", 1, [0, 1])),
+        *(("baseline order", baseline_corrected, SINE, order) for order in (-1, 1.5, math.nan, 10)),
+        *(
+            ("100 Hz", band_passed, SINE, *corners)
+            for corners in ((0, 20), (-1, 20), (20, 10), (10, 10), (0.1, 100), (0.1, math.nan))
+        ),
+        *(
+            ("filter order", band_passed, SINE, 0.1, 40, order)
+            for order in (0, 3, -4, 2.5, math.nan)
+        ),
+        ("too few", band_passed, Record("r", 0.005, [0, 1, 0]), 0.1, 40),
+        *(("time step", whole_steps, 0.005, limit) for limit in (0, -1, math.nan, math.inf)),
+    ],
+    ids=lambda row: row[0],
+)
 def test_what_cannot_be_is_refused(refusal):
-    """A window outside its record, reversed or too short; a record that starts later or ends earlier than another."""
+    """A window outside its record, reversed or too short; a record that starts later or ends
+    earlier than another."""
     words, *call = refusal
     assert words in one_line_error(*call)

@@ -14,7 +14,9 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Opening, Wall
 
-SMALL = Wall(name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)], lintel="courses")
+SMALL = Wall(
+    name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)], lintel="courses"
+)
 WEAK = Joint()
 STRONG = Joint(tensile_strength=1e12, cohesion=1e12)
 
@@ -50,12 +52,18 @@ def test_free_fall_is_exact_in_central_differences():
 def rigid_turn(bodies, turn):
     """Displacements (n_bodies, 3) of a rotation about the origin."""
     cos, sin = np.cos(turn), np.sin(turn)
-    return np.column_stack([cos * bodies.x - sin * bodies.z - bodies.x,
-                            sin * bodies.x + cos * bodies.z - bodies.z, np.full(len(bodies), turn)])
+    return np.column_stack(
+        [
+            cos * bodies.x - sin * bodies.z - bodies.x,
+            sin * bodies.x + cos * bodies.z - bodies.z,
+            np.full(len(bodies), turn),
+        ]
+    )
 
 
 def test_forces_are_the_gradient_of_the_elastic_energy():
-    """In any place of an intact wall, turned as a whole by 0.3 rad too: force = -dE/dq by differences.
+    """In any place of an intact wall, turned as a whole by 0.3 rad too: force = -dE/dq by
+    differences.
 
     Neighbours turn by 3e-3 rad against each other: the kernel's axes, the mean of both bodies', are
     shorter than one by an eighth of its square, 1e-6."""
@@ -83,7 +91,12 @@ def test_forces_twice_at_the_same_places_change_nothing():
     solver.start(np.tile([8.0, 0.0], (20_000, 1)))
     solver.run(3000)
     assert solver.system.states["broken"].sum() > 0
-    tables = solver.system.states, solver.system.readings, solver.system.contacts, solver.system.place
+    tables = (
+        solver.system.states,
+        solver.system.readings,
+        solver.system.contacts,
+        solver.system.place,
+    )
     before = [table.copy() for table in tables]
     energy = solver.energy.copy()
     solver.refresh()
@@ -93,7 +106,8 @@ def test_forces_twice_at_the_same_places_change_nothing():
 
 
 def test_what_is_read_of_the_joints_balances_the_forces_on_the_ground():
-    """Sums of the stresses that readers see, a run's last step: of an elastic wall, a cracking one, a damped one."""
+    """Sums of the stresses that readers see, a run's last step: of an elastic wall, a cracking one,
+    a damped one."""
     for joint, beta in ((STRONG, 0.0), (WEAK, 0.0), (WEAK, 1e-7)):
         solver = small_solver(joint)
         settle(solver)
@@ -103,11 +117,17 @@ def test_what_is_read_of_the_joints_balances_the_forces_on_the_ground():
         solver.run(10)
         assert (solver.system.states["broken"].sum() > 0) == (joint is WEAK)
         contacts, (sigma, tau) = solver.layout.contacts, solver.stresses
-        force = np.array([tau @ (contacts.area * (contacts.first == GROUND)),
-                          sigma @ (contacts.area * (contacts.first == GROUND))])
+        force = np.array(
+            [
+                tau @ (contacts.area * (contacts.first == GROUND)),
+                sigma @ (contacts.area * (contacts.first == GROUND)),
+            ]
+        )
         ground = solver.force[-1, :2]
         # Axes turn with the lowest bricks; damping adds what the readings do not have.
-        assert_allclose(force, ground, rtol=0, atol=(1e-2 if beta == 0.0 else 0.2) * np.abs(ground).max())
+        assert_allclose(
+            force, ground, rtol=0, atol=(1e-2 if beta == 0.0 else 0.2) * np.abs(ground).max()
+        )
 
 
 def test_energy_of_an_intact_wall_is_kept_over_20_000_steps():
@@ -123,7 +143,8 @@ def test_energy_of_an_intact_wall_is_kept_over_20_000_steps():
 
 
 def test_period_error_is_second_order_in_the_step():
-    """Central differences shorten a period by (omega dt)^2 / 24: of the highest mode, where it shows."""
+    """Central differences shorten a period by (omega dt)^2 / 24: of the highest mode, where it
+    shows."""
     layout = lay_out(Wall("brick", 0.225, 0.075, precompression=0.0), ModelOptions(cells=1))
     critical = natural_modes(layout, 1).critical_time_step_s
     modes = natural_modes(layout, 1)
@@ -157,7 +178,10 @@ def test_a_kicked_wall_vibrates_with_its_period_and_without_damage(run_of):
 def test_every_break_is_an_event_and_dissipation_never_decreases(run_of):
     shaken = run_of("shaken")
     breaks = shaken.events[shaken.events.kind.isin(["tension", "shear"])]
-    assert set(breaks.joint) == set(np.flatnonzero(shaken.broken[-1])) and not breaks.joint.duplicated().any()
+    assert (
+        set(breaks.joint) == set(np.flatnonzero(shaken.broken[-1]))
+        and not breaks.joint.duplicated().any()
+    )
     for column in ("friction_energy_j", "fracture_energy_j"):
         assert np.all(np.diff(shaken.series[column]) >= 0) and shaken.series[column].iloc[-1] > 0
 
@@ -167,7 +191,9 @@ def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():
     broke = set()
     for strain in (0.1, 0.5, 1.0, 2.0):
         shortcut, by_contact = (small_solver(cells=4) for _ in range(2))
-        motion = np.random.default_rng(3).normal(0, strain * 2e-6, (len(shortcut.layout.bodies), 3)) * [1, 1, 10]
+        motion = np.random.default_rng(3).normal(
+            0, strain * 2e-6, (len(shortcut.layout.bodies), 3)
+        ) * [1, 1, 10]
         for solver, singly in ((shortcut, False), (by_contact, True)):
             solver.place_bodies(motion)
             solver.lanes.find_forces(singly)

@@ -1,4 +1,5 @@
-"""The stages, samples and ends of a run with a solver that only keeps its clock, and what is written of them."""
+"""The stages, samples and ends of a run with a solver that only keeps its clock, and what is
+written of them."""
 
 from pathlib import Path
 
@@ -25,16 +26,32 @@ SHAKEN = ["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3"]
 
 
 class Clockwork:
-    """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a test says; it tells
-    of so many samples at once."""
+    """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a
+    test says; it tells of so many samples at once."""
 
     stretch_samples = 0
 
-    def __init__(self, layout, at_once=1, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0,
-                 input_j=lambda step: 0.0, slip_m=lambda step: 0.0, offset_m=lambda step: 0.0,
-                 raises_at_step=None, breaks_at_steps=()):
+    def __init__(
+        self,
+        layout,
+        at_once=1,
+        unbalanced=0.0,
+        falls_at_step=None,
+        kinetic_j=lambda step: 0.0,
+        damping_j=0.0,
+        input_j=lambda step: 0.0,
+        slip_m=lambda step: 0.0,
+        offset_m=lambda step: 0.0,
+        raises_at_step=None,
+        breaks_at_steps=(),
+    ):
         self.layout, self.time_step, self.clock = layout, DT, 0
-        self.input_j, self.slip_m, self.offset_m, self.raises_at_step = input_j, slip_m, offset_m, raises_at_step
+        self.input_j, self.slip_m, self.offset_m, self.raises_at_step = (
+            input_j,
+            slip_m,
+            offset_m,
+            raises_at_step,
+        )
         self.unbalanced, self.falls_at_step, self.at_once = unbalanced, falls_at_step, at_once
         self.kinetic_j, self.damping_j = kinetic_j, damping_j
         self.breaks_at_steps, self.log, self.events = breaks_at_steps, [], []
@@ -69,7 +86,10 @@ class Clockwork:
         self.log.append("no more")
 
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
-        end, seen = self.clock + n_steps, [self.instants()] if on_samples and self.clock == 0 else []
+        end, seen = (
+            self.clock + n_steps,
+            ([self.instants()] if on_samples and self.clock == 0 else []),
+        )
         goes_on = not seen or on_samples(*seen)
         seen.clear()
         while goes_on and self.clock < end:
@@ -91,17 +111,36 @@ class Clockwork:
         displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
-        contacts = {"opening_m": np.zeros(n), "slip_m": np.full(n, self.slip_m(self.clock)),
-                    "offset_m": np.full(n, self.offset_m(self.clock)), "state": np.zeros(n, int)}
+        contacts = {
+            "opening_m": np.zeros(n),
+            "slip_m": np.full(n, self.slip_m(self.clock)),
+            "offset_m": np.full(n, self.offset_m(self.clock)),
+            "state": np.zeros(n, int),
+        }
         return Instants.one(
-            clock=self.clock, displacement=displacement, support_displacement=np.zeros((1, 3)),
-            support_force=np.zeros((1, 3)), joints=slice(None), contacts=contacts, top_force_n=np.nan,
-            kinetic_j=self.kinetic_j(self.clock), elastic_j=0.0, input_j=self.input_j(self.clock), friction_j=0.0,
-            fracture_j=0.0, damping_j=self.damping_j)
+            clock=self.clock,
+            displacement=displacement,
+            support_displacement=np.zeros((1, 3)),
+            support_force=np.zeros((1, 3)),
+            joints=slice(None),
+            contacts=contacts,
+            top_force_n=np.nan,
+            kinetic_j=self.kinetic_j(self.clock),
+            elastic_j=0.0,
+            input_j=self.input_j(self.clock),
+            friction_j=0.0,
+            fracture_j=0.0,
+            damping_j=self.damping_j,
+        )
 
     def forces(self):
-        weight = np.column_stack([np.zeros_like(self.layout.bodies.mass), GRAVITY * self.layout.bodies.mass,
-                                  np.zeros_like(self.layout.bodies.mass)])
+        weight = np.column_stack(
+            [
+                np.zeros_like(self.layout.bodies.mass),
+                GRAVITY * self.layout.bodies.mass,
+                np.zeros_like(self.layout.bodies.mass),
+            ]
+        )
         return weight + [self.unbalanced, 0.0, 0.0], np.ones(len(self.layout.contacts))
 
     def base_reaction(self):
@@ -114,10 +153,15 @@ class Clockwork:
 
 def together(instants):
     """Instants of several."""
+
     def joined(values):
         if isinstance(values[0], dict):
             return {name: joined([one[name] for one in values]) for name in values[0]}
-        return values[0] if isinstance(values[0], slice) or values[0] is None else np.concatenate(values)
+        return (
+            values[0]
+            if isinstance(values[0], slice) or values[0] is None
+            else np.concatenate(values)
+        )
 
     return Instants(*map(joined, zip(*instants)))
 
@@ -130,15 +174,26 @@ def at_once(request):
 
 @pytest.fixture
 def run_through(tmp_path, at_once):
-    """run_through(words, keep_going, **of the Clockwork): runs it; returns (finished, Run, Clockwork, History)."""
+    """run_through(words, keep_going, **of the Clockwork): runs it; returns (finished, Run,
+    Clockwork, History)."""
+
     def run(words=SHAKEN, keep_going=lambda run, time_s: True, solver="yade", **clockwork):
         layout = small_layout()
         settings = parse_run(list(words), "test", solver)
         fake = Clockwork(layout, at_once, **clockwork)
         path = tmp_path / "run.h5"
-        writer = HistoryWriter(path, layout, solver="yade", parameters={
-            "loading": settings.loading.as_dict(), "wall": layout.wall.as_dict(), "model": {}},
-            versions={}, overwrite=True)
+        writer = HistoryWriter(
+            path,
+            layout,
+            solver="yade",
+            parameters={
+                "loading": settings.loading.as_dict(),
+                "wall": layout.wall.as_dict(),
+                "model": {},
+            },
+            versions={},
+            overwrite=True,
+        )
         run = Run(layout, settings, fake, writer, keep_going)
         (finished,) = take_turns([run.settle_under_gravity()])
         if finished:
@@ -182,22 +237,31 @@ def test_gravity_comes_in_whole_steps_and_stays(run_through):
 def test_settling_is_damped_and_the_motion_is_not(run_through):
     _, _, fake, _ = run_through(["--rest", "0.1", "--beta", "1e-6"], solver="reference")
     assert [how for how in fake.log if isinstance(how, dict)] == [
-        {"adaptive": 1.0}, *2 * [{"alpha": 0.0, "beta": 1e-6}], {"local": LOCAL_DAMPING}]
+        {"adaptive": 1.0},
+        *2 * [{"alpha": 0.0, "beta": 1e-6}],
+        {"local": LOCAL_DAMPING},
+    ]
 
 
 def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(run_through):
-    _, run, fake, history = run_through(["--pushover", "0.02", "--speed", "0.01", "--boundary", "fixed"])
+    _, run, fake, history = run_through(
+        ["--pushover", "0.02", "--speed", "0.01", "--boundary", "fixed"]
+    )
     assert ("hold", True) in fake.log
     velocities = [what[1] for what in fake.log if isinstance(what, tuple) and what[0] == "push"]
     loading, height = run.settings.loading, run.layout.pushed_height
-    assert_allclose(velocities[:-1], mean_velocities(loading.drive.top, 10 * DT, len(velocities) - 1, height))
+    assert_allclose(
+        velocities[:-1], mean_velocities(loading.drive.top, 10 * DT, len(velocities) - 1, height)
+    )
     assert velocities[-1] == 0.0
     assert len(velocities) == len(history.series)
     assert_allclose(np.sum(velocities[:-1]) * 10 * DT, 0.02 / 100 * height)
 
 
 def test_collapse_is_an_end_and_the_last_sample(run_through):
-    finished, run, _, history = run_through(falls_at_step=195, breaks_at_steps=(7, 198, 200, 201, 207))
+    finished, run, _, history = run_through(
+        falls_at_step=195, breaks_at_steps=(7, 198, 200, 201, 207)
+    )
     assert_allclose(history.events["time_s"], [0.007, 0.198, 0.2])
     assert finished and history.collapsed_at_s == run.collapsed_at_s == pytest.approx(0.2)
     assert history.series["time_s"].iloc[-1] == history.collapsed_at_s
@@ -209,15 +273,18 @@ def test_collapse_is_an_end_and_the_last_sample(run_through):
 def test_interrupt_ends_at_the_next_look_and_keeps_what_was_seen(run_through, until_s, samples):
     """Before time zero no sample exists; later the steps up to the look are kept."""
     finished, _, _, history = run_through(
-        keep_going=lambda run, time_s: (run.stage == "static" and until_s > 0) or time_s < until_s)
+        keep_going=lambda run, time_s: (run.stage == "static" and until_s > 0) or time_s < until_s
+    )
     assert not finished and history.status == "interrupted"
     assert len(history.series) == samples
 
 
 def test_damping_that_a_solver_cannot_tell_is_what_the_balance_lacks_in_settling(run_through):
-    """10 J that swing away before settling are an error, which stays one; 3 J that go in settling were damped."""
+    """10 J that swing away before settling are an error, which stays one; 3 J that go in settling
+    were damped."""
     _, _, _, history = run_through(
-        kinetic_j=lambda step: 10.0 if step <= 250 else 6.0 if step <= 700 else 3.0, damping_j=None)
+        kinetic_j=lambda step: 10.0 if step <= 250 else 6.0 if step <= 700 else 3.0, damping_j=None
+    )
     damped = history.series.set_index(history.series["time_s"].round(3))["damping_energy_j"]
     assert damped[0.5] == 0.0
     assert_allclose([damped[0.6], damped[1.0]], [0.0, 3.0])
@@ -230,15 +297,19 @@ def test_events_count_from_time_zero(run_through):
         return True
 
     _, _, _, history = run_through(keep_going=break_one)
-    # One at the start of the static stage, which lasted one look; one at time zero; one a look later.
+    # One at the start of the static stage, which lasted one look; one at time zero; one a look
+    # later.
     assert_allclose(history.events["time_s"], [-LOOK_STEPS * DT, 0.0, LOOK_STEPS * DT])
 
 
-# --- runs that are not to be believed ---------------------------------------------------------------
+# --- runs that are not to be believed -------------------------------------------------------------
+
 
 @pytest.fixture
 def session(tmp_path, capsys, monkeypatch, at_once):
-    """session(*words, **of the Clockwork): a whole run of it from its command line; (status, what it said, History)."""
+    """session(*words, **of the Clockwork): a whole run of it from its command line; (status, what
+    it said, History)."""
+
     def run(*words, **clockwork):
         def make(layout, time_step, _settings):
             monkeypatch.setattr(f"{__name__}.DT", time_step)
@@ -246,18 +317,27 @@ def session(tmp_path, capsys, monkeypatch, at_once):
 
         out = tmp_path / "run.h5"
         backend = Backend("reference", {}, make, Path(__file__).parent)
-        status = run_session(backend, __file__, lambda: small_layout().wall,
-                             [*SHAKEN, *words, "--no-pictures", "--overwrite", "--out", str(out)], "test")
+        status = run_session(
+            backend,
+            __file__,
+            lambda: small_layout().wall,
+            [*SHAKEN, *words, "--no-pictures", "--overwrite", "--out", str(out)],
+            "test",
+        )
         return status, capsys.readouterr().err.splitlines(), read_history(out)
 
     return run
 
 
-@pytest.mark.parametrize("error, failed, warned", [(0.009, False, 0), (0.9, False, 1), (1.1, True, 0), (1e15, True, 0)])
+@pytest.mark.parametrize(
+    "error, failed, warned", [(0.009, False, 0), (0.9, False, 1), (1.1, True, 0), (1e15, True, 0)]
+)
 def test_a_run_whose_energies_do_not_balance_has_failed(session, error, failed, warned):
     """100 J came in at once, and all but what the test says to be wrong went into motion."""
-    status, printed, history = session(input_j=lambda step: 100.0 * (step > 0),
-                                    kinetic_j=lambda step: 100.0 * (1 + error) * (step > 0))
+    status, printed, history = session(
+        input_j=lambda step: 100.0 * (step > 0),
+        kinetic_j=lambda step: 100.0 * (1 + error) * (step > 0),
+    )
     assert (status, history.status) == ((1, "failed") if failed else (0, "complete"))
     assert [line.partition(":")[0] for line in printed] == ["error"] * failed + ["warning"] * warned
     summary = summarise(history)
@@ -266,20 +346,31 @@ def test_a_run_whose_energies_do_not_balance_has_failed(session, error, failed, 
 
 
 def test_an_error_while_the_wall_settles_is_none(session):
-    status, _, history = session(input_j=lambda step: 1.0 * (step > 0), kinetic_j=lambda step: 1.0 * (step > 0),
-                                 damping_j=None)
+    status, _, history = session(
+        input_j=lambda step: 1.0 * (step > 0),
+        kinetic_j=lambda step: 1.0 * (step > 0),
+        damping_j=None,
+    )
     assert status == 0 and summarise(history)["energy_error_fraction"] == 0.0
 
 
-@pytest.mark.parametrize("what, odd", [
-    ("kinetic_j", np.nan), ("input_j", np.inf), ("slip_m", -np.inf), ("offset_m", np.nan)])
+@pytest.mark.parametrize(
+    "what, odd",
+    [("kinetic_j", np.nan), ("input_j", np.inf), ("slip_m", -np.inf), ("offset_m", np.nan)],
+)
 def test_a_run_that_blows_up_ends_at_once_and_keeps_what_was_finite(session, what, odd):
     status, printed, history = session(**{what: lambda step: odd if step >= 1000 else 0.0})
     assert (status, history.status) == (1, "failed")
-    assert len(printed) == 1 and "the run blew up" in printed[0] and "no longer finite" in printed[0]
+    assert (
+        len(printed) == 1 and "the run blew up" in printed[0] and "no longer finite" in printed[0]
+    )
     steps = sample_steps(history.time_step_s)
-    assert_allclose(history.series["time_s"], np.arange(999 // steps + 1) * steps * history.time_step_s)
-    finite = history.series.drop(columns=["stage", "top_force_n", "base_translation_m", "base_rotation_rad"])
+    assert_allclose(
+        history.series["time_s"], np.arange(999 // steps + 1) * steps * history.time_step_s
+    )
+    finite = history.series.drop(
+        columns=["stage", "top_force_n", "base_translation_m", "base_rotation_rad"]
+    )
     assert np.isfinite(finite.to_numpy(float)).all() and np.isfinite(history.slip_m).all()
 
 
@@ -291,6 +382,9 @@ def test_a_solver_that_raises_ends_the_run_in_one_line(session):
 
 @pytest.mark.parametrize("input_j, known", [(0.0, False), (1e-9, False), (1e-3, True)])
 def test_no_input_no_percentage(session, input_j, known):
-    """The wall weighs 29 kN and is 0.45 m high: 1.3e-8 J are rounding, the millijoule of a free vibration is not."""
-    _, _, history = session(input_j=lambda step: input_j * (step > 0), kinetic_j=lambda step: 2e-9 * (step > 0))
+    """The wall weighs 29 kN and is 0.45 m high: 1.3e-8 J are rounding, the millijoule of a free
+    vibration is not."""
+    _, _, history = session(
+        input_j=lambda step: input_j * (step > 0), kinetic_j=lambda step: 2e-9 * (step > 0)
+    )
     assert (summarise(history)["energy_error_fraction"] is not None) == known

@@ -1,4 +1,5 @@
-"""Numbers that decide a run, each against what it stands for in figures of its own: without YADE, in milliseconds."""
+"""Numbers that decide a run, each against what it stands for in figures of its own: without YADE,
+in milliseconds."""
 
 import math
 
@@ -19,7 +20,9 @@ CRITICAL_S = 4.67e-5
 
 
 def step_of(*words, softens=False):
-    return choose_time_step(parse_run(["--pushover", "0.1", *words], "test", "reference"), CRITICAL_S, softens)
+    return choose_time_step(
+        parse_run(["--pushover", "0.1", *words], "test", "reference"), CRITICAL_S, softens
+    )
 
 
 def test_the_time_step_is_a_share_of_the_critical_one():
@@ -44,16 +47,24 @@ def test_a_brick_has_fallen_when_it_is_half_its_height_below_its_place():
     motion = np.zeros((3, len(layout.bodies), 3))
     motion[:, 3, 1] = -0.49 * height, -0.51 * height, -0.6 * height
     assert have_fallen(motion, lowest_places(layout)).tolist() == [False, True, True]
-    motion[:, 3, 1], motion[2, layout.n_bricks:, 1] = 0.0, -1.0  # nor does a rigid top mass count
+    motion[:, 3, 1], motion[2, layout.n_bricks :, 1] = 0.0, -1.0  # nor does a rigid top mass count
     assert not have_fallen(motion, lowest_places(layout)).any()
 
 
-def test_where_bricks_collide_one_has_fallen_when_its_joints_have_ended_and_it_moved_by_its_height():
+def test_where_bricks_collide_one_fell_when_its_joints_ended_and_it_moved_by_its_height():
     layout = small_layout()
     contacts, height = layout.contacts, layout.bodies.height[3]
     joints = np.flatnonzero((contacts.first == 3) | (contacts.second == 3))
     motion = np.zeros((4, len(layout.bodies), 3))
-    motion[:, 3, 0], motion[:, 3, 1] = (0.6 * height, 0.6 * height, 0.9 * height, 0.9 * height), -0.6 * height
+    motion[:, 3, 0], motion[:, 3, 1] = (
+        (
+            0.6 * height,
+            0.6 * height,
+            0.9 * height,
+            0.9 * height,
+        ),
+        -0.6 * height,
+    )
     state = np.full((4, len(joints)), BROKEN | ENDED)
     state[2, 0] = BROKEN  # one joint still holds it
     assert have_left(layout, motion, joints, state).tolist() == [False, False, False, True]
@@ -62,9 +73,12 @@ def test_where_bricks_collide_one_has_fallen_when_its_joints_have_ended_and_it_m
 
 
 def test_bricks_in_flight_are_far_from_rest_by_a_number():
-    """No contact carries force, every brick falls freely: the ratio is large, and no infinity goes into a history."""
+    """No contact carries force, every brick falls freely: the ratio is large, and no infinity goes
+    into a history."""
     layout = small_layout()
-    flying = unbalanced_force(layout, np.zeros((len(layout.bodies), 3)), np.zeros(len(layout.contacts.x)))
+    flying = unbalanced_force(
+        layout, np.zeros((len(layout.bodies), 3)), np.zeros(len(layout.contacts.x))
+    )
     assert flying == pytest.approx(1e9)
 
 
@@ -77,11 +91,21 @@ def test_a_wall_rests_when_no_brick_that_fell_moves():
     assert fastest_fallen(layout, now, before, 0.02) == 0.0
     before[3], now[3] = (0.6 * height, 0, 0.1), (0.6 * height + 3e-4, -4e-4, 0.1 - 1e-3)
     assert_allclose(fastest_fallen(layout, now, before, 0.02), (5e-4 + 1e-3 * length / 2) / 0.02)
-    assert (run_settings.RESTS_BELOW_M_S, run_settings.RESTS_FOR_S, run_settings.AFTER_FALL_S) == (0.05, 0.2, 10.0)
+    assert (run_settings.RESTS_BELOW_M_S, run_settings.RESTS_FOR_S, run_settings.AFTER_FALL_S) == (
+        0.05,
+        0.2,
+        10.0,
+    )
 
 
 def test_following_bricks_without_contacts_is_refused():
-    refused_with("--after-fall without --new-contacts: .*give both", parse_run, ["--after-fall"], "test", "reference")
+    refused_with(
+        "--after-fall without --new-contacts: .*give both",
+        parse_run,
+        ["--after-fall"],
+        "test",
+        "reference",
+    )
     with pytest.raises(InputError, match="--after-fall with --past-collapse 2: expected one"):
         parse_run(["--after-fall", "--new-contacts", "--past-collapse", "2"], "test", "yade")
     with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):

@@ -1,6 +1,5 @@
 """Runs with records in coarse steps: both samplings of one motion give one result."""
 
-
 import numpy as np
 import pytest
 from conftest import one_line_error
@@ -12,17 +11,29 @@ from damage.measure.tables import summary_row
 from damage.run.options import parse_run
 from damage.run.report import describe
 
-STIFF = damage.Wall("stiff", 0.84, 1.5, precompression=0.1e6,
-                    brick=damage.Brick(length=0.21, height=0.06, thickness=0.1))
+STIFF = damage.Wall(
+    "stiff",
+    0.84,
+    1.5,
+    precompression=0.1e6,
+    brick=damage.Brick(length=0.21, height=0.06, thickness=0.1),
+)
 """Its first period is 0.0508 s: 2.5 steps of 0.02 s."""
 PERIOD_S = 0.0508
 
 
 def sampled(folder, step_s, name="", scale=1.0):
-    """A record's file of 0.8 s: sines up to 21.75 Hz that swell and ebb, of which steps of 0.02 s hold everything."""
+    """A record's file of 0.8 s: sines up to 21.75 Hz that swell and ebb, of which steps of 0.02 s
+    hold everything."""
     time_s = np.arange(round(0.8 / step_s) + 1) * step_s
-    acc_g = scale * np.sin(np.pi * time_s / 0.8)**2 * sum(
-        g * np.sin(2 * np.pi * hz * time_s) for hz, g in ((4.0, 0.01), (12.0, 0.015), (19.7, 0.025), (21.75, 0.01)))
+    acc_g = (
+        scale
+        * np.sin(np.pi * time_s / 0.8) ** 2
+        * sum(
+            g * np.sin(2 * np.pi * hz * time_s)
+            for hz, g in ((4.0, 0.01), (12.0, 0.015), (19.7, 0.025), (21.75, 0.01))
+        )
+    )
     path = folder / f"{name or f'every_{1e3 * step_s:g}_ms'}.csv"
     path.write_text("time_s,acc_g\n" + "".join(f"{t:.4f},{a:.9f}\n" for t, a in zip(time_s, acc_g)))
     return path
@@ -32,14 +43,24 @@ def sampled(folder, step_s, name="", scale=1.0):
 def runs(tmp_path_factory):
     """{step [s]: History} of the stiff wall under both files."""
     folder = tmp_path_factory.mktemp("sampling")
-    return {step_s: damage.run(STIFF, sampled(folder, step_s), rest=0.1) for step_s in (0.02, 0.002)}
+    return {
+        step_s: damage.run(STIFF, sampled(folder, step_s), rest=0.1) for step_s in (0.02, 0.002)
+    }
 
 
 def test_a_record_in_coarse_steps_drives_a_stiff_wall_as_one_in_fine_steps(runs):
-    """By lines between its samples it had 27 % less drift and base shear, and Sa(T1) was a third too small."""
+    """By lines between its samples it had 27 % less drift and base shear, and Sa(T1) was a third
+    too small."""
     coarse, fine = (summarise(runs[step_s]) for step_s in (0.02, 0.002))
-    for name in ("max_drift_ratio", "peak_base_shear_n", "sa_eigen_period_g", "pgv_m_s", "avg_sa_g", "arias_m_s",
-                 "d5_75_s"):
+    for name in (
+        "max_drift_ratio",
+        "peak_base_shear_n",
+        "sa_eigen_period_g",
+        "pgv_m_s",
+        "avg_sa_g",
+        "arias_m_s",
+        "d5_75_s",
+    ):
         assert coarse[name] == pytest.approx(fine[name], rel=0.01), name
     rows = [summary_row(runs[step_s]) for step_s in (0.02, 0.002)]
     for name in ("pga_g", "sa_0.2_s_g", "peak_base_shear_n"):
@@ -50,12 +71,20 @@ def test_a_record_in_coarse_steps_drives_a_stiff_wall_as_one_in_fine_steps(runs)
 
 def test_the_run_says_that_it_interpolates_and_what_lines_would_take_off(runs):
     lost = 1 - np.sinc(0.02 / runs[0.02].eigen_period_s) ** 2
-    assert summarise(runs[0.02])["lost_by_lines"] == summary_row(runs[0.02])["lost_by_lines"] == pytest.approx(lost)
+    assert (
+        summarise(runs[0.02])["lost_by_lines"]
+        == summary_row(runs[0.02])["lost_by_lines"]
+        == pytest.approx(lost)
+    )
     assert runs[0.02].parameters["loading"]["interpolated_for_s"] == runs[0.02].eigen_period_s
-    assert summarise(runs[0.002])["lost_by_lines"] is None and "lost_by_lines" in summary_row(runs[0.002])
+    assert summarise(runs[0.002])["lost_by_lines"] is None and "lost_by_lines" in summary_row(
+        runs[0.002]
+    )
     assert "interpolated_for_s" not in runs[0.002].parameters["loading"]
-    assert "record interpolated, as lines between its samples would take off 42 % at the first period" in describe(
-        summarise(runs[0.02]))
+    assert (
+        "record interpolated, as lines between its samples would take off 42 % at the first period"
+        in describe(summarise(runs[0.02]))
+    )
     assert "interpolated" not in describe(summarise(runs[0.002]))
     assert ["interpolated" in run_title(runs[step_s]) for step_s in (0.02, 0.002)] == [True, False]
 
@@ -73,13 +102,20 @@ def test_all_events_of_a_sequence_are_interpolated_and_stay_the_same_motion(tmp_
     first, second, third = (event.loading for event in driven.events)
     assert first is third and driven.loading is second and driven.peak_g > asked.peak_g
     assert {one.interpolated_for_s for one in (first, second)} == {PERIOD_S}
-    assert [event.factor for event in driven.events] == [1, 3, 0.5] and driven.duration_s == asked.duration_s
+    assert [event.factor for event in driven.events] == [
+        1,
+        3,
+        0.5,
+    ] and driven.duration_s == asked.duration_s
     assert len(driven.as_dict()["motions"]) == 2
 
 
 def test_a_record_whose_steps_exceed_half_the_period_is_refused_unless_it_is_accepted(tmp_path):
     words = "--record", sampled(tmp_path, 0.04)
     said = one_line_error(settings(*words).for_period, PERIOD_S)
-    assert "every_40_ms: a time step of 0.04 s; expected at most half of the wall's first period of 0.0508 s" in said
+    assert (
+        "every_40_ms: a time step of 0.04 s; expected at most half of the wall's first period of"
+        " 0.0508 s" in said
+    )
     driven = settings(*words, "--accept-implausible").for_period(PERIOD_S)
     assert driven.loading.interpolated_for_s == PERIOD_S

@@ -1,4 +1,5 @@
-"""Sequences of events, by factors and from a file: reading, schedule, damage carried over, tables."""
+"""Sequences of events, by factors and from a file: reading, schedule, damage carried over,
+tables."""
 
 from types import SimpleNamespace
 
@@ -24,8 +25,10 @@ from damage.run.settings import SETTLE_S
 
 DT = 2e-5
 RECORD = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
-DIFFERENT = ("record,component,scale,start_s,end_s,rest_s\nBGAR,HGE,2,18.4,19.4,0.1\n"
-             "G100_HG2,,8,6,7,\nBWSE_HGN,,-3,20,20.8,0.3\n")
+DIFFERENT = (
+    "record,component,scale,start_s,end_s,rest_s\nBGAR,HGE,2,18.4,19.4,0.1\n"
+    "G100_HG2,,8,6,7,\nBWSE_HGN,,-3,20,20.8,0.3\n"
+)
 
 
 def file_of(folder, text, name="sequence.csv"):
@@ -41,16 +44,23 @@ class TestReading:
         first, second, third = read_sequence(file_of(tmp_path, DIFFERENT), 0.7)
         assert [event.factor for event in (first, second, third)] == [2, 8, -3]
         assert [event.rest_s for event in (first, second, third)] == [0.1, 0.7, 0.3]
-        assert [event.loading.record.name for event in (first, second, third)] == ["BGAR_HGE", "G100_HG2", "BWSE_HGN"]
+        assert [event.loading.record.name for event in (first, second, third)] == [
+            "BGAR_HGE",
+            "G100_HG2",
+            "BWSE_HGN",
+        ]
         assert first.loading.window_s == (18.4, 19.4) and first.loading.scale == 1.0
 
     def test_only_a_record_is_needed(self, tmp_path):
-        (event,) = read_sequence(file_of(tmp_path, "record\nMID1_N_synthetic\n"), 2.0, band_hz=(0.5, 40.0))
+        (event,) = read_sequence(
+            file_of(tmp_path, "record\nMID1_N_synthetic\n"), 2.0, band_hz=(0.5, 40.0)
+        )
         assert (event.factor, event.rest_s, event.loading.window_s) == (1.0, 2.0, None)
         assert event.loading.band_hz == (0.5, 40.0)
 
     def test_the_working_folder_does_not_decide_which_record_is_meant(self, tmp_path, monkeypatch):
-        """A batch and its shards have other working folders than the file's, each with a file of that name."""
+        """A batch and its shards have other working folders than the file's, each with a file of
+        that name."""
         elsewhere = tmp_path / "elsewhere"
         elsewhere.mkdir()
         (tmp_path / "mine.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,1\n0.01,0\n")
@@ -59,31 +69,51 @@ class TestReading:
         monkeypatch.chdir(elsewhere)
         (event,) = read_sequence(file_of(tmp_path, "record\nmine.csv\n"), 2.0)
         assert event.loading.peak_g == pytest.approx(1 / 9.81)
-        assert "is in the working folder; expected it from the folder of this file" in one_line_error(
-            read_sequence, file_of(tmp_path, "record\nother.csv\n"), 2.0)
+        assert (
+            "is in the working folder; expected it from the folder of this file"
+            in one_line_error(read_sequence, file_of(tmp_path, "record\nother.csv\n"), 2.0)
+        )
 
-    @pytest.mark.parametrize("text, message", [
-        ("record,scale\nBGAR_HGE,1\nBGAR_HGX,1\n", "line 3: BGAR_HGX: no such file"),
-        ("record,scale\nBGAR_HGE,large\n", "line 2: scale = 'large'"),
-        ("record,start_s,end_s\nBGAR_HGE,18,\n", "line 2: a window with one end"),
-        ("record,start_s,end_s\nBGAR_HGE,18,99\n", "line 2: window 18.0 to 99.0 s"),
-        ("record\n\"\"\n", "line 2: no record"),
-        ("record,factor\nBGAR_HGE,1\n", "unknown column 'factor'"), ("record\n", "no row"),
-        ("record\nBGAR_HGE\nten_ms.csv\n", "line 3: a record with another time step than the 0.005 s"),
-    ])
+    @pytest.mark.parametrize(
+        "text, message",
+        [
+            ("record,scale\nBGAR_HGE,1\nBGAR_HGX,1\n", "line 3: BGAR_HGX: no such file"),
+            ("record,scale\nBGAR_HGE,large\n", "line 2: scale = 'large'"),
+            ("record,start_s,end_s\nBGAR_HGE,18,\n", "line 2: a window with one end"),
+            ("record,start_s,end_s\nBGAR_HGE,18,99\n", "line 2: window 18.0 to 99.0 s"),
+            ('record\n""\n', "line 2: no record"),
+            ("record,factor\nBGAR_HGE,1\n", "unknown column 'factor'"),
+            ("record\n", "no row"),
+            (
+                "record\nBGAR_HGE\nten_ms.csv\n",
+                "line 3: a record with another time step than the 0.005 s",
+            ),
+        ],
+    )
     def test_a_bad_row_is_named(self, tmp_path, text, message):
         (tmp_path / "ten_ms.csv").write_text("time_s,acc_m_s2\n0,0\n0.01,1\n0.02,0\n")
         assert message in one_line_error(read_sequence, file_of(tmp_path, text), 2.0)
 
-    @pytest.mark.parametrize("words, message", [
-        (["--record", "BGAR_HGE"], "and --record"), (["--window", "1", "2"], "--window"),
-        (["--harmonic", "0.2", "0.1"], "--harmonic"), (["--rest", "-1"], "--rest")])
+    @pytest.mark.parametrize(
+        "words, message",
+        [
+            (["--record", "BGAR_HGE"], "and --record"),
+            (["--window", "1", "2"], "--window"),
+            (["--harmonic", "0.2", "0.1"], "--harmonic"),
+            (["--rest", "-1"], "--rest"),
+        ],
+    )
     def test_other_motions_beside_it_are_refused(self, tmp_path, words, message):
         assert message in one_line_error(settings, file_of(tmp_path, DIFFERENT), *words)
 
-    @pytest.mark.parametrize("words, message", [
-        (["--sequence", "1,x"], "numbers with commas"), (["--sequence", "1,nan"], "factor of --sequence = nan"),
-        (["--free-vibration", "--sequence", "1,1"], "belongs to")])
+    @pytest.mark.parametrize(
+        "words, message",
+        [
+            (["--sequence", "1,x"], "numbers with commas"),
+            (["--sequence", "1,nan"], "factor of --sequence = nan"),
+            (["--free-vibration", "--sequence", "1,1"], "belongs to"),
+        ],
+    )
     def test_bad_factors_are_refused(self, words, message):
         refused_with(message, parse_run, words, "test", "reference")
 
@@ -97,11 +127,16 @@ class TestSchedule:
         asked = settings(file_of(tmp_path, DIFFERENT), "--rest", "0.7")
         schedule = stages(asked, None, DT, 100)
         assert [(stage.shock, stage.name) for stage in schedule] == [
-            (shock, name) for shock in (1, 2, 3) for name in ("motion", "rest", "settling")]
+            (shock, name) for shock in (1, 2, 3) for name in ("motion", "rest", "settling")
+        ]
         assert schedule[0].start_step == 0 and all(stage.end_step % 100 == 0 for stage in schedule)
-        assert all(before.end_step == after.start_step for before, after in zip(schedule, schedule[1:]))
+        assert all(
+            before.end_step == after.start_step for before, after in zip(schedule, schedule[1:])
+        )
         lengths = [(stage.end_step - stage.start_step) * DT for stage in schedule]
-        assert lengths == pytest.approx([1, 0.1, SETTLE_S, 1, 0.7, SETTLE_S, 0.8, 0.3, SETTLE_S], abs=100 * DT)
+        assert lengths == pytest.approx(
+            [1, 0.1, SETTLE_S, 1, 0.7, SETTLE_S, 0.8, 0.3, SETTLE_S], abs=100 * DT
+        )
         assert asked.duration_s == pytest.approx(2.8 + 1.1 + 3 * SETTLE_S)
 
     def test_the_base_follows_each_record_times_its_factor(self, tmp_path):
@@ -110,39 +145,77 @@ class TestSchedule:
         base = base_acceleration(asked, schedule, DT)
         for event, stage in zip(asked.events, schedule[::3]):
             n = round(event.loading.duration_s / DT) + 1
-            assert_allclose(base[stage.start_step:stage.start_step + n],
-                            event.factor * event.loading.base_acceleration(np.arange(n) * DT), atol=ACCELERATION / 2)
-            assert not base[stage.start_step + n:stage.start_step + n + 1000].any()  # rest and settling
+            assert_allclose(
+                base[stage.start_step : stage.start_step + n],
+                event.factor * event.loading.base_acceleration(np.arange(n) * DT),
+                atol=ACCELERATION / 2,
+            )
+            # rest and settling
+            assert not base[stage.start_step + n : stage.start_step + n + 1000].any()
 
     def test_equal_rows_are_the_list_of_factors(self, tmp_path):
         rows = "".join(f"{RECORD},{factor},18.4,19.4\n" for factor in (1, -0.5, 0.3))
-        of_file = settings(file_of(tmp_path, "record,scale,start_s,end_s\n" + rows), "--rest", "0.4")
-        of_list = parse_run(["--record", RECORD, "--window", "18.4", "19.4", "--sequence", "1,-0.5,0.3",
-                             "--rest", "0.4"], "test", "reference")
+        of_file = settings(
+            file_of(tmp_path, "record,scale,start_s,end_s\n" + rows), "--rest", "0.4"
+        )
+        of_list = parse_run(
+            [
+                "--record",
+                RECORD,
+                "--window",
+                "18.4",
+                "19.4",
+                "--sequence",
+                "1,-0.5,0.3",
+                "--rest",
+                "0.4",
+            ],
+            "test",
+            "reference",
+        )
         assert stages(of_file, None, DT, 100) == stages(of_list, None, DT, 100)
         schedule = stages(of_file, None, DT, 100)
-        assert_array_equal(base_acceleration(of_file, schedule, DT), base_acceleration(of_list, schedule, DT))
-        assert (of_file.peak_g, of_file.duration_s) == pytest.approx((of_list.peak_g, of_list.duration_s), rel=1e-12)
+        assert_array_equal(
+            base_acceleration(of_file, schedule, DT), base_acceleration(of_list, schedule, DT)
+        )
+        assert (of_file.peak_g, of_file.duration_s) == pytest.approx(
+            (of_list.peak_g, of_list.duration_s), rel=1e-12
+        )
 
     def test_the_strongest_motion_names_the_run(self, tmp_path):
         asked = settings(file_of(tmp_path, DIFFERENT))
         peaks = [event.loading.peak_g * abs(event.factor) for event in asked.events]
-        assert asked.loading is asked.events[int(np.argmax(peaks))].loading and asked.peak_g == max(peaks)
-        assert free_name(SimpleNamespace(name="w"), asked, "reference").name.startswith("w_sequence-of-3_BGAR_HGE_x1")
+        assert asked.loading is asked.events[int(np.argmax(peaks))].loading and asked.peak_g == max(
+            peaks
+        )
+        assert free_name(SimpleNamespace(name="w"), asked, "reference").name.startswith(
+            "w_sequence-of-3_BGAR_HGE_x1"
+        )
         assert "3 events of 3 records" in sequence_lines(asked)[0]
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """{name: path of a history}: a list of factors, the same events from a file, different records."""
+    """{name: path of a history}: a list of factors, the same events from a file, different
+    records."""
     folder = tmp_path_factory.mktemp("sequence")
-    equal = file_of(folder, "record,scale,start_s,end_s\n" + 2 * f"{RECORD},9,18.4,18.9\n", "equal.csv")
+    equal = file_of(
+        folder, "record,scale,start_s,end_s\n" + 2 * f"{RECORD},9,18.4,18.9\n", "equal.csv"
+    )
     different = file_of(folder, DIFFERENT.replace("HGE,2", "HGE,12"))
-    asked = {"list": ["--record", RECORD, "--window", "18.4", "18.9", "--sequence", "9,9"],
-             "file": ["--sequence", str(equal)], "different": ["--sequence", str(different)]}
+    asked = {
+        "list": ["--record", RECORD, "--window", "18.4", "18.9", "--sequence", "9,9"],
+        "file": ["--sequence", str(equal)],
+        "different": ["--sequence", str(different)],
+    }
     for name, words in asked.items():
         out = str(folder / f"{name}.h5")
-        assert run_reference(["walls/variants/small.py", *words, "--rest", "0.1", "--no-pictures", "--out", out]) == 0
+        assert (
+            run_reference(
+                ["walls/variants/small.py", *words, "--rest", "0.1", "--no-pictures", "--out", out]
+            )
+            == 0
+        )
     return {name: folder / f"{name}.h5" for name in asked}
 
 
@@ -151,21 +224,31 @@ def test_equal_events_equal_the_list_of_factors_bit_for_bit(runs):
     assert one.keys() == other.keys() and len(one) > 20
     assert [name for name in one if one[name] != other[name]] == []
     one, other = (damage.read_history(runs[name]) for name in ("list", "file"))
-    assert shocks_table(one).equals(shocks_table(other)) and other.strongest_factor == one.strongest_factor == 9
+    assert (
+        shocks_table(one).equals(shocks_table(other))
+        and other.strongest_factor == one.strongest_factor == 9
+    )
 
 
 def test_a_row_an_event(runs):
     history = damage.read_history(runs["different"])
     table = shocks_table(history)
     assert list(table["factor"]) == [12, 8, -3]
-    assert [name.split("_x1")[0] for name in table["motion"]] == ["BGAR_HGE", "G100_HG2", "BWSE_HGN"]
-    assert_array_equal(table["offset_before_mm"].to_numpy()[1:], table["offset_after_mm"].to_numpy()[:-1])
+    assert [name.split("_x1")[0] for name in table["motion"]] == [
+        "BGAR_HGE",
+        "G100_HG2",
+        "BWSE_HGN",
+    ]
+    assert_array_equal(
+        table["offset_before_mm"].to_numpy()[1:], table["offset_after_mm"].to_numpy()[:-1]
+    )
     assert table["offset_before_mm"].iloc[0] == 0 and (table["newly_failed"] >= 0).all()
     ends = np.flatnonzero(np.diff(history.series["shock"], append=4))
     assert_array_equal(np.cumsum(table["newly_failed"]), history.broken[ends].sum(axis=1))
     assert table["newly_failed"].sum() > 0
     peak = np.abs(history.series["base_acceleration_x_m_s2"]).max() / 9.81
-    assert summary_row(history)["pga_g"] == pytest.approx(peak, rel=0.02)  # of the strongest event, between samples
+    # of the strongest event, between samples
+    assert summary_row(history)["pga_g"] == pytest.approx(peak, rel=0.02)
     assert run_title(history) == "Small wall, sequence of three events, three records"
     assert len(describe_events(table)) == 4 and "G100_HG2" in describe_events(table)[2]
     figure = sequence_picture(history)

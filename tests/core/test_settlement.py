@@ -1,4 +1,5 @@
-"""Settlement of the ground: supports that follow a profile, against rigid-body motion, beams and statics."""
+"""Settlement of the ground: supports that follow a profile, against rigid-body motion, beams and
+statics."""
 
 import math
 from dataclasses import replace
@@ -37,7 +38,14 @@ from damage.wall.parameters import Brick, Joint, Opening, Wall
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG)
 N, LENGTH, HEIGHT = 21, 0.3, 0.5
-BEAM = Wall("beam", N * LENGTH, HEIGHT, brick=Brick(length=LENGTH, height=HEIGHT), joint=STRONG, precompression=0.0)
+BEAM = Wall(
+    "beam",
+    N * LENGTH,
+    HEIGHT,
+    brick=Brick(length=LENGTH, height=HEIGHT),
+    joint=STRONG,
+    precompression=0.0,
+)
 """A single course of bricks side by side: a beam."""
 
 
@@ -46,18 +54,25 @@ def supports(n=8, length=4.0):
     return Supports(edges[:-1], edges[1:])
 
 
-# --- profiles -----------------------------------------------------------------------------------------
+# --- profiles -------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("profile, sign, chord", [("hogging", -1, 0), ("sagging", 1, 0), ("knick", -1, -1)])
+
+@pytest.mark.parametrize(
+    "profile, sign, chord", [("hogging", -1, 0), ("sagging", 1, 0), ("knick", -1, -1)]
+)
 def test_the_ground_has_the_distortion_that_was_asked_for(profile, sign, chord):
-    """Of hogging and sagging the deflection over half the length; a knick deflects by half of it from its chord."""
+    """Of hogging and sagging the deflection over half the length; a knick deflects by half of it
+    from its chord."""
     given = 1 / 500
     settlement, below = Settlement(profile, given), supports()
     end = settlement.displacement([1e3], below)[0]
     half = (below.right - below.left) / 2
     x = np.concatenate([below.left, below.right[-1:]])
-    up = np.concatenate([end[:, 1] - half * np.sin(end[:, 2]), end[-1:, 1] + half[-1] * np.sin(end[-1:, 2])])
-    assert_allclose(up, settlement.vertical(x, 4.0), atol=1e-8)  # a rotation of finite size shortens its arm
+    up = np.concatenate(
+        [end[:, 1] - half * np.sin(end[:, 2]), end[-1:, 1] + half[-1] * np.sin(end[-1:, 2])]
+    )
+    # a rotation of finite size shortens its arm
+    assert_allclose(up, settlement.vertical(x, 4.0), atol=1e-8)
     angular, ratio, relative_mm, tilt = distortion(x, up)
     factor = 0.5 if chord else 1.0
     assert angular == pytest.approx(factor * given, rel=1e-4)
@@ -83,7 +98,9 @@ def test_the_ground_begins_and_ends_at_rest_and_is_slow():
     settlement = Settlement("hogging", 1 / 100)
     time_s = settlement.moving_s(4.0)
     speed = np.abs(settlement.velocities(time_s / 200, 250, supports(200)))[:, :, 1].max(axis=1)
-    assert speed[0] < 0.02 * FASTEST_M_S and speed[199] < 0.02 * FASTEST_M_S and not speed[200:].any()
+    assert (
+        speed[0] < 0.02 * FASTEST_M_S and speed[199] < 0.02 * FASTEST_M_S and not speed[200:].any()
+    )
     assert FASTEST_M_S * 0.9 < speed.max() <= FASTEST_M_S
 
 
@@ -91,53 +108,80 @@ def test_a_profile_from_a_file(tmp_path):
     path = written(tmp_path / "dip.csv", "x_m,uz_m\n0,0\n1,-0.002\n4,0\n")
     settlement = parse_run(["--settle", str(path)], "", "reference").settlement
     assert_allclose(settlement.vertical([0.5, 1, 2.5], 4.0), [-0.001, -0.002, -0.001])
-    refused_with("reaches from x = 0 to 4 m, the wall from 0 to 4.05 m", settlement.check_length, 4.05)
+    refused_with(
+        "reaches from x = 0 to 4 m, the wall from 0 to 4.05 m", settlement.check_length, 4.05
+    )
 
 
 def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
-    """What the right end went down between the surveys, whatever the course was like when built; of one date what it is
-    below its highest point, with a warning."""
+    """What the right end went down between the surveys, whatever the course was like when built; of
+    one date what it is below its highest point, with a warning."""
     path = tmp_path / "levels.csv"
-    path.write_text("x_m,height_m,date\n3.8,0.712,2003-06-01\n0.2,0.700,2003-06-01\n2,0.705,2003-06-01\n"
-                    "0.2,0.699,2021-06-01\n2,0.703,2021-06-01\n3.8,0.702,2021-06-01\n")
+    path.write_text(
+        "x_m,height_m,date\n3.8,0.712,2003-06-01\n0.2,0.700,2003-06-01\n2,0.705,2003-06-01\n"
+        "0.2,0.699,2021-06-01\n2,0.703,2021-06-01\n3.8,0.702,2021-06-01\n"
+    )
     settlement = parse_run(["--settle", str(path)], "", "reference").settlement
     settlement.check_length(4.0)
     up = settlement.vertical([0.2, 2, 3.8], 4.0)
     assert_allclose(up - up[0], [0, -1e-3, -9e-3], atol=1e-12)
-    assert settlement.vertical(4.0, 4.0) - settlement.vertical(3.8, 4.0) == pytest.approx(-8e-3 / 1.8 * 0.2)
+    assert settlement.vertical(4.0, 4.0) - settlement.vertical(3.8, 4.0) == pytest.approx(
+        -8e-3 / 1.8 * 0.2
+    )
     assert capsys.readouterr().err == ""
-    path.write_text(path.read_text().replace("2003-06-01", "20030601", 1))  # another way to write the same day
+    # another way to write the same day
+    path.write_text(path.read_text().replace("2003-06-01", "20030601", 1))
     assert parse_run(["--settle", str(path)], "", "reference").settlement == settlement
     path.write_text("x_m,height_m\n0,1.71\n2,1.70\n4,1.71\n")
     one = parse_run(["--settle", str(path)], "", "reference").settlement
     assert one.vertical(2, 4.0) - one.vertical(0, 4.0) == pytest.approx(-0.01)
-    assert "levels of one date: the course is taken as level when it was built" in capsys.readouterr().err
+    assert (
+        "levels of one date: the course is taken as level when it was built"
+        in capsys.readouterr().err
+    )
 
 
-@pytest.mark.parametrize("words, said", [
-    (["--settle", "hoging"], "expected one of hogging, sagging, tilt, knick, or a CSV file"),
-    (["--settle", "hogging", "--distortion", "1/20"], "--distortion = 0.05: expected a number from 1e-07 to 0.02"),
-    (["--settle", "hogging", "--distortion", "one"], "expected a number, or a fraction like 1/500"),
-    (["--distortion", "1/500"], "--distortion belongs to --settle"),
-])
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (["--settle", "hoging"], "expected one of hogging, sagging, tilt, knick, or a CSV file"),
+        (
+            ["--settle", "hogging", "--distortion", "1/20"],
+            "--distortion = 0.05: expected a number from 1e-07 to 0.02",
+        ),
+        (
+            ["--settle", "hogging", "--distortion", "one"],
+            "expected a number, or a fraction like 1/500",
+        ),
+        (["--distortion", "1/500"], "--distortion belongs to --settle"),
+    ],
+)
 def test_bad_options_are_one_line(words, said):
     refused_with(said, parse_run, words, "", "reference")
 
 
-@pytest.mark.parametrize("text, said", [
-    ("x,z\n0,0\n", "line 1: no column x_m; expected x_m and any of uz_m, height_m, date"),
-    ("x_m,uz_m\n0,0\n1,a\n", "line 3: uz_m = 'a': expected a finite number"),
-    ("x_m,uz_m\n0,0\n1,0\n", "is zero at every point"),
-    ("x_m,height_m,date\n0,1,\n", "line 2: date = '': expected a day like 2019-05-22"),
-    ("x_m,height_m,date\n0,1,2020-01-01\n1,1,2021-01-01\n", "1 level of one date; expected two or more"),
-    ("x_m,uz_m\n1,0\n0,1e-3\n", "does not rise"), ("x_m,uz_m\n0,0\n1,5\n", "expected a number from -1 to 1"),
-])
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("x,z\n0,0\n", "line 1: no column x_m; expected x_m and any of uz_m, height_m, date"),
+        ("x_m,uz_m\n0,0\n1,a\n", "line 3: uz_m = 'a': expected a finite number"),
+        ("x_m,uz_m\n0,0\n1,0\n", "is zero at every point"),
+        ("x_m,height_m,date\n0,1,\n", "line 2: date = '': expected a day like 2019-05-22"),
+        (
+            "x_m,height_m,date\n0,1,2020-01-01\n1,1,2021-01-01\n",
+            "1 level of one date; expected two or more",
+        ),
+        ("x_m,uz_m\n1,0\n0,1e-3\n", "does not rise"),
+        ("x_m,uz_m\n0,0\n1,5\n", "expected a number from -1 to 1"),
+    ],
+)
 def test_bad_profiles_are_one_line(tmp_path, text, said):
     path = written(tmp_path / "bad.csv", text)
     refused_with(said, parse_run, ["--settle", str(path)], "", "reference")
 
 
-# --- motion, forces, energy ------------------------------------------------------------------------------
+# --- motion, forces, energy -----------------------------------------------------------------------
+
 
 def test_a_tilt_of_the_whole_base_is_a_rigid_body_motion():
     """To 1e-9 m without weight, which would shear the tilted wall."""
@@ -151,21 +195,36 @@ def test_a_tilt_of_the_whole_base_is_a_rigid_body_motion():
     for velocity in tilt.velocities(steps * solver.time_step, n + 20, layout.supports):
         solver.move_supports(velocity)
         solver.run(steps)
-    assert_allclose(solver.instants().displacement[0], rotated(layout.bodies, 1 / 200), rtol=0, atol=1e-9)
+    assert_allclose(
+        solver.instants().displacement[0], rotated(layout.bodies, 1 / 200), rtol=0, atol=1e-9
+    )
 
 
 def rotated(bodies, angle):
     """Motion of bodies by a rotation about x = z = 0 to the right by an angle [rad]."""
     cos, sin = math.cos(angle) - 1, -math.sin(angle)
-    return np.column_stack([cos * bodies.x - sin * bodies.z, sin * bodies.x + cos * bodies.z,
-                            np.full(len(bodies.x), -angle)])
+    return np.column_stack(
+        [
+            cos * bodies.x - sin * bodies.z,
+            sin * bodies.x + cos * bodies.z,
+            np.full(len(bodies.x), -angle),
+        ]
+    )
 
 
 def settled(tmp_path, wall, settlement, model=None, change=lambda layout: layout, loading=None):
     """History and layout of a wall that settles; change: of the layout."""
-    settings = RunSettings(loading=loading or AtRest(), settlement=settlement, model=model or ModelOptions(),
-                           rest_s=0.1, relaxation="adaptive", accept_implausible=True, out=tmp_path / "settled.h5",
-                           pictures=False, quiet=True)
+    settings = RunSettings(
+        loading=loading or AtRest(),
+        settlement=settlement,
+        model=model or ModelOptions(),
+        rest_s=0.1,
+        relaxation="adaptive",
+        accept_implausible=True,
+        out=tmp_path / "settled.h5",
+        pictures=False,
+        quiet=True,
+    )
     prepared = prepare(BACKEND, "", lambda: wall, settings)
     prepared = replace(prepared, layout=change(prepared.layout))
     take_turns([simulate(prepared, lambda run, time_s: True)])
@@ -173,39 +232,57 @@ def settled(tmp_path, wall, settlement, model=None, change=lambda layout: layout
 
 
 def loose_base(layout):
-    """The layout whose base joint has no tensile strength and hardly any stiffness along the ground."""
+    """The layout whose base joint has no tensile strength and hardly any stiffness along the
+    ground."""
     contacts, ground = layout.contacts, layout.contacts.first < 0
-    return replace(layout, contacts=replace(
-        contacts, tensile_strength=np.where(ground, 0.0, contacts.tensile_strength),
-        shear_stiffness=np.where(ground, 1e-4, 1.0) * contacts.shear_stiffness))
+    return replace(
+        layout,
+        contacts=replace(
+            contacts,
+            tensile_strength=np.where(ground, 0.0, contacts.tensile_strength),
+            shear_stiffness=np.where(ground, 1e-4, 1.0) * contacts.shear_stiffness,
+        ),
+    )
 
 
 def beam_stiffness(layout):
-    """Bending and shear stiffness of the beam [N m2, N]: head joints, each for the length of a brick."""
+    """Bending and shear stiffness of the beam [N m2, N]: head joints, each for the length of a
+    brick."""
     contacts, head = layout.contacts, layout.contacts.upright
     second, depth = HEIGHT**3 / 12, HEIGHT
     thickness = BEAM.brick.thickness
-    return (contacts.normal_stiffness[head][0] * LENGTH * thickness * second,
-            contacts.shear_stiffness[head][0] * LENGTH * thickness * depth)
+    return (
+        contacts.normal_stiffness[head][0] * LENGTH * thickness * second,
+        contacts.shear_stiffness[head][0] * LENGTH * thickness * depth,
+    )
 
 
 @pytest.mark.parametrize("profile", ["hogging", "sagging"])
 def test_a_long_elastic_wall_that_the_ground_leaves_is_timoshenkos_beam(tmp_path, profile):
-    """Hogging leaves the middle as its support: two cantilevers; sagging both ends: a beam on two supports."""
-    history, layout = settled(tmp_path, BEAM, Settlement(profile, 1 / 150), ModelOptions(contacts="gauss"), loose_base)
+    """Hogging leaves the middle as its support: two cantilevers; sagging both ends: a beam on two
+    supports."""
+    history, layout = settled(
+        tmp_path, BEAM, Settlement(profile, 1 / 150), ModelOptions(contacts="gauss"), loose_base
+    )
     up = history.displacement[-1][:N, 1].astype(float)
-    load, (bending, shear) = BEAM.brick.density * GRAVITY * HEIGHT * BEAM.brick.thickness, beam_stiffness(layout)
+    load, (bending, shear) = (
+        BEAM.brick.density * GRAVITY * HEIGHT * BEAM.brick.thickness,
+        beam_stiffness(layout),
+    )
     if profile == "hogging":
         span = N * LENGTH / 2 - LENGTH / 2  # to the middle of the last brick
         half = N * LENGTH / 2
-        expected = load * span**2 / (24 * bending) * (6 * half**2 - 4 * half * span + span**2) + load / shear * (
-            half * span - span**2 / 2)
+        expected = load * span**2 / (24 * bending) * (
+            6 * half**2 - 4 * half * span + span**2
+        ) + load / shear * (half * span - span**2 / 2)
         found = up[N // 2] - up[[0, -1]].mean()
     else:
-        span = N * LENGTH - LENGTH * (1 - 1 / math.sqrt(3)) / 2  # between the outermost Gauss points
+        # between the outermost Gauss points
+        span = N * LENGTH - LENGTH * (1 - 1 / math.sqrt(3)) / 2
         expected = 5 * load * span**4 / (384 * bending) + load * span**2 / (8 * shear)
         rotation = history.displacement[-1][[0, N - 1], 2].astype(float)
-        inwards = LENGTH * (1 + 1 / math.sqrt(3)) / 4  # from the end bricks' centres to these points
+        # from the end bricks' centres to these points
+        inwards = LENGTH * (1 + 1 / math.sqrt(3)) / 4
         found = (up[[0, -1]] + inwards * np.array([-1, 1]) * rotation).mean() - up[N // 2]
     assert found == pytest.approx(expected, rel=0.05)
 
@@ -221,10 +298,13 @@ def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(
     carrying = slice(round(right / LENGTH) - 1, round(right / LENGTH) + 1)
     assert reaction[carrying].sum() == pytest.approx(expected, rel=0.01)
     assert reaction[0] == pytest.approx(weight - expected, rel=0.01)
-    assert np.delete(reaction, [0, *range(carrying.start, carrying.stop)]) == pytest.approx(0.0, abs=1e-3 * weight)
+    assert np.delete(reaction, [0, *range(carrying.start, carrying.stop)]) == pytest.approx(
+        0.0, abs=1e-3 * weight
+    )
 
 
-# --- runs ---------------------------------------------------------------------------------------------
+# --- runs -----------------------------------------------------------------------------------------
+
 
 def test_the_ground_settles_before_time_zero_and_rests_then(run_of):
     cracked = run_of("settled")
@@ -235,13 +315,20 @@ def test_the_ground_settles_before_time_zero_and_rests_then(run_of):
     assert_allclose(rests, np.broadcast_to(rests[0], rests.shape), rtol=1e-6)
     assert not series["base_acceleration_x_m_s2"][settlement].any()
     assert (cracked.events["time_s"] < 0).any() and list(series["stage"].unique()) == [
-        "settlement", "motion", "rest", "settling"]
+        "settlement",
+        "motion",
+        "rest",
+        "settling",
+    ]
 
 
 def test_cracks_of_the_settlement_stay_and_the_ground_s_work_is_in_the_balance(run_of):
     """The weight goes down with the ground."""
     cracked = run_of("settled")
-    found, last = settlement_measures(cracked), np.flatnonzero(cracked.series["stage"] == "settlement")[-1]
+    found, last = (
+        settlement_measures(cracked),
+        np.flatnonzero(cracked.series["stage"] == "settlement")[-1],
+    )
     assert found["settled_crack_width_mm"] > 0.1 and found["settled_psi"] > 1
     assert found["angular_distortion"] == pytest.approx(1 / 500, rel=0.1)
     assert cracked.opening_m[-1].max() > 0.5 * cracked.opening_m[last].max()
@@ -261,38 +348,49 @@ def test_without_a_motion_the_run_ends_at_time_zero():
 @pytest.mark.long
 def test_a_settlement_that_topples_the_wall_is_one_line(tmp_path):
     slender = Wall("slender", 0.225, 0.75, precompression=0.0, joint=STRONG)
-    ground = Settlement("steep.csv", None, (0.0, 0.225), (0.0, -0.1))  # 0.44, the diagonal 0.29 from upright
+    # 0.44, the diagonal 0.29 from upright
+    ground = Settlement("steep.csv", None, (0.0, 0.225), (0.0, -0.1))
     with pytest.raises(RunError, match="not at rest on the settled ground.*smaller --distortion"):
         settled(tmp_path, slender, ground, change=loose_base)
 
 
 def test_force_and_drift_of_a_push_count_from_its_start(run_of):
-    """The settlement leaves a drift, and a displacement of the top that would be no part of a stiffness."""
+    """The settlement leaves a drift, and a displacement of the top that would be no part of a
+    stiffness."""
     whole = run_of("settled, pushed")
     settling = whole.series["stage"] == "settlement"
     zero = whole.series[settling].iloc[-1]
     shear, top = whole.series["base_shear_n"], whole.series["top_displacement_m"]
     found, at = first_loading(whole), (shear >= 0.7 * shear.max()).idxmax()
-    assert not whole.series["top_force_n"][settling].any() and whole.series["top_force_n"].abs().max() > 1e3
+    assert (
+        not whole.series["top_force_n"][settling].any()
+        and whole.series["top_force_n"].abs().max() > 1e3
+    )
     assert zero["top_displacement_m"] > 1e-4 and energy_error_of(whole) < 1e-3
-    assert found["secant_stiffness_n_per_m"] == pytest.approx(shear[at] / (top[at] - zero["top_displacement_m"]))
+    assert found["secant_stiffness_n_per_m"] == pytest.approx(
+        shear[at] / (top[at] - zero["top_displacement_m"])
+    )
     assert found["drift_at_peak_force"] == pytest.approx(
-        whole.series["drift_ratio"][shear.idxmax()] - zero["drift_ratio"], rel=1e-6)
+        whole.series["drift_ratio"][shear.idxmax()] - zero["drift_ratio"], rel=1e-6
+    )
 
 
 def test_settled_and_unsettled_walls_are_compared(run_of):
-    """On one support and on one below each brick their joints are the same; failures of the settlement leave no drift
-    to compare."""
+    """On one support and on one below each brick their joints are the same; failures of the
+    settlement leave no drift to compare."""
     whole, plain = run_of("settled, pushed"), run_of("pushed")
     for first, second in ((whole, plain), (plain, whole)):
         found = compare(first, [second])
         assert found["joints"]["broke_in_either"] >= found["joints"]["broke_in_both"] > 0
-        assert found["drift"]["first_failure_s"] < 0 and found["drift"]["rms_before_failure"] is None
+        assert (
+            found["drift"]["first_failure_s"] < 0 and found["drift"]["rms_before_failure"] is None
+        )
         assert "not compared" in describe(found) and not found["agrees"]
         assert len(joint_agreement(first, second)) == len(first.joints)
 
 
-# --- single supports ----------------------------------------------------------------------------------
+# --- single supports ------------------------------------------------------------------------------
+
 
 @pytest.fixture(scope="module")
 def settling():
@@ -302,7 +400,8 @@ def settling():
 
 
 def test_reactions_of_all_supports_balance_the_weight_and_its_moment(settling):
-    """About the base's left end; the pier is at rest, on supports that pull where it bridges them."""
+    """About the base's left end; the pier is at rest, on supports that pull where it bridges
+    them."""
     layout, found = settling
     weight = GRAVITY * layout.bodies.mass
     force, moved = found["reactions"], found["moved"]
@@ -318,16 +417,22 @@ def test_work_of_the_settlement_is_stored_or_lost_to_damping(settling):
     layout, found = settling
     gravity_j = GRAVITY * float(layout.bodies.mass @ found["moved"][:, 1])
     assert found["damping_j"] > 0
-    assert_allclose(found["input_j"], found["elastic_j"] + gravity_j + found["damping_j"], rtol=1e-3)
+    assert_allclose(
+        found["input_j"], found["elastic_j"] + gravity_j + found["damping_j"], rtol=1e-3
+    )
 
 
 @pytest.mark.yade
 def test_yade_moves_a_support_as_the_reference_solver_does(settling, yade_command, tmp_path):
-    yade_command(REPOSITORY / "tests/yade/checks/settling_support.py", tmp_path / "results.npz", status=0)
+    yade_command(
+        REPOSITORY / "tests/yade/checks/settling_support.py", tmp_path / "results.npz", status=0
+    )
     found, (_, expected) = np.load(tmp_path / "results.npz"), settling
     assert_allclose(found["supports"], expected["supports"], rtol=1e-9, atol=1e-15)
     assert_allclose(found["moved"], expected["moved"], atol=0.01 * np.abs(expected["moved"]).max())
-    assert_allclose(found["reactions"], expected["reactions"], atol=0.01 * np.abs(expected["reactions"]).max())
+    assert_allclose(
+        found["reactions"], expected["reactions"], atol=0.01 * np.abs(expected["reactions"]).max()
+    )
     assert_allclose(found["input_j"], expected["input_j"], rtol=0.02)
 
 
@@ -335,8 +440,12 @@ def test_one_support_and_one_below_each_brick_give_the_same_wall():
     """Supports at rest are one ground, however many: to the last bit."""
     walls = []
     for kind in ("one", "bricks"):
-        layout = lay_out(Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses"),
-                         ModelOptions(supports=kind), scatter=0.3, seed=4)
+        layout = lay_out(
+            Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses"),
+            ModelOptions(supports=kind),
+            scatter=0.3,
+            seed=4,
+        )
         wall = ReferenceWall(layout, 0.6 * natural_modes(layout).critical_time_step_s)
         wall.start(Harmonic(0.02, 2.0).drive.base(np.arange(600) * wall.time_step))
         wall.run(600)

@@ -1,4 +1,5 @@
-"""Softening joints: the law, its parallel elements, the options that a run requires, and walls with known results."""
+"""Softening joints: the law, its parallel elements, the options that a run requires, and walls with
+known results."""
 
 import math
 from dataclasses import replace
@@ -44,7 +45,8 @@ SOFT = Joint(mode_i_fracture_energy=G1, mode_ii_fracture_energy=G2)
 
 
 def follow(path, law=LAW, state=None):
-    """Drive a contact along [(opening, shear displacement), ...]: (states, events, work by the trapezium)."""
+    """Drive a contact along [(opening, shear displacement), ...]: (states, events, work by the
+    trapezium)."""
     state, opening, shear, work, states, events = state or ContactState(), 0.0, 0.0, 0.0, [], []
     for at, along in path:
         old = state
@@ -62,7 +64,9 @@ def stored(state, opening, law=LAW):
     in_shear = 0.5 * state.shear_stress**2 / law.shear_stiffness
     if opening > 0:
         return 0.5 * state.normal_stress * opening + in_shear
-    return elastic_energy(state.normal_stress, state.shear_stress, law.normal_stiffness, law.shear_stiffness)
+    return elastic_energy(
+        state.normal_stress, state.shear_stress, law.normal_stiffness, law.shear_stiffness
+    )
 
 
 class TestLaw:
@@ -76,9 +80,12 @@ class TestLaw:
         back, _ = advance(opening / 2, 0.0, here, LAW)
         assert back.normal_stress == approx(here.normal_stress / 2) and back.kappa == here.kappa
         again, _ = advance(opening, 0.0, back, LAW)
-        assert again.normal_stress == approx(here.normal_stress) and again.kappa == approx(here.kappa, rel=1e-9)
+        assert again.normal_stress == approx(here.normal_stress) and again.kappa == approx(
+            here.kappa, rel=1e-9
+        )
         closed, _ = advance(-1e-6, 0.0, here, LAW)
-        assert closed.normal_stress == -1e-6 * KN  # the cracked joint is as stiff in compression as ever
+        # the cracked joint is as stiff in compression as ever
+        assert closed.normal_stress == -1e-6 * KN
 
     def test_shear_unloads_with_its_stiffness_and_friction_does_not_soften(self):
         pressure = 0.3e6
@@ -93,18 +100,25 @@ class TestLaw:
         (opened,), _, _ = follow([(2e-5, 0.0)])
         assert strength_left(False, LAW, opened.kappa)[1] < 0.6 * C
         (slid,), _, _ = follow([(-1e-7, 2e-4)])
-        tension = max(advance(k * 1e-8, 0.0, slid._replace(shear_stress=0.0), LAW)[0].normal_stress
-                      for k in range(1000))
+        tension = max(
+            advance(k * 1e-8, 0.0, slid._replace(shear_stress=0.0), LAW)[0].normal_stress
+            for k in range(1000)
+        )
         assert tension == approx(FT * math.exp(-slid.kappa), rel=1e-2) and tension < 0.6 * FT
 
     def test_the_bond_goes_at_its_last_hundredth_and_says_how(self):
         states, events, _ = follow([(k * 1e-7, 0.0) for k in range(3000)])
         failure = events.index(TENSION)
         assert states[failure - 1].normal_stress == approx(GONE * FT, rel=1e-2)
-        assert all(state[:2] == (0.0, 0.0) and state.broken and not state.at_limit for state in states[failure:])
+        assert all(
+            state[:2] == (0.0, 0.0) and state.broken and not state.at_limit
+            for state in states[failure:]
+        )
         states, events, _ = follow([(-1e-6, k * 1e-6) for k in range(3000)])
         failure = events.index(SHEAR)
-        assert not states[failure - 1].at_limit and states[failure].at_limit and states[failure].broken
+        assert (
+            not states[failure - 1].at_limit and states[failure].at_limit and states[failure].broken
+        )
         assert states[-1].shear_stress == approx(MU * 1e-6 * KN)
 
 
@@ -115,33 +129,55 @@ class TestFibres:
         layout = lay_out(wall, ModelOptions(fibres=number, strength_cov=0.1))
         fibres, contacts = layout.fibres, layout.contacts
         soft = ~contacts.elastic
-        kn, ks = (stiffness[fibres.contact] for stiffness in (contacts.normal_stiffness, contacts.shear_stiffness))
+        kn, ks = (
+            stiffness[fibres.contact]
+            for stiffness in (contacts.normal_stiffness, contacts.shear_stiffness)
+        )
         assert_allclose(np.bincount(fibres.contact, fibres.share), 1.0)
         with np.errstate(invalid="ignore"):
-            energies = fibres.mean(fibres.tensile_strength**2 / kn / 2), fibres.mean(fibres.cohesion**2 / ks / 2)
-        assert_allclose([energies[0][soft], energies[1][soft]], [[G1] * soft.sum(), [G2] * soft.sum()], rtol=1e-6)
-        for strengths, intact in ((fibres.tensile_strength, contacts.tensile_strength),
-                                  (fibres.cohesion, contacts.cohesion)):
+            energies = (
+                fibres.mean(fibres.tensile_strength**2 / kn / 2),
+                fibres.mean(fibres.cohesion**2 / ks / 2),
+            )
+        assert_allclose(
+            [energies[0][soft], energies[1][soft]],
+            [[G1] * soft.sum(), [G2] * soft.sum()],
+            rtol=1e-6,
+        )
+        for strengths, intact in (
+            (fibres.tensile_strength, contacts.tensile_strength),
+            (fibres.cohesion, contacts.cohesion),
+        ):
             per_contact = strengths[soft[fibres.contact]].reshape(-1, number)
             assert_allclose(per_contact[:, 0], intact[soft])
             assert np.all(np.diff(per_contact) > 0)
 
     def test_lamberts_function_is_that_of_scipy(self):
-        y = np.append(0.0, 10.0**np.linspace(-20, 20, 401))
+        y = np.append(0.0, 10.0 ** np.linspace(-20, 20, 401))
         assert_allclose(lambert(y), lambertw(y).real, rtol=1e-15)
 
     def test_laws_that_parallel_elements_cannot_represent_are_refused(self):
         with pytest.raises(InputError, match="give higher ones"):
-            lay_out(Wall("w", 0.675, 0.45, joint=Joint(mode_i_fracture_energy=0.1, mode_ii_fracture_energy=50.0)),
-                    ModelOptions(fibres=8))
+            lay_out(
+                Wall(
+                    "w",
+                    0.675,
+                    0.45,
+                    joint=Joint(mode_i_fracture_energy=0.1, mode_ii_fracture_energy=50.0),
+                ),
+                ModelOptions(fibres=8),
+            )
         for number in (1, 2):
             with pytest.raises(InputError, match="expected enough"):
                 lay_out(Wall("w", 0.675, 0.45, joint=SOFT), ModelOptions(fibres=number))
-        refused_with("are brittle", split_into_fibres, Joint(), lay_out(Wall("w", 0.675, 0.45)).contacts, 8)
+        refused_with(
+            "are brittle", split_into_fibres, Joint(), lay_out(Wall("w", 0.675, 0.45)).contacts, 8
+        )
 
     def test_along_the_same_paths_they_dissipate_alike(self):
-        """docs/validation/verification.md: along mixed paths the two forms differ by up to 8 %, else by 0.1 %, and
-        stresses of 16 elements, with their teeth, by up to 6 % along pure paths (8 % with few steps)."""
+        """docs/validation/verification.md: along mixed paths the two forms differ by up to 8 %,
+        else by 0.1 %, and stresses of 16 elements, with their teeth, by up to 6 % along pure paths
+        (8 % with few steps)."""
         for path, dissipated, more_8, _, more_16, away_16 in compared(fine=400, coarse=400):
             pure = path.startswith(("tension", "shear", "opened and closed"))
             assert max(abs(more_8), abs(more_16)) < (1.5 if pure else 9.5), path
@@ -149,14 +185,21 @@ class TestFibres:
             assert dissipated > 0
 
 
-PIER = "Wall('pier', 1.35, 1.2, joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))"
+PIER = (
+    "Wall('pier', 1.35, 1.2, joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))"
+)
 
 
 def run(tmp_path, *words, wall=None, backend=BACKEND, name="run.h5"):
     wall = wall or Wall("pier", 1.35, 1.2, joint=SOFT)
     out = tmp_path / name
-    status = run_session(backend, wall_file(tmp_path / "pier.py", PIER), lambda: wall,
-                         [*map(str, words), "--out", str(out), "--no-pictures"], prog="test")
+    status = run_session(
+        backend,
+        wall_file(tmp_path / "pier.py", PIER),
+        lambda: wall,
+        [*map(str, words), "--out", str(out), "--no-pictures"],
+        prog="test",
+    )
     return status, out
 
 
@@ -170,7 +213,10 @@ class TestRun:
         assert history.masonry_wall.joint == SOFT
         assert parse_run([], "test", "reference").for_joint(Joint()).beta_s == 0.0
         assert parse_run(["--beta", "0"], "test", "reference").for_joint(SOFT).beta_s == 0.0
-        assert choose_time_step(RunSettings(Harmonic(0.2, 0.05), ModelOptions()), critical) <= STEP_FACTOR * critical
+        assert (
+            choose_time_step(RunSettings(Harmonic(0.2, 0.05), ModelOptions()), critical)
+            <= STEP_FACTOR * critical
+        )
 
     def test_a_solver_that_knows_no_softening_refuses(self, tmp_path, capsys):
         backend = Backend("other", {}, None, tmp_path)
@@ -179,19 +225,45 @@ class TestRun:
 
 
 class TestParameters:
-    @pytest.mark.parametrize(("values", "message"), [
-        ({"mode_i_fracture_energy": 5.0}, "neither for a brittle bond"),
-        ({"mode_ii_fracture_energy": 5.0}, "neither for a brittle bond"),
-        ({"mode_i_fracture_energy": -5.0, "mode_ii_fracture_energy": 1.0}, "mode_i_fracture_energy"),
-        ({"mode_i_fracture_energy": "5", "mode_ii_fracture_energy": 1.0}, "mode_i_fracture_energy"),
-        ({"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0, "tensile_strength": 0.0}, "both above zero"),
-        ({"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0, "tensile_strength": 1e6}, "both above zero"),
-    ])
+    @pytest.mark.parametrize(
+        ("values", "message"),
+        [
+            ({"mode_i_fracture_energy": 5.0}, "neither for a brittle bond"),
+            ({"mode_ii_fracture_energy": 5.0}, "neither for a brittle bond"),
+            (
+                {"mode_i_fracture_energy": -5.0, "mode_ii_fracture_energy": 1.0},
+                "mode_i_fracture_energy",
+            ),
+            (
+                {"mode_i_fracture_energy": "5", "mode_ii_fracture_energy": 1.0},
+                "mode_i_fracture_energy",
+            ),
+            (
+                {
+                    "mode_i_fracture_energy": 5.0,
+                    "mode_ii_fracture_energy": 50.0,
+                    "tensile_strength": 0.0,
+                },
+                "both above zero",
+            ),
+            (
+                {
+                    "mode_i_fracture_energy": 5.0,
+                    "mode_ii_fracture_energy": 50.0,
+                    "tensile_strength": 1e6,
+                },
+                "both above zero",
+            ),
+        ],
+    )
     def test_bad_fracture_energies_are_refused(self, values, message):
         refused_with(message, Joint, **values)
 
     def test_none_and_zero_are_brittle(self):
-        assert not Joint().softens and not Joint(mode_i_fracture_energy=0.0, mode_ii_fracture_energy=0).softens
+        assert (
+            not Joint().softens
+            and not Joint(mode_i_fracture_energy=0.0, mode_ii_fracture_energy=0).softens
+        )
         assert Joint(**softening_energies(0.2e6)).softens
 
 
@@ -202,12 +274,16 @@ class TestScatter:
         one, two = (lay_out(wall, scatter=0.01, seed=seed).contacts for seed in (1, 2))
         factor = one.cohesion[~one.elastic] / plain.cohesion[~plain.elastic]
         assert np.std(factor) == approx(0.01, rel=0.15) and np.mean(factor) == approx(1.0, abs=2e-3)
-        assert_allclose(one.tensile_strength[~one.elastic] / plain.tensile_strength[~plain.elastic], factor)
+        assert_allclose(
+            one.tensile_strength[~one.elastic] / plain.tensile_strength[~plain.elastic], factor
+        )
         assert not np.any(one.cohesion[~one.elastic] == two.cohesion[~two.elastic])
 
     def test_it_is_another_draw_than_that_of_the_walls_own_scatter(self):
         wall = Wall("w", 2.0, 1.5)
-        both = lay_out(wall, ModelOptions(strength_cov=0.1, strength_seed=1), scatter=0.1, seed=1).contacts
+        both = lay_out(
+            wall, ModelOptions(strength_cov=0.1, strength_seed=1), scatter=0.1, seed=1
+        ).contacts
         own = lay_out(wall, ModelOptions(strength_cov=0.1, strength_seed=1)).contacts
         drawn = np.log(both.cohesion[~own.elastic] / own.cohesion[~own.elastic])
         assert abs(np.corrcoef(drawn, np.log(own.cohesion[~own.elastic]))[0, 1]) < 0.2
@@ -228,14 +304,36 @@ FIVE_FIFTY = {"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0}
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("name", "energies", "least", "most", "words"), [
-    ("squat_tested", FIVE_FIFTY, 70e3, 85e3, ["--pushover", 0.07]),
-    ("comp2_4", FIVE_FIFTY, 119e3, 145e3, ["--pushover", 0.06, "--boundary", "fixed"]),
-    ("comp2_4", softening_energies(0.13125e6), 0.85 * 131.6e3, 1.15 * 131.6e3,
-     ["--pushover", 0.1, "--boundary", "fixed"]),
-    ("squat_tested", softening_energies(0.18375e6), 0.85 * 77.3e3, 1.15 * 77.3e3, ["--pushover", 0.1]),
-    ("comp2_1", FIVE_FIFTY, 0.97 * 59.0e3, 1.03 * 59.0e3, ["--pushover", 0.2, "--boundary", "fixed"]),
-], ids=str)
+@pytest.mark.parametrize(
+    ("name", "energies", "least", "most", "words"),
+    [
+        ("squat_tested", FIVE_FIFTY, 70e3, 85e3, ["--pushover", 0.07]),
+        ("comp2_4", FIVE_FIFTY, 119e3, 145e3, ["--pushover", 0.06, "--boundary", "fixed"]),
+        (
+            "comp2_4",
+            softening_energies(0.13125e6),
+            0.85 * 131.6e3,
+            1.15 * 131.6e3,
+            ["--pushover", 0.1, "--boundary", "fixed"],
+        ),
+        (
+            "squat_tested",
+            softening_energies(0.18375e6),
+            0.85 * 77.3e3,
+            1.15 * 77.3e3,
+            ["--pushover", 0.1],
+        ),
+        (
+            "comp2_1",
+            FIVE_FIFTY,
+            0.97 * 59.0e3,
+            1.03 * 59.0e3,
+            ["--pushover", 0.2, "--boundary", "fixed"],
+        ),
+    ],
+    ids=str,
+)
 def test_tested_walls_peak_where_the_document_says(tmp_path, name, energies, least, most, words):
-    """Of walls that shear the tests' forces, of one that rocks the brittle wall's; docs/validation/laboratory.md."""
+    """Of walls that shear the tests' forces, of one that rocks the brittle wall's;
+    docs/validation/laboratory.md."""
     assert least < pushed(tmp_path, name, energies, *words) < most

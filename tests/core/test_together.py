@@ -20,18 +20,21 @@ from damage.reference.settled import SettledWalls
 from damage.run.run import LOOK_STEPS
 
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
-OTHERS = {3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
-          4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
-          5: (*SHAKEN, "--scatter", "0.01"),
-          6: (*SHAKEN, "--cells", "3")}  # cannot be in a batch with the others
-PROGRAM = '''
+OTHERS = {
+    3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
+    4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
+    5: (*SHAKEN, "--scatter", "0.01"),
+    6: (*SHAKEN, "--cells", "3"),
+}  # cannot be in a batch with the others
+PROGRAM = """
 import sys
 from damage.reference.session import run_references
 names = sys.argv[2:]
-words = [sys.argv[1], "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3", "--no-pictures"]
+words = [sys.argv[1], "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3",
+         "--no-pictures"]
 print(sorted(run_references({name: [*words, "--strength-seed", str(k), "--out", name]
                              for k, name in enumerate(names)}.items())))
-'''
+"""
 
 
 @pytest.fixture
@@ -42,8 +45,18 @@ def tiny(tmp_path):
 def lines(wall, folder, count=8):
     """{name: words} of so many runs."""
     folder.mkdir()
-    return {f"m{k}": [str(wall), *OTHERS.get(k, SHAKEN), "--strength-seed", str(k), "--out", str(folder / f"m{k}.h5"),
-                      "--no-pictures"] for k in range(1, count + 1)}
+    return {
+        f"m{k}": [
+            str(wall),
+            *OTHERS.get(k, SHAKEN),
+            "--strength-seed",
+            str(k),
+            "--out",
+            str(folder / f"m{k}.h5"),
+            "--no-pictures",
+        ]
+        for k in range(1, count + 1)
+    }
 
 
 @pytest.fixture(scope="module")
@@ -59,13 +72,20 @@ def alone(tmp_path_factory):
 def moved(monkeypatch):
     """[{wall's step: numbers of steps}] of all that are moved together."""
     found = []
-    monkeypatch.setattr(ensembles, "advance_together", lambda asked: found.append(
-        [(wall.step, *steps) for wall, steps in asked]) or lanes.advance_together(asked))
+    monkeypatch.setattr(
+        ensembles,
+        "advance_together",
+        lambda asked: (
+            found.append([(wall.step, *steps) for wall, steps in asked])
+            or lanes.advance_together(asked)
+        ),
+    )
     return found
 
 
 def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved):
-    """Whatever the others are, wherever they stop, and when they begin: the ninth where one has ended."""
+    """Whatever the others are, wherever they stop, and when they begin: the ninth where one has
+    ended."""
     asked = lines(tiny, tmp_path / "together", 10)
     ended = list(run_references(asked.items()))
     assert sorted(ended) == sorted(dict.fromkeys(asked, 0).items())
@@ -81,24 +101,38 @@ def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
     walls = [mock.Mock(**{"layout.strain": None}) for _ in range(8)]  # which have a hash
 
     def chosen(reacting):
-        groups = ensembles._chosen({wall: [70] if k < reacting else [70, 70] for k, wall in enumerate(walls)})
+        groups = ensembles._chosen(
+            {wall: [70] if k < reacting else [70, 70] for k, wall in enumerate(walls)}
+        )
         return [{walls.index(wall): steps for wall, steps in group.items()} for group in groups]
 
     assert chosen(0) == [{k: [70, 70] for k in range(8)}]
     assert chosen(2) == [{0: [70]}, {1: [70]}]
-    assert chosen(5) == [{k: [70] for k in range(8)}]  # eight lanes take no longer for eight walls than for five
+    # eight lanes take no longer for eight walls than for five
+    assert chosen(5) == [{k: [70] for k in range(8)}]
 
 
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, moved):
-    """As of the next point of a study: the same joints, another motion.  The first run lays out a wall of its own, the
-    others share parts of its layout."""
+    """As of the next point of a study: the same joints, another motion.  The first run lays out a
+    wall of its own, the others share parts of its layout."""
     wall_file(tiny, TINY.replace("0.6", "0.675"))
     walls = SettledWalls()
 
     def run(folder, numbers, *words):
         (tmp_path / folder).mkdir()
-        asked = {f"m{k}": [str(tiny), *SHAKEN, *words, "--strength-seed", str(k), "--out",
-                           str(tmp_path / folder / f"m{k}.h5"), "--no-pictures"] for k in numbers}
+        asked = {
+            f"m{k}": [
+                str(tiny),
+                *SHAKEN,
+                *words,
+                "--strength-seed",
+                str(k),
+                "--out",
+                str(tmp_path / folder / f"m{k}.h5"),
+                "--no-pictures",
+            ]
+            for k in numbers
+        }
         moved.clear()
         assert dict(run_references(asked.items(), None, walls)) == dict.fromkeys(asked, 0)
         resting = sum(steps == [LOOK_STEPS] for group in moved for _, *steps in group)
@@ -108,7 +142,8 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
     assert resting > 10
     again, none = run("again", range(1, 8), "--harmonic", "0.05", "0.7")
     assert none == 0 and again != first
-    some, of_one = run("some", range(2, 9), "--harmonic", "0.05", "0.7")  # the last one's wall is not there
+    # the last one's wall is not there
+    some, of_one = run("some", range(2, 9), "--harmonic", "0.05", "0.7")
     assert 10 < of_one < resting / 2
     for name in list(some)[:-1]:
         assert some[name] == again[name]
@@ -128,9 +163,13 @@ def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
 
 def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, monkeypatch, capsys):
     def simulate(prepared, *more):
-        changed = {"m7": {"time_step": 20 * prepared.time_step},
-                   "m8": {"backend": replace(prepared.backend, make=make_none)}}
-        return simulate_as_before(replace(prepared, **changed.get(prepared.writer.path.stem, {})), *more)
+        changed = {
+            "m7": {"time_step": 20 * prepared.time_step},
+            "m8": {"backend": replace(prepared.backend, make=make_none)},
+        }
+        return simulate_as_before(
+            replace(prepared, **changed.get(prepared.writer.path.stem, {})), *more
+        )
 
     def make_none(layout, time_step, _settings):
         raise MemoryError
@@ -144,14 +183,21 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
     assert ended == dict.fromkeys(asked, 0) | {"m2": 2, "m7": 1, "m8": 1}
     messages = without_progress(capsys.readouterr().err).splitlines()
     assert sorted(line[:24] for line in messages) == [
-        "error: m2: --dt 0.1 s is", "error: m7: the run blew ", "error: m8: out of memory"]
-    assert {read_history(tmp_path / "together" / f"{name}.h5").status for name in ("m7", "m8")} == {"failed"}
+        "error: m2: --dt 0.1 s is",
+        "error: m7: the run blew ",
+        "error: m8: out of memory",
+    ]
+    assert {read_history(tmp_path / "together" / f"{name}.h5").status for name in ("m7", "m8")} == {
+        "failed"
+    }
     for name in alone.keys() - {"m2", "m7", "m8"}:
         assert contents(tmp_path / "together" / f"{name}.h5") == alone[name]
 
 
 @pytest.mark.parametrize("fewest", [6, 9])
-def test_an_error_of_steps_ends_those_that_took_them_together(fewest, tiny, alone, tmp_path, monkeypatch, capsys):
+def test_an_error_of_steps_ends_those_that_took_them_together(
+    fewest, tiny, alone, tmp_path, monkeypatch, capsys
+):
     together_with = {"m2"}
 
     def advance_together(asked):
@@ -166,17 +212,29 @@ def test_an_error_of_steps_ends_those_that_took_them_together(fewest, tiny, alon
     assert (len(together_with) > 5) == (fewest == 6)
     assert ended == {name: int(name in together_with) for name in ended}
     messages = without_progress(capsys.readouterr().err).splitlines()
-    assert sorted(line[:24] for line in messages) == [f"error: {name}: out of memory" for name in sorted(together_with)]
+    assert sorted(line[:24] for line in messages) == [
+        f"error: {name}: out of memory" for name in sorted(together_with)
+    ]
     for name in ended:
         history = tmp_path / "together" / f"{name}.h5"
-        assert read_history(history).status == "failed" if name in together_with else contents(history) == alone[name]
+        assert (
+            read_history(history).status == "failed"
+            if name in together_with
+            else contents(history) == alone[name]
+        )
 
 
 def start(wall, folder, **options):
     """Eight long runs, in a process of their own."""
     names = [folder / f"m{k}.h5" for k in range(8)]
-    return names, subprocess.Popen([sys.executable, "-c", PROGRAM, wall, *names], text=True, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(REPOSITORY)}, **options)
+    return names, subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, wall, *names],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY)},
+        **options,
+    )
 
 
 def test_a_signal_ends_all_politely(tiny, tmp_path):
@@ -186,14 +244,22 @@ def test_a_signal_ends_all_politely(tiny, tmp_path):
         time.sleep(0.02)
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=100)
-    assert process.returncode == 0 and output.splitlines()[-1] == str([(str(name), 130) for name in names]), errors
+    assert process.returncode == 0 and output.splitlines()[-1] == str(
+        [(str(name), 130) for name in names]
+    ), errors
     assert [read_history(path).status for path in names] == ["interrupted"] * 8
 
 
 def test_a_disk_that_takes_no_more_ends_all_in_a_line(tiny, tmp_path):
-    names, process = start(tiny, tmp_path,
-                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)))
+    names, process = start(
+        tiny,
+        tmp_path,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)),
+    )
     _, errors = process.communicate(timeout=100)
     assert process.returncode == 1
-    assert without_progress(errors).startswith("error: cannot write") and without_progress(errors).count("\n") == 1
+    assert (
+        without_progress(errors).startswith("error: cannot write")
+        and without_progress(errors).count("\n") == 1
+    )
     assert {read_history(path).status for path in names} == {"unfinished"}

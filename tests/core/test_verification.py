@@ -18,7 +18,13 @@ from verification.loaded import loaded_period
 from verification.problem import Problem
 
 PROBLEMS = {problem.name: problem for problem in all_problems()}
-QUICK_IN_YADE = ("free fall", "incline of 40°", "stack of ten bricks", "crushed column", "splitting brick")
+QUICK_IN_YADE = (
+    "free fall",
+    "incline of 40°",
+    "stack of ten bricks",
+    "crushed column",
+    "splitting brick",
+)
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
@@ -58,16 +64,27 @@ def test_quarter_period_by_plain_integration():
     slenderness, rate, share = 0.25, 4.0, 0.6
     upright = lambda t, y: y[0]  # noqa: E731
     upright.terminal = True
-    solved = solve_ivp(lambda t, y: [y[1], -rate**2 * math.sin(slenderness - y[0])], (0, 5),
-                       [share * slenderness, 0.0], events=upright, rtol=1e-10, atol=1e-12)
-    assert_allclose(rocking.quarter_period(share, slenderness, rate), solved.t_events[0][0], rtol=1e-6)
+    solved = solve_ivp(
+        lambda t, y: [y[1], -(rate**2) * math.sin(slenderness - y[0])],
+        (0, 5),
+        [share * slenderness, 0.0],
+        events=upright,
+        rtol=1e-10,
+        atol=1e-12,
+    )
+    assert_allclose(
+        rocking.quarter_period(share, slenderness, rate), solved.t_events[0][0], rtol=1e-6
+    )
     assert_allclose(rocking.housner(share, rate), solved.t_events[0][0], rtol=1e-2)
 
 
-@pytest.mark.parametrize("contacts, least, most, housner", [
-    ("interior", 0.02, 0.03, 0.955), ("corners", 0.06, 0.08, 0.831)])
+@pytest.mark.parametrize(
+    "contacts, least, most, housner",
+    [("interior", 0.02, 0.03, 0.955), ("corners", 0.06, 0.08, 0.831)],
+)
 def test_what_a_rocking_block_loses_at_its_impact_is_frictions(contacts, least, most, housner):
-    """By its energy before and after; Housner's rigid block keeps (1 - 2 b^2 / (I / m + b^2 + h^2))^2 of it."""
+    """By its energy before and after; Housner's rigid block keeps (1 - 2 b^2 / (I / m + b^2 +
+    h^2))^2 of it."""
     found = rocking.rock(0.5, contacts)
     assert least < found.friction < most
     assert found.left + found.friction == pytest.approx(1, abs=0.01)
@@ -82,7 +99,9 @@ def test_a_wall_without_weight_has_the_period_of_its_springs():
 
 
 def test_a_wrong_answer_fails(capsys, monkeypatch):
-    wrong = Problem("wrong", "one", "m", 1.0, "made up", {"reference": 1e-3}, {"reference": lambda: 1.1})
+    wrong = Problem(
+        "wrong", "one", "m", 1.0, "made up", {"reference": 1e-3}, {"reference": lambda: 1.1}
+    )
     monkeypatch.setattr("verification.__main__.all_problems", lambda: [wrong])
     assert main(["--solver", "reference"]) == 1
     assert "FAILS" in capsys.readouterr().out

@@ -41,9 +41,16 @@ level = 2.7
 mass = 900
 kind = "concrete"
 """
-HOUSE = Wall("house", 4.4, 4.2, [Opening(1.1, 0.88, 2.1)], 0.0, outline=[(0, 2.7), (2.2, 4.2), (4.4, 2.7)],
-             floors=[Floor(2.7, 900.0, kind="concrete")],
-             **masonry("clay-standard", "waalformaat", wythes=2, tensile_strength=0.1e6))
+HOUSE = Wall(
+    "house",
+    4.4,
+    4.2,
+    [Opening(1.1, 0.88, 2.1)],
+    0.0,
+    outline=[(0, 2.7), (2.2, 4.2), (4.4, 2.7)],
+    floors=[Floor(2.7, 900.0, kind="concrete")],
+    **masonry("clay-standard", "waalformaat", wythes=2, tensile_strength=0.1e6),
+)
 
 
 @pytest.fixture
@@ -56,40 +63,86 @@ class TestData:
         assert load_wall(house) == HOUSE
 
     def test_brick_and_joint_by_tables(self):
-        made = wall_from({"name": "w", "length": 2, "height": 1, "brick": {"length": 0.3}, "joint": {"cohesion": 1e5}})
+        made = wall_from(
+            {
+                "name": "w",
+                "length": 2,
+                "height": 1,
+                "brick": {"length": 0.3},
+                "joint": {"cohesion": 1e5},
+            }
+        )
         assert made == Wall("w", 2, 1, brick=Brick(length=0.3), joint=Joint(cohesion=1e5))
 
     def test_masonry_of_a_modulus_beside_bricks_and_joints(self):
         """1/E = 1/E_brick + 1/(k_n h), G = 0.4 E; friction and rules as `damage.Joint` has them."""
-        table = {"name": "w", "length": 2, "height": 1, "masonry": {"young_modulus": 4.9e9},
-                 "brick": {"height": 0.06}, "joint": {"friction": 0.55, "cohesion": 0.15e6, "tensile_strength": 0.13e6,
-                                                      "compressive_strength": 11e6, **dict.fromkeys(ENERGIES, "rule")}}
+        table = {
+            "name": "w",
+            "length": 2,
+            "height": 1,
+            "masonry": {"young_modulus": 4.9e9},
+            "brick": {"height": 0.06},
+            "joint": {
+                "friction": 0.55,
+                "cohesion": 0.15e6,
+                "tensile_strength": 0.13e6,
+                "compressive_strength": 11e6,
+                **dict.fromkeys(ENERGIES, "rule"),
+            },
+        }
         joint, brick = wall_from(table).joint, wall_from(table).brick
-        across = [1 / (1 / modulus + 1 / (stiffness * 0.06)) for modulus, stiffness in (
-            (brick.young_modulus, joint.normal_stiffness), (brick.shear_modulus, joint.shear_stiffness))]
+        across = [
+            1 / (1 / modulus + 1 / (stiffness * 0.06))
+            for modulus, stiffness in (
+                (brick.young_modulus, joint.normal_stiffness),
+                (brick.shear_modulus, joint.shear_stiffness),
+            )
+        ]
         assert_allclose(across, [4.9e9, 0.4 * 4.9e9])
-        assert_allclose([math.tan(joint.friction_angle), joint.compressive_fracture_energy], [0.55, 1.6e-3 * 11e6])
-        assert_allclose([joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy],
-                        [25 * 0.26**0.7, 250 * 0.26**0.7])
+        assert_allclose(
+            [math.tan(joint.friction_angle), joint.compressive_fracture_energy],
+            [0.55, 1.6e-3 * 11e6],
+        )
+        assert_allclose(
+            [joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy],
+            [25 * 0.26**0.7, 250 * 0.26**0.7],
+        )
         jsonschema = pytest.importorskip("jsonschema")
         jsonschema.validate(table, wall_schema())
-        named = masonry("clay", "waalformaat", young_modulus=4.9e9, tensile_strength=0.13e6)["brick"]
+        named = masonry("clay", "waalformaat", young_modulus=4.9e9, tensile_strength=0.13e6)[
+            "brick"
+        ]
         assert_allclose(named.young_modulus, brick.young_modulus)
 
-    @pytest.mark.parametrize(("table", "message"), [
-        ({"joint": {"friction": 0.5, "friction_angle": 0.5}}, "leave one out"),
-        ({"joint": {"friction": "high"}}, "friction"), ({"joint": {"mode_i_fracture_energy": "rul"}}, "mode_i"),
-        ({"joint": {"compressive_fracture_energy": "rule"}}, "compressive_strength=..."),
-        ({"joint": {"mode_i_fracture_energy": "rule", "tensile_strength": 0.0}}, "tensile_strength=..."),
-        ({"masonry": {"young_modulus": 4.9e9}, "brick": {"shear_modulus": 2e9}}, "shear_modulus beside"),
-        ({"masonry": {"young_modulus": "stiff"}}, "young_modulus"),
-        ({"masonry": {"young_modulus": 4.9e9, "mortar": 0.01}}, "beside [brick] and [joint]"),
-        ({"masonry": {"young_modulus": 4.9e12}}, "softer")])
+    @pytest.mark.parametrize(
+        ("table", "message"),
+        [
+            ({"joint": {"friction": 0.5, "friction_angle": 0.5}}, "leave one out"),
+            ({"joint": {"friction": "high"}}, "friction"),
+            ({"joint": {"mode_i_fracture_energy": "rul"}}, "mode_i"),
+            ({"joint": {"compressive_fracture_energy": "rule"}}, "compressive_strength=..."),
+            (
+                {"joint": {"mode_i_fracture_energy": "rule", "tensile_strength": 0.0}},
+                "tensile_strength=...",
+            ),
+            (
+                {"masonry": {"young_modulus": 4.9e9}, "brick": {"shear_modulus": 2e9}},
+                "shear_modulus beside",
+            ),
+            ({"masonry": {"young_modulus": "stiff"}}, "young_modulus"),
+            ({"masonry": {"young_modulus": 4.9e9, "mortar": 0.01}}, "beside [brick] and [joint]"),
+            ({"masonry": {"young_modulus": 4.9e12}}, "softer"),
+        ],
+    )
     def test_what_would_be_misread_is_refused(self, table, message):
-        assert message in one_line_error(wall_from, {"name": "w", "length": 2, "height": 1, **table})
+        assert message in one_line_error(
+            wall_from, {"name": "w", "length": 2, "height": 1, **table}
+        )
 
     def test_a_byte_order_mark_and_dots_in_words_are_read(self, house):
-        house.write_text(TEXT.replace("height = 4.2", f"height = 4.2 # {'.' * 200}"), encoding="utf-8-sig")
+        house.write_text(
+            TEXT.replace("height = 4.2", f"height = 4.2 # {'.' * 200}"), encoding="utf-8-sig"
+        )
         assert house.read_bytes().startswith(b"\xef\xbb\xbf") and load_wall(house) == HOUSE
 
     def test_the_schema_that_ships_is_the_codes(self):
@@ -102,13 +155,20 @@ class TestData:
 
         table = tomllib.loads(TEXT)
         jsonschema.validate(table, wall_schema())
-        for wrong in ({"lenght": 1}, {"length": "4"}, {"floors": [{"level": 1}]}, {"masonry": {"material": "mud"}}):
+        for wrong in (
+            {"lenght": 1},
+            {"length": "4"},
+            {"floors": [{"level": 1}]},
+            {"masonry": {"material": "mud"}},
+        ):
             with pytest.raises(jsonschema.ValidationError):
                 jsonschema.validate(table | wrong, wall_schema())
 
     def test_a_run_of_a_python_wall_and_of_data_are_the_same(self, house):
         one, other = lay_out(HOUSE), lay_out(load_wall(house))
-        assert np.array_equal(one.contacts.x, other.contacts.x) and np.array_equal(one.bodies.mass, other.bodies.mass)
+        assert np.array_equal(one.contacts.x, other.contacts.x) and np.array_equal(
+            one.bodies.mass, other.bodies.mass
+        )
 
 
 class TestMaterials:
@@ -119,25 +179,33 @@ class TestMaterials:
         made = masonry(name, "waalformaat", **given)
         brick, joint = made["brick"], made["joint"]
         across = 1 / (1 / brick.young_modulus + 1 / (joint.normal_stiffness * brick.height))
-        assert_allclose((across, math.tan(joint.friction_angle)), (found.young_modulus, found.friction))
+        assert_allclose(
+            (across, math.tan(joint.friction_angle)), (found.young_modulus, found.friction)
+        )
         assert joint.cohesion == found.cohesion
         assert not implausible(Wall("w", 2.0, 1.0, **made))
 
     def test_bricks_have_their_share_of_mortar(self):
         made = masonry("clay-weak", "waalformaat", mortar=0.012, wythes=2)["brick"]
         assert_allclose((made.length, made.height, made.thickness), (0.222, 0.062, 0.212))
-        assert_allclose(1 / (0.22 * 0.06), 75, rtol=0.02)  # bricks to the square metre of the format's source
+        # bricks to the square metre of the format's source
+        assert_allclose(1 / (0.22 * 0.06), 75, rtol=0.02)
 
     def test_the_command_lists_them(self, output_of):
         said = output_of("materials")
         assert all(name in said for name in (*MATERIALS, *FORMATS)) and "Graziotti" in said
         assert json.loads(output_of("materials", "--json")) == json.loads(json_text(as_dict()))
 
-    @pytest.mark.parametrize(("arguments", "named", "message"), [
-        (("mud", "waalformaat"), {}, "did you mean"), (("clay", "waalformat"), {}, "did you mean waalformaat"),
-        (("clay", "waalformaat"), {}, "give tensile_strength"),
-        (("clay-weak", "rijnvorm"), {"cohesoin": 1}, "cohesion"),
-        (("clay-weak", "rijnvorm"), {"mortar": -1}, "0 to 0.05")])
+    @pytest.mark.parametrize(
+        ("arguments", "named", "message"),
+        [
+            (("mud", "waalformaat"), {}, "did you mean"),
+            (("clay", "waalformat"), {}, "did you mean waalformaat"),
+            (("clay", "waalformaat"), {}, "give tensile_strength"),
+            (("clay-weak", "rijnvorm"), {"cohesoin": 1}, "cohesion"),
+            (("clay-weak", "rijnvorm"), {"mortar": -1}, "0 to 0.05"),
+        ],
+    )
     def test_bad_input(self, arguments, named, message):
         line = one_line_error(masonry, *arguments, **named)
         assert message in line or "expected one of" in line
@@ -150,7 +218,13 @@ class TestPreview:
         said = [text.get_text() for text in figure.axes[0].texts]
         assert said == ["0.9 t (8.83 kN)", "0.88 x 2.1", "P1", "P2", "S1"]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
-        assert labels == ["bricks", "support", "concrete floors", "elastic joints (lintel)", "outline"]
+        assert labels == [
+            "bricks",
+            "support",
+            "concrete floors",
+            "elastic joints (lintel)",
+            "outline",
+        ]
 
     @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
     def test_the_command_writes_it(self, house, tmp_path, output_of, ending):
@@ -168,7 +242,8 @@ def test_the_command_names_its_floors(house, output_of):
 
 
 def test_every_wall_finds_the_package_where_its_file_is_said_to_be_yade():
-    """YADE executes a wall with its own program as `__file__` and the wall as the first argument."""
+    """YADE executes a wall with its own program as `__file__` and the wall as the first
+    argument."""
     program = """
 import sys
 given = [path for path in sys.path if path]
@@ -176,9 +251,16 @@ for wall in sys.argv[1:]:
     sys.argv, sys.path = [wall], given[:]
     for name in [name for name in sys.modules if name.split(".")[0] in ("damage", "walls")]:
         del sys.modules[name]
-    exec(compile(open(wall).read(), wall, "exec"), {"__file__": "/usr/bin/yade", "__name__": "wall"})
+    code = compile(open(wall).read(), wall, "exec")
+    exec(code, {"__file__": "/usr/bin/yade", "__name__": "wall"})
 """
-    walls = [str(path) for path in REPOSITORY.glob("walls/**/*.py") if path.name not in ("changed.py", "__init__.py")]
+    walls = [
+        str(path)
+        for path in REPOSITORY.glob("walls/**/*.py")
+        if path.name not in ("changed.py", "__init__.py")
+    ]
     assert len(walls) > 15
-    done = subprocess.run([sys.executable, "-c", program, *walls], cwd="/", capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program, *walls], cwd="/", capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr

@@ -1,5 +1,5 @@
-"""One source of the time step in two widths: a wall has the same bits alone and as any of eight, whatever the others
-do, and those of plain Python but for fused multiply-adds."""
+"""One source of the time step in two widths: a wall has the same bits alone and as any of eight,
+whatever the others do, and those of plain Python but for fused multiply-adds."""
 
 import ast
 import gc
@@ -53,29 +53,53 @@ SPLITTING = {"tensile_strength": 1e5, "cohesion": 1.5e5}
 KINDS = {
     "brittle": (WEAK, {}, {}),
     "on damped soil": (WEAK, {}, {"soil": 1e9, "soil_velocity": 100.0}),
-    "all of it": (SOFT | {"compressive_strength": 5e5, "compressive_fracture_energy": 10.0}, SPLITTING,
-                  {"contacts": "corners"})}
+    "all of it": (
+        SOFT | {"compressive_strength": 5e5, "compressive_fracture_energy": 10.0},
+        SPLITTING,
+        {"contacts": "corners"},
+    ),
+}
 WEAKER = {"tensile_strength": 1e3, "cohesion": 1e3}
 MODES = {"bricks": "deformable", "contacts": "gauss", "brick_mass": 25.0}
 DEFORMABLE = {
     "deformable": (WEAKER, {}, MODES),
     "deformable, softening and crushing, order 3": (
-        SOFT | WEAKER | {"compressive_strength": 2e4, "compressive_fracture_energy": 0.1}, {},
-        MODES | {"brick_order": 3})}
+        SOFT | WEAKER | {"compressive_strength": 2e4, "compressive_fracture_energy": 0.1},
+        {},
+        MODES | {"brick_order": 3},
+    ),
+}
 ACTIONS = {
-    "shaken": {}, "shaken vertically, too": {"vertical": 8.0}, "damped by mass": {"alpha": 5.0},
-    "damped by stiffness": {"beta": 1e-6}, "local damping": {"local": 0.2}, "adaptive damping": {"adaptive": 1.0},
-    "pushed": {"push": 0.5}, "pushed to and fro": {"push": 1.0, "to_and_fro": True, "adaptive": 1.0},
-    "hardly shaken": {"pga_g": 0.01}, "damped by both": {"alpha": 2.0, "beta": 2e-6}}
+    "shaken": {},
+    "shaken vertically, too": {"vertical": 8.0},
+    "damped by mass": {"alpha": 5.0},
+    "damped by stiffness": {"beta": 1e-6},
+    "local damping": {"local": 0.2},
+    "adaptive damping": {"adaptive": 1.0},
+    "pushed": {"push": 0.5},
+    "pushed to and fro": {"push": 1.0, "to_and_fro": True, "adaptive": 1.0},
+    "hardly shaken": {"pga_g": 0.01},
+    "damped by both": {"alpha": 2.0, "beta": 2e-6},
+}
 SPEEDS = 2.5, 0.1, -2.0, 1.9, 3.0
 
 
 def make(kind, seed=0, **more):
-    """A small wall with an opening, at rest and still without its weight; seed: of scattered strengths, 0 for none."""
+    """A small wall with an opening, at rest and still without its weight; seed: of scattered
+    strengths, 0 for none."""
     joint, brick, options = (KINDS | DEFORMABLE)[kind]
-    wall = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=Joint(**joint),
-                brick=Brick(**brick))
-    scatter = {"strength_cov": 0.3, "strength_seed": seed} if seed and "fibres" not in options else {}
+    wall = Wall(
+        "pier",
+        1.35,
+        0.6,
+        [Opening(0.45, 0.45, 0.3)],
+        lintel="courses",
+        joint=Joint(**joint),
+        brick=Brick(**brick),
+    )
+    scatter = (
+        {"strength_cov": 0.3, "strength_seed": seed} if seed and "fibres" not in options else {}
+    )
     layout = lay_out(wall, ModelOptions(**options, **scatter))
     return ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, **more)
 
@@ -85,12 +109,17 @@ def begin(wall, push=0.0, to_and_fro=False, vertical=0.0, pga_g=2.0, **damping):
     wall.damp(**damping)
     deforms = wall.strain is not None
     time_s, period_s = np.arange(600) * wall.time_step, 0.004 if deforms else 0.02
-    base = Harmonic(period_s, pga_g * (2.5 if deforms else 1.0)).base_acceleration(time_s) if not push else \
-        np.zeros((600, 2))
+    base = (
+        Harmonic(period_s, pga_g * (2.5 if deforms else 1.0)).base_acceleration(time_s)
+        if not push
+        else np.zeros((600, 2))
+    )
     base[:, 1] = vertical * np.cos(2 * np.pi * time_s / 0.03)
     wall.start(base)
     if push:
-        wall.hold(wall.layout.pushed_bodies, rotation=to_and_fro, stiffness=0.0 if to_and_fro else 1e5)
+        wall.hold(
+            wall.layout.pushed_bodies, rotation=to_and_fro, stiffness=0.0 if to_and_fro else 1e5
+        )
 
 
 def push_on(wall, sample, push=0.0, to_and_fro=False, **_):
@@ -127,24 +156,39 @@ def act_together(walls, actions):
 
 def everything(wall):
     """State, events and present sample of a wall, as bytes."""
-    of_use = wall.system._replace(relaxation=np.zeros(0), last=np.zeros(0))  # of no use without their damping
-    fields = [table if table.dtype.names is None else table[name] for table in of_use
-              for name in table.dtype.names or ("",)]
+    # of no use without their damping
+    of_use = wall.system._replace(relaxation=np.zeros(0), last=np.zeros(0))
+    fields = [
+        table if table.dtype.names is None else table[name]
+        for table in of_use
+        for name in table.dtype.names or ("",)
+    ]
     instants = wall.instants()
-    sample = [*instants.contacts.values(), *(value for value in instants if value is not instants.contacts)]
-    return as_bytes([*fields, *np.atleast_1d(np.array(wall.drain_events(), dtype=object).astype(str)), *sample])
+    sample = [
+        *instants.contacts.values(),
+        *(value for value in instants if value is not instants.contacts),
+    ]
+    return as_bytes(
+        [*fields, *np.atleast_1d(np.array(wall.drain_events(), dtype=object).astype(str)), *sample]
+    )
 
 
 def as_bytes(parts):
-    return [np.ascontiguousarray(part).tobytes() for part in parts if part is not None and not isinstance(part, slice)]
+    return [
+        np.ascontiguousarray(part).tobytes()
+        for part in parts
+        if part is not None and not isinstance(part, slice)
+    ]
 
 
-# --- the same bits in both widths -------------------------------------------------------------------
+# --- the same bits in both widths -----------------------------------------------------------------
+
 
 @pytest.mark.parametrize("kind", KINDS | DEFORMABLE)
 def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
-    """Each member has strengths, a time step, damping and a motion of its own; ten are more than one batch.  Other laws
-    and bricks: `test_grid.py`."""
+    """Each member has strengths, a time step, damping and a motion of its own; ten are more than
+    one batch.  Other laws and bricks: `test_grid.py`."""
+
     def members():
         walls = [make(kind, seed) for seed in range(len(ACTIONS))]
         walls[5].time_step *= 0.9
@@ -153,12 +197,18 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
     assert len(ACTIONS) > MOST_LANES
     alone = members()
     expected = [list(act(wall, **action)) for wall, action in zip(alone, ACTIONS.values())]
-    for order in (range(10), range(9, -1, -1), (3, 0, 7)) if kind in ("brittle", "deformable") else (range(10),):
+    for order in (
+        (range(10), range(9, -1, -1), (3, 0, 7))
+        if kind in ("brittle", "deformable")
+        else (range(10),)
+    ):
         walls = members()
         actions = [[*ACTIONS.values()][k] for k in order]
         for sample, found in enumerate(act_together([walls[k] for k in order], actions)):
             assert found == [expected[k][sample] for k in order], sample
-    failed = np.array([wall.system.states["broken"] + wall.system.states["kappa"] > 0 for wall in alone])
+    failed = np.array(
+        [wall.system.states["broken"] + wall.system.states["kappa"] > 0 for wall in alone]
+    )
     assert (failed.any(axis=0) & ~failed.all(axis=0)).any()  # in some of the walls
     if "crushing" in kind:
         assert any((wall.system.states["closure"] > 0).any() for wall in alone)
@@ -167,7 +217,8 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
 
 
 def test_a_member_that_ends_or_fails_does_not_disturb_the_others():
-    """One is left out after a while, one becomes unstable by too large a time step, one is run alone in between."""
+    """One is left out after a while, one becomes unstable by too large a time step, one is run
+    alone in between."""
     walls, reference = [make("brittle", seed) for seed in (0, 1, 2, 0)], make("brittle")
     for wall in walls:
         wall.damp(local=0.7)
@@ -191,7 +242,11 @@ def test_a_member_that_ends_or_fails_does_not_disturb_the_others():
 @pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])
 @pytest.mark.parametrize("dry", [True, False])
 def test_joints_of_deformable_bricks_end_each_by_itself(dry, damping):
-    strengths = {"tensile_strength": 0.0, "cohesion": 0.0} if dry else {"tensile_strength": 3e3, "cohesion": 3e3}
+    strengths = (
+        {"tensile_strength": 0.0, "cohesion": 0.0}
+        if dry
+        else {"tensile_strength": 3e3, "cohesion": 3e3}
+    )
     wall = Wall("pair", 0.1125, 0.15, precompression=0.0, joint=Joint(**strengths))
     layout = lay_out(wall, ModelOptions(bricks="deformable", contacts="gauss", lintel="none"))
     assert len(layout.bodies) == 2
@@ -206,10 +261,18 @@ def test_joints_of_deformable_bricks_end_each_by_itself(dry, damping):
         for one, other in zip(together, alone):
             other.run(3000, 50)
             assert everything(one) == everything(other)
-    assert [one.system.limits[-1, HAS_FAILED] for one in together] == [ENDED, FAILED, ENDED, ENDED, ENDED]
+    assert [one.system.limits[-1, HAS_FAILED] for one in together] == [
+        ENDED,
+        FAILED,
+        ENDED,
+        ENDED,
+        ENDED,
+    ]
 
 
-@pytest.mark.parametrize(("table", "field"), [("contacts", "offset"), ("contacts", "kn"), ("contacts", "area")])
+@pytest.mark.parametrize(
+    ("table", "field"), [("contacts", "offset"), ("contacts", "kn"), ("contacts", "area")]
+)
 def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_reported(table, field):
     """Columns that a batch takes from its first wall are equal in all walls."""
     one, other = make("brittle"), make("brittle")
@@ -220,14 +283,22 @@ def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_reported(table, fi
 
 def test_walls_of_other_bricks_friction_soil_or_strain_modes_are_reported():
     def built(joint=(), **options):
-        wall = Wall("w", 0.9, 0.45, joint=Joint(**WEAK | dict(joint)),
-                    brick=Brick(young_modulus=options.pop("young", 5e9)))
+        wall = Wall(
+            "w",
+            0.9,
+            0.45,
+            joint=Joint(**WEAK | dict(joint)),
+            brick=Brick(young_modulus=options.pop("young", 5e9)),
+        )
         return ReferenceSolver(lay_out(wall, ModelOptions(**options)), 1e-6)
 
     soil = {"soil": 1e9}
-    for one, other in ((built(), built(cells=3)), (built(), built({"friction_angle": 0.5})),
-                       (built(**soil), built(**soil, soil_velocity=100.0)),
-                       (built(bricks="deformable"), built(bricks="deformable", young=5.2e9))):
+    for one, other in (
+        (built(), built(cells=3)),
+        (built(), built({"friction_angle": 0.5})),
+        (built(**soil), built(**soil, soil_velocity=100.0)),
+        (built(bricks="deformable"), built(bricks="deformable", young=5.2e9)),
+    ):
         with pytest.raises(ValueError, match="other bricks, stiffnesses or friction"):
             run_together([one, other], 10)
         assert ensembles.move([(one, 1), (other, 1)]) == [None, None]
@@ -245,7 +316,8 @@ def test_the_tables_of_a_member_are_views_of_those_of_the_batch():
 
 @pytest.mark.parametrize("n_walls, kind", [(3, "brittle"), (1, "deformable")])
 def test_tables_are_freed_with_the_walls_without_the_garbage_collector(n_walls, kind):
-    """A study runs thousands of walls in a process, whose few objects hold megabytes and hardly ever start it."""
+    """A study runs thousands of walls in a process, whose few objects hold megabytes and hardly
+    ever start it."""
     walls = [make(kind, seed) for seed in range(1, n_walls + 1)]
     run_together(walls, 1)
     left = [weakref.ref(one) for one in (*walls, walls[0].lanes)]
@@ -258,7 +330,8 @@ def test_tables_are_freed_with_the_walls_without_the_garbage_collector(n_walls, 
 
 
 def test_calls_of_the_step_leave_nothing_in_memory():
-    """numba 0.56 did not know the types of arguments again and kept 800 bytes a call, 30 kB a run of `damage.run`."""
+    """numba 0.56 did not know the types of arguments again and kept 800 bytes a call, 30 kB a run
+    of `damage.run`."""
     walls = [ReferenceSolver(lay_out(Wall("small", 0.45, 0.15)), 1e-6) for _ in range(8)]
 
     def call(times):
@@ -271,7 +344,8 @@ def test_calls_of_the_step_leave_nothing_in_memory():
     assert call(2000) - call(1) < 200 * 2000
 
 
-# --- vectors ----------------------------------------------------------------------------------------
+# --- vectors --------------------------------------------------------------------------------------
+
 
 def arithmetic(n, numbers, out):
     x, y = load(n, numbers, 0, 0), load(n, numbers, 0, 1)
@@ -294,24 +368,29 @@ def expected(numbers):
     both = [a > b and b <= 0.5 for a, b in zip(x, y)]
     second = [b if is_both else (2.0 if a >= b else 7.0) + a for a, b, is_both in zip(x, y, both)]
     third = [(1.5 if 0b10010110 >> k & 1 else 0.0) + a * b for k, (a, b) in enumerate(zip(x, y))]
-    return np.array([first, second, third, [42.0, *x[1:]]]), sum(1 << k for k, one in enumerate(both) if one)
+    return np.array([first, second, third, [42.0, *x[1:]]]), sum(
+        1 << k for k, one in enumerate(both) if one
+    )
 
 
 def numbers_of_eight():
-    numbers = np.random.default_rng(1).normal(0, 1, (1, 2, 8)) * np.geomspace(1e-8, 1e8, 16).reshape(2, 8)
+    numbers = np.random.default_rng(1).normal(0, 1, (1, 2, 8)) * np.geomspace(
+        1e-8, 1e8, 16
+    ).reshape(2, 8)
     numbers[0, 0, 2], numbers[0, 0, 3], numbers[0, 1, 4] = 0.0, -0.0, 1e300
     return numbers
 
 
 def check_vectors(function):
-    """What a function makes of eight numbers is what each number by itself gives, to the last bit."""
+    """What a function makes of eight numbers is what each number by itself gives, to the last
+    bit."""
     numbers = numbers_of_eight()
     wide, flags = expected(numbers)
     out = np.zeros((1, 4, 8))
     assert function(EIGHT, numbers, out) == flags and out[0].tobytes() == wide.tobytes()
     for w in range(8):
         out = np.zeros((1, 4, 1))
-        assert function(ONE, numbers[..., w:w + 1].copy(), out) == flags >> w & 1
+        assert function(ONE, numbers[..., w : w + 1].copy(), out) == flags >> w & 1
         assert out[0, :2, 0].tobytes() == wide[:2, w].tobytes()
 
 
@@ -322,15 +401,29 @@ def test_arithmetic_is_that_of_each_number():
 
 def in_python(code, **environment):
     """Run code beside the tests, in a Python of its own."""
-    path = os.pathsep.join([str(REPOSITORY), str(REPOSITORY / "tests"), os.environ.get("PYTHONPATH", "")])
-    run_command(sys.executable, "-c", code, cwd=REPOSITORY / "tests/core",
-                env={**os.environ, **environment, "PYTHONPATH": path}, status=0)
+    path = os.pathsep.join(
+        [str(REPOSITORY), str(REPOSITORY / "tests"), os.environ.get("PYTHONPATH", "")]
+    )
+    run_command(
+        sys.executable,
+        "-c",
+        code,
+        cwd=REPOSITORY / "tests/core",
+        env={**os.environ, **environment, "PYTHONPATH": path},
+        status=0,
+    )
 
 
-# --- plain Python -----------------------------------------------------------------------------------
+# --- plain Python ---------------------------------------------------------------------------------
 
-SMALL = Wall("pier", 0.675, 0.3, [Opening(0.225, 0.225, 0.15)], lintel="courses",
-             joint=Joint(tensile_strength=5e3, cohesion=5e4))
+SMALL = Wall(
+    "pier",
+    0.675,
+    0.3,
+    [Opening(0.225, 0.225, 0.15)],
+    lintel="courses",
+    joint=Joint(tensile_strength=5e3, cohesion=5e4),
+)
 
 
 def shaken(walls, run):
@@ -341,7 +434,9 @@ def shaken(walls, run):
     for k, wall in enumerate(walls):
         wall.local_damping = 0.0
         time = np.arange(250) * wall.time_step
-        wall.start((1.0 + k) * np.column_stack([500 * np.sin(1200 * time), -400 * np.cos(2400 * time)]))
+        wall.start(
+            (1.0 + k) * np.column_stack([500 * np.sin(1200 * time), -400 * np.cos(2400 * time)])
+        )
     run(300)
 
 
@@ -382,23 +477,36 @@ CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-
 
 
 def all_results(n_walls):
-    """{case and quantity: array} of the first of so many walls in all CASES, also of deformable bricks; of a wall by
-    itself one that falls, too."""
+    """{case and quantity: array} of the first of so many walls in all CASES, also of deformable
+    bricks; of a wall by itself one that falls, too."""
     results, rigid = {}, lay_out(SMALL)
     deformable = lay_out(SMALL, ModelOptions(bricks="deformable", contacts="gauss"))
     falls = [(fallen, {"new_contacts": True}, rigid, "")] if n_walls == 1 else []
-    for case, options, layout, label in (*((case, options, rigid, "") for case, options in CASES.items()), *falls,
-                                         (relaxed, {}, deformable, "deformable_"),
-                                         (damped, CASES[damped], deformable, "deformable_")):
-        walls = [ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, **options)
-                 for _ in range(n_walls)]
+    for case, options, layout, label in (
+        *((case, options, rigid, "") for case, options in CASES.items()),
+        *falls,
+        (relaxed, {}, deformable, "deformable_"),
+        (damped, CASES[damped], deformable, "deformable_"),
+    ):
+        walls = [
+            ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, **options)
+            for _ in range(n_walls)
+        ]
         case(walls, lambda steps, walls=walls: run_together(walls, steps))
         wall = walls[0]
         steps, joints, kinds, values = super(ReferenceSolver, wall).drain_events()
-        for name, value in {"place": wall.displacement, "velocity": wall.velocity, "force": wall.force,
-                            "slip": wall.slip, "opening": wall.opening, "energy": wall.energy,
-                            "kinetic": wall.kinetic_energy(), "elastic": wall.elastic_energy(), "values": values,
-                            "events": np.column_stack([steps, joints, kinds])}.items():
+        for name, value in {
+            "place": wall.displacement,
+            "velocity": wall.velocity,
+            "force": wall.force,
+            "slip": wall.slip,
+            "opening": wall.opening,
+            "energy": wall.energy,
+            "kinetic": wall.kinetic_energy(),
+            "elastic": wall.elastic_energy(),
+            "values": values,
+            "events": np.column_stack([steps, joints, kinds]),
+        }.items():
             results[f"{label}{case.__name__}_{name}"] = value
     return results
 
@@ -406,8 +514,11 @@ def all_results(n_walls):
 @pytest.mark.parametrize("n_walls", [1, 2])
 def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, n_walls):
     """But for fused multiply-adds, which round once instead of twice.  Vectors are arrays there."""
-    in_python(f"import numpy, test_widths as t; t.check_vectors(t.arithmetic); "
-              f"numpy.savez({str(tmp_path / 'plain.npz')!r}, **t.all_results({n_walls}))", NUMBA_DISABLE_JIT="1")
+    in_python(
+        "import numpy, test_widths as t; t.check_vectors(t.arithmetic); "
+        f"numpy.savez({str(tmp_path / 'plain.npz')!r}, **t.all_results({n_walls}))",
+        NUMBA_DISABLE_JIT="1",
+    )
     plain, compiled = np.load(tmp_path / "plain.npz"), all_results(n_walls)
     assert set(compiled["shaken_events"][:, 2]) == {1, 2, 3, 4}  # tension, shear, opened, slipped
     assert set(plain) == set(compiled)
@@ -419,7 +530,8 @@ def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, n_walls):
             assert_allclose(plain[name] / scale, value / scale, rtol=0, atol=1e-8, err_msg=name)
 
 
-# --- machine code that is kept ----------------------------------------------------------------------
+# --- machine code that is kept --------------------------------------------------------------------
+
 
 def imports_of(path):
     """Files of this package that a module imports from."""
@@ -432,43 +544,60 @@ def imports_of(path):
 
 
 def test_all_sources_of_compiled_code_are_in_the_digest():
-    """What a module of compiled functions imports, directly or not, is compiled into them: functions and constants."""
+    """What a module of compiled functions imports, directly or not, is compiled into them:
+    functions and constants."""
     compiler = SOURCES[0]  # decides how; what it imports is not compiled
-    to_follow = {path for path in compiler.parent.glob("*.py") if re.search(
-        r"^@(compiled|inlined|entry)$", path.read_text(), re.MULTILINE)}
+    to_follow = {
+        path
+        for path in compiler.parent.glob("*.py")
+        if re.search(r"^@(compiled|inlined|entry)$", path.read_text(), re.MULTILINE)
+    }
     assert len(to_follow) > 4
     needed = {compiler}
     while to_follow:
         needed |= to_follow
-        to_follow = {imported for path in to_follow - {compiler} for imported in imports_of(path)} - needed
+        to_follow = {
+            imported for path in to_follow - {compiler} for imported in imports_of(path)
+        } - needed
     assert set(SOURCES) == needed
-    own = [value for module in (step, samples) for value in vars(module).values() if isinstance(value, Dispatcher)
-           and value.py_func.__module__.startswith("damage.mechanics")]
+    own = [
+        value
+        for module in (step, samples)
+        for value in vars(module).values()
+        if isinstance(value, Dispatcher) and value.py_func.__module__.startswith("damage.mechanics")
+    ]
     assert len(own) > 10
     assert all(DIGEST in one.py_func.__qualname__ for one in own)
 
 
 def test_a_function_that_is_no_entry_is_not_called_by_python():
     """It has no code for that: numba would call address zero."""
-    with pytest.raises(TypeError, match="turn_far is for compiled callers: expected one that is declared an entry"):
+    with pytest.raises(
+        TypeError, match="turn_far is for compiled callers: expected one that is declared an entry"
+    ):
         bodies.turn_far(ONE, np.zeros((1, 40, 1)), 0, 1, 0.5)
 
 
 def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_path):
-    """A file of another version may be older than what is cached, as tar and rsync -a leave it; NUMBA_CACHE_DIR may be
-    shared."""
+    """A file of another version may be older than what is cached, as tar and rsync -a leave it;
+    NUMBA_CACHE_DIR may be shared."""
     package = tmp_path / "damage"
-    shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
+    shutil.copytree(
+        REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data")
+    )
     env = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "kept")}
 
     def tried():
-        """Where a function is cached, and whether the line was printed that the solver is compiled."""
-        program = ("from damage.mechanics import bodies, compiled, eight;"
-                   "import numba, numpy as np;"
-                   "bodies.turn_far.compile(tuple(map(numba.typeof, (eight.ONE, np.zeros((1, 40, 1)), 0, 1, 0.5))));"
-                   "print(compiled.kept_in(), compiled.DIGEST, sep='\\n')")
-        *said, folder, digest = run_command(sys.executable, "-c", program, cwd=tmp_path, check=True,
-                                            env=env).stdout.splitlines()
+        """Where a function is cached, and whether the line was printed that the solver is
+        compiled."""
+        program = (
+            "from damage.mechanics import bodies, compiled, eight;import numba, numpy as"
+            " np;bodies.turn_far.compile(tuple(map(numba.typeof, (eight.ONE, np.zeros((1, 40, 1)),"
+            " 0, 1, 0.5))));print(compiled.kept_in(), compiled.DIGEST, sep='\\n')"
+        )
+        *said, folder, digest = run_command(
+            sys.executable, "-c", program, cwd=tmp_path, check=True, env=env
+        ).stdout.splitlines()
         assert said in ([], [COMPILING])
         folder = Path(folder)
         assert folder.is_relative_to(tmp_path / "kept")

@@ -1,7 +1,7 @@
 """A full disk, no memory, a signal: one line, nothing half written, and the same command goes on.
 
-One moment a layer: a history, a command's file, what is printed, a study.  A limit on the size of files stands in for
-a full disk; file systems of a few megabytes need root.
+One moment a layer: a history, a command's file, what is printed, a study.  A limit on the size of
+files stands in for a full disk; file systems of a few megabytes need root.
 """
 
 import os
@@ -42,7 +42,7 @@ from yade_scripts import COMMAND
 SMALL = "walls/variants/small.py"
 DAMAGE = (sys.executable, "-m", "damage")
 SHAKEN = ["--harmonic", "0.06", "0.6", "--rest", "1", "--no-pictures"]
-STUDY = '''name = "s"
+STUDY = """name = "s"
 pictures = "none"
 [[runs]]
 id = "one"
@@ -53,10 +53,13 @@ id = "two"
 wall = "tiny.py"
 options = { harmonic = [0.1, 0.4], cycles = 2, rest = 0 }
 members = 2
-'''
-WITH_LEAST = ("import sys; from damage.__main__ import main; from damage.applications.studies import folder\n"
-              "folder.LEAST_FREE = 100_000\nsys.exit(main(['study', *sys.argv[1:]]))")
-"""A batch that goes on where a real one would end: another program may fill a disk between two looks."""
+"""
+WITH_LEAST = (
+    "import sys; from damage.__main__ import main; from damage.applications.studies import folder\n"
+    "folder.LEAST_FREE = 100_000\nsys.exit(main(['study', *sys.argv[1:]]))"
+)
+"""A batch that goes on where a real one would end: another program may fill a disk between two
+looks."""
 
 
 def limited(kind, number):
@@ -66,7 +69,11 @@ def limited(kind, number):
 
 def one_error(done, printed):
     assert done.returncode not in (0, 120) and done.returncode > 0, done.stderr
-    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1 and printed in done.stderr, done.stderr
+    assert (
+        done.stderr.startswith("error: ")
+        and done.stderr.count("\n") == 1
+        and printed in done.stderr
+    ), done.stderr
 
 
 @pytest.fixture
@@ -84,21 +91,41 @@ class TestFullDisk:
     @pytest.mark.parametrize("share", [0.05, 0.9])
     def test_a_run_ends_and_keeps_what_was_flushed(self, share, whole, tmp_path):
         out = tmp_path / "run.h5"
-        done = run_command(*DAMAGE, "reference", SMALL, *SHAKEN, "--out", out,
-                           **limited(resource.RLIMIT_FSIZE, int(share * whole.path.stat().st_size)), status=1)
-        assert without_progress(done.stderr).splitlines()[-1].startswith(f"error: cannot write {out}")
+        done = run_command(
+            *DAMAGE,
+            "reference",
+            SMALL,
+            *SHAKEN,
+            "--out",
+            out,
+            **limited(resource.RLIMIT_FSIZE, int(share * whole.path.stat().st_size)),
+            status=1,
+        )
+        assert (
+            without_progress(done.stderr).splitlines()[-1].startswith(f"error: cannot write {out}")
+        )
         if share < 0.1:  # it cannot even begin
             refused_with("cannot be read as a history", damage.read_history, out)
         else:
             kept = damage.read_history(out)
             n = len(kept.series)
-            assert kept.status == "unfinished" and 0 < n and kept.series.equals(whole.series.iloc[:n])
+            assert (
+                kept.status == "unfinished" and 0 < n and kept.series.equals(whole.series.iloc[:n])
+            )
 
     @pytest.mark.yade
     def test_yade_too(self, yade_command, tmp_path):
         out = tmp_path / "run.h5"
-        done = yade_command("-j1", *SHORT, SMALL, *SHAKEN, "--out", out, status=1,
-                            **limited(resource.RLIMIT_FSIZE, 200_000))
+        done = yade_command(
+            "-j1",
+            *SHORT,
+            SMALL,
+            *SHAKEN,
+            "--out",
+            out,
+            status=1,
+            **limited(resource.RLIMIT_FSIZE, 200_000),
+        )
         assert f"error: cannot write {out}" in done.stderr and "Traceback" not in done.stderr
         kept = damage.read_history(out)
         assert kept.status == "unfinished" and len(kept.series) % 120 == 0 < len(kept.series)
@@ -109,22 +136,50 @@ class TestFullDisk:
 
     def test_a_file_of_a_command_is_whole_or_not_there(self, history, tmp_path):
         out = tmp_path / "out"
-        one_error(run_command(*DAMAGE, "tables", "run", history, "--out", out / "t",
-                              **limited(resource.RLIMIT_FSIZE, 100)), "cannot write")
+        one_error(
+            run_command(
+                *DAMAGE,
+                "tables",
+                "run",
+                history,
+                "--out",
+                out / "t",
+                **limited(resource.RLIMIT_FSIZE, 100),
+            ),
+            "cannot write",
+        )
         assert list(out.iterdir()) == []
 
     def test_what_cannot_be_printed_is_reported(self, history):
         with open("/dev/full", "w") as full:
-            done = subprocess.run([*DAMAGE, "index", history, "--json"], cwd=REPOSITORY, stdout=full, text=True,
-                                  stderr=subprocess.PIPE)
+            done = subprocess.run(
+                [*DAMAGE, "index", history, "--json"],
+                cwd=REPOSITORY,
+                stdout=full,
+                text=True,
+                stderr=subprocess.PIPE,
+            )
         one_error(done, "what this prints cannot be written (No space left on device)")
         words = " ".join(map(str, [*DAMAGE, "index", history]))
         one_error(run_command("bash", "-c", f"{words} >&-"), "standard output is closed")
 
     def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(self, tmp_path):
         (tmp_path / "run").write_text("no folder")  # where the pictures would go
-        done = run_command(*DAMAGE, "reference", SMALL, "--harmonic", "0.1", "0.1", "--cycles", "1", "--rest", "0",
-                           "--out", tmp_path / "run.h5", status=0)
+        done = run_command(
+            *DAMAGE,
+            "reference",
+            SMALL,
+            "--harmonic",
+            "0.1",
+            "0.1",
+            "--cycles",
+            "1",
+            "--rest",
+            "0",
+            "--out",
+            tmp_path / "run.h5",
+            status=0,
+        )
         assert "warning: the history is whole, its pictures failed (cannot write" in done.stderr
         assert damage.read_history(tmp_path / "run.h5").complete
 
@@ -133,16 +188,33 @@ class TestFullDisk:
         study = written(tmp_path / "s.toml", STUDY)
         wall_file(tmp_path / "tiny.py", TINY)
         with disk(tmp_path / "disk", "size=6000k") as folder:
-            words = [sys.executable, "-c", WITH_LEAST, study, "--solver", "reference", "-j2", "--out", folder / "out"]
+            words = [
+                sys.executable,
+                "-c",
+                WITH_LEAST,
+                study,
+                "--solver",
+                "reference",
+                "-j2",
+                "--out",
+                folder / "out",
+            ]
             batch = started(words)
-            wait_until(lambda: batch.poll() is not None or list((folder / "out/runs").glob("*.part.h5")))
+            wait_until(
+                lambda: batch.poll() is not None or list((folder / "out/runs").glob("*.part.h5"))
+            )
             fill(folder, 60)  # half a history fits
             out, errors = batch.communicate(timeout=300)
             assert batch.returncode in (1, 2) and "Traceback" not in out + errors
-            assert any(line.startswith(("error: ", "failed: ")) and any(
-                said in line for said in ("MB free", "No space left", "no room left")) for line in errors.splitlines())
+            assert any(
+                line.startswith(("error: ", "failed: "))
+                and any(said in line for said in ("MB free", "No space left", "no room left"))
+                for line in errors.splitlines()
+            )
             done = run_command(*BATCH, *words[3:], env=os.environ | BATCH_ENVIRONMENT)
-            assert done.returncode == 2 and "MB free: expected 20 MB or more; make room" in done.stderr
+            assert (
+                done.returncode == 2 and "MB free: expected 20 MB or more; make room" in done.stderr
+            )
             (folder / "filler").unlink()
             subprocess.run(["mount", "-o", "remount,size=64m", folder], check=True)
             run_command(*words, status=0)
@@ -157,11 +229,16 @@ class TestFullDisk:
         wall_file(tmp_path / "tiny.py", TINY)
         with disk(tmp_path / "disk", "size=40m") as folder:
             batch = started([*BATCH, study, "-j2", "--out", folder / "out"])
-            wait_until(lambda: batch.poll() is not None or list((folder / "out/runs").glob("*.part.h5")))
+            wait_until(
+                lambda: batch.poll() is not None or list((folder / "out/runs").glob("*.part.h5"))
+            )
             fill(folder, 15_000)
             _, errors = batch.communicate(timeout=300)
             assert batch.returncode == 1 and errors.count("\n") == 1, errors
-            assert "MB free: expected 20 MB" in errors and "the same command continues from here" in errors
+            assert (
+                "MB free: expected 20 MB" in errors
+                and "the same command continues from here" in errors
+            )
             assert not running(folder)
 
 
@@ -178,8 +255,15 @@ def fill(folder, leave_kilobytes):
 
 class TestMemory:
     def test_too_little_to_begin_with_is_reported_before_a_library_hangs(self, tmp_path):
-        done = run_command(*DAMAGE, "reference", SMALL, "--out", tmp_path / "a.h5", timeout=60,
-                           **limited(resource.RLIMIT_AS, 150_000_000))
+        done = run_command(
+            *DAMAGE,
+            "reference",
+            SMALL,
+            "--out",
+            tmp_path / "a.h5",
+            timeout=60,
+            **limited(resource.RLIMIT_AS, 150_000_000),
+        )
         one_error(done, "out of memory: this process may have 150 MB (ulimit -v): expected")
         assert not (tmp_path / "a.h5").exists()
 
@@ -190,10 +274,18 @@ class TestMemory:
         monkeypatch.chdir(REPOSITORY)
         monkeypatch.setattr("damage.run.session.report", none)
         out = tmp_path / "a.h5"
-        assert run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)]) == 0
-        assert damage.read_history(out).complete and f"warning: {out} is kept" in capsys.readouterr().err
+        assert (
+            run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)])
+            == 0
+        )
+        assert (
+            damage.read_history(out).complete
+            and f"warning: {out} is kept" in capsys.readouterr().err
+        )
 
-    def test_a_run_without_memory_is_reported_and_its_history_says_failed(self, monkeypatch, tmp_path, capsys):
+    def test_a_run_without_memory_is_reported_and_its_history_says_failed(
+        self, monkeypatch, tmp_path, capsys
+    ):
         def full(solver, *arguments):
             if solver.step > 6000:
                 raise MemoryError
@@ -203,7 +295,10 @@ class TestMemory:
         monkeypatch.chdir(REPOSITORY)
         monkeypatch.setattr(ReferenceSolver, "advance", full)
         out = tmp_path / "a.h5"
-        assert run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)]) == 1
+        assert (
+            run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)])
+            == 1
+        )
         assert damage.read_history(out).status == "failed"
         assert "error: out of memory (no more to be had)" in capsys.readouterr().err
 
@@ -211,7 +306,18 @@ class TestMemory:
 class TestSignals:
     """Of a run; those of studies are in `test_study.py`."""
 
-    SHAKEN = (*DAMAGE, "reference", SMALL, "--harmonic", "0.1", "0.2", "--rest", "60", "--no-pictures", "--out")
+    SHAKEN = (
+        *DAMAGE,
+        "reference",
+        SMALL,
+        "--harmonic",
+        "0.1",
+        "0.2",
+        "--rest",
+        "60",
+        "--no-pictures",
+        "--out",
+    )
 
     def started(self, out, hangup=signal.SIG_DFL):
         """A run that has written samples, and began with this handling of SIGHUP."""
@@ -221,7 +327,12 @@ class TestSignals:
 
     def test_an_interrupt_while_libraries_are_loaded_is_quiet(self, tmp_path):
         process = started((*self.SHAKEN, tmp_path / "a.h5"))
-        wait_until(lambda: "libhdf5" in Path(f"/proc/{process.pid}/maps").read_text() or process.poll() is not None)
+        wait_until(
+            lambda: (
+                "libhdf5" in Path(f"/proc/{process.pid}/maps").read_text()
+                or process.poll() is not None
+            )
+        )
         process.send_signal(signal.SIGINT)
         _, printed = process.communicate(timeout=60)
         assert process.returncode == 130 and printed in ("", "interrupted\n")
@@ -232,10 +343,14 @@ class TestSignals:
         for _ in range(2):  # a second one, while it ends, changes nothing
             process.send_signal(getattr(signal, name))
         _, printed = process.communicate(timeout=60)
-        ended = {130} if name == "SIGINT" else {130, -getattr(signal, name)}  # the second may meet the summary
+        # the second may meet the summary
+        ended = {130} if name == "SIGINT" else {130, -getattr(signal, name)}
         assert process.returncode in ended and "Traceback" not in printed
         history = damage.read_history(tmp_path / "a.h5")
-        assert history.status == ("unfinished" if name == "SIGKILL" else "interrupted") and len(history.series) > 0
+        assert (
+            history.status == ("unfinished" if name == "SIGKILL" else "interrupted")
+            and len(history.series) > 0
+        )
 
     def test_under_nohup_a_terminal_that_closes_ends_no_run(self, tmp_path):
         out = tmp_path / "a.h5"
@@ -252,7 +367,9 @@ class TestSignals:
     @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
     def test_yade_too(self, tmp_path):
         out = tmp_path / "a.h5"
-        process = started((*COMMAND, SMALL, "--harmonic", "0.1", "0.2", "--no-pictures", "--out", out))
+        process = started(
+            (*COMMAND, SMALL, "--harmonic", "0.1", "0.2", "--no-pictures", "--out", out)
+        )
         wait_until(lambda: out.exists() or process.poll() is not None)
         time.sleep(1)  # the file is made, its first flush done
         process.send_signal(signal.SIGTERM)
@@ -262,10 +379,17 @@ class TestSignals:
 
 
 def started(words, hangup=signal.SIG_DFL):
-    """The process of a command line.  Tests may run under nohup, which leaves SIGHUP ignored to all that they start."""
-    return subprocess.Popen(list(map(str, words)), cwd=REPOSITORY, text=True, stdout=subprocess.PIPE,
-                            stderr=subprocess.PIPE, env=os.environ | BATCH_ENVIRONMENT,
-                            preexec_fn=lambda: signal.signal(signal.SIGHUP, hangup))
+    """The process of a command line.  Tests may run under nohup, which leaves SIGHUP ignored to all
+    that they start."""
+    return subprocess.Popen(
+        list(map(str, words)),
+        cwd=REPOSITORY,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=os.environ | BATCH_ENVIRONMENT,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, hangup),
+    )
 
 
 def n_samples(path):

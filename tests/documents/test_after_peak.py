@@ -1,5 +1,5 @@
-"""What docs/validation/after-the-peak.md rests on beside the runs: the prototype of dilatancy, and how many draws."""
-
+"""What docs/validation/after-the-peak.md rests on beside the runs: the prototype of dilatancy, and
+how many draws."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,9 @@ def test_two_bricks_lift_by_the_integral_of_their_dilatancy_and_keep_their_frict
     assert_allclose(dilatancy.thickening(slips.mean(), 0.4), by_hand, rtol=1e-5)
     assert_allclose(done.lift[-1], dilatancy.integral(layout, done.slip, 0.4), rtol=1e-3)
     load = GRAVITY * layout.bodies.mass[1:].sum()
-    assert_allclose(done.force[-50:].mean(), load * np.tan(layout.wall.joint.friction_angle), rtol=1e-3)
+    assert_allclose(
+        done.force[-50:].mean(), load * np.tan(layout.wall.joint.friction_angle), rtol=1e-3
+    )
 
 
 @pytest.mark.parametrize("deviation", [0.01, 0.1])
@@ -49,9 +51,14 @@ def test_weaker_head_joints_have_their_share_of_the_strengths():
 
 @pytest.mark.parametrize("name", after_peak.FARTHEST)
 def test_the_table_of_tests_alone_makes_the_predicted_walls(name):
-    """The rules of docs/guides/tested-wall.md; bricks of the wall's exact length and height differ by up to 0.5 %."""
+    """The rules of docs/guides/tested-wall.md; bricks of the wall's exact length and height differ
+    by up to 0.5 %."""
     made, shipped = after_peak.tested_wall(SPECIMENS[name]), wall_by(name, PREDICTION)
     assert made.courses == shipped.courses
     for one, other in ((made, shipped), (made.brick, shipped.brick), (made.joint, shipped.joint)):
-        numbers = [(value, vars(other)[key]) for key, value in vars(one).items() if isinstance(value, float)]
+        numbers = [
+            (value, vars(other)[key])
+            for key, value in vars(one).items()
+            if isinstance(value, float)
+        ]
         assert_allclose(*zip(*numbers), rtol=6e-3)

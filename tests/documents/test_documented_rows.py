@@ -1,4 +1,5 @@
-"""Tables of documents come out of today's model: of each study that ships, one run of one row of docs/tables."""
+"""Tables of documents come out of today's model: of each study that ships, one run of one row of
+docs/tables."""
 
 import pandas as pd
 import pytest
@@ -22,23 +23,41 @@ LONGER = {
     "sequence": f"{SINE}_sequence-1-1-1-1-1-1_rest-1",
     "ida": "symmetric_record-MID1_N_synthetic_acc_m_s2_scale-0.75_rest-1",
     "fragility": f"symmetric_record-MID1_N_synthetic_acc_m_s2_scale-0.75{STRONG}",
-    "stations": "symmetric_record-BZN1_HGE_acc_m_s2_scale-1.12_window-17-25_rest-0.1_strength-cov-0.3",
+    "stations": (
+        "symmetric_record-BZN1_HGE_acc_m_s2_scale-1.12_window-17-25_rest-0.1_strength-cov-0.3"
+    ),
     "settlement": "symmetric-sagging-5000-harmonic",
     "sensitivity": f"{SINE}_cycles-2_rest-2",
 }
 NOT_OF_TODAY = {
-    "validation": "single runs of before inputs were rounded: as their cracks grow they part from those of today",
+    "validation": (
+        "single runs of before inputs were rounded: as their cracks grow they part from those of"
+        " today"
+    ),
     "deformable": "of before inputs were rounded, too, and ten minutes a run",
     "crosscheck": "of YADE alone, in which a run takes hours",
 }
-MEASURES = ["max_DI", "max_DI_open", "max_DI_slip", "residual_DI", "max_shear_limit_DI", "max_drift_ratio",
-            "peak_base_shear_n", "max_crack_width_mm", "max_psi", "input_energy_j"]
+MEASURES = [
+    "max_DI",
+    "max_DI_open",
+    "max_DI_slip",
+    "residual_DI",
+    "max_shear_limit_DI",
+    "max_drift_ratio",
+    "peak_base_shear_n",
+    "max_crack_width_mm",
+    "max_psi",
+    "input_energy_j",
+]
 BEFORE = {"published", "fragility", "stations", "settlement", "sensitivity"}
-"""Made before inputs were rounded (CHANGELOG, 0.2.0): members of the same ensembles, in two digits."""
+"""Made before inputs were rounded (CHANGELOG, 0.2.0): members of the same ensembles, in two
+digits."""
 DIGITS, TWO_DIGITS = 1e-8, 0.05  # relative; tables have nine
 
 
-@pytest.mark.parametrize("study", [*ROWS, *(pytest.param(name, marks=pytest.mark.long) for name in LONGER)])
+@pytest.mark.parametrize(
+    "study", [*ROWS, *(pytest.param(name, marks=pytest.mark.long) for name in LONGER)]
+)
 def test_the_first_member_lies_in_the_range_that_its_row_gives_of_all(study, tmp_path, monkeypatch):
     """A row of a single run gives the values themselves."""
     monkeypatch.chdir(REPOSITORY)
@@ -51,10 +70,17 @@ def test_the_first_member_lies_in_the_range_that_its_row_gives_of_all(study, tmp
     assert [status for _, status in run_references(iter([(point, command)]))] == [0]
     found = summary_row(read_history(out))
     for name in MEASURES:
-        margin = TWO_DIGITS * abs(found[name]) + 1e-3 * ("DI" in name) if study in BEFORE else DIGITS * abs(found[name])
+        margin = (
+            TWO_DIGITS * abs(found[name]) + 1e-3 * ("DI" in name)
+            if study in BEFORE
+            else DIGITS * abs(found[name])
+        )
         assert row[f"{name}_min"] - margin <= found[name] <= row[f"{name}_max"] + margin, name
 
 
 def test_every_table_of_points_has_such_a_row():
-    tables = {path.name.removesuffix("_points.csv") for path in (REPOSITORY / "docs/tables").glob("*_points.csv")}
+    tables = {
+        path.name.removesuffix("_points.csv")
+        for path in (REPOSITORY / "docs/tables").glob("*_points.csv")
+    }
     assert tables == {*ROWS, *LONGER, *NOT_OF_TODAY}

@@ -11,15 +11,27 @@ from paper.__main__ import COMMANDS, PROGRAMS
 from scripts import seeded_faults
 
 ROOT_DOCUMENTS = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
-DOCUMENTS = [*(REPOSITORY / name for name in ROOT_DOCUMENTS), *sorted((REPOSITORY / "docs").rglob("*.md"))]
+DOCUMENTS = [
+    *(REPOSITORY / name for name in ROOT_DOCUMENTS),
+    *sorted((REPOSITORY / "docs").rglob("*.md")),
+]
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 CODE = re.compile(r"^```.*?^```|^ {4}\S.*?$|`[^`]+`", re.DOTALL | re.MULTILINE)
 COMMAND = re.compile(r"python3 -m damage (\w[\w-]*)")
 # What a reader is to have, or a run leaves: no part of the repository.
-NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py", "benchmarks/NAME.csv", *(
-    name for guide in (REPOSITORY / "docs" / "guides").glob("*.md")
-    for name in re.findall(r"^```(?:python|toml)\n# (\S+)$", guide.read_text(), re.MULTILINE)))
+NOT_OURS = (
+    "records/*",
+    "walls/NAME.py",
+    "walls/{wall}.py",
+    "walls/mine.py",
+    "benchmarks/NAME.csv",
+    *(
+        name
+        for guide in (REPOSITORY / "docs" / "guides").glob("*.md")
+        for name in re.findall(r"^```(?:python|toml)\n# (\S+)$", guide.read_text(), re.MULTILINE)
+    ),
+)
 
 
 def listed_files():
@@ -34,19 +46,28 @@ TOPS = {path.partition("/")[0] for path in FILES if "/" in path}
 
 def named_files(text):
     """Words in code that begin with a folder of the repository, or end in .md: a list of str."""
-    words = [word.strip("`,;:()'\"").removesuffix("/") for code in CODE.findall(text) for word in code.split()]
-    return [word.partition("#")[0].partition("::")[0] for word in words
-            if (word.partition("/")[0] in TOPS and "/" in word) or re.fullmatch(r"[\w./-]+\.md", word)]
+    words = [
+        word.strip("`,;:()'\"").removesuffix("/")
+        for code in CODE.findall(text)
+        for word in code.split()
+    ]
+    return [
+        word.partition("#")[0].partition("::")[0]
+        for word in words
+        if (word.partition("/")[0] in TOPS and "/" in word) or re.fullmatch(r"[\w./-]+\.md", word)
+    ]
 
 
 def is_there(name, document):
-    """Whether a name, with * for anything, is a file or folder seen from the document or from the repository."""
+    """Whether a name, with * for anything, is a file or folder seen from the document or from the
+    repository."""
     beside = (document.parent / name).exists()
     return beside or name in FOLDERS or any(fnmatch(path, name) for path in FILES)
 
 
 def is_command(name):
-    """Whether `python3 -m damage NAME --help` gives its help; `study` would turn this process into its program."""
+    """Whether `python3 -m damage NAME --help` gives its help; `study` would turn this process into
+    its program."""
     if name == "study":
         return True
     try:
@@ -56,42 +77,71 @@ def is_command(name):
 
 
 def test_links_lead_somewhere():
-    missing = [f"{document.name}: {link}" for document in DOCUMENTS for link in LINK.findall(document.read_text())
-               if "://" not in link and not (document.parent / link.partition("#")[0]).exists()]
+    missing = [
+        f"{document.name}: {link}"
+        for document in DOCUMENTS
+        for link in LINK.findall(document.read_text())
+        if "://" not in link and not (document.parent / link.partition("#")[0]).exists()
+    ]
     assert missing == []
 
 
 def test_named_files_are_there():
-    missing = [f"{document.name}: {name}" for document in DOCUMENTS for name in named_files(document.read_text())
-               if not any(fnmatch(name, pattern) for pattern in NOT_OURS) and not is_there(name, document)]
+    missing = [
+        f"{document.name}: {name}"
+        for document in DOCUMENTS
+        for name in named_files(document.read_text())
+        if not any(fnmatch(name, pattern) for pattern in NOT_OURS) and not is_there(name, document)
+    ]
     assert missing == []
 
 
 def test_commands_are_those_of_the_program():
     """The log of changes names old ones, too."""
-    named = {name for document in DOCUMENTS if document.name != "CHANGELOG.md"
-             for name in COMMAND.findall(document.read_text())} - {"COMMAND"}
+    named = {
+        name
+        for document in DOCUMENTS
+        if document.name != "CHANGELOG.md"
+        for name in COMMAND.findall(document.read_text())
+    } - {"COMMAND"}
     assert [name for name in sorted(named) if not is_command(name)] == []
 
 
 def test_programs_of_documents_are_there():
-    """Every module of paper/ with a `main` can be asked for by name, and those that documents ask for are there."""
-    programs = {path.stem for path in (REPOSITORY / "paper").glob("[a-z]*.py")
-                if re.search(r"^def main\(", path.read_text(), re.MULTILINE)}
+    """Every module of paper/ with a `main` can be asked for by name, and those that documents ask
+    for are there."""
+    programs = {
+        path.stem
+        for path in (REPOSITORY / "paper").glob("[a-z]*.py")
+        if re.search(r"^def main\(", path.read_text(), re.MULTILINE)
+    }
     assert programs == set(PROGRAMS)
-    named = {name for path in DOCUMENTS for name in re.findall(r"python3\s+-m\s+paper\s+(\w+)", path.read_text())}
-    assert not [path for path in DOCUMENTS if path.name != "CHANGELOG.md" and re.search(r"python3\s+paper/\w+\.py",
-                                                                                        path.read_text())]
+    named = {
+        name
+        for path in DOCUMENTS
+        for name in re.findall(r"python3\s+-m\s+paper\s+(\w+)", path.read_text())
+    }
+    assert not [
+        path
+        for path in DOCUMENTS
+        if path.name != "CHANGELOG.md" and re.search(r"python3\s+paper/\w+\.py", path.read_text())
+    ]
     assert named <= {*PROGRAMS, *COMMANDS, "studies", "NAME", "COMMAND"}
 
 
-PAGES = {path.relative_to(REPOSITORY / "docs").as_posix() for path in (REPOSITORY / "docs").rglob("*.md")
-         if "tables" not in path.parts} - {"README.md", "index.md"}  # these, and the front page of the site
+PAGES = {
+    path.relative_to(REPOSITORY / "docs").as_posix()
+    for path in (REPOSITORY / "docs").rglob("*.md")
+    # these, and the front page of the site
+    if "tables" not in path.parts
+} - {"README.md", "index.md"}
 
 
 def test_every_document_is_in_the_index():
     index = (REPOSITORY / "docs" / "README.md").read_text()
-    linked = {link for link in LINK.findall(index) if link.endswith(".md") and not link.startswith("..")}
+    linked = {
+        link for link in LINK.findall(index) if link.endswith(".md") and not link.startswith("..")
+    }
     assert linked == {page for page in PAGES if not page.startswith("api/")}
 
 
@@ -108,9 +158,14 @@ def test_seeded_faults_change_lines_that_are_there_and_name_tests_that_are():
 
 
 def test_longer_checks_are_listed():
-    files = {path.name: path.read_text(encoding="utf-8") for path in (REPOSITORY / "tests").rglob("test_*.py")}
+    files = {
+        path.name: path.read_text(encoding="utf-8")
+        for path in (REPOSITORY / "tests").rglob("test_*.py")
+    }
     marked = {name for name, text in files.items() if re.search(r"mark\.long\b|= IN_BROWSER", text)}
     text = (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")
     table = re.search(r"\| why they are longer checks \|\n((?:\|.*\n)+)", text)[1]
-    listed = set(re.findall(r"`(test_\w+\.py)`", "".join(row.split("|")[1] for row in table.splitlines())))
+    listed = set(
+        re.findall(r"`(test_\w+\.py)`", "".join(row.split("|")[1] for row in table.splitlines()))
+    )
     assert marked - {Path(__file__).name} == listed

@@ -41,8 +41,12 @@ def test_the_opened_length_is_that_of_the_index(two_windows, tmp_path):
     assert list(length) == ["bed_m", "head_m"]
     share = length.sum(axis=1).to_numpy() / history.joint_length_m.sum()
     assert_allclose(share, history.index().DI_open, atol=1e-12)
-    assert run_example("opened_length", two_windows[1], tmp_path / "length.png")[0].split() == ["largest", "at", "the",
-                                                                                                "end"]
+    assert run_example("opened_length", two_windows[1], tmp_path / "length.png")[0].split() == [
+        "largest",
+        "at",
+        "the",
+        "end",
+    ]
     assert (tmp_path / "length.png").read_bytes()[:4] == b"\x89PNG"
 
 
@@ -50,7 +54,9 @@ def test_the_notebook_holds_what_its_cells_show():
     """The same kinds of outputs, words and, within the last digit that is printed, numbers."""
     path = REPOSITORY / "examples" / "thesis_figures.ipynb"
     kept = json.loads(path.read_text(encoding="utf-8"))["cells"]
-    made = run_cells([cell | {"outputs": []} if "outputs" in cell else cell for cell in kept], path.parent)
+    made = run_cells(
+        [cell | {"outputs": []} if "outputs" in cell else cell for cell in kept], path.parent
+    )
     assert path.stat().st_size < 300_000 and sum(len(cell.get("outputs", ())) for cell in kept) >= 7
     for old, new in zip(kept, made, strict=True):
         for one, other in zip(old.get("outputs", ()), new.get("outputs", ()), strict=True):

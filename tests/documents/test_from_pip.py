@@ -1,4 +1,5 @@
-"""What is there after `pip install` alone: walls, records and studies by name, from Python and in a notebook."""
+"""What is there after `pip install` alone: walls, records and studies by name, from Python and in a
+notebook."""
 
 import io
 import json
@@ -20,7 +21,9 @@ from damage.motion.loading import Harmonic, TopDisplacement
 from damage.wall.file import load_wall
 from damage.wall.new import new_wall
 
-SETUP = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+SETUP = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
+    "setuptools"
+]
 PIER = damage.Wall("pier", length=0.9, height=0.6)
 SHORT = {"harmonic": (0.05, 0.1), "cycles": 1, "rest": 0}
 
@@ -28,26 +31,39 @@ pytestmark = pytest.mark.xdist_group("guides")
 
 
 def test_every_package_is_installed_and_what_lies_beside_it():
-    """A folder of the package that pyproject.toml does not list would be missing after pip install."""
-    mine = {".".join(path.parent.relative_to(REPOSITORY).parts) for path in REPOSITORY.glob("damage/**/__init__.py")}
-    beside = {".".join(("damage", "share", *path.relative_to(REPOSITORY).parts))
-              for name in SETUP["package-dir"].values() for path in (REPOSITORY / name, *(REPOSITORY / name).iterdir())
-              if path.is_dir() and not path.name.startswith(("_", "."))}
+    """A folder of the package that pyproject.toml does not list would be missing after pip
+    install."""
+    mine = {
+        ".".join(path.parent.relative_to(REPOSITORY).parts)
+        for path in REPOSITORY.glob("damage/**/__init__.py")
+    }
+    beside = {
+        ".".join(("damage", "share", *path.relative_to(REPOSITORY).parts))
+        for name in SETUP["package-dir"].values()
+        for path in (REPOSITORY / name, *(REPOSITORY / name).iterdir())
+        if path.is_dir() and not path.name.startswith(("_", "."))
+    }
     assert set(SETUP["packages"]) == mine | beside
     for package, folder in SETUP["package-dir"].items():
         patterns = ["*.py", *SETUP["package-data"].get(package, [])]
         left = {path.name for path in (REPOSITORY / folder).iterdir() if path.is_file()} - {
-            path.name for pattern in patterns for path in (REPOSITORY / folder).glob(pattern)}
+            path.name for pattern in patterns for path in (REPOSITORY / folder).glob(pattern)
+        }
         assert not left, f"{folder} has files that are not installed: {left}"
 
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """A folder like site-packages, by pyproject.toml, and one with the commands; compiled code as it is here."""
+    """A folder like site-packages, by pyproject.toml, and one with the commands; compiled code as
+    it is here."""
     base = tmp_path_factory.mktemp("pip")
     copytree(REPOSITORY / "damage", base / "site" / "damage")
     for package, folder in SETUP["package-dir"].items():
-        copytree(REPOSITORY / folder, base.joinpath("site", *package.split(".")), ignore=ignore_patterns("__pycache__"))
+        copytree(
+            REPOSITORY / folder,
+            base.joinpath("site", *package.split(".")),
+            ignore=ignore_patterns("__pycache__"),
+        )
     (base / "bin").mkdir()
     for name, words in (("python3", ""), ("damage", " -m damage")):
         script_file(base / "bin" / name, f'exec "{sys.executable}"{words} "$@"')
@@ -55,17 +71,27 @@ def installed(tmp_path_factory):
 
 
 def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
-    environment = {**os.environ, "PATH": f"{installed / 'bin'}:{os.environ['PATH']}",
-                   "PYTHONPATH": str(installed / "site")}
+    environment = {
+        **os.environ,
+        "PATH": f"{installed / 'bin'}:{os.environ['PATH']}",
+        "PYTHONPATH": str(installed / "site"),
+    }
     printed = ""
     for language, text in blocks("from-pip"):
         if language == "sh":
-            done = run_command("bash", "-euc", text, cwd=tmp_path, timeout=300, env=environment, status=0)
+            done = run_command(
+                "bash", "-euc", text, cwd=tmp_path, timeout=300, env=environment, status=0
+            )
             printed += done.stdout
         else:
             (tmp_path / text.split("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
     assert "study my-study: 2 of 2 runs done" in printed and "<History my_wall, " in printed
-    for name in ("demo/symmetric.h5", "demo/symmetric.html", "mine.html", "results/my-study/tables/points.csv"):
+    for name in (
+        "demo/symmetric.h5",
+        "demo/symmetric.html",
+        "mine.html",
+        "results/my-study/tables/points.csv",
+    ):
         assert (tmp_path / name).is_file(), name
 
 
@@ -80,7 +106,11 @@ def test_the_notebook_runs(tmp_path, monkeypatch):
             if cell["cell_type"] == "code":
                 exec("".join(cell["source"]), names)
     assert "<table>" in names["history"]._repr_html_() and names["figure"].axes
-    weak, strong = (float(line.split()[-1]) for line in out.getvalue().splitlines() if " MPa: maximum DI" in line)
+    weak, strong = (
+        float(line.split()[-1])
+        for line in out.getvalue().splitlines()
+        if " MPa: maximum DI" in line
+    )
     assert weak > strong
     assert "did you mean symmetric?" in out.getvalue()
 
@@ -97,13 +127,19 @@ class TestNames:
         path = new_wall(tmp_path / "mine.py")
         assert "mine.py exists" in one_line_error(new_wall, path)
         assert one_line_error(new_wall, tmp_path / "b.py", "sold").endswith("did you mean solid?")
-        assert "expected a name that ends in .toml or .py" in one_line_error(new_wall, tmp_path / "b.txt")
-        assert "expected a name that ends in .toml;" in one_line_error(new_wall, tmp_path / "b.py", "terrace_end")
+        assert "expected a name that ends in .toml or .py" in one_line_error(
+            new_wall, tmp_path / "b.txt"
+        )
+        assert "expected a name that ends in .toml;" in one_line_error(
+            new_wall, tmp_path / "b.py", "terrace_end"
+        )
 
 
 class TestRun:
     def test_the_public_names_are_listed(self):
-        assert {"run", "History", "Wall", "read_history", "load_wall", "read_record"} <= set(dir(damage))
+        assert {"run", "History", "Wall", "read_history", "load_wall", "read_record"} <= set(
+            dir(damage)
+        )
         assert all(getattr(damage, name) is not None for name in dir(damage))
         assert "harmonic" in damage.run.__doc__ and "InputError" in damage.run.__doc__
 
@@ -111,27 +147,62 @@ class TestRun:
         monkeypatch.chdir(tmp_path)
         new_wall("w.py", "solid")
         in_memory, in_file = damage.run("w.py", **SHORT), damage.run("w.py", **SHORT, out="a.h5")
-        assert main(["reference", "w.py", "--harmonic", "0.05", "0.1", "--cycles", "1", "--rest", "0", "--no-pictures",
-                     "--quiet", "--out", "b.h5"]) == 0
+        assert (
+            main(
+                [
+                    "reference",
+                    "w.py",
+                    "--harmonic",
+                    "0.05",
+                    "0.1",
+                    "--cycles",
+                    "1",
+                    "--rest",
+                    "0",
+                    "--no-pictures",
+                    "--quiet",
+                    "--out",
+                    "b.h5",
+                ]
+            )
+            == 0
+        )
         for other in (in_file, damage.read_history("b.h5")):
-            assert in_memory.series.equals(other.series) and np.array_equal(in_memory.opening_m, other.opening_m)
+            assert in_memory.series.equals(other.series) and np.array_equal(
+                in_memory.opening_m, other.opening_m
+            )
         assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "b.h5", "w.py"]
-        assert in_file.command.startswith("python3 -m damage reference w.py ") and "--rest 0" in in_file.command
+        assert (
+            in_file.command.startswith("python3 -m damage reference w.py ")
+            and "--rest 0" in in_file.command
+        )
 
     def test_a_motion_is_a_record_a_loading_or_options(self, capfd):
         by_options = damage.run(PIER, **SHORT)
-        assert damage.run(PIER, Harmonic(0.05, 0.1, cycles=1), rest=0).series.equals(by_options.series)
+        assert damage.run(PIER, Harmonic(0.05, 0.1, cycles=1), rest=0).series.equals(
+            by_options.series
+        )
         by_name = damage.run(PIER, "BGAR_HGE", window=(18.7, 18.8), rest=0)
         assert by_name.loading.name.startswith("BGAR_HGE")
         assert damage.run(PIER, pushover=0.001).loading == TopDisplacement((0.001,), cycles=0)
         assert len(damage.run(PIER, **SHORT | {"sequence": [1, 0.5]}).sequence) == 2
         assert capfd.readouterr().out == ""
 
-    @pytest.mark.parametrize("arguments, says", [
-        ({"harmonc": 1}, "did you mean harmonic?"), ({"rest": -1}, "--rest"), ({"motion": 3}, "motion = 3"),
-        ({"members": 3}, "expected 1"), ({"pictures": True}, "pictures=True"), ({"quiet": 3}, "quiet = 3"),
-        ({"wall": "symetric"}, "did you mean symmetric?"), ({"motion": "BGRA_HGE"}, "did you mean BGAR_HGE?"),
-        ({"motion": Harmonic(0.2, 0.1), "cycles": 2}, "leave one out"), ({"out": "a.txt/b.h5\n"}, "control"),
-        ({"motion": TopDisplacement((0.1,)), "sequence": "1,2"}, "leave it out")])
+    @pytest.mark.parametrize(
+        "arguments, says",
+        [
+            ({"harmonc": 1}, "did you mean harmonic?"),
+            ({"rest": -1}, "--rest"),
+            ({"motion": 3}, "motion = 3"),
+            ({"members": 3}, "expected 1"),
+            ({"pictures": True}, "pictures=True"),
+            ({"quiet": 3}, "quiet = 3"),
+            ({"wall": "symetric"}, "did you mean symmetric?"),
+            ({"motion": "BGRA_HGE"}, "did you mean BGAR_HGE?"),
+            ({"motion": Harmonic(0.2, 0.1), "cycles": 2}, "leave one out"),
+            ({"out": "a.txt/b.h5\n"}, "control"),
+            ({"motion": TopDisplacement((0.1,)), "sequence": "1,2"}, "leave it out"),
+        ],
+    )
     def test_bad_arguments_are_one_line(self, arguments, says):
         assert says in one_line_error(lambda: damage.run(**{"wall": PIER, **arguments}))

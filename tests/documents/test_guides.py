@@ -1,4 +1,5 @@
-"""The guides are true: what they say to save is saved, what they say to type is typed, in a copy of the repository."""
+"""The guides are true: what they say to save is saved, what they say to type is typed, in a copy of
+the repository."""
 
 import os
 import re
@@ -17,18 +18,37 @@ from paper import after_peak
 
 ROOT = REPOSITORY
 GUIDES = ROOT / "docs" / "guides"
-SHORTER = (("--rest 1 ", "--rest 0.1 "), ("--members 8", "--members 2"), ("--scale 3 --rest 0.2", "--rest 0"),
-           ("[18.2, 20.2]", "[18.7, 18.9]"), ("options.rest = 0.2", "options.rest = 0"),
-           ("scale = [4.0, 2.0, 1.0]", "scale = [4.0]"),
-           ("--window 18.2 20.2", "--window 18.7 18.9"), ("--window 0.2 1.2", "--window 0.5 0.8"),
-           *((f"--out {name}.h5 ", f"--no-pictures --out {name}.h5 ") for name in (
-               "two_windows", "settled", "shaken", "cracked", "house", "my_record")),
-           ("--pushover 1.75", "--pushover 0.1"), ("0.07,0.15,0.29,0.58,0.87,1.2,1.5,1.75", "0.05,0.1"),
-           ("--rest 0.5", "--rest 0"), ("--cycles 2 --rest 0.3", "--cycles 1 --rest 0"))
-"""What is typed with other numbers, or without pictures of the run, which decide nothing but how long it takes: (in the
-guide, here)."""
+SHORTER = (
+    ("--rest 1 ", "--rest 0.1 "),
+    ("--members 8", "--members 2"),
+    ("--scale 3 --rest 0.2", "--rest 0"),
+    ("[18.2, 20.2]", "[18.7, 18.9]"),
+    ("options.rest = 0.2", "options.rest = 0"),
+    ("scale = [4.0, 2.0, 1.0]", "scale = [4.0]"),
+    ("--window 18.2 20.2", "--window 18.7 18.9"),
+    ("--window 0.2 1.2", "--window 0.5 0.8"),
+    *(
+        (f"--out {name}.h5 ", f"--no-pictures --out {name}.h5 ")
+        for name in ("two_windows", "settled", "shaken", "cracked", "house", "my_record")
+    ),
+    ("--pushover 1.75", "--pushover 0.1"),
+    ("0.07,0.15,0.29,0.58,0.87,1.2,1.5,1.75", "0.05,0.1"),
+    ("--rest 0.5", "--rest 0"),
+    ("--cycles 2 --rest 0.3", "--cycles 1 --rest 0"),
+)
+"""What is typed with other numbers, or without pictures of the run, which decide nothing but how
+long it takes: (in the guide, here)."""
 BLOCK = re.compile(r"^```(sh|python|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NEEDED = ("damage", "walls", "studies", "scripts", "yade_scripts", "run_all.sh", "yade", "pyproject.toml")
+NEEDED = (
+    "damage",
+    "walls",
+    "studies",
+    "scripts",
+    "yade_scripts",
+    "run_all.sh",
+    "yade",
+    "pyproject.toml",
+)
 
 pytestmark = pytest.mark.xdist_group("guides")
 
@@ -55,18 +75,31 @@ def blocks(name):
 
 
 def follow(name, clone, after_first=None):
-    """Save and type what a guide says; returns what its commands printed.  after_first(): called once the first file is
-    there, before any command."""
+    """Save and type what a guide says; returns what its commands printed.  after_first(): called
+    once the first file is there, before any command."""
     output = ""
     for language, text in blocks(name):
         if language == "sh":
-            done = subprocess.run(["bash", "-euc", text], cwd=clone, capture_output=True, text=True, timeout=300, env={
-                **os.environ, "PATH": f"{clone.parent / 'bin'}:{os.environ['PATH']}", "PYTHONPATH": "",
-                "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
-            assert done.returncode == 0, f"{name}: {text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+            done = subprocess.run(
+                ["bash", "-euc", text],
+                cwd=clone,
+                capture_output=True,
+                text=True,
+                timeout=300,
+                env={
+                    **os.environ,
+                    "PATH": f"{clone.parent / 'bin'}:{os.environ['PATH']}",
+                    "PYTHONPATH": "",
+                    "PYTHON": sys.executable,
+                    "MASONRY_NO_INSTALL": "1",
+                },
+            )
+            assert done.returncode == 0, (
+                f"{name}: {text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+            )
             output += done.stdout
         else:
-            first, = re.findall(r"\A# (\S+)$", text, re.MULTILINE)[:1]
+            (first,) = re.findall(r"\A# (\S+)$", text, re.MULTILINE)[:1]
             (clone / first).write_text(text, encoding="utf-8")
             if after_first:
                 after_first = after_first()
@@ -87,7 +120,11 @@ def test_the_first_wall_and_what_it_left(clone):
 @pytest.mark.long
 def test_a_wall_and_a_study_of_ones_own(clone):
     output = follow("own-wall", clone)
-    assert "two-windows" in output and "concrete lintel at 2.106 m" in output and "mode 1: 0.09" in output
+    assert (
+        "two-windows" in output
+        and "concrete lintel at 2.106 m" in output
+        and "mode 1: 0.09" in output
+    )
     assert damage.read_history(clone / "house.h5").masonry_wall.lintel.kind == "concrete"
     history = damage.read_history(clone / "two_windows.h5")
     assert len(history.masonry_wall.openings) == 2 and history.broken.any()
@@ -123,21 +160,34 @@ def test_a_record_of_ones_own(clone):
 @pytest.mark.long
 def test_a_wall_that_was_tested(clone):
     output = follow("tested-wall", clone)
-    assert "comp2_2 / pushover_0.1pct_fixed: 2 draws" in output and "beside the test COMP2_2" in output
+    assert (
+        "comp2_2 / pushover_0.1pct_fixed: 2 draws" in output and "beside the test COMP2_2" in output
+    )
     made = damage.load_wall(clone / "walls" / "comp2_2.toml")
     by_rule = after_peak.tested_wall("COMP2_2")
     for one, other in ((made, by_rule), (made.brick, by_rule.brick), (made.joint, by_rule.joint)):
-        assert_allclose(*zip(*((value, vars(other)[name]) for name, value in vars(one).items()
-                               if isinstance(value, float))), rtol=5e-3)
+        assert_allclose(
+            *zip(
+                *(
+                    (value, vars(other)[name])
+                    for name, value in vars(one).items()
+                    if isinstance(value, float)
+                )
+            ),
+            rtol=5e-3,
+        )
     assert 1.4 * after_peak.toe_drift(by_rule) == pytest.approx(0.0175, rel=5e-3)
 
 
 @pytest.mark.long
 @pytest.mark.yade
 def test_a_scene_for_yade_users(clone, yade_command):
-    """The prompt as shown, typed in a terminal; the same script by YADE's own command; engines, O.save and O.load."""
+    """The prompt as shown, typed in a terminal; the same script by YADE's own command; engines,
+    O.save and O.load."""
     saved = []
-    output = follow("yade-users", clone, after_first=lambda: saved.extend(typed_in_the_guide(clone)))
+    output = follow(
+        "yade-users", clone, after_first=lambda: saved.extend(typed_in_the_guide(clone))
+    )
     forces = np.loadtxt(clone / "force.csv", delimiter=",")
     assert len(forces) > 80
     assert_allclose(np.diff(forces[:, 0]), 0.01, atol=5e-5)  # each 10 ms, at the end of a step
@@ -148,12 +198,16 @@ def test_a_scene_for_yade_users(clone, yade_command):
     share = ground["length_m"] / ground["length_m"].sum()
     joint = int(np.hypot(ground["x_m"] - 0.2, ground["z_m"]).idxmin())
     weight = history.static["weight_n"]
-    assert_allclose(forces[-1, 1], -share[joint] * weight, rtol=0.05)  # corners of a pier carry otherwise
+    # corners of a pier carry otherwise
+    assert_allclose(forces[-1, 1], -share[joint] * weight, rtol=0.05)
     assert len(list(clone.glob("pier_boxes.*.vtu"))) > 3
     assert f"{-weight:.3f} N on the ground" in output
     assert re.findall(r"([\d.]+) N in \d+ contacts", output) == saved
-    status, shown = typed(["yade", "-n", *PIER_RUN, "--quiet", "--overwrite", "--console", "before"],
-                          ["run.stage, run.time, len(O.engines)", "exit"], clone)
+    status, shown = typed(
+        ["yade", "-n", *PIER_RUN, "--quiet", "--overwrite", "--console", "before"],
+        ["run.stage, run.time, len(O.engines)", "exit"],
+        clone,
+    )
     assert status == 0 and "('static', 0.0, 7)" in shown and "the run follows" in shown, shown
     assert (clone / "force.csv").read_bytes() == by_launcher
 
@@ -162,20 +216,37 @@ PIER_RUN = ["pier.py", "--free-vibration", "--rest", "0", "--no-pictures", "--ou
 
 
 def typed_in_the_guide(clone):
-    """Type what the guide for YADE users shows at a terminal, and find what it shows there; the sums of forces."""
-    (text,) = re.findall(r"^```text\n(.*?)^```$", (GUIDES / "yade-users.md").read_text(), re.MULTILINE | re.DOTALL)
+    """Type what the guide for YADE users shows at a terminal, and find what it shows there; the
+    sums of forces."""
+    (text,) = re.findall(
+        r"^```text\n(.*?)^```$", (GUIDES / "yade-users.md").read_text(), re.MULTILINE | re.DOTALL
+    )
     command, *_ = re.findall(r"^\$ (.*)$", text, re.MULTILINE)
     assert PIER_RUN == command.split()[2:-1]
-    status, shown = typed(command.split(), re.findall(r"^In \[\d+\]: (.*)$", text, re.MULTILINE), clone)
+    status, shown = typed(
+        command.split(), re.findall(r"^In \[\d+\]: (.*)$", text, re.MULTILINE), clone
+    )
     assert status == 0, shown
     for line in re.findall(r"^Out.*$", text, re.MULTILINE):
-        assert re.sub(r"\d+\.\d+ N'$", "", line) in shown, shown  # forces differ between machines in their last digits
+        # forces differ between machines in their last digits
+        assert re.sub(r"\d+\.\d+ N'$", "", line) in shown, shown
     return re.findall(r"^Out.*'([\d.]+) N'", shown, re.MULTILINE)
 
 
 def test_every_guide_is_followed_or_has_nothing_to_follow():
-    followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record", "groningen",
-                "tested-wall", "yade-users", "other-programs",
-                "from-pip"}  # the last in test_from_pip.py
+    followed = {
+        "first-wall",
+        "reading-results",
+        "own-wall",
+        "own-study",
+        "own-record",
+        "groningen",
+        "tested-wall",
+        "yade-users",
+        "other-programs",
+        "from-pip",
+    }  # the last in test_from_pip.py
     for path in GUIDES.glob("*.md"):
-        assert (path.stem in followed) == bool(BLOCK.search(path.read_text(encoding="utf-8"))), path.name
+        assert (path.stem in followed) == bool(BLOCK.search(path.read_text(encoding="utf-8"))), (
+            path.name
+        )

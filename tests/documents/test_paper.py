@@ -1,4 +1,5 @@
-"""The verdict on the paper, on made-up tables: a world in which all holds, and one change at a time."""
+"""The verdict on the paper, on made-up tables: a world in which all holds, and one change at a
+time."""
 
 import json
 
@@ -19,8 +20,12 @@ from scripts.documents import judge_tables
 from scripts.keep_tables import keep
 
 EIGEN_S = {"solid": 0.06, "symmetric": 0.2, "asymmetric": 0.2}
-MAX_DI = {0.06: (0.003, 0.01, 0.02, 0.03, 0.04), 0.2: (0.03, 0.06, 0.30, 0.33, 0.36),
-          0.33: (0.013, 0.02, 0.065, 0.0975, 0.13), 1.0: (0.01, 0.025, 0.05, 0.075, 0.10)}
+MAX_DI = {
+    0.06: (0.003, 0.01, 0.02, 0.03, 0.04),
+    0.2: (0.03, 0.06, 0.30, 0.33, 0.36),
+    0.33: (0.013, 0.02, 0.065, 0.0975, 0.13),
+    1.0: (0.01, 0.025, 0.05, 0.075, 0.10),
+}
 RESIDUAL_DI = {0.2: (0.0, 0.01, 0.10, 0.12, 0.15)}
 RESIDUAL_DRIFT = {0.2: (0.0, 0.0, 0.005, 0.006, 0.02)}
 NOTHING = (0.0,) * 5
@@ -29,44 +34,101 @@ NOTHING = (0.0,) * 5
 def index_columns(kind, di, di_drift=0.0, di_open=0.0, di_slip=0.0):
     """The eight columns of the index, the same with both slip criteria."""
     values = dict(zip(COMPONENTS, (di, di_drift, di_open, di_slip)))
-    return {f"{kind}{infix}_{name}": value for infix in ("", "_accumulated", "_shear_limit")
-            for name, value in values.items()}
+    return {
+        f"{kind}{infix}_{name}": value
+        for infix in ("", "_accumulated", "_shear_limit")
+        for name, value in values.items()
+    }
 
 
 def row(run, wall, lintel="elastic", **columns):
-    return {"run": run, "wall": wall, "solver": "reference", "motion": run, "status": "complete",
-            "collapsed_at_s": np.nan, "lintel": lintel, "top": "piers", "cells": 2, "contacts": "interior",
-            "strength_cov": 0.0, "beta_s": 0.0, "time_step_s": 3e-5, "shocks": 1, "input_energy_j": 10.0,
-            "damping_energy_j": 0.0, "energy_error_fraction": 0.001, "peak_force_n": np.nan, "cycles": np.nan,
-            "eigen_period_s": EIGEN_S.get(wall, 0.05), "motion_period_s": np.nan, "amplitude_g": np.nan,
-            "scale": np.nan, **columns}
+    return {
+        "run": run,
+        "wall": wall,
+        "solver": "reference",
+        "motion": run,
+        "status": "complete",
+        "collapsed_at_s": np.nan,
+        "lintel": lintel,
+        "top": "piers",
+        "cells": 2,
+        "contacts": "interior",
+        "strength_cov": 0.0,
+        "beta_s": 0.0,
+        "time_step_s": 3e-5,
+        "shocks": 1,
+        "input_energy_j": 10.0,
+        "damping_energy_j": 0.0,
+        "energy_error_fraction": 0.001,
+        "peak_force_n": np.nan,
+        "cycles": np.nan,
+        "eigen_period_s": EIGEN_S.get(wall, 0.05),
+        "motion_period_s": np.nan,
+        "amplitude_g": np.nan,
+        "scale": np.nan,
+        **columns,
+    }
 
 
 def harmonic_row(wall, period, number, cycles=3, **columns):
     amplitude, resonant = AMPLITUDES_G[number], period == 0.2
     di = 0.3 * amplitude if wall == "solid" else MAX_DI[period][number]
     drift = (0.0, 0.0, 0.05, 0.07, 0.09)[number] if resonant else 0.0
-    return row(f"{wall}-{period:g}-{amplitude:g}-{cycles}", wall, motion_period_s=period, amplitude_g=amplitude,
-               cycles=cycles, last_cycle_s=CYCLE_LENGTHS_S[number], first_free_cycle_s=CYCLE_LENGTHS_S[number],
-               **index_columns("max", di, drift, 0.1, 0.1),
-               **index_columns("residual", RESIDUAL_DI.get(period, NOTHING)[number],
-                               RESIDUAL_DRIFT.get(period, NOTHING)[number]), **columns)
+    return row(
+        f"{wall}-{period:g}-{amplitude:g}-{cycles}",
+        wall,
+        motion_period_s=period,
+        amplitude_g=amplitude,
+        cycles=cycles,
+        last_cycle_s=CYCLE_LENGTHS_S[number],
+        first_free_cycle_s=CYCLE_LENGTHS_S[number],
+        **index_columns("max", di, drift, 0.1, 0.1),
+        **index_columns(
+            "residual",
+            RESIDUAL_DI.get(period, NOTHING)[number],
+            RESIDUAL_DRIFT.get(period, NOTHING)[number],
+        ),
+        **columns,
+    )
 
 
 def recorded_row(record, scale):
     share = np.interp(scale, SCALES, (0.05, 0.09, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0))
-    return row(f"{record}-{scale:g}", "symmetric", motion=f"{record}_x{scale:g}", scale=scale,
-               max_drift_ratio=1e-3 * share, **index_columns("max", 0.2 * share),
-               **index_columns("residual", 0.11 * (1 - (1 - share) ** 2), 0.001))
+    return row(
+        f"{record}-{scale:g}",
+        "symmetric",
+        motion=f"{record}_x{scale:g}",
+        scale=scale,
+        max_drift_ratio=1e-3 * share,
+        **index_columns("max", 0.2 * share),
+        **index_columns("residual", 0.11 * (1 - (1 - share) ** 2), 0.001),
+    )
 
 
 def world_of_the_paper():
     """The table of a study in which every claim holds."""
-    rows = [harmonic_row(wall, period, number) for wall in EIGEN_S for period in PERIODS_S for number in range(5)]
+    rows = [
+        harmonic_row(wall, period, number)
+        for wall in EIGEN_S
+        for period in PERIODS_S
+        for number in range(5)
+    ]
     rows += [harmonic_row("symmetric", 0.2, number, cycles=2) for number in range(5)]
-    rows += [recorded_row(record, scale) for record in ("BGAR_HGE", "MID1_N_synthetic") for scale in SCALES]
-    rows.append(row("squat", "squat", motion="cyclic_0.1pct_1x_cantilever", secant_stiffness_n_per_m=150e6,
-                    peak_force_n=77e3, speed_m_s=0.002))
+    rows += [
+        recorded_row(record, scale)
+        for record in ("BGAR_HGE", "MID1_N_synthetic")
+        for scale in SCALES
+    ]
+    rows.append(
+        row(
+            "squat",
+            "squat",
+            motion="cyclic_0.1pct_1x_cantilever",
+            secant_stiffness_n_per_m=150e6,
+            peak_force_n=77e3,
+            speed_m_s=0.002,
+        )
+    )
     return pd.DataFrame(rows)
 
 
@@ -75,24 +137,42 @@ def papers_world():
     return world_of_the_paper()
 
 
-CYCLES = {"symmetric-0.33-0.1-3": (0.13, 0.13, 0.13), "symmetric-0.2-0.025-3": (0.02, 0.04, 0.06),
-          "symmetric-0.2-0.1-3": (0.10, 0.20, 0.36)}
+CYCLES = {
+    "symmetric-0.33-0.1-3": (0.13, 0.13, 0.13),
+    "symmetric-0.2-0.025-3": (0.02, 0.04, 0.06),
+    "symmetric-0.2-0.1-3": (0.10, 0.20, 0.36),
+}
 
 
 @pytest.fixture
 def judged(tmp_path, monkeypatch):
-    """Write a table and cycles as a study does; judge all claims, or one alone: {(claim, lintel, slip): Finding}."""
+    """Write a table and cycles as a study does; judge all claims, or one alone: {(claim, lintel,
+    slip): Finding}."""
+
     def write_and_judge(table, cycles=CYCLES, alone=None):
         if alone:
-            monkeypatch.setattr("paper.verdict.CLAIMS", [claim for claim in CLAIMS if claim.id == alone])
+            monkeypatch.setattr(
+                "paper.verdict.CLAIMS", [claim for claim in CLAIMS if claim.id == alone]
+            )
         folder = tmp_path / "study" / "tables"
         folder.mkdir(parents=True, exist_ok=True)
         table.to_csv(folder / "summary.csv", index=False)
         for run, values in cycles.items():
-            pd.DataFrame({"kind": "driven", "max_DI": values, "max_accumulated_DI": values,
-                          "max_shear_limit_DI": values}).to_csv(folder / f"{run}_cycles.csv", index=False)
+            pd.DataFrame(
+                {
+                    "kind": "driven",
+                    "max_DI": values,
+                    "max_accumulated_DI": values,
+                    "max_shear_limit_DI": values,
+                }
+            ).to_csv(folder / f"{run}_cycles.csv", index=False)
         findings = judge(tmp_path)
-        return {(finding.claim.id, finding.lintel, finding.slip): finding for finding in findings if not finding.model}
+        return {
+            (finding.claim.id, finding.lintel, finding.slip): finding
+            for finding in findings
+            if not finding.model
+        }
+
     return write_and_judge
 
 
@@ -112,36 +192,49 @@ class TestReadings:
     def test_each_reading_is_judged_by_its_own_runs(self, papers_world, tmp_path):
         """The default contradicts P4 by displacement, other loads and periods do not."""
         renamed = papers_world.assign(run="b-" + papers_world["run"], load="piers")
-        stiff = papers_world[papers_world["wall"] == "symmetric"].assign(eigen_period_s=0.1742, time_step_s=1.5e-5)
+        stiff = papers_world[papers_world["wall"] == "symmetric"].assign(
+            eigen_period_s=0.1742, time_step_s=1.5e-5
+        )
         contradicts = where(papers_world, period=0.33, amplitude=0.025)
         papers_world.loc[contradicts, ["max_DI", "max_accumulated_DI"]] = 0.05
         folder = tmp_path / "readings" / "tables"
         folder.mkdir(parents=True)
         stiff = stiff.assign(run="c-" + stiff["run"], load="length")
-        pd.concat([papers_world.assign(load="length"), renamed, stiff]).to_csv(folder / "summary.csv", index=False)
+        pd.concat([papers_world.assign(load="length"), renamed, stiff]).to_csv(
+            folder / "summary.csv", index=False
+        )
         found = {reading.words: findings for reading, findings in judge_readings(tmp_path).items()}
         assert list(found) == ["by default", "0.3 MPa in the piers", "2 cycles", "T0 0.175 s"]
 
         def cell(words, claim, slip="displacement"):
-            verdict, = (one.verdict for one in found[words] if (one.claim.id, one.slip) == (claim, slip))
+            (verdict,) = (
+                one.verdict for one in found[words] if (one.claim.id, one.slip) == (claim, slip)
+            )
             return verdict
 
-        assert cell("by default", "P4") == DIFFERS and cell("by default", "P4", "shear-limit") == HOLDS
+        assert (
+            cell("by default", "P4") == DIFFERS and cell("by default", "P4", "shear-limit") == HOLDS
+        )
         assert cell("0.3 MPa in the piers", "P4") == HOLDS == cell("T0 0.175 s", "P4")
         assert cell("T0 0.175 s", "P7") == UNJUDGED  # of the asymmetric wall there is none so fast
         assert cell("2 cycles", "P4") == UNJUDGED
         lines = table(judge_readings(tmp_path))
         assert len({line.count("|") for line in lines}) == 1
-        row, = (line for line in lines if line.startswith("| P4,"))
+        (row,) = (line for line in lines if line.startswith("| P4,"))
         assert row.endswith("| s | das | ? | das |")
-        assert "0.3 MPa in the piers: gains nothing; loses nothing." in conclusions(judge_readings(tmp_path))
+        assert "0.3 MPa in the piers: gains nothing; loses nothing." in conclusions(
+            judge_readings(tmp_path)
+        )
 
 
 def test_every_claim_has_its_judge_and_every_statement_its_claims():
     assert [claim.id for claim in CLAIMS] == list(dict.fromkeys(claim.id for claim in CLAIMS))
     assert set(JUDGES) == {claim.id for claim in CLAIMS}
-    assert list(dict.fromkeys(claim.statement for claim in CLAIMS)) == [f"P{n}" for n in range(1, 18)] \
+    assert (
+        list(dict.fromkeys(claim.statement for claim in CLAIMS))
+        == [f"P{n}" for n in range(1, 18)]
         == list(STATEMENTS)
+    )
 
 
 def test_all_holds_in_the_papers_world(papers_world, judged):
@@ -194,8 +287,11 @@ CONTRADICTIONS = [
 ]
 
 
-@pytest.mark.parametrize(("claim", "rows", "column", "value"), CONTRADICTIONS,
-                         ids=[f"{claim}-{column}" for claim, _, column, _ in CONTRADICTIONS])
+@pytest.mark.parametrize(
+    ("claim", "rows", "column", "value"),
+    CONTRADICTIONS,
+    ids=[f"{claim}-{column}" for claim, _, column, _ in CONTRADICTIONS],
+)
 def test_one_contradiction_and_the_claim_differs(papers_world, judged, claim, rows, column, value):
     mask = where(papers_world, **rows)
     assert mask.any()
@@ -208,27 +304,50 @@ def test_cycles_of_an_ensemble_are_their_medians(papers_world, judged):
     """The first member and the mean contradict; one member has no table."""
     [first] = papers_world.loc[where(papers_world, period=0.33, amplitude=0.1), "run"]
     cycles = {first: (0.10, 0.10, 0.30), "second": (0.13, 0.13, 0.13), "third": (0.14, 0.14, 0.10)}
-    members = [papers_world[papers_world["run"] == first].assign(run=name)
-               for name in ("second", "third", "without-a-table")]
-    finding = judged(pd.concat([papers_world, *members]), {**CYCLES, **cycles})["P5", "elastic", "displacement"]
+    members = [
+        papers_world[papers_world["run"] == first].assign(run=name)
+        for name in ("second", "third", "without-a-table")
+    ]
+    finding = judged(pd.concat([papers_world, *members]), {**CYCLES, **cycles})[
+        "P5", "elastic", "displacement"
+    ]
     assert (finding.verdict, finding.value) == (HOLDS, "0.130, 0.130, 0.130")
 
 
 def test_kept_tables_say_what_the_runs_said(papers_world, judged, tmp_path):
-    """Points and their cycles, with ranges and numbers of runs, are judged as the runs; two of three members fell."""
+    """Points and their cycles, with ranges and numbers of runs, are judged as the runs; two of
+    three members fell."""
     rng = np.random.default_rng(15)
     numbers = [name for name in papers_world if name.startswith(("max_", "residual_", "energy_"))]
-    world = pd.concat([papers_world.assign(point=papers_world["run"], run=papers_world["run"] + f"_s{seed}").assign(
-        **{name: papers_world[name] * rng.uniform(0.95, 1.05, len(papers_world)) for name in numbers})
-        for seed in (1, 2, 3)], ignore_index=True)
-    world.loc[world["run"].isin(["solid-0.06-0.1-3_s1", "solid-0.06-0.1-3_s3"]), "collapsed_at_s"] = 0.5
-    cycles = {f"{run}_s{seed}": 0.1 * rng.uniform(0.95, 1.05) * np.array(values)
-              for run, values in CYCLES.items() for seed in (1, 2, 3)}
+    world = pd.concat(
+        [
+            papers_world.assign(
+                point=papers_world["run"], run=papers_world["run"] + f"_s{seed}"
+            ).assign(
+                **{
+                    name: papers_world[name] * rng.uniform(0.95, 1.05, len(papers_world))
+                    for name in numbers
+                }
+            )
+            for seed in (1, 2, 3)
+        ],
+        ignore_index=True,
+    )
+    world.loc[
+        world["run"].isin(["solid-0.06-0.1-3_s1", "solid-0.06-0.1-3_s3"]), "collapsed_at_s"
+    ] = 0.5
+    cycles = {
+        f"{run}_s{seed}": 0.1 * rng.uniform(0.95, 1.05) * np.array(values)
+        for run, values in CYCLES.items()
+        for seed in (1, 2, 3)
+    }
     of_runs = judged(world, cycles)
     points_of(world).to_csv(tmp_path / "study" / "tables" / "points.csv", index=False)
     (tmp_path / "kept").mkdir()
     assert [path.name for path in keep(tmp_path / "study", "study", tmp_path / "kept")] == [
-        "study_points.csv", "study_cycles.csv"]
+        "study_points.csv",
+        "study_cycles.csv",
+    ]
     kept = judge_tables(tmp_path / "kept")
     assert len(kept) == len(of_runs)
     for finding in kept:
@@ -238,9 +357,14 @@ def test_kept_tables_say_what_the_runs_said(papers_world, judged, tmp_path):
     assert any("fell" in value for value in values) and any("243 runs" in value for value in values)
 
 
-@pytest.mark.parametrize(("claim", "run", "values"), [
-    ("P5", "symmetric-0.33-0.1-3", (0.08, 0.22, 0.34)), ("P6a", "symmetric-0.2-0.025-3", (0.02, 0.04, 0.04)),
-    ("P6b", "symmetric-0.2-0.1-3", (0.10, 0.20, 0.19))])
+@pytest.mark.parametrize(
+    ("claim", "run", "values"),
+    [
+        ("P5", "symmetric-0.33-0.1-3", (0.08, 0.22, 0.34)),
+        ("P6a", "symmetric-0.2-0.025-3", (0.02, 0.04, 0.04)),
+        ("P6b", "symmetric-0.2-0.1-3", (0.10, 0.20, 0.19)),
+    ],
+)
 def test_cycles_contradict(papers_world, judged, claim, run, values):
     assert usual(judged(papers_world, {**CYCLES, run: values}, alone=claim), claim) == DIFFERS
 
@@ -270,54 +394,117 @@ def test_a_wall_that_fell_differs(papers_world, judged):
 
 def test_runs_of_another_model_are_left_out(papers_world, judged):
     mask = where(papers_world, period=0.33, amplitude=0.025)
-    others = [papers_world[mask].assign(run=f"other-{name}", max_DI=0.5, **{name: value}) for name, value in (
-        ("contacts", "corners"), ("top", "beam"), ("cells", 4), ("strength_cov", 0.3), ("beta_s", 1e-4),
-        ("time_step_s", 1.5e-5), ("shocks", 3), ("status", "failed"), ("eigen_period_s", 0.17))]
-    assert judged(pd.concat([papers_world, *others]), alone="P4")["P4", "elastic", "displacement"].value == "0.020"
+    others = [
+        papers_world[mask].assign(run=f"other-{name}", max_DI=0.5, **{name: value})
+        for name, value in (
+            ("contacts", "corners"),
+            ("top", "beam"),
+            ("cells", 4),
+            ("strength_cov", 0.3),
+            ("beta_s", 1e-4),
+            ("time_step_s", 1.5e-5),
+            ("shocks", 3),
+            ("status", "failed"),
+            ("eigen_period_s", 0.17),
+        )
+    ]
+    assert (
+        judged(pd.concat([papers_world, *others]), alone="P4")[
+            "P4", "elastic", "displacement"
+        ].value
+        == "0.020"
+    )
 
 
 def test_the_model_of_the_papers_text_has_columns_of_its_own(papers_world, judged, tmp_path):
-    """Points at the joints' ends contradict P4, deformable bricks do not; damped ones are no model of the paper's."""
+    """Points at the joints' ends contradict P4, deformable bricks do not; damped ones are no model
+    of the paper's."""
     _, ends, deformable = MODELS
     mask = where(papers_world, period=0.33, amplitude=0.025)
-    others = {"ends": {"contacts": "corners"},
-              "soft": {"contacts": "corners", "bricks": "deformable", "brick_damping": 0.0, "time_step_s": 2e-6},
-              "damped": {"contacts": "corners", "bricks": "deformable", "brick_damping": 0.05, "time_step_s": 2e-6}}
+    others = {
+        "ends": {"contacts": "corners"},
+        "soft": {
+            "contacts": "corners",
+            "bricks": "deformable",
+            "brick_damping": 0.0,
+            "time_step_s": 2e-6,
+        },
+        "damped": {
+            "contacts": "corners",
+            "bricks": "deformable",
+            "brick_damping": 0.05,
+            "time_step_s": 2e-6,
+        },
+    }
     default = papers_world.assign(bricks="rigid", brick_damping=0.05)
-    tables = {name: default.assign(run=f"{name}-" + default["run"], **values) for name, values in others.items()}
+    tables = {
+        name: default.assign(run=f"{name}-" + default["run"], **values)
+        for name, values in others.items()
+    }
     tables["ends"].loc[mask, ["max_DI", "max_shear_limit_DI"]] = 0.03
     tables["damped"].loc[mask, ["max_DI", "max_shear_limit_DI"]] = 0.03
     cycles = CYCLES | {f"{name}-{run}": values for name in others for run, values in CYCLES.items()}
     assert usual(judged(pd.concat([default, *tables.values()]), cycles), "P4") == HOLDS
     found = judge(tmp_path)
     assert {(one.model, one.lintel) for one in found} == {
-        ("", "elastic"), ("", "none"), (ends, "elastic"), (deformable, "elastic")}
-    verdicts = {one.model: one.verdict for one in found if one.claim.id == "P4" and one.lintel == "elastic"}
+        ("", "elastic"),
+        ("", "none"),
+        (ends, "elastic"),
+        (deformable, "elastic"),
+    }
+    verdicts = {
+        one.model: one.verdict for one in found if one.claim.id == "P4" and one.lintel == "elastic"
+    }
     assert verdicts == {"": HOLDS, ends: DIFFERS, deformable: HOLDS}
     heads = report.overview(found)[0].strip("| ").split(" | ")[1:]
-    assert heads[2:] == [f"reference solver, {model}, elastic lintel" for model in (ends, deformable)]
+    assert heads[2:] == [
+        f"reference solver, {model}, elastic lintel" for model in (ends, deformable)
+    ]
 
 
 def test_a_statement_sums_up_its_claims(papers_world, judged):
     papers_world.loc[where(papers_world, wall="asymmetric"), "eigen_period_s"] = 0.175
     findings = judged(papers_world)
-    of = {number: [finding for (claim, lintel, slip), finding in findings.items() if finding.claim.statement == number
-                   and (lintel, slip) == ("elastic", "displacement")] for number in ("P1", "P2", "P17")}
+    of = {
+        number: [
+            finding
+            for (claim, lintel, slip), finding in findings.items()
+            if finding.claim.statement == number and (lintel, slip) == ("elastic", "displacement")
+        ]
+        for number in ("P1", "P2", "P17")
+    }
     assert {number: statement_verdict(some) for number, some in of.items()} == {
-        "P1": HOLDS, "P2": "in part", "P17": HOLDS}
+        "P1": HOLDS,
+        "P2": "in part",
+        "P17": HOLDS,
+    }
 
 
 def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, output_of):
     judged(papers_world)
-    readme, document, claims = (tmp_path / name for name in ("README.md", "verdict.md", "verdict.csv"))
+    readme, document, claims = (
+        tmp_path / name for name in ("README.md", "verdict.md", "verdict.csv")
+    )
     readme.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
-    words = ["verdict", str(tmp_path), "--markdown", str(document), "--csv", str(claims), "--readme", str(readme)]
+    words = [
+        "verdict",
+        str(tmp_path),
+        "--markdown",
+        str(document),
+        "--csv",
+        str(claims),
+        "--readme",
+        str(readme),
+    ]
     assert "P17d" in output_of(*words, of=main)
     renewed = readme.read_text()
-    assert renewed.startswith("before\n") and renewed.endswith("after\n") and "\nold\n" not in renewed
+    assert (
+        renewed.startswith("before\n") and renewed.endswith("after\n") and "\nold\n" not in renewed
+    )
     tallies = renewed.partition(BEGIN)[2].partition(END)[0].strip().splitlines()
     assert [line.partition(" | ")[0] for line in tallies if "reference solver" in line] == [
-        "| reference solver, elastic lintel"]
+        "| reference solver, elastic lintel"
+    ]
     written = document.read_text()
     assert set(tallies) <= set(written.splitlines())
     assert written.count("\n| P") == 17

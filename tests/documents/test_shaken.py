@@ -1,4 +1,5 @@
-"""Programs behind docs/validation/shaken-walls.md and impacts.md: the table's motions, impacts, the kept prediction."""
+"""Programs behind docs/validation/shaken-walls.md and impacts.md: the table's motions, impacts, the
+kept prediction."""
 
 import hashlib
 import math
@@ -23,10 +24,13 @@ def folder(tmp_path):
     """A made-up folder of motions: sines of 8 Hz, three runs."""
     for name, (file, _) in shaken_wall.MOTIONS.items():
         velocity = 100 * np.sin(2 * math.pi * 8 * 0.005 * np.arange(240)) * np.hanning(240)
-        rows = "\n".join(" ".join(f"{value:.3f}" for value in row) for row in velocity.reshape(-1, 20))
+        rows = "\n".join(
+            " ".join(f"{value:.3f}" for value in row) for row in velocity.reshape(-1, 20)
+        )
         (tmp_path / file).write_text(f"# {name}, mm/s\n{rows}\n")
     (tmp_path / "US1_IM_vs_EDP.csv").write_text(
-        "run,rec,pga,sd_T1\n1,HU12,0.05,0.3\n2,EC40,0.09,0.28\n3,FR76,0.1,0.6\n")
+        "run,rec,pga,sd_T1\n1,HU12,0.05,0.3\n2,EC40,0.09,0.28\n3,FR76,0.1,0.6\n"
+    )
     return tmp_path
 
 
@@ -36,8 +40,9 @@ def test_each_run_has_its_spectral_displacement(folder):
         events, numbers = shaken_wall.events_of(folder, runs, with_synthetic)
         assert numbers == expected
         for event, run in zip(events, runs.set_index("run").loc[numbers].itertuples()):
-            assert abs(event.factor) * shaken_wall.displacement_mm(event.loading.record) == pytest.approx(
-                run.sd_T1, rel=5e-3)
+            assert abs(event.factor) * shaken_wall.displacement_mm(
+                event.loading.record
+            ) == pytest.approx(run.sd_T1, rel=5e-3)
 
 
 def test_the_joints_are_as_stiff_as_the_measured_period_asks_for():
@@ -48,10 +53,13 @@ def test_the_joints_are_as_stiff_as_the_measured_period_asks_for():
 
 
 def test_peaks_residuals_and_periods_are_those_of_each_event():
-    """Two events of three stages, 0.1 s period at rest; the second one starts where the first one ended."""
+    """Two events of three stages, 0.1 s period at rest; the second one starts where the first one
+    ended."""
     time_s = np.arange(0, 6, 2e-3)
     stage = (time_s // 1.0).astype(int)
-    moved = 1e-3 * np.where(stage < 3, 0, 2) + np.where(stage % 3 == 1, 1e-4 * np.sin(20 * math.pi * time_s), 0)
+    moved = 1e-3 * np.where(stage < 3, 0, 2) + np.where(
+        stage % 3 == 1, 1e-4 * np.sin(20 * math.pi * time_s), 0
+    )
     moved[stage == 0] = 5e-3 * np.sin(4 * math.pi * time_s[stage == 0])
     table = shaken_wall.table_of(np.column_stack([stage, time_s, moved, moved, moved]), None)
     assert_allclose(table["peak_mm_2060"], [5.0, 2.1], rtol=2e-3)
@@ -70,5 +78,6 @@ def test_the_prediction_is_the_one_that_was_committed():
     digest, name = path.with_suffix(".sha256").read_text().split()
     assert name == path.name and digest == hashlib.sha256(path.read_bytes()).hexdigest()
     table = pd.read_csv(path)
-    assert list(table["run"]) == list(range(1, 26)) and table[table["run"].isin([3, 6, 8, 11])].iloc[:, 1:].isna().all(
-        axis=None)
+    assert list(table["run"]) == list(range(1, 26)) and table[
+        table["run"].isin([3, 6, 8, 11])
+    ].iloc[:, 1:].isna().all(axis=None)

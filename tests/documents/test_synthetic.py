@@ -1,4 +1,5 @@
-"""The synthetic Huizinge record against its targets, and the files that scripts/make_records.py makes."""
+"""The synthetic Huizinge record against its targets, and the files that scripts/make_records.py
+makes."""
 
 import sys
 
@@ -29,7 +30,6 @@ def make(what, folder):
 
 
 class TestShippedFile:
-
     def test_peaks_and_spectrum_are_the_published_ones(self, record):
         measures = summary(record)
         assert_allclose(measures["pga_g"] * GRAVITY, HUIZINGE.pga_m_s2, rtol=0.03)
@@ -42,16 +42,19 @@ class TestShippedFile:
         displacement = np.cumsum(velocity) * record.time_step_s
         assert abs(velocity[-1]) < 5e-8 * 6.0
         assert abs(displacement[-1]) < 5e-8 * 6.0**2
-        assert np.abs(displacement).max() < 5e-3  # no drift on the way: PGV for the 0.3 s of the strong part, halved
+        # no drift on the way: PGV for the 0.3 s of the strong part, halved
+        assert np.abs(displacement).max() < 5e-3
 
 
 @pytest.mark.long
 def test_the_script_makes_the_shipped_motion_again(record, tmp_path):
-    """Within 0.1 % of PGA: linear algebra rounds differently on another machine; wavelets that are off by 1e-11 of
-    themselves change the motion by less than the file's seven digits."""
+    """Within 0.1 % of PGA: linear algebra rounds differently on another machine; wavelets that are
+    off by 1e-11 of themselves change the motion by less than the file's seven digits."""
     [path] = make("synthetic", tmp_path)
     assert f"seed {SEED}" in path.read_text()
-    assert_allclose(read_record(path).acceleration_m_s2, record.acceleration_m_s2, atol=1e-3 * HUIZINGE.pga_m_s2)
+    assert_allclose(
+        read_record(path).acceleration_m_s2, record.acceleration_m_s2, atol=1e-3 * HUIZINGE.pga_m_s2
+    )
 
 
 class TestZeerijp:
@@ -71,23 +74,44 @@ class TestZeerijp:
     def test_rows_of_the_study_follow_the_rule_for_scaling(self, tmp_path):
         (path,) = make("stations", tmp_path)
         assert path.read_bytes() == (REPOSITORY / "studies" / "stations.csv").read_bytes()
-        table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#").set_index("record")
+        table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#").set_index(
+            "record"
+        )
         rows = pd.read_csv(path)
         assert rows["scale"].between(0.1, 10).all() and rows["record"].nunique() == 31
-        pgv = rows["scale"] * [table.loc[name.split("/")[-1].split("_acc")[0], "pgv_mm_s"] for name in rows["record"]]
-        assert [int(((pgv / level - 1).abs() < 0.01).sum()) for level in (10, 20, 40, 80)] == [31, 27, 12, 8]
+        pgv = rows["scale"] * [
+            table.loc[name.split("/")[-1].split("_acc")[0], "pgv_mm_s"] for name in rows["record"]
+        ]
+        assert [int(((pgv / level - 1).abs() < 0.01).sum()) for level in (10, 20, 40, 80)] == [
+            31,
+            27,
+            12,
+            8,
+        ]
 
     def test_table_of_components(self):
-        """Windows, measures and the rule of the README.  PGV is of whole records: the filter sees the cut of a
-        shortened one, which moves its peak by up to 25 %; those are compared through the script, above."""
-        table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#").set_index("record")
-        assert len(table) == 32 and table["station"].nunique() == 16 and table["epicentral_km"].max() < 10
+        """Windows, measures and the rule of the README.  PGV is of whole records: the filter sees
+        the cut of a shortened one, which moves its peak by up to 25 %; those are compared through
+        the script, above."""
+        table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#").set_index(
+            "record"
+        )
+        assert (
+            len(table) == 32
+            and table["station"].nunique() == 16
+            and table["epicentral_km"].max() < 10
+        )
         assert set(table.index) == {name for name in shipped_records() if "_HG" in name}
         for name, row in table.iterrows():
             whole = read_record(shipped_record_path(name))
-            cut, periods_s = windowed(whole, row["start_s"], row["end_s"]), np.geomspace(0.05, 1, 30)
+            cut, periods_s = (
+                windowed(whole, row["start_s"], row["end_s"]),
+                np.geomspace(0.05, 1, 30),
+            )
             assert row["pga_g"] == pytest.approx(pga_g(cut), abs=6e-6)
-            assert_allclose(response_spectrum(cut, periods_s), response_spectrum(whole, periods_s), rtol=0.05)
+            assert_allclose(
+                response_spectrum(cut, periods_s), response_spectrum(whole, periods_s), rtol=0.05
+            )
             assert row["sa_0.2_s_g"] == pytest.approx(response_spectrum(whole, [0.2])[0], rel=0.03)
             if whole.duration_s > 40:
                 passed = summary(band_passed(whole, 0.5, 40))
@@ -100,6 +124,10 @@ def test_a_record_written_is_read_back(tmp_path):
     whole = scaled(read_record(shipped_record_path("BZN1_HGN")), 2.0)
     path = write_csv(whole, tmp_path / "BZN1_HGN_acc_m_s2.csv", [f"start {whole.start_utc}"])
     back = read_record(path)
-    assert (back.name, back.time_step_s, back.start_utc) == (whole.name, whole.time_step_s, whole.start_utc)
+    assert (back.name, back.time_step_s, back.start_utc) == (
+        whole.name,
+        whole.time_step_s,
+        whole.start_utc,
+    )
     assert_allclose(back.acceleration_m_s2, whole.acceleration_m_s2, rtol=5e-7)
     assert [found.name for found in tmp_path.iterdir()] == [path.name]

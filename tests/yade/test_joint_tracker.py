@@ -1,11 +1,18 @@
 """The tracker that YADE's runs use sees, from samples, what the joint law knows exactly."""
 
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.law.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
+from damage.law.joint_law import (
+    INTACT,
+    SHEAR,
+    TENSION,
+    ContactState,
+    LawParameters,
+    advance,
+    material_of,
+)
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -21,8 +28,13 @@ def follow_both(path, every):
     layout = lay_out(Wall("small", 0.45, 0.15))
     tracker, contacts = JointTracker(layout, 1e-4), layout.contacts
     joint = layout.wall.joint
-    law = LawParameters(contacts.normal_stiffness[0], contacts.shear_stiffness[0], joint.tensile_strength,
-                        joint.cohesion, material_of(joint))
+    law = LawParameters(
+        contacts.normal_stiffness[0],
+        contacts.shear_stiffness[0],
+        joint.tensile_strength,
+        joint.cohesion,
+        material_of(joint),
+    )
     state, shear, events = ContactState(), 0.0, []
     for step, (opening, target) in enumerate(path):
         trial = state.shear_stress + law.shear_stiffness * (target - shear)
@@ -31,8 +43,12 @@ def follow_both(path, every):
         if event != INTACT:
             tracker.breaks(0, KINDS[event], law.normal_stiffness * opening, trial)
         if step % every == 0 and tracker.broken[0]:
-            events += tracker.sample(np.array([0]), np.array([opening]), np.array([shear]),
-                                     np.array([state.shear_stress]))
+            events += tracker.sample(
+                np.array([0]),
+                np.array([opening]),
+                np.array([shear]),
+                np.array([state.shear_stress]),
+            )
     return state, tracker, contacts.area[0], events
 
 
@@ -56,27 +72,40 @@ def test_slip_work_and_flags_follow_the_law(every):
 
 
 def test_the_shear_that_a_joint_holds_when_it_opens_is_dissipated_once():
-    """Broken in shear under 0.1 MPa it holds tau = 0.1 tan phi MPa, whose elastic energy is tau^2 / 2 k_s an area."""
+    """Broken in shear under 0.1 MPa it holds tau = 0.1 tan phi MPa, whose elastic energy is tau^2 /
+    2 k_s an area."""
     layout = lay_out(Wall("small", 0.45, 0.15))
     tracker, contacts = JointTracker(layout, 1e-4), layout.contacts
     stiffness, tau = contacts.shear_stiffness[0], 0.1e6 * tracker.friction[0]
     tracker.breaks(0, "shear", -0.1e6, 0.3e6)
     before = tracker.friction_energy
-    list(tracker.sample(np.array([0]), np.array([1e-5]), np.array([0.3e6 / stiffness]), np.zeros(1)))
-    assert tracker.friction_energy - before == pytest.approx(tau**2 / (2 * stiffness) * contacts.area[0])
+    list(
+        tracker.sample(np.array([0]), np.array([1e-5]), np.array([0.3e6 / stiffness]), np.zeros(1))
+    )
+    assert tracker.friction_energy - before == pytest.approx(
+        tau**2 / (2 * stiffness) * contacts.area[0]
+    )
 
 
 def test_a_joint_whose_faces_no_longer_overlap_keeps_what_it_had():
-    """Half a brick stands on the left one below, over 0.1125 m; the tip has left its face before: the opening seen is
-    across the joint."""
+    """Half a brick stands on the left one below, over 0.1125 m; the tip has left its face before:
+    the opening seen is across the joint."""
     layout = lay_out(Wall("small", 0.45, 0.15))
     bodies, contacts = layout.bodies, layout.contacts
     tracker, joint = JointTracker(layout, 1e-4), int(np.flatnonzero(contacts.first == 0)[0])
-    least = bodies.x[0] - bodies.length[0] / 2 - (bodies.x + bodies.length / 2)[contacts.second[joint]]
+    least = (
+        bodies.x[0] - bodies.length[0] / 2 - (bodies.x + bodies.length / 2)[contacts.second[joint]]
+    )
     tracker.breaks(joint, "shear", -1e5, 3e5)
     for share, ended in ((0.99, False), (1.01, True)):
         assert tracker.followed.tolist() == [joint]
-        tracker.sample(np.array([joint]), np.array([0.05]), np.array([share * least]), np.zeros(1), np.array([2e-4]))
+        tracker.sample(
+            np.array([joint]),
+            np.array([0.05]),
+            np.array([share * least]),
+            np.zeros(1),
+            np.array([2e-4]),
+        )
         assert tracker.ended[joint] == ended
     assert tracker.followed.size == 0
     assert (tracker.opening[joint], tracker.offset[joint]) == (2e-4, 1.01 * least)
@@ -87,39 +116,66 @@ def test_a_joint_whose_faces_no_longer_overlap_keeps_what_it_had():
 
 
 def frayed(path):
-    """Drive joint 0 as 8 fibres by the law, each for itself, and the tracker by samples, the broken ones as one dry
-    joint: (states, shares, tracker, area)."""
+    """Drive joint 0 as 8 fibres by the law, each for itself, and the tracker by samples, the broken
+    ones as one dry joint: (states, shares, tracker, area)."""
     layout = lay_out(Wall("small", 0.45, 0.15, joint=FIVE_FIFTY), ModelOptions(fibres=8))
     tracker, contacts, fibres = JointTracker(layout, 1e-4), layout.contacts, layout.fibres
-    laws = [LawParameters(contacts.normal_stiffness[0], contacts.shear_stiffness[0], fibres.tensile_strength[k],
-                          fibres.cohesion[k], material_of(FIVE_FIFTY)) for k in range(8)]
+    laws = [
+        LawParameters(
+            contacts.normal_stiffness[0],
+            contacts.shear_stiffness[0],
+            fibres.tensile_strength[k],
+            fibres.cohesion[k],
+            material_of(FIVE_FIFTY),
+        )
+        for k in range(8)
+    ]
     shares, states, shear, first = fibres.share[:8], [ContactState()] * 8, 0.0, np.array([0])
     for opening, target in path:
         before = [state.broken for state in states]
         dry = shares * before
         stress = np.array([0.0])
-        states, events = zip(*[advance(opening, target - shear, *pair) for pair in zip(states, laws)])
+        states, events = zip(
+            *[advance(opening, target - shear, *pair) for pair in zip(states, laws)]
+        )
         if dry.any():
             stress[0] = dry @ [state.shear_stress for state in states] / dry.sum()
             tracker.sample(first, np.array([opening]), np.array([target]), stress)
         for k in np.flatnonzero(events):
-            tracker.fibre_breaks(0, KINDS[events[k]], laws[k].normal_stiffness * opening,
-                                 laws[k].shear_stiffness * target, shares[k], k == 7)
+            tracker.fibre_breaks(
+                0,
+                KINDS[events[k]],
+                laws[k].normal_stiffness * opening,
+                laws[k].shear_stiffness * target,
+                shares[k],
+                k == 7,
+            )
         shear = target
     return states, shares, tracker, contacts.area[0]
 
 
 def test_fibres_that_slide_out_and_back_and_open_are_one_dry_joint():
     pressure, out = 4e-6, 3e-4
-    path = [(-pressure, x) for x in (*np.linspace(0, out, 3000), *np.linspace(out, -1.2 * out, 6000))]
+    path = [
+        (-pressure, x) for x in (*np.linspace(0, out, 3000), *np.linspace(out, -1.2 * out, 6000))
+    ]
     states, shares, tracker, area = frayed(path)
     assert 0.5 < tracker.dry[0] < 1 and not tracker.broken[0]  # some of them hold
     assert_allclose(tracker.slip[0], shares @ [state.slip for state in states], rtol=1e-3)
-    for energy, work in ((tracker.fracture_energy, "fracture_work"), (tracker.friction_energy, "friction_work")):
-        assert_allclose(energy, shares @ [getattr(state, work) for state in states] * area, rtol=2e-3)
+    for energy, work in (
+        (tracker.fracture_energy, "fracture_work"),
+        (tracker.friction_energy, "friction_work"),
+    ):
+        assert_allclose(
+            energy, shares @ [getattr(state, work) for state in states] * area, rtol=2e-3
+        )
     assert not tracker.at_limit[0] and not states[-1].at_limit
     path += [(x, -1.2 * out) for x in np.linspace(-pressure, 4e-4, 2000)]
     states, _, tracker, _ = frayed(path)
     assert tracker.broken[0] and all(state.broken for state in states)
     assert_allclose(tracker.opening[0], 4e-4)
-    assert_allclose(tracker.fracture_energy, shares @ [state.fracture_work for state in states] * area, rtol=2e-3)
+    assert_allclose(
+        tracker.fracture_energy,
+        shares @ [state.fracture_work for state in states] * area,
+        rtol=2e-3,
+    )

@@ -1,4 +1,5 @@
-"""A joint law of one's own, as CONTRIBUTING.md says to add it, in a copy of the repository and in both solvers."""
+"""A joint law of one's own, as CONTRIBUTING.md says to add it, in a copy of the repository and in
+both solvers."""
 
 import json
 import math
@@ -37,8 +38,8 @@ for solver in "reference", "yade":
     found.append({"shear_n": float(history.series["base_shear_n"].iloc[-20:].mean()),
                   "weight_n": float(history.bodies["mass_kg"].sum() * damage.units.GRAVITY),
                   "friction_j": float(history.series["friction_energy_j"].iloc[-1]),
-                  "cohesion_pa": float((breaks["shear_stress_pa"].abs()
-                                        + breaks["normal_stress_pa"] * math.tan(math.radians(32))).min())})
+                  "cohesion_pa": float((breaks["shear_stress_pa"].abs() + math.tan(math.radians(32))
+                                        * breaks["normal_stress_pa"]).min())})
 print(json.dumps(found))
 """
 KEPT = 0.8  # of the walk's wall
@@ -51,8 +52,14 @@ def test_what_is_added_to_the_material_has_a_default():
 
 @pytest.fixture(scope="module")
 def walked(clone, yade_command):  # noqa: F811
-    """A copy in which the walk was followed: its commands run in plain Python, since compiling takes a minute."""
-    section = (REPOSITORY / "CONTRIBUTING.md").read_text().partition("## A joint law")[2].partition("\n## ")[0]
+    """A copy in which the walk was followed: its commands run in plain Python, since compiling
+    takes a minute."""
+    section = (
+        (REPOSITORY / "CONTRIBUTING.md")
+        .read_text()
+        .partition("## A joint law")[2]
+        .partition("\n## ")[0]
+    )
     steps = re.findall(r"^```(diff|python|sh)\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
     assert [kind for kind, _ in steps] == ["diff", "python", "sh"]
     names = re.findall(r"`(law\.diff|kept\.py)`", section)
@@ -60,9 +67,18 @@ def walked(clone, yade_command):  # noqa: F811
     (clone / "kept.py").write_text(steps[1][1])
     program = written(clone.parent / "bin" / "python3", SHORT_STAGES.format(python=sys.executable))
     applied = re.search(r"`(git apply law\.diff)`", section)[1]
-    done = subprocess.run(["bash", "-euc", f"{applied}\n{steps[2][1]}"], cwd=clone, capture_output=True, text=True,
-                          env={**os.environ, "PATH": f"{program.parent}:{os.environ['PATH']}", "PYTHONPATH": "",
-                               "NUMBA_DISABLE_JIT": "1"})
+    done = subprocess.run(
+        ["bash", "-euc", f"{applied}\n{steps[2][1]}"],
+        cwd=clone,
+        capture_output=True,
+        text=True,
+        env={
+            **os.environ,
+            "PATH": f"{program.parent}:{os.environ['PATH']}",
+            "PYTHONPATH": "",
+            "NUMBA_DISABLE_JIT": "1",
+        },
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     read = run_command(sys.executable, "-c", READ, cwd=clone, check=True)
     tracker = clone / "yade_scripts" / "joint_tracker.py"
@@ -88,15 +104,27 @@ def test_both_solvers_end_with_the_friction_that_is_kept(walked):
 def test_yade_refuses_a_law_that_it_is_not_said_to_follow(walked):
     refused = walked[-1]
     assert refused.returncode == 2 and "Traceback" not in refused.stderr
-    assert "joint law with friction_kept = 0.8: expected 1.0, as YADE's joints do not follow it" in refused.stderr
+    assert (
+        "joint law with friction_kept = 0.8: expected 1.0, as YADE's joints do not follow it"
+        in refused.stderr
+    )
 
 
 def test_yade_knows_every_number_of_today_s_law(monkeypatch):
     """One of a law that softens in another way, of the Material alone, is refused."""
-    check_law(Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0, compressive_strength=1e7,
-                    compressive_fracture_energy=1e4, friction_angle=0.5))
+    check_law(
+        Joint(
+            mode_i_fracture_energy=10.0,
+            mode_ii_fracture_energy=100.0,
+            compressive_strength=1e7,
+            compressive_fracture_energy=1e4,
+            friction_angle=0.5,
+        )
+    )
     softer = namedtuple("Material", ["friction", "softening_power"], defaults=[1.0])
     monkeypatch.setattr(joint_tracker, "material_of", lambda joint: softer(0.6))
     check_law(Joint())
     monkeypatch.setattr(joint_tracker, "material_of", lambda joint: softer(0.6, 2.0))
-    assert "joint law with softening_power = 2.0: expected 1.0" in one_line_error(check_law, Joint())
+    assert "joint law with softening_power = 2.0: expected 1.0" in one_line_error(
+        check_law, Joint()
+    )

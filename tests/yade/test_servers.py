@@ -1,4 +1,5 @@
-"""Who can reach YADE over the network: what the launcher prevents, and what is closed where a run starts without it."""
+"""Who can reach YADE over the network: what the launcher prevents, and what is closed where a run
+starts without it."""
 
 import gc
 import os
@@ -36,7 +37,9 @@ def yades_servers():
     prompt = socketserver.ThreadingTCPServer(("127.0.0.1", 0), Prompt)
     prompt.cookie, prompt.executed, prompt.daemon_threads = "yadesu", [], True
     informer = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
-    threads = [threading.Thread(target=server.serve_forever, daemon=True) for server in (prompt, informer)]
+    threads = [
+        threading.Thread(target=server.serve_forever, daemon=True) for server in (prompt, informer)
+    ]
     for thread in threads:
         thread.start()
     try:
@@ -69,9 +72,15 @@ def is_closed(connection):
 
 
 def test_closing_ends_every_connection_and_waits_for_none():
-    """An idle client holds the information server, whose only thread reads from it; another waits its turn."""
-    with yades_servers() as (prompt, informer, threads), connect(informer) as idle, connect(informer) as waiting, \
-            connect(prompt) as stranger, connect(prompt) as known:
+    """An idle client holds the information server, whose only thread reads from it; another waits
+    its turn."""
+    with (
+        yades_servers() as (prompt, informer, threads),
+        connect(informer) as idle,
+        connect(informer) as waiting,
+        connect(prompt) as stranger,
+        connect(prompt) as known,
+    ):
         for client in (stranger, known):
             assert client.recv(100) == b"cookie?"
         known.sendall(b"yadesu")
@@ -90,7 +99,8 @@ def test_closing_ends_every_connection_and_waits_for_none():
 
 
 def test_a_client_on_its_way_is_refused(monkeypatch):
-    """A connection that is accepted but not yet answered when the servers are closed, and a cookie that comes then."""
+    """A connection that is accepted but not yet answered when the servers are closed, and a cookie
+    that comes then."""
     monkeypatch.setattr(servers, "_close_connections", lambda ports: None)
     with yades_servers() as (prompt, _, _), connect(prompt) as late:
         assert late.recv(100) == b"cookie?"
@@ -105,7 +115,7 @@ def test_a_client_on_its_way_is_refused(monkeypatch):
             assert is_closed(ours)
 
 
-FAKE_YADE = '''#!{python}
+FAKE_YADE = """#!{python}
 import argparse, importlib, sys
 print(sys.argv[3:], file=sys.stderr)
 options = argparse.ArgumentParser()
@@ -119,15 +129,18 @@ import yade
 from yade import remote
 yade.remote.useQThread = True
 print(yade.remote.runServers(), "." in sys.path, asked.L, asked.words, sys.stdin.read())
-'''
+"""
 
 
 @pytest.fixture
 def system(tmp_path):
-    """A folder for PATH with a YADE whose servers leave a word; `run(program, *words)` runs the launcher there."""
+    """A folder for PATH with a YADE whose servers leave a word; `run(program, *words)` runs the
+    launcher there."""
     (tmp_path / "py" / "yade").mkdir(parents=True)
     (tmp_path / "py" / "yade" / "__init__.py").write_text("")
-    (tmp_path / "py" / "yade" / "remote.py").write_text("def runServers():\n    return 'listening'\n")
+    (tmp_path / "py" / "yade" / "remote.py").write_text(
+        "def runServers():\n    return 'listening'\n"
+    )
     for name in ("bash", "readlink", "dirname"):
         (tmp_path / name).symlink_to(shutil.which(name))
     program = written(tmp_path / "yade", FAKE_YADE.format(python=sys.executable))
@@ -136,8 +149,14 @@ def system(tmp_path):
 
     def run(program, *words, before=()):
         path = os.pathsep.join(map(str, [*before, tmp_path]))
-        return run_command(program, *words, input="typed", timeout=AT_MOST_S,
-                           env={"PATH": path, "PYTHONPATH": str(tmp_path / "py")}, cwd=tmp_path)
+        return run_command(
+            program,
+            *words,
+            input="typed",
+            timeout=AT_MOST_S,
+            env={"PATH": path, "PYTHONPATH": str(tmp_path / "py")},
+            cwd=tmp_path,
+        )
 
     return run
 
@@ -145,33 +164,54 @@ def system(tmp_path):
 def test_the_launcher_prevents_the_servers(system, tmp_path):
     assert system(tmp_path / "yade", "w.py").stdout.startswith("listening")  # by the plain command
     done = system(COMMAND[0], "-L", "json", "w.py", "--out", "a b.h5")
-    assert done.stdout == "None False ['without_servers', 'json'] ['w.py', '--out', 'a b.h5'] typed\n", done.stderr
+    assert (
+        done.stdout == "None False ['without_servers', 'json'] ['w.py', '--out', 'a b.h5'] typed\n"
+    ), done.stderr
 
 
-@pytest.mark.parametrize(("words", "passed"), [
-    (["symmetric", "--rest", "1"], ["{root}/walls/symmetric.py", "--rest", "1"]),
-    (["-n", "-j", "2", "shop_front"],
-     ["-n", "-j", "2", "{root}/yade_scripts/wall_data.py", "{root}/walls/shop_front.toml"]),
-    (["-nx", "-f4", "w.py", "-x"], ["-nx", "-f4", "w.py", "-x"]),
-    (["-n"], ["-n"]),
-])
+@pytest.mark.parametrize(
+    ("words", "passed"),
+    [
+        (["symmetric", "--rest", "1"], ["{root}/walls/symmetric.py", "--rest", "1"]),
+        (
+            ["-n", "-j", "2", "shop_front"],
+            ["-n", "-j", "2", "{root}/yade_scripts/wall_data.py", "{root}/walls/shop_front.toml"],
+        ),
+        (["-nx", "-f4", "w.py", "-x"], ["-nx", "-f4", "w.py", "-x"]),
+        (["-n"], ["-n"]),
+    ],
+)
 def test_the_launcher_takes_names_of_walls(system, words, passed):
     done = system(COMMAND[0], *words)
     assert done.stderr.splitlines()[0] == str([word.format(root=REPOSITORY) for word in passed])
 
 
-@pytest.mark.parametrize(("words", "complaint"), [
-    (["-n", "-x"], "-x without a script: expected a script or a wall"),
-    (["symetric"], "symetric: expected a script, a wall's file, or the name of a wall that ships: asymmetric"),
-    (["-n", "-j"], "-j is the last word: expected a value"),
-    (["--consol", "symmetric"], "--consol: expected an option of YADE before the script"),
-    (["w.txt"], "w.txt: expected a script"),
-    (["saved.xml.gz"], "saved.xml.gz: expected a script, as YADE's command does not load a scene"),
-])
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["-n", "-x"], "-x without a script: expected a script or a wall"),
+        (
+            ["symetric"],
+            (
+                "symetric: expected a script, a wall's file, or the name of a wall that ships:"
+                " asymmetric"
+            ),
+        ),
+        (["-n", "-j"], "-j is the last word: expected a value"),
+        (["--consol", "symmetric"], "--consol: expected an option of YADE before the script"),
+        (["w.txt"], "w.txt: expected a script"),
+        (
+            ["saved.xml.gz"],
+            "saved.xml.gz: expected a script, as YADE's command does not load a scene",
+        ),
+    ],
+)
 def test_a_mistake_in_its_arguments_is_an_error(system, words, complaint):
     """YADE's command ends with status 0, or waits at its prompt."""
     done = system(COMMAND[0], *words)
-    assert (done.returncode, done.stdout) == (2, "") and done.stderr.startswith(f"error: {complaint}"), done.stderr
+    assert (done.returncode, done.stdout) == (2, "") and done.stderr.startswith(
+        f"error: {complaint}"
+    ), done.stderr
     assert done.stderr.count("\n") == 1
 
 

@@ -1,4 +1,5 @@
-"""A joint ends where its faces no longer overlap: YADE, where bricks have faces, beside the reference solver."""
+"""A joint ends where its faces no longer overlap: YADE, where bricks have faces, beside the
+reference solver."""
 
 import numpy as np
 import pytest
@@ -12,19 +13,38 @@ from damage.units import GRAVITY
 
 pytestmark = pytest.mark.yade
 
-PIER = "Wall('pier', 0.1125, 0.225, precompression=0.0, joint=Joint(tensile_strength=0.0, cohesion=0.0))"
+PIER = (
+    "Wall('pier', 0.1125, 0.225, precompression=0.0, joint=Joint(tensile_strength=0.0,"
+    " cohesion=0.0))"
+)
 SPEED, EASE_S = 1.0, 0.1
 """Of the push [m/s]; how long it takes to start [s], over which half the distance is lost."""
 
 
 @pytest.fixture(scope="module")
 def pushed(tmp_path_factory, in_both):
-    """{solver: (History, what it said)} of three bricks on each other, of which the uppermost is pushed off."""
+    """{solver: (History, what it said)} of three bricks on each other, of which the uppermost is
+    pushed off."""
     folder = tmp_path_factory.mktemp("pier")
     histories = in_both(
-        folder, wall_file(folder / "pier.py", PIER), "--pushover", 100, "--accept-implausible", "--speed", SPEED,
-        "--boundary", "fixed", "--damping", 0, yade=("-j1",), reference=("--relaxation", "local"))
-    return {solver: (history, (folder / f"{solver}.txt").read_text()) for solver, history in histories.items()}
+        folder,
+        wall_file(folder / "pier.py", PIER),
+        "--pushover",
+        100,
+        "--accept-implausible",
+        "--speed",
+        SPEED,
+        "--boundary",
+        "fixed",
+        "--damping",
+        0,
+        yade=("-j1",),
+        reference=("--relaxation", "local"),
+    )
+    return {
+        solver: (history, (folder / f"{solver}.txt").read_text())
+        for solver, history in histories.items()
+    }
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])
@@ -42,7 +62,9 @@ def test_a_brick_that_is_pushed_off_a_pier_is_a_collapse(pushed, solver):
     then = int(np.argmax(history.ended[:, joint[0]]))
     assert history.ended[then:, joint].all() and not np.delete(history.ended, joint, axis=1).any()
     for frames in (history.opening_m, history.slip_m, history.offset_m):
-        assert_allclose(frames[then:, joint], np.tile(frames[then, joint], (len(frames) - then, 1)), atol=1e-7)
+        assert_allclose(
+            frames[then:, joint], np.tile(frames[then, joint], (len(frames) - then, 1)), atol=1e-7
+        )
 
 
 def test_both_codes_let_it_fall_at_the_same_time(pushed):
@@ -51,15 +73,31 @@ def test_both_codes_let_it_fall_at_the_same_time(pushed):
 
 
 def test_a_run_that_continues_after_a_joint_ended_keeps_its_stresses(tmp_path, yade_command):
-    """None in the joint that ended before the checkpoint; the weight of two bricks is on the ground."""
+    """None in the joint that ended before the checkpoint; the weight of two bricks is on the
+    ground."""
     wall = wall_file(tmp_path / "pier.py", PIER)
     words = ["-j1", wall, "--accept-implausible", "--no-pictures", "--stresses", "--dt", 3e-5]
-    for more in (("--pushover", 70, "--speed", SPEED, "--checkpoint", 10, "--out", tmp_path / "first.h5"),
-                 ("--harmonic", 0.02, 0.01, "--cycles", 1, "--rest", 0, "--continue", tmp_path / "first.h5",
-                  "--out", tmp_path / "second.h5")):
+    for more in (
+        ("--pushover", 70, "--speed", SPEED, "--checkpoint", 10, "--out", tmp_path / "first.h5"),
+        (
+            "--harmonic",
+            0.02,
+            0.01,
+            "--cycles",
+            1,
+            "--rest",
+            0,
+            "--continue",
+            tmp_path / "first.h5",
+            "--out",
+            tmp_path / "second.h5",
+        ),
+    ):
         yade_command(*words, *more, status=0)
     history = damage.read_history(tmp_path / "second.h5")
     assert history.ended[0].any() and not history.joint_stress_pa[:, history.ended[0]].any()
     area = LENGTH / 2 * history.masonry_wall.brick.thickness  # of a contact point, two a joint
-    pressed = -area * history.joint_stress_pa[:, (history.joints["first_body"] < 0).to_numpy(), 0].sum(axis=1)
+    pressed = -area * history.joint_stress_pa[
+        :, (history.joints["first_body"] < 0).to_numpy(), 0
+    ].sum(axis=1)
     assert_allclose(pressed.mean(), GRAVITY * history.bodies["mass_kg"][:2].sum(), rtol=0.01)

@@ -1,4 +1,5 @@
-"""A spandrel that falls in YADE and in the reference solver: when its first brick falls, and where the heap rests."""
+"""A spandrel that falls in YADE and in the reference solver: when its first brick falls, and where
+the heap rests."""
 
 import numpy as np
 import pytest
@@ -16,12 +17,13 @@ def fall():
 
 
 def test_its_first_brick_falls_as_in_the_reference_solver(fall):
-    """Within 10 %: the spandrel is a flat arch, so that the depth from which its corners bear decides."""
+    """Within 10 %: the spandrel is a flat arch, so that the depth from which its corners bear
+    decides."""
     assert first_fall(fall) == pytest.approx(first_fall(in_reference(0.15)), rel=0.1)
 
 
 def test_its_bricks_come_to_rest_without_passing_through_each_other(fall):
-    assert speeds(fall)[-round(RESTS_FOR_S / INTERVAL_S):].max() < RESTS_BELOW_M_S
+    assert speeds(fall)[-round(RESTS_FOR_S / INTERVAL_S) :].max() < RESTS_BELOW_M_S
     assert 0 < max(overlaps(fall).values()) < DIAMETER
 
 

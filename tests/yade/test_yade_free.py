@@ -1,5 +1,5 @@
-"""Shipped walls in YADE, kicked while intact: static stage, periods, energy, and 100 000 steps; a small wall is kicked
-in `test_yade_run.py`."""
+"""Shipped walls in YADE, kicked while intact: static stage, periods, energy, and 100 000 steps; a
+small wall is kicked in `test_yade_run.py`."""
 
 import pytest
 from conftest import BRIEFLY, REPOSITORY
@@ -11,7 +11,8 @@ from damage.measure.summary import summarise
 
 pytestmark = [pytest.mark.yade, pytest.mark.long]
 
-# Rest [s] of 3.3 periods: a sinusoid's is known from three.  What the settling stage leaves is not looked at here.
+# Rest [s] of 3.3 periods: a sinusoid's is known from three.  What the settling stage leaves is not
+# looked at here.
 KICKED = [("symmetric", 0.66), ("solid", 0.21), ("asymmetric", 0.58), ("symmetric", 3.0)]
 
 
@@ -19,8 +20,18 @@ KICKED = [("symmetric", 0.66), ("solid", 0.21), ("asymmetric", 0.58), ("symmetri
 def free_vibration(request, yade_command, tmp_path_factory):
     wall, rest = request.param
     out = tmp_path_factory.mktemp("free") / f"{wall}.h5"
-    yade_command(BRIEFLY, "SETTLE_S=0.02", REPOSITORY / f"walls/{wall}.py", "--free-vibration", "--rest", rest, "--out",
-                 out, "--no-pictures", status=0)
+    yade_command(
+        BRIEFLY,
+        "SETTLE_S=0.02",
+        REPOSITORY / f"walls/{wall}.py",
+        "--free-vibration",
+        "--rest",
+        rest,
+        "--out",
+        out,
+        "--no-pictures",
+        status=0,
+    )
     return damage.read_history(out)
 
 
@@ -40,5 +51,7 @@ class TestIntactWall:
         assert energy_error(free_vibration.series) < 5e-3
 
     def test_joints_report_no_damage(self, free_vibration):
-        assert free_vibration.index().DI_open.max() == 0 and free_vibration.index().DI_slip.max() == 0
+        assert (
+            free_vibration.index().DI_open.max() == 0 and free_vibration.index().DI_slip.max() == 0
+        )
         assert not free_vibration.at_limit.any()

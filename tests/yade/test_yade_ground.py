@@ -1,4 +1,5 @@
-"""Ground that settles and soil in YADE and in the reference solver: the same cracks, reactions and energies."""
+"""Ground that settles and soil in YADE and in the reference solver: the same cracks, reactions and
+energies."""
 
 import numpy as np
 import pytest
@@ -19,32 +20,64 @@ SOFT = "mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0"
 
 @pytest.mark.long
 def test_a_wall_with_softening_joints_settles_and_is_shaken_alike(tmp_path, in_both):
-    """The reference solver's members have all the same cracks; reactions differ by 16 parallel elements in YADE."""
+    """The reference solver's members have all the same cracks; reactions differ by 16 parallel
+    elements in YADE."""
     path = wall_file(tmp_path / "small.py", SMALL.format(joint=SOFT))
-    histories = in_both(tmp_path, path, "--settle", "hogging", "--distortion", "1/300", "--lintel", 2, "--harmonic",
-                        0.06, 0.2, "--rest", 0.1, yade=SHORT).values()
+    histories = in_both(
+        tmp_path,
+        path,
+        "--settle",
+        "hogging",
+        "--distortion",
+        "1/300",
+        "--lintel",
+        2,
+        "--harmonic",
+        0.06,
+        0.2,
+        "--rest",
+        0.1,
+        yade=SHORT,
+    ).values()
     found = [settlement_measures(history) for history in histories]
     for name, tolerance in (("settled_crack_width_mm", 0.02), ("settled_psi", 0.02)):
         assert_allclose(found[0][name], found[1][name], rtol=tolerance)
     patterns = compare_patterns(*histories)
     assert patterns["broken"]["fss"] > 0.95 and patterns["visible"]["fss"] > 0.95
     last = [np.flatnonzero(history.series["stage"] == "settlement")[-1] for history in histories]
-    yade, reference = (-history.support_force[at][:, 1].astype(float) for history, at in zip(histories, last))
+    yade, reference = (
+        -history.support_force[at][:, 1].astype(float) for history, at in zip(histories, last)
+    )
     assert_allclose(yade, reference, atol=0.03 * reference.sum())
     assert max(map(energy_error_of, histories)) < 1e-3
 
 
 def test_a_wall_on_soil_lifts_off_alike(tmp_path, in_both):
-    """With as many fibres as YADE has, undamped.  A base joint has cohesion and no tensile strength, which YADE's law
-    would not check: a wall that cannot lift off drifts by 20 % more.  The drift is compared sample by sample up to the
-    first failure, where the short static stage in YADE leaves a vibration of 0.8 %; then the largest drift and uplift,
-    which members with a scatter of 1e-9 share within 0.03 % and 0.3 %.  Their DI differs by 0.005, and by more between
+    """With as many fibres as YADE has, undamped.  A base joint has cohesion and no tensile
+    strength, which YADE's law would not check: a wall that cannot lift off drifts by 20 % more.
+    The drift is compared sample by sample up to the first failure, where the short static stage in
+    YADE leaves a vibration of 0.8 %; then the largest drift and uplift, which members with a
+    scatter of 1e-9 share within 0.03 % and 0.3 %.  Their DI differs by 0.005, and by more between
     processors: it depends on rounding and is not compared."""
     path = wall_file(tmp_path / "small.py", SMALL.format(joint=SOFT))
     yade, reference = histories = in_both(
-        tmp_path, path, "--harmonic", 0.1, 0.15, "--rest", 0.1, "--soil", 3e8, "--lintel", 2, yade=SHORT,
-        reference=("--fibres", 16, "--beta", 0)).values()
-    assert_allclose(*(history.series["drift_ratio"].abs().max() for history in histories), rtol=0.03)
+        tmp_path,
+        path,
+        "--harmonic",
+        0.1,
+        0.15,
+        "--rest",
+        0.1,
+        "--soil",
+        3e8,
+        "--lintel",
+        2,
+        yade=SHORT,
+        reference=("--fibres", 16, "--beta", 0),
+    ).values()
+    assert_allclose(
+        *(history.series["drift_ratio"].abs().max() for history in histories), rtol=0.03
+    )
     assert compare_drift(yade, reference)["rms_before_failure"] < 0.02
     base = (reference.joints["first_body"] < 0).to_numpy()
     assert reference.broken[-1][base].any()
@@ -54,42 +87,75 @@ def test_a_wall_on_soil_lifts_off_alike(tmp_path, in_both):
 
 @pytest.fixture(scope="module")
 def halves(tmp_path_factory, yade_command):
-    """A folder with one run of two events, whole.h5, its first event, first.h5, and its second one from the end of the
-    first, second.h5; a function that runs the wall with these words; what the last run printed."""
+    """A folder with one run of two events, whole.h5, its first event, first.h5, and its second one
+    from the end of the first, second.h5; a function that runs the wall with these words; what the
+    last run printed."""
     folder = tmp_path_factory.mktemp("halves")
     path = wall_file(folder / "small.py", SMALL.format(joint=""))
 
     def run(*words):
-        # No joint opens or slides by 0.4 mm, from which bricks collide and a run that continues sums in another order.
-        return yade_command(*SHORT, path, "--harmonic", 0.06, 0.3, "--cycles", 1, "--rest", 0, "--no-pictures",
-                            *words, cwd=folder)
+        # No joint opens or slides by 0.4 mm, from which bricks collide and a run that continues
+        # sums in another order.
+        return yade_command(
+            *SHORT,
+            path,
+            "--harmonic",
+            0.06,
+            0.3,
+            "--cycles",
+            1,
+            "--rest",
+            0,
+            "--no-pictures",
+            *words,
+            cwd=folder,
+        )
 
-    done = [run("--sequence", "1,0.6", "--out", "whole.h5"), run("--out", "first.h5", "--checkpoint", "10"),
-            run("--sequence", "0.6", "--continue", "first.h5", "--out", "second.h5")]
+    done = [
+        run("--sequence", "1,0.6", "--out", "whole.h5"),
+        run("--out", "first.h5", "--checkpoint", "10"),
+        run("--sequence", "0.6", "--continue", "first.h5", "--out", "second.h5"),
+    ]
     assert [one.returncode for one in done] == [0, 0, 0], done
     return folder, run, done[-1].stderr
 
 
 def test_a_run_that_continues_starts_from_a_checkpoint_and_says_what_that_executes(halves):
     folder, _, said = halves
-    assert "first.checkpoint: YADE executes the names of the engines in the scene that it holds" in said
+    assert (
+        "first.checkpoint: YADE executes the names of the engines in the scene that it holds"
+        in said
+    )
     assert not (folder / "whole.checkpoint").exists()
     whole, second = (damage.read_history(folder / f"{name}.h5") for name in ("whole", "second"))
     n = len(second.series)
     assert second.broken[0].any() and n == np.sum(whole.series["shock"] == 2) + 1
     for name in second.series.columns.drop(["time_s", "shock", "stage"]):
-        expected = whole.series[name].to_numpy()[1 - n:]
-        # The work that comes in is summed over time, which begins at zero again: the length of a step rounds otherwise.
-        assert_allclose(second.series[name].to_numpy()[1:], expected, err_msg=name, rtol=0, atol=1e-12 * np.max(
-            np.abs(expected), initial=0) if name in ("input_energy_j", "damping_energy_j") else 0)
+        expected = whole.series[name].to_numpy()[1 - n :]
+        # The work that comes in is summed over time, which begins at zero again: the length of a
+        # step rounds otherwise.
+        assert_allclose(
+            second.series[name].to_numpy()[1:],
+            expected,
+            err_msg=name,
+            rtol=0,
+            atol=(
+                1e-12 * np.max(np.abs(expected), initial=0)
+                if name in ("input_energy_j", "damping_energy_j")
+                else 0
+            ),
+        )
     for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
         assert_array_equal(getattr(second, name), getattr(whole, name)[-n:], name)
 
 
-@pytest.mark.parametrize("change, said", [
-    (("--dt", "2e-5"), "expected that of this run, 2e-05 s; give --dt"),
-    (("--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
-])
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        (("--dt", "2e-5"), "expected that of this run, 2e-05 s; give --dt"),
+        (("--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
+    ],
+)
 def test_what_cannot_continue_is_one_line(halves, change, said):
     _, run, _ = halves
     done = run("--continue", "first.h5", "--out", "other.h5", *change)

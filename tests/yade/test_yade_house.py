@@ -1,4 +1,5 @@
-"""A gable with a slab, a timber floor and a lintel, as data, in YADE and in the reference solver: one answer."""
+"""A gable with a slab, a timber floor and a lintel, as data, in YADE and in the reference solver:
+one answer."""
 
 import numpy as np
 import pytest
@@ -40,13 +41,19 @@ def runs(tmp_path_factory, in_both):
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])
 def test_at_rest_the_base_carries_bricks_and_floors(runs, solver):
-    """A course of 0.4 m, one of 0.2 m beside the lintel of 0.6 m, a whole one above the slab, then the gable's of 0.7,
-    0.5, 0.3 and 0.1 m."""
+    """A course of 0.4 m, one of 0.2 m beside the lintel of 0.6 m, a whole one above the slab, then
+    the gable's of 0.7, 0.5, 0.3 and 0.1 m."""
     history = runs[solver]
-    assert len(history.masonry_wall.floors) == 2 and history.parameters["wall_file"]["file"] == "gable.toml"
+    assert (
+        len(history.masonry_wall.floors) == 2
+        and history.parameters["wall_file"]["file"] == "gable.toml"
+    )
     area = (0.4 + 0.2 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1) * 0.1
-    assert_allclose(history.static["base_reaction_n"], 9.81 * (area * 0.1 * 1900 + 0.6 * 0.1 * 0.1 * 2700 + 70),
-                    rtol=1e-9)
+    assert_allclose(
+        history.static["base_reaction_n"],
+        9.81 * (area * 0.1 * 1900 + 0.6 * 0.1 * 0.1 * 2700 + 70),
+        rtol=1e-9,
+    )
 
 
 def test_both_solvers_agree_before_the_first_failure(runs):

@@ -24,8 +24,9 @@ LAW = LawParameters(KN, KS, FT, C, Material(MU))
 PRESSURES = {"0": 0.0, "0.1": 0.1e6, "0.3": 0.3e6, "1": 1.0e6}  # [Pa]
 
 TOLERANCE = 2e-3
-"""A bond's members lie h = 0.075 m apart.  Before it fails, its elastic shear s tilts the line between them by s / h,
-which takes s / h off tan(phi) (0.03 % at the 2.4e-5 m of 1 MPa); a break shows one step late."""
+"""A bond's members lie h = 0.075 m apart.  Before it fails, its elastic shear s tilts the line
+between them by s / h, which takes s / h off tan(phi) (0.03 % at the 2.4e-5 m of 1 MPa); a break
+shows one step late."""
 
 
 def straight(*corners, steps=400):
@@ -38,10 +39,13 @@ def make_paths():
     paths = {"tension": straight((0, 0), (1.1 * FT / KN, 0), steps=2000)}
     for name, pressure in PRESSURES.items():
         peak = (C + pressure * MU) / KS
-        paths[f"shear_{name}"] = straight((0, 0), (-pressure / KN, 0), (-pressure / KN, 1.15 * peak), steps=1500)
+        paths[f"shear_{name}"] = straight(
+            (0, 0), (-pressure / KN, 0), (-pressure / KN, 1.15 * peak), steps=1500
+        )
     squeeze = -0.3e6 / KN
-    paths["reclose"] = straight((0, 0), (2e-4, 0), (2e-4, 1e-4), (2e-4, 0), (squeeze, 0),
-                                (squeeze, 1.5e-5), steps=300)
+    paths["reclose"] = straight(
+        (0, 0), (2e-4, 0), (2e-4, 1e-4), (2e-4, 0), (squeeze, 0), (squeeze, 1.5e-5), steps=300
+    )
     press = -0.5e6 / KN
     swing = [(press, 4e-5), (press, -4e-5)] * 3
     paths["cycle"] = straight((0, 0), (2e-4, 0), (press, 0), *swing, steps=400)
@@ -54,8 +58,12 @@ def driven(yade_command, tmp_path_factory):
     folder = tmp_path_factory.mktemp("two_bricks")
     paths = make_paths()
     np.savez(folder / "paths.npz", **paths)
-    yade_command(REPOSITORY / "tests/yade/checks/two_bricks.py", folder / "paths.npz", folder / "stresses.npz",
-                 status=0)
+    yade_command(
+        REPOSITORY / "tests/yade/checks/two_bricks.py",
+        folder / "paths.npz",
+        folder / "stresses.npz",
+        status=0,
+    )
     with np.load(folder / "stresses.npz") as stresses:
         return {name: (path, stresses[name], by_law(path)) for name, path in paths.items()}
 
@@ -69,7 +77,9 @@ def by_law(path):
     return np.array(stresses)
 
 
-@pytest.mark.parametrize("name", ["tension", *[f"shear_{name}" for name in PRESSURES], "reclose", "cycle"])
+@pytest.mark.parametrize(
+    "name", ["tension", *[f"shear_{name}" for name in PRESSURES], "reclose", "cycle"]
+)
 def test_the_whole_path_follows_the_law(driven, name):
     """Everywhere but in the step or two of a break, which YADE completes one step later."""
     _, yade, law = driven[name]
@@ -99,7 +109,8 @@ def far(yade_command, tmp_path_factory):
 
 
 def test_a_joint_that_slides_10_mm_keeps_its_friction_and_leaves_no_couple(far):
-    """By the centres of cells 40 % were lost; forces at two ends of the slip would leave N s: 69 N m here."""
+    """By the centres of cells 40 % were lost; forces at two ends of the slip would leave N s: 69 N
+    m here."""
     assert far["slid"][-1] > 0.010
     assert_allclose(far["pressure"], 0.3e6, rtol=1e-3)
     assert_allclose(far["shear"], MU * far["pressure"], rtol=1e-6)
@@ -107,22 +118,31 @@ def test_a_joint_that_slides_10_mm_keeps_its_friction_and_leaves_no_couple(far):
 
 
 def test_a_tilted_block_touches_at_its_contact_point(far):
-    """The tip is round, of 0.5 mm: tilted by t it reaches 0.5 mm (1 - cos t) below the contact point."""
+    """The tip is round, of 0.5 mm: tilted by t it reaches 0.5 mm (1 - cos t) below the contact
+    point."""
     assert_allclose(far["overlap"], 5e-4 * (1 - np.cos(far["tilt"])), atol=2e-8)
     assert far["overlap"].max() < 5e-6 and far["tilt"].max() == pytest.approx(0.062)
 
 
 @pytest.fixture(scope="module")
 def soft(yade_command):
-    """Paths of a joint that softens, in coarse steps, 16 parallel elements: {name: (Driven in YADE, in reference)}."""
+    """Paths of a joint that softens, in coarse steps, 16 parallel elements: {name: (Driven in YADE,
+    in reference)}."""
     made = softening.paths(fine=200, coarse=120)
-    return {name: (here, softening.drive(made[name], 16))
-            for name, here in softening.drive_in_yade(made, 16).items()}
+    return {
+        name: (here, softening.drive(made[name], 16))
+        for name, here in softening.drive_in_yade(made, 16).items()
+    }
 
 
 def test_parallel_elements_dissipate_as_in_the_reference_solver(soft):
     """Along pure, mixed and reversed paths, by the work done and by the tracker."""
     for name, (here, there) in soft.items():
         for energy in ("dissipated", "friction", "fracture", "stored"):
-            assert_allclose(getattr(here, energy), getattr(there, energy), rtol=5e-3, atol=1e-3,
-                            err_msg=f"{name}, {energy}")
+            assert_allclose(
+                getattr(here, energy),
+                getattr(there, energy),
+                rtol=5e-3,
+                atol=1e-3,
+                err_msg=f"{name}, {energy}",
+            )

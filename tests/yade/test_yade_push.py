@@ -13,26 +13,39 @@ pytestmark = pytest.mark.yade
 
 # A square panel: as a cantilever it rocks on its base, held at the top its joints slide.
 PANEL = "Wall('panel', 0.9, 0.9, precompression=0.3e6)"
-SOFT = ("Wall('panel', 0.45, 0.45, precompression=0.1e6, "
-        "joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))")
+SOFT = (
+    "Wall('panel', 0.45, 0.45, precompression=0.1e6, "
+    "joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))"
+)
 LOCAL = ("--relaxation", "local")
 
 
 @pytest.fixture(scope="module", params=["cantilever", "fixed"])
 def runs(request, tmp_path_factory, in_both):
-    """The same push, 0.12 % of drift with local damping, in both solvers; slower where it rocks, so that inertia stays
-    below 2 % of the force."""
+    """The same push, 0.12 % of drift with local damping, in both solvers; slower where it rocks, so
+    that inertia stays below 2 % of the force."""
     folder = tmp_path_factory.mktemp(request.param)
     wall = wall_file(folder / "panel.py", PANEL)
     return request.param, in_both(
-        folder, wall, "--pushover", 0.12, "--boundary", request.param, "--speed",
-        {"cantilever": 2e-3, "fixed": 4e-3}[request.param], yade=SHORT, reference=LOCAL)
+        folder,
+        wall,
+        "--pushover",
+        0.12,
+        "--boundary",
+        request.param,
+        "--speed",
+        {"cantilever": 2e-3, "fixed": 4e-3}[request.param],
+        yade=SHORT,
+        reference=LOCAL,
+    )
 
 
 def test_initial_stiffness_and_peak_force_agree(runs):
     _, histories = runs
     yade, reference = (summarise(histories[solver]) for solver in ("yade", "reference"))
-    assert_allclose(yade["initial_stiffness_n_per_m"], reference["initial_stiffness_n_per_m"], rtol=0.01)
+    assert_allclose(
+        yade["initial_stiffness_n_per_m"], reference["initial_stiffness_n_per_m"], rtol=0.01
+    )
     assert_allclose(yade["peak_force_n"], reference["peak_force_n"], rtol=0.03)
 
 
@@ -40,7 +53,8 @@ def test_the_same_mechanism(runs):
     boundary, histories = runs
     for history in histories.values():
         index = history.index().iloc[-1]
-        if boundary == "cantilever":  # a bed joint opens from one end nearly to the other, none slides
+        # a bed joint opens from one end nearly to the other, none slides
+        if boundary == "cantilever":
             assert 0.5 < history.joints.length_m[history.opening_m[-1] > 1e-4].sum() / 0.9 < 1
             assert index.DI_slip == 0
         else:
@@ -51,18 +65,24 @@ def test_the_same_mechanism(runs):
 def test_forces_by_hand(runs):
     """Rocking about the toe at the base; friction under the cap and the course that slide."""
     boundary, histories = runs
-    cap, course, wall = (np.array([0.3e6 * 0.9, 1900 * 9.81 * 0.9 * 0.075, 1900 * 9.81 * 0.9 * 0.9]) * 0.1025)
+    cap, course, wall = (
+        np.array([0.3e6 * 0.9, 1900 * 9.81 * 0.9 * 0.075, 1900 * 9.81 * 0.9 * 0.9]) * 0.1025
+    )
     for history in histories.values():
         force = history.series.base_shear_n
         if boundary == "cantilever":
-            # The force acts 1 m above the base; contact points lie an eighth of a brick inside the toe.
+            # The force acts 1 m above the base; contact points lie an eighth of a brick inside the
+            # toe.
             assert_allclose(force.max(), (cap + wall) * (0.45 - 0.225 / 8) / 1.0, rtol=0.08)
         else:
-            assert_allclose(force.iloc[-20:].mean(), (cap + course) * np.tan(np.radians(32)), rtol=5e-3)
+            assert_allclose(
+                force.iloc[-20:].mean(), (cap + course) * np.tan(np.radians(32)), rtol=5e-3
+            )
 
 
 def test_damping_that_closes_yades_balance_is_lost_energy(runs):
-    """YADE's damping energy is inferred; that it only grows, to what the reference counts, is the check."""
+    """YADE's damping energy is inferred; that it only grows, to what the reference counts, is the
+    check."""
     _, histories = runs
     yade, reference = (histories[solver].series for solver in ("yade", "reference"))
     lost, work = yade.damping_energy_j.to_numpy(), yade.input_energy_j.iloc[-1]
@@ -76,13 +96,24 @@ def test_damping_that_closes_yades_balance_is_lost_energy(runs):
 def test_joints_that_soften_do_so_alike(tmp_path, in_both):
     """As 16 fibres in both; by itself YADE takes as many, and 0.35 of the critical step."""
     wall = wall_file(tmp_path / "panel.py", SOFT)
-    yade, reference = in_both(tmp_path, wall, "--pushover", 0.05, "--speed", 5e-3, yade=SHORT,
-                              reference=(*LOCAL, "--fibres", 16)).values()
+    yade, reference = in_both(
+        tmp_path,
+        wall,
+        "--pushover",
+        0.05,
+        "--speed",
+        5e-3,
+        yade=SHORT,
+        reference=(*LOCAL, "--fibres", 16),
+    ).values()
     assert "warning" not in (tmp_path / "yade.txt").read_text()
     assert yade.model.fibres == 16 and yade.parameters["beta_s"] == 0.0
     assert yade.time_step_s == reference.time_step_s
-    # The panel vibrates: 1e-12 m of perturbation moves single samples of the force by 1 %, means of five by 0.3 %.
-    peaks = [history.series["base_shear_n"].rolling(5).mean().max() for history in (yade, reference)]
+    # The panel vibrates: 1e-12 m of perturbation moves single samples of the force by 1 %, means of
+    # five by 0.3 %.
+    peaks = [
+        history.series["base_shear_n"].rolling(5).mean().max() for history in (yade, reference)
+    ]
     assert_allclose(*peaks, rtol=0.01)
     fracture = [history.series["fracture_energy_j"].iloc[-1] for history in (yade, reference)]
     assert fracture[1] > 0.1
@@ -96,47 +127,103 @@ def test_joints_that_soften_do_so_alike(tmp_path, in_both):
 
 @pytest.mark.long
 def test_a_cycle_dissipates_alike(tmp_path, in_both):
-    """The area of each loop, and friction with fracture in it, within 5 %; paper/laboratory.py yade_cycles."""
+    """The area of each loop, and friction with fracture in it, within 5 %; paper/laboratory.py
+    yade_cycles."""
     wall, found = wall_file(tmp_path / "panel.py", SOFT), {}
-    histories = in_both(tmp_path, wall, "--cyclic", "0.1,0.2", "--cycles", 1, "--boundary", "fixed", "--speed", 5e-3,
-                        "--fibres", 16, reference=LOCAL)
+    histories = in_both(
+        tmp_path,
+        wall,
+        "--cyclic",
+        "0.1,0.2",
+        "--cycles",
+        1,
+        "--boundary",
+        "fixed",
+        "--speed",
+        5e-3,
+        "--fibres",
+        16,
+        reference=LOCAL,
+    )
     for solver, history in histories.items():
         joints = history.series[["friction_energy_j", "fracture_energy_j"]].sum(axis=1).to_numpy()
-        found[solver] = [cycles_table(history)["dissipated_j"], np.diff(joints[cycle_edges(history)])]
+        found[solver] = [
+            cycles_table(history)["dissipated_j"],
+            np.diff(joints[cycle_edges(history)]),
+        ]
     assert np.min(found["reference"]) > 1.0
     assert_allclose(found["yade"], found["reference"], rtol=0.05)
 
 
 @pytest.mark.long
 def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command):
-    """A block on soil: springs of sway and rocking, the top's, and the weight's moment (tests/core/test_soil.py)."""
-    path = wall_file(tmp_path / "block.py", "Wall('block', 0.6, 1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2))")
+    """A block on soil: springs of sway and rocking, the top's, and the weight's moment
+    (tests/core/test_soil.py)."""
+    path = wall_file(
+        tmp_path / "block.py",
+        "Wall('block', 0.6, 1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2))",
+    )
     spring = 2e6
-    yade_command(*SHORT, path, "--pushover", 0.005, "--speed", 1e-4, "--top-rotation", spring, "--contacts", "gauss",
-                 "--soil", 1e8, "--footing", 0.4, "--dt", 5e-5, "--no-pictures", "--out", tmp_path / "a.h5", status=0)
+    yade_command(
+        *SHORT,
+        path,
+        "--pushover",
+        0.005,
+        "--speed",
+        1e-4,
+        "--top-rotation",
+        spring,
+        "--contacts",
+        "gauss",
+        "--soil",
+        1e8,
+        "--footing",
+        0.4,
+        "--dt",
+        5e-5,
+        "--no-pictures",
+        "--out",
+        tmp_path / "a.h5",
+        status=0,
+    )
     history = damage.read_history(tmp_path / "a.h5")
     up, along = (history.joints[f"{name}_stiffness_pa_m"][0] * 0.2 for name in ("normal", "shear"))
     rock = up * 0.6**3 / 12 + spring - 9.81 * history.bodies["mass_kg"].sum() * 0.6
     last = history.series.iloc[-1]
     expected = 1 / (1 / (along * 0.6) + 0.6**2 / rock)
     assert_allclose(last["top_force_n"] / last["top_displacement_m"], expected, rtol=5e-3)
-    assert_allclose(last["input_energy_j"], last["elastic_energy_j"] + last["gravity_energy_j"], rtol=0.02)
+    assert_allclose(
+        last["input_energy_j"], last["elastic_energy_j"] + last["gravity_energy_j"], rtol=0.02
+    )
 
 
-TOE = ("Wall('toe', 0.45, 0.9, precompression=0.3e6, joint=Joint(compressive_strength=1e6, "
-       "mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))")
+TOE = (
+    "Wall('toe', 0.45, 0.9, precompression=0.3e6, joint=Joint(compressive_strength=1e6, "
+    "mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))"
+)
 
 
 @pytest.mark.long
 def test_a_toe_crushes_alike(tmp_path, in_both):
-    """Peak, plateau, crushed length and what is lost; the plateau by hand, of a stress block under the cap's centre."""
+    """Peak, plateau, crushed length and what is lost; the plateau by hand, of a stress block under
+    the cap's centre."""
     path = wall_file(tmp_path / "toe.py", TOE)
     found, thickness, length, height = [], 0.1025, 0.45, 0.9
-    for history in in_both(tmp_path, path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, reference=LOCAL).values():
+    for history in in_both(
+        tmp_path, path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, reference=LOCAL
+    ).values():
         summary, force = summarise(history), history.series["base_shear_n"].to_numpy()
         late = history.series["drift_ratio"] > 1e-3
-        found.append([summary["peak_force_n"], summary["fracture_energy_j"], summary["crushed_length_m"],
-                      np.mean(force[late])])
+        found.append(
+            [
+                summary["peak_force_n"],
+                summary["fracture_energy_j"],
+                summary["crushed_length_m"],
+                np.mean(force[late]),
+            ]
+        )
     assert_allclose(*found, rtol=0.02)
     load = (0.3e6 + 1900 * 9.81 * height) * length * thickness
-    assert_allclose(found[0][3], load * (length - load / 1e6 / thickness) / 2 / (height + 0.1), rtol=0.05)
+    assert_allclose(
+        found[0][3], load * (length - load / 1e6 / thickness) / 2 / (height + 0.1), rtol=0.05
+    )

@@ -24,8 +24,10 @@ from yade_scripts import COMMAND
 pytestmark = pytest.mark.yade
 
 # A pier with a door beside it, small enough for a run of seconds; its opening asks for cut bricks.
-PIER = ("Wall('small', length=1.53, height=0.975, precompression=0.3e6, "
-        "openings=[Opening(left=0.63, width=0.4, height=0.6)], lintel='courses')")
+PIER = (
+    "Wall('small', length=1.53, height=0.975, precompression=0.3e6, "
+    "openings=[Opening(left=0.63, width=0.4, height=0.6)], lintel='courses')"
+)
 
 
 @pytest.fixture(scope="module")
@@ -33,12 +35,29 @@ def small_wall(tmp_path_factory):
     return wall_file(tmp_path_factory.mktemp("walls") / "small.py", PIER)
 
 
-@pytest.mark.parametrize("words", [(), pytest.param(("--contacts", "corners"), marks=pytest.mark.long),
-                                   pytest.param(("--contacts", "gauss"), marks=pytest.mark.long)], ids="".join)
+@pytest.mark.parametrize(
+    "words",
+    [
+        (),
+        pytest.param(("--contacts", "corners"), marks=pytest.mark.long),
+        pytest.param(("--contacts", "gauss"), marks=pytest.mark.long),
+    ],
+    ids="".join,
+)
 def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path, words):
     """Bricks of unequal size, at rest under their weight before they are kicked, and unbroken."""
     out = tmp_path / "small.h5"
-    done = yade_command(*SHORT, small_wall, "--free-vibration", "--rest", 0.17, "--out", out, "--no-pictures", *words)
+    done = yade_command(
+        *SHORT,
+        small_wall,
+        "--free-vibration",
+        "--rest",
+        0.17,
+        "--out",
+        out,
+        "--no-pictures",
+        *words,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     history = damage.read_history(out)
     eigen = natural_modes(lay_out(load_wall(small_wall), history.model)).period_s[0]
@@ -55,7 +74,9 @@ def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp
 def shaken(yade_command, small_wall, tmp_path_factory):
     """The small wall shaken hard: 1 g at its own period."""
     out = tmp_path_factory.mktemp("shaken") / "small.h5"
-    done = yade_command(*SHORT, small_wall, "--harmonic", 0.03, 1.5, "--cycles", 2, "--rest", 0.02, "--out", out)
+    done = yade_command(
+        *SHORT, small_wall, "--harmonic", 0.03, 1.5, "--cycles", 2, "--rest", 0.02, "--out", out
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return damage.read_history(out), done.stdout
 
@@ -68,8 +89,9 @@ class TestDamagedWall:
         tension = events[events.kind == "tension"]
         assert len(tension) > 0
         assert np.all(tension.normal_stress_pa > joint.tensile_strength)
-        # The stress overshoots by up to what one step adds: little at the first break, when joints open at a small part
-        # of the base's velocity, more in the waves that the breaks release.  No joint opens faster than the base moves.
+        # The stress overshoots by up to what one step adds: little at the first break, when joints
+        # open at a small part of the base's velocity, more in the waves that the breaks release.
+        # No joint opens faster than the base moves.
         stiffness = history.joints.normal_stiffness_pa_m[tension.joint].to_numpy()
         one_step = history.parameters["pgv_m_s"] * stiffness * history.parameters["time_step_s"]
         assert tension.normal_stress_pa.iloc[0] < joint.tensile_strength + 0.1 * one_step[0]
@@ -118,17 +140,42 @@ def listening(pid):
     return found
 
 
-@pytest.fixture(scope="module", params=[(COMMAND, signal.SIGINT), (("yade", "-n"), signal.SIGKILL)],
-                ids=["launcher", "plain"])
+@pytest.fixture(
+    scope="module",
+    params=[(COMMAND, signal.SIGINT), (("yade", "-n"), signal.SIGKILL)],
+    ids=["launcher", "plain"],
+)
 def ended(request, tmp_path_factory, yade_command):
-    """A run of two courses that a signal ends once samples are written: whether by the launcher, addresses at which it
-    listened before and then, its exit status, what it printed, and its history."""
+    """A run of two courses that a signal ends once samples are written: whether by the launcher,
+    addresses at which it listened before and then, its exit status, what it printed, and its
+    history."""
     command, number = request.param
     folder = tmp_path_factory.mktemp("ended")
-    wall, out, log = wall_file(folder / "tiny.py", "Wall('small', 0.45, 0.15)"), folder / "tiny.h5", folder / "log"
-    with log.open("w") as file, subprocess.Popen([
-            *command, *SHORT, wall, "--harmonic", "0.1", "0.1", "--rest", "60", "--out", out, "--no-pictures"],
-            stdout=file, stderr=subprocess.STDOUT) as child:
+    wall, out, log = (
+        wall_file(folder / "tiny.py", "Wall('small', 0.45, 0.15)"),
+        folder / "tiny.h5",
+        folder / "log",
+    )
+    with (
+        log.open("w") as file,
+        subprocess.Popen(
+            [
+                *command,
+                *SHORT,
+                wall,
+                "--harmonic",
+                "0.1",
+                "0.1",
+                "--rest",
+                "60",
+                "--out",
+                out,
+                "--no-pictures",
+            ],
+            stdout=file,
+            stderr=subprocess.STDOUT,
+        ) as child,
+    ):
         try:
             before, deadline = set(), time.monotonic() + 300
             while time.monotonic() < deadline and count_samples(out) == 0:
@@ -139,7 +186,14 @@ def ended(request, tmp_path_factory, yade_command):
             child.wait(timeout=300)
         finally:
             child.kill()
-    return command is COMMAND, before, now, child.returncode, log.read_text(), damage.read_history(out)
+    return (
+        command is COMMAND,
+        before,
+        now,
+        child.returncode,
+        log.read_text(),
+        damage.read_history(out),
+    )
 
 
 def test_nobody_can_reach_a_run_over_the_network(ended):
@@ -153,27 +207,45 @@ def test_nobody_can_reach_a_run_over_the_network(ended):
 def test_interrupt_leaves_a_readable_history(ended):
     by_launcher, _, _, status, text, history = ended
     assert status == (130 if by_launcher else -signal.SIGKILL), text
-    assert history.status == ("interrupted" if by_launcher else "unfinished") and len(history.series) > 0
+    assert (
+        history.status == ("interrupted" if by_launcher else "unfinished")
+        and len(history.series) > 0
+    )
     assert summarise(history)["residual"] is None
 
 
-# Two short piers and four courses over an opening of nine bricks, as of the symmetric wall: shaken, they fall.
+# Two short piers and four courses over an opening of nine bricks, as of the symmetric wall: shaken,
+# they fall.
 SPANDREL = "Wall('spandrel', 2.925, 0.525, [Opening(0.45, 2.025, 0.225)], precompression=0.3e6)"
 
 
 def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
     out, wall = tmp_path / "none.h5", wall_file(tmp_path / "spandrel.py", SPANDREL)
-    done = yade_command(*SHORT, wall, "--lintel", "none", "--harmonic", 0.05, 0.5, "--out", out,
-                        "--past-collapse", 0.1, "--no-pictures")
+    done = yade_command(
+        *SHORT,
+        wall,
+        "--lintel",
+        "none",
+        "--harmonic",
+        0.05,
+        0.5,
+        "--out",
+        out,
+        "--past-collapse",
+        0.1,
+        "--no-pictures",
+    )
     assert done.returncode == 0 and "collapsed at" in done.stdout
     history = damage.read_history(out)
     assert history.complete and 0 < history.collapsed_at_s < 0.6
     assert history.series.time_s.iloc[-1] == pytest.approx(history.collapsed_at_s, abs=0.02)
-    # A brick has dropped by half its height, 37.5 mm, when all but snapshots ends; these follow it on its way down.
+    # A brick has dropped by half its height, 37.5 mm, when all but snapshots ends; these follow it
+    # on its way down.
     times = history.snapshot_time_s
     at = np.flatnonzero(times <= history.series.time_s.iloc[-1])[-1]
     assert -0.06 < history.displacement[at, :, 1].min() < -0.0375
     assert 0.1 <= times[-1] - history.collapsed_at_s < 0.13 and np.all(np.diff(times) > 0)
     lowest = -history.displacement[[at, -1], :, 1].min(axis=1)
     assert lowest[1] > lowest[0] + 9.81 * 0.1**2 / 2 * 0.9  # freely
-    assert np.all(history.displacement[-1, history.bodies.course == -1, 1] > -0.01)  # the piers stand
+    # the piers stand
+    assert np.all(history.displacement[-1, history.bodies.course == -1, 1] > -0.01)

@@ -1,6 +1,7 @@
 """The scene that scripts and YADE's prompt work on: what is refused, and forces against statics.
 
-The guide for YADE users, with engines, the prompt, O.save and O.load, is followed in test_guides.py.
+The guide for YADE users, with engines, the prompt, O.save and O.load, is followed in
+test_guides.py.
 """
 
 import json
@@ -54,28 +55,33 @@ def opened():
     scene = open_scene(WALL, harmonic=(0.05, 0.1), cycles=1, rest=0)
     assert scene is current_scene() and counted == []
     O.step()
-    found = {{"weightless": max(abs(force) for joint in scene.joints.index for force in scene.force(joint))}}
+    forces = [abs(force) for joint in scene.joints.index for force in scene.force(joint)]
+    found = {{"weightless": max(forces)}}
     scene.settle()
     steps = O.iter
     O.run(10, True)
     joints = scene.joints
     ground = joints.index[joints["first_body"] < 0]
-    found |= {{"steps": [O.iter - steps, len(counted) - steps + 1], "weight": scene.layout.total_mass * 9.81,
+    found |= {{"steps": [O.iter - steps, len(counted) - steps + 1],
+              "weight": scene.layout.total_mass * 9.81,
               "ground": [sum(forces) for forces in zip(*(scene.force(joint) for joint in ground))],
               "near": joints.loc[scene.joint_at(0.3, 0.15, "head"), ["x_m", "z_m"]].tolist(),
               "kind": said(scene.joint_at, 0, 0, "base"), "far": said(scene.force, 1000)}}
     history = scene.finish()
-    found |= {{"samples": len(history.series), "status": history.status, "again": said(scene.finish)}}
+    found |= {{"samples": len(history.series), "status": history.status,
+              "again": said(scene.finish)}}
     O.reset()
     return found | {{"replaced": said(scene.solver.advance, 1)}}
 
 
 def slippery():  # half of the friction, set for each bond of a wall that is pushed until it slides
-    scene = open_scene(Wall("low", 0.45, 0.15, precompression=0.3e6), pushover=0.12, boundary="fixed")
+    low = Wall("low", 0.45, 0.15, precompression=0.3e6)
+    scene = open_scene(low, pushover=0.12, boundary="fixed")
     for bond in scene.solver.model.physics:
         bond.tanFrictionAngle *= 0.5
     series = scene.finish().series
-    return {{"shear": float(series["base_shear_n"].iloc[-20:].mean()), "load": scene.layout.total_mass * 9.81}}
+    return {{"shear": float(series["base_shear_n"].iloc[-20:].mean()),
+            "load": scene.layout.total_mass * 9.81}}
 
 
 run_and_leave(lambda: print(json.dumps([refusals(), opened(), slippery()])))
@@ -91,8 +97,11 @@ def found(tmp_path_factory, yade_command):
 
 def test_engines_and_bodies_that_would_vanish_are_refused_by_name(found):
     refused, *_ = found
-    for case, engine in (("given", "NewtonIntegrator"), ("changed", "NewtonIntegrator(newton)"),
-                         ("appended", "GlobalStiffnessTimeStepper(second)")):
+    for case, engine in (
+        ("given", "NewtonIntegrator"),
+        ("changed", "NewtonIntegrator(newton)"),
+        ("appended", "GlobalStiffnessTimeStepper(second)"),
+    ):
         assert refused[case].startswith(f"the engine {engine}: the wall's own replaces it"), case
     assert "expected engines of YADE" in refused["no engine"]
     assert "did you mean harmonic?" in refused["option"]
@@ -105,7 +114,10 @@ def test_an_open_scene_is_weightless_then_carries_its_weight(found):
     assert_allclose(scene["ground"], [-scene["weight"], 0.0], atol=1e-6 * scene["weight"])
     assert scene["steps"] == [10, 10]
     assert_allclose(scene["near"], [0.3375, 0.1125], atol=0.04)
-    assert "expected one of bed, head" in scene["kind"] and "expected a row of scene.joints" in scene["far"]
+    assert (
+        "expected one of bed, head" in scene["kind"]
+        and "expected a row of scene.joints" in scene["far"]
+    )
 
 
 def test_a_scene_finishes_its_run_once_and_not_in_another_scene(found):

@@ -1,4 +1,5 @@
-"""The asymmetric façade wall with joints that soften, by the rule of docs/model/model.md (docs/paper/thirty-years.md).
+"""The asymmetric façade wall with joints that soften, by the rule of docs/model/model.md
+(docs/paper/thirty-years.md).
 
     yade walls/variants/asymmetric_softening.py --harmonic 0.2 0.05
 """

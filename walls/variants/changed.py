@@ -15,18 +15,26 @@ def paper_wall(name):
 def symmetric(stiffer=1.0, **changes):
     """walls/symmetric.py with bricks of `stiffer` times the moduli and other values."""
     wall = paper_wall("symmetric")
-    brick = replace(wall.brick, young_modulus=stiffer * wall.brick.young_modulus,
-                    shear_modulus=stiffer * wall.brick.shear_modulus)
+    brick = replace(
+        wall.brick,
+        young_modulus=stiffer * wall.brick.young_modulus,
+        shear_modulus=stiffer * wall.brick.shear_modulus,
+    )
     return replace(wall, brick=brick, **changes)
 
 
 def softening(name):
     """walls/NAME.py with joints that soften by the rule."""
     wall = paper_wall(name)
-    return replace(wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength)))
+    return replace(
+        wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength))
+    )
 
 
 def lighter(name, share):
-    """walls/NAME.py with this share of the mass on top, and of its weight; its name says so, as symmetric_mass85."""
+    """walls/NAME.py with this share of the mass on top, and of its weight; its name says so, as
+    symmetric_mass85."""
     wall = paper_wall(name)
-    return replace(wall, name=f"{name}_mass{round(100 * share)}", precompression=share * wall.precompression)
+    return replace(
+        wall, name=f"{name}_mass{round(100 * share)}", precompression=share * wall.precompression
+    )

@@ -1,8 +1,10 @@
-"""EUCENTRE's clay wall COMP2_4 with joints that soften and crush, and bricks that split: docs/validation/laboratory.md.
+"""EUCENTRE's clay wall COMP2_4 with joints that soften and crush, and bricks that split:
+docs/validation/laboratory.md.
 
-Joints crush at the tested compressive strength of the masonry, 11.22 MPa (Graziotti et al. 2016, damage/data/eucentre).
-Assumed, since not tested: the bricks' tensile strength, a tenth of their normalised compressive strength of 46.8 MPa;
-the joints' fracture energies, by the rule of docs/model/model.md.
+Joints crush at the tested compressive strength of the masonry, 11.22 MPa (Graziotti et al. 2016,
+damage/data/eucentre). Assumed, since not tested: the bricks' tensile strength, a tenth of their
+normalised compressive strength of 46.8 MPa; the joints' fracture energies, by the rule of
+docs/model/model.md.
 
     yade walls/variants/comp2_4_split_and_crush.py --pushover 0.3 --boundary fixed
 """
@@ -21,8 +23,11 @@ from damage.wall.parameters import softening_energies
 def wall():
     base = load_wall(Path(__file__).resolve().parents[1] / "comp2_4.py")
     energies = softening_energies(base.joint.tensile_strength)
-    return replace(base, brick=replace(base.brick, tensile_strength=4.68e6),
-                   joint=replace(base.joint, **energies, compressive_strength=11.22e6))
+    return replace(
+        base,
+        brick=replace(base.brick, tensile_strength=4.68e6),
+        joint=replace(base.joint, **energies, compressive_strength=11.22e6),
+    )
 
 
 if __name__ == "__main__":

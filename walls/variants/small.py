@@ -1,7 +1,7 @@
 """A wall of 5 by 8 bricks with a window, for checks that should take seconds.
 
-    python3 -m damage reference walls/variants/small.py --harmonic 0.1 0.4 --sequence 1,0.6
-    yade walls/variants/small.py --harmonic 0.1 0.4 --sequence 1,0.6
+python3 -m damage reference walls/variants/small.py --harmonic 0.1 0.4 --sequence 1,0.6
+yade walls/variants/small.py --harmonic 0.1 0.4 --sequence 1,0.6
 """
 
 import sys
@@ -19,8 +19,14 @@ def wall():
         name="small",
         length=5 * brick.length,
         height=8 * brick.height,
-        openings=[Opening(left=1.5 * brick.length, width=2 * brick.length, height=4 * brick.height,
-                          sill=2 * brick.height)],
+        openings=[
+            Opening(
+                left=1.5 * brick.length,
+                width=2 * brick.length,
+                height=4 * brick.height,
+                sill=2 * brick.height,
+            )
+        ],
         precompression=0.3e6,
         brick=brick,
         joint=Joint(tensile_strength=0.21e6, cohesion=0.24e6),

@@ -1,4 +1,5 @@
-"""The solid wall with joints that soften, by the rule of docs/model/model.md (docs/paper/thirty-years.md).
+"""The solid wall with joints that soften, by the rule of docs/model/model.md
+(docs/paper/thirty-years.md).
 
     yade walls/variants/solid_softening.py --harmonic 0.2 0.05
 """

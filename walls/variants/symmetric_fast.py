@@ -1,4 +1,5 @@
-"""The symmetric façade wall with bricks so stiff that its period is 0.111 s (docs/paper/published-fragility.md).
+"""The symmetric façade wall with bricks so stiff that its period is 0.111 s
+(docs/paper/published-fragility.md).
 
     yade walls/variants/symmetric_fast.py --harmonic 0.2 0.05
 """

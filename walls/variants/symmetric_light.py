@@ -1,4 +1,5 @@
-"""The symmetric façade wall with 0.12 MPa in its piers: its period is 0.094 s (docs/paper/published-fragility.md).
+"""The symmetric façade wall with 0.12 MPa in its piers: its period is 0.094 s
+(docs/paper/published-fragility.md).
 
     yade walls/variants/symmetric_light.py --harmonic 0.2 0.05
 """

@@ -1,4 +1,5 @@
-"""The symmetric façade wall with 0.12 MPa in its piers, its period 0.200 s (docs/paper/published-fragility.md).
+"""The symmetric façade wall with 0.12 MPa in its piers, its period 0.200 s
+(docs/paper/published-fragility.md).
 
     yade walls/variants/symmetric_light_slow.py --harmonic 0.2 0.05
 """

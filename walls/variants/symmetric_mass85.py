@@ -1,6 +1,6 @@
 """The symmetric façade wall with 0.85 of the mass on its top (docs/paper/readings.md).
 
-    yade walls/variants/symmetric_mass85.py --harmonic 0.2 0.05
+yade walls/variants/symmetric_mass85.py --harmonic 0.2 0.05
 """
 
 import sys

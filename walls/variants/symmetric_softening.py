@@ -1,4 +1,5 @@
-"""The symmetric façade wall with joints that soften, by the rule of docs/model/model.md (docs/paper/readings.md).
+"""The symmetric façade wall with joints that soften, by the rule of docs/model/model.md
+(docs/paper/readings.md).
 
     yade walls/variants/symmetric_softening.py --harmonic 0.2 0.05
 """

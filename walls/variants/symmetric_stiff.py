@@ -1,4 +1,5 @@
-"""The symmetric façade wall with stiffer bricks: a first period of 0.174 instead of 0.200 s (docs/paper/readings.md).
+"""The symmetric façade wall with stiffer bricks: a first period of 0.174 instead of 0.200 s
+(docs/paper/readings.md).
 
     yade walls/variants/symmetric_stiff.py --harmonic 0.2 0.05
 """

@@ -1,8 +1,9 @@
-"""Keeps YADE from starting its network servers: the launcher `yade` has YADE import this before anything of its own.
+"""Keeps YADE from starting its network servers: the launcher `yade` has YADE import this before
+anything of its own.
 
-YADE's command ends its start with `yade.remote.runServers()`, which opens a prompt and an information server on all
-network interfaces.  Here `yade.remote` is a module whose `runServers` does nothing.  No other part of YADE uses it.
-"""
+YADE's command ends its start with `yade.remote.runServers()`, which opens a prompt and an
+information server on all network interfaces.  Here `yade.remote` is a module whose `runServers`
+does nothing.  No other part of YADE uses it."""
 
 import sys
 from importlib.machinery import ModuleSpec
@@ -26,4 +27,5 @@ class NoServers:
 
 sys.meta_path.insert(0, NoServers)
 if sys.path[-1] == ".":
-    sys.path.pop()  # YADE's option -L appends it; a file of the current folder must not stand in for a library
+    # YADE's option -L appends it; a file of the current folder must not stand in for a library
+    sys.path.pop()

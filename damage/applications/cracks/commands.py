@@ -23,13 +23,29 @@ from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out
 
 
-@command("cycles, envelope, failure mode and figures of a pushed wall; of several draws of its strengths median and "
-         "quantiles", HISTORIES, JSON,
-         arg("--to", type=number_from(1e-4, 100), metavar="DRIFT_PCT", help="drift to which the force is averaged "
-             "(default: ultimate drift of the test that the wall models, else of the run)"),
-         examples=("pushed.h5", "pushed.h5 --json"))
+@command(
+    "cycles, envelope, failure mode and figures of a pushed wall; of several draws of its strengths"
+    " median and quantiles",
+    HISTORIES,
+    JSON,
+    arg(
+        "--to",
+        type=number_from(1e-4, 100),
+        metavar="DRIFT_PCT",
+        help=(
+            "drift to which the force is averaged "
+            "(default: ultimate drift of the test that the wall models, else of the run)"
+        ),
+    ),
+    examples=("pushed.h5", "pushed.h5 --json"),
+)
 def _cycles(asked):
-    from damage.applications.cracks.pushed import describe, describe_draws, draws_report, pushed_report
+    from damage.applications.cracks.pushed import (
+        describe,
+        describe_draws,
+        draws_report,
+        pushed_report,
+    )
 
     histories, to = [read_history(path) for path in asked.histories], asked.to and asked.to / 100
     if len(histories) == 1:
@@ -38,39 +54,79 @@ def _cycles(asked):
         show(asked, draws_report(histories, to), describe_draws)
 
 
-@command("pushed laboratory walls beside their tests", HISTORIES, out("folder for the pictures"),
-         examples=("squat.h5 --out pictures", "comp2_1.h5 comp2_3.h5 --out pictures"))
+@command(
+    "pushed laboratory walls beside their tests",
+    HISTORIES,
+    out("folder for the pictures"),
+    examples=("squat.h5 --out pictures", "comp2_1.h5 comp2_3.h5 --out pictures"),
+)
 def _laboratory(asked):
     from damage.applications.cracks.pictures import save
 
     print(*save(map(read_history, asked.histories), asked.out), sep="\n")
 
 
-@command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
-         file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
-         group("a history", arg("--at", metavar="MOMENT,...", help="max, end, times [s] (default max,end)")),
-         group("a crack file or a DIC field",
-               file_arg("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
-               file_arg("--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"),
-               arg("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="of a crack file: how far from "
-                   "a joint a crack may be drawn (default: half a brick's height)"),
-               arg("--margin-mm", type=number_from(0, 1000), metavar="MM",
-                   help="of a field: how far inside a brick's edges points count (default 10)")),
-         threshold("opening, slip and width"), PSI_FROM, DRIFT_LIMIT,
-         output(file_arg("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file")),
-         out("folder for a picture of each load level, or moment", required=False), JSON,
-         examples=("run.h5 --at max,end --export cracks.csv --out pictures",
-                   "cracks.csv --wall symmetric --tolerance-mm 20"))
+@command(
+    "cracks, Psi and index of a history, of digitised cracks or of a DIC field",
+    file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
+    group(
+        "a history", arg("--at", metavar="MOMENT,...", help="max, end, times [s] (default max,end)")
+    ),
+    group(
+        "a crack file or a DIC field",
+        file_arg("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
+        file_arg(
+            "--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"
+        ),
+        arg(
+            "--tolerance-mm",
+            type=number_from(1e-3, 1000),
+            metavar="MM",
+            help=(
+                "of a crack file: how far from "
+                "a joint a crack may be drawn (default: half a brick's height)"
+            ),
+        ),
+        arg(
+            "--margin-mm",
+            type=number_from(0, 1000),
+            metavar="MM",
+            help="of a field: how far inside a brick's edges points count (default 10)",
+        ),
+    ),
+    threshold("opening, slip and width"),
+    PSI_FROM,
+    DRIFT_LIMIT,
+    output(
+        file_arg(
+            "--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"
+        )
+    ),
+    out("folder for a picture of each load level, or moment", required=False),
+    JSON,
+    examples=(
+        "run.h5 --at max,end --export cracks.csv --out pictures",
+        "cracks.csv --wall symmetric --tolerance-mm 20",
+    ),
+)
 def _cracks(asked):
     from damage.applications.cracks.crack_report import crack_report, describe
 
-    report, drawn = crack_report(**{name: value for name, value in vars(asked).items()
-                                    if name not in ("command", "json", "version", "quiet")})
+    report, drawn = crack_report(
+        **{
+            name: value
+            for name, value in vars(asked).items()
+            if name not in ("command", "json", "version", "quiet")
+        }
+    )
     if asked.out:
         from damage.applications.cracks.crack_picture import crack_pictures
 
-        save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
-              f"cracks of {shown_path(asked.source or asked.dic)}")
+        save(
+            crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE),
+            asked.out,
+            f"cracks of {shown_path(asked.source or asked.dic)}",
+        )
     show(asked, report, describe)
 
 
@@ -80,15 +136,23 @@ def _compare_survey(asked, paths):
     surveys = [path for path in paths if path.suffix.lower() == ".csv"]
     runs = [path for path in paths if path not in surveys]
     if len(surveys) > 1 or not runs or asked.out:
-        raise InputError(f"compare with {surveys[0]}: expected one survey, histories beside it, and no --out; "
-                         "correct it")
+        raise InputError(
+            f"compare with {surveys[0]}: expected one survey, histories beside it, and no --out; "
+            "correct it"
+        )
     found = []
     for history in map(read_history, runs):
         layout = lay_out(history.masonry_wall, history.model)
         survey = read_survey(surveys[0], layout)
         opening, offset = history.opening_m[-1], history.slip_by("displacement")[-1]
         found.append({"run": str(history.path)} | beside(survey, opening, offset, layout))
-    show(asked, found, lambda found: "\n".join(line for one in found for line in (one["run"], *describe_beside(one))))
+    show(
+        asked,
+        found,
+        lambda found: "\n".join(
+            line for one in found for line in (one["run"], *describe_beside(one))
+        ),
+    )
 
 
 def _compare_patterns(first, second):
@@ -103,7 +167,8 @@ def _describe_patterns(found):
     return describe_patterns(found)
 
 
-MODEL += [f"applications/cracks/{name}.py" for name in ("crack_file", "crack_paths", "survey")]  # of --cracked
+# of --cracked
+MODEL += [f"applications/cracks/{name}.py" for name in ("crack_file", "crack_paths", "survey")]
 MEASURES.append("applications/cracks/kept.py")  # patterns at rest
 BESIDE[".csv"] = _compare_survey
 COMPARISONS["patterns"] = Comparison(_compare_patterns, _describe_patterns)

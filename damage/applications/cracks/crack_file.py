@@ -1,7 +1,10 @@
-"""Digitised cracks of a wall at successive load levels: the CSV format of `docs/reference/crack-format.md`.
+"""Digitised cracks of a wall at successive load levels: the CSV format of
+`docs/reference/crack-format.md`.
 
-A crack is one polyline or several.  The sizes and the mode in the row of a point hold from there to the
-next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, the mode says what it is:
+A crack is one polyline or several.  The sizes and the mode in the row of a point hold from there to
+the
+next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, the mode says what it
+is:
 tension all opening, shear all slip; mixed and unknown leave both open, which is NaN here.
 """
 
@@ -23,7 +26,10 @@ from damage.wall.parameters import LONGEST_M
 MOST_MM = 1e4
 OF_LEVEL = {
     "load_level": Column("1", "successive load levels", least=-1e6, most=1e6),
-    "drift_pct": Column("%", "top displacement over height; one value a level", least=-1e3, most=1e3)}
+    "drift_pct": Column(
+        "%", "top displacement over height; one value a level", least=-1e3, most=1e3
+    ),
+}
 COLUMNS = {
     **OF_LEVEL,
     "crack": Column("", "label of a crack; all its polylines have it", "U"),
@@ -33,11 +39,13 @@ COLUMNS = {
     "opening_mm": Column("mm", "across the crack, zero or more", least=0, most=MOST_MM),
     "slip_mm": Column("mm", "along it, signed", least=-MOST_MM, most=MOST_MM),
     "width_mm": Column("mm", "sqrt(opening² + slip²)", least=0, most=MOST_MM),
-    "mode": Column("", "tension, shear, mixed, unknown", "U")}
+    "mode": Column("", "tension, shear, mixed, unknown", "U"),
+}
 OF_SURVEY = {
     "offset": Column("", "whether the faces are seen to be offset: yes, no, unknown", "U"),
     "detection_limit_mm": Column("mm", "width from which cracks are seen", least=1e-9, most=100),
-    "width_error_mm": Column("mm", "largest error of the widths", least=0, most=100)}
+    "width_error_mm": Column("mm", "largest error of the widths", least=0, most=100),
+}
 """{name: Column} of a crack file, and those of a survey of a real wall."""
 REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
@@ -50,7 +58,8 @@ MOST_DRAWN_M = 10_000.0
 """Length of all polylines of a file [m]."""
 MOST_POINTS = 20_000
 """Rows of a file: each stretch is laid on the joints by itself."""
-_AGREE = 0.02  # share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
+# share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
+_AGREE = 0.02
 _AGREE_MM = 0.01
 
 
@@ -59,12 +68,14 @@ class CrackPattern:
     """All cracks of a wall at one load level.
 
     level: its number; drift_ratio: NaN where unknown;
-    stretches: DataFrame, a row a straight part of a polyline: crack (label), line (number of the polyline
-    in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where they cannot be
-    distinguished), width_m, mode;
-    offset: of each stretch, 1 where its faces are seen to be offset, 0 where they are not, NaN where nobody says, None
-    for NaN of all; detection_limit_m, width_error_m: width from which cracks are seen, largest error of a width (NaN
-    where unknown); clear: (n, 4) [m], rectangles x, z, x, z of opposite corners that have no crack.
+    stretches: DataFrame, a row a straight part of a polyline: crack (label), line (number of the
+    polyline
+    in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where they
+    cannot be distinguished), width_m, mode;
+    offset: of each stretch, 1 where its faces are seen to be offset, 0 where they are not, NaN
+    where nobody says, None for NaN of all; detection_limit_m, width_error_m: width from which
+    cracks are seen, largest error of a width (NaN where unknown); clear: (n, 4) [m], rectangles x,
+    z, x, z of opposite corners that have no crack.
     """
 
     level: float
@@ -79,7 +90,9 @@ class CrackPattern:
     def length_m(self):
         """Length of every stretch, (n_stretches,)."""
         parts = self.stretches
-        return np.hypot(parts["x_end_m"] - parts["x_start_m"], parts["z_end_m"] - parts["z_start_m"]).to_numpy(float)
+        return np.hypot(
+            parts["x_end_m"] - parts["x_start_m"], parts["z_end_m"] - parts["z_start_m"]
+        ).to_numpy(float)
 
 
 def read_cracks(path):
@@ -94,33 +107,55 @@ def read_cracks(path):
         here = rows[rows["level"] == level]
         is_area = here["mode"] == NO_CRACK
         stretches, offset = _stretches(table, here[~is_area & ~here["empty"]])
-        patterns.append(CrackPattern(
-            level, _one_value(table, here["drift_pct"]) / 100, stretches, offset,
-            *(_one_value(table, here[name]) * MILLIMETRE for name in ("detection_limit_mm", "width_error_mm")),
-            _clear(table, here[is_area])))
+        patterns.append(
+            CrackPattern(
+                level,
+                _one_value(table, here["drift_pct"]) / 100,
+                stretches,
+                offset,
+                *(
+                    _one_value(table, here[name]) * MILLIMETRE
+                    for name in ("detection_limit_mm", "width_error_mm")
+                ),
+                _clear(table, here[is_area]),
+            )
+        )
     drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)
     if drawn > MOST_DRAWN_M:
-        raise InputError(f"{path}: cracks of {drawn:g} m in all; expected up to {MOST_DRAWN_M:g} m, look at the unit")
+        raise InputError(
+            f"{path}: cracks of {drawn:g} m in all; expected up to {MOST_DRAWN_M:g} m, look at the"
+            " unit"
+        )
     return patterns
 
 
 def _rows(table):
-    """Checked columns in SI units; empty: whether a row is; before: the number of the point in the row before, NaN
-    where that is of another crack or level."""
+    """Checked columns in SI units; empty: whether a row is; before: the number of the point in the
+    row before, NaN where that is of another crack or level."""
     rows = table.rows.assign(level=table.levels(), mode=table.rows["mode"].replace("", "unknown"))
     for name, known in (("mode", (*MODES, NO_CRACK)), ("offset", tuple(SEEN))):
         for row in np.flatnonzero(~rows[name].isin(known)):
-            raise table.error(row, f"{name} = {rows[name][row]!r}: expected one of {', '.join(filter(None, known))}")
+            raise table.error(
+                row,
+                f"{name} = {rows[name][row]!r}: expected one of {', '.join(filter(None, known))}",
+            )
     rows["offset"] = rows["offset"].map(SEEN)
     lacks = rows[list(REQUIRED)].isna() | rows[list(REQUIRED)].eq("")
     rows["empty"] = lacks.all(axis=1)
     for name in REQUIRED:
-        table.refuse((lacks[name] & ~rows["empty"]).to_numpy(), f"no {name}; give it, or leave crack, point, x_m and "
-                     "z_m all empty for a level without cracks")
+        table.refuse(
+            (lacks[name] & ~rows["empty"]).to_numpy(),
+            f"no {name}; give it, or leave crack, point, x_m and "
+            "z_m all empty for a level without cracks",
+        )
     for name in ("opening", "slip", "width"):
         rows[f"{name}_m"] = rows[f"{name}_mm"] * MILLIMETRE
     above = rows.shift()
-    same = (rows["crack"] == above["crack"]) & (rows["level"] == above["level"]) & (above["mode"] != NO_CRACK)
+    same = (
+        (rows["crack"] == above["crack"])
+        & (rows["level"] == above["level"])
+        & (above["mode"] != NO_CRACK)
+    )
     return rows.assign(before=above["point"].where(same))
 
 
@@ -131,32 +166,50 @@ def _one_value(table, column):
         return nan
     first = given.index[0]
     for row in given.index[given != given[first]]:
-        raise table.error(row, f"{column.name} = {given[row]:g}, but {given[first]:g} in line {table.line[first]} of "
-                               "the same load level; give one value a level")
+        raise table.error(
+            row,
+            f"{column.name} = {given[row]:g}, but {given[first]:g} in line {table.line[first]} of "
+            "the same load level; give one value a level",
+        )
     return float(given[first])
 
 
 def _clear(table, points):
     """Rectangles (n, 4) [m] of the rows of areas without a crack."""
-    if (odd := points["point"].to_numpy() != np.arange(len(points)) % 2 + 1).any() or len(points) % 2:
+    if (odd := points["point"].to_numpy() != np.arange(len(points)) % 2 + 1).any() or len(
+        points
+    ) % 2:
         row = points.index[int(np.argmax(odd)) if odd.any() else -1]
-        raise table.error(row, f"mode = {NO_CRACK!r}: expected two rows an area, point 1 and 2, opposite corners of a "
-                               "rectangle without a crack")
+        raise table.error(
+            row,
+            f"mode = {NO_CRACK!r}: expected two rows an area, point 1 and 2, opposite corners of a "
+            "rectangle without a crack",
+        )
     corners = points[["x_m", "z_m"]].to_numpy(float).reshape(-1, 4)
     for row in points.index[1::2][(corners[:, :2] == corners[:, 2:]).any(axis=1)]:
-        raise table.error(row, "an area without a crack that has no width or no height; expected opposite corners of "
-                               "a rectangle")
+        raise table.error(
+            row,
+            "an area without a crack that has no width or no height; expected opposite corners of "
+            "a rectangle",
+        )
     return corners
 
 
 def _stretches(table, points):
-    """The straight parts of the polylines of one level, and whether their faces are seen to be offset."""
+    """The straight parts of the polylines of one level, and whether their faces are seen to be
+    offset."""
     starts = (points["point"] == 1).to_numpy()
     ends = np.append(starts, True)[1:]
     wrong = points[~starts & (points["point"] != points["before"] + 1)]
     for row, point, before, crack in wrong[["point", "before", "crack"]].itertuples():
-        after, number = ("", "") if isnan(before) else (f" after point {before:g}", f"{before + 1:g}, or ")
-        raise table.error(row, f"point = {point:g}{after} of crack {crack}: expected {number}1 where a polyline begins")
+        after, number = (
+            ("", "") if isnan(before) else (f" after point {before:g}", f"{before + 1:g}, or ")
+        )
+        raise table.error(
+            row,
+            f"point = {point:g}{after} of crack {crack}: expected {number}1 where a polyline"
+            " begins",
+        )
     for row, crack in points["crack"][starts & ends].items():
         raise table.error(row, f"crack {crack} has a polyline of one point; expected two or more")
     here, there = points[~ends], points[~starts]
@@ -165,7 +218,9 @@ def _stretches(table, points):
         raise table.error(row, "the same place as the point before; leave it out")
     without_slip = here["offset"] == 0  # all that is seen is opening
     for row, mode in here["mode"][without_slip & here["mode"].isin(("shear", "mixed"))].items():
-        raise table.error(row, f"offset = no with mode = {mode}: expected a crack without slip; correct one")
+        raise table.error(
+            row, f"offset = no with mode = {mode}: expected a crack without slip; correct one"
+        )
     here = here.assign(mode=here["mode"].mask(without_slip, "tension"))
     parts = []
     for row, *known in here[["opening_m", "slip_m", "width_m", "mode"]].itertuples():
@@ -173,9 +228,15 @@ def _stretches(table, points):
             parts.append(complete_sizes(*known))
         except InputError as error:
             raise table.error(row, str(error)) from None
-    stretches = pd.DataFrame({
-        "crack": here["crack"].to_numpy(), "line": np.cumsum(starts)[~ends], **dict(zip(ENDS, places.T)),
-        **dict(zip(("opening_m", "slip_m", "width_m"), np.reshape(parts, (-1, 3)).T)), "mode": here["mode"].to_numpy()})
+    stretches = pd.DataFrame(
+        {
+            "crack": here["crack"].to_numpy(),
+            "line": np.cumsum(starts)[~ends],
+            **dict(zip(ENDS, places.T)),
+            **dict(zip(("opening_m", "slip_m", "width_m"), np.reshape(parts, (-1, 3)).T)),
+            "mode": here["mode"].to_numpy(),
+        }
+    )
     return stretches, here["offset"].to_numpy()
 
 
@@ -193,24 +254,32 @@ def complete_sizes(opening, slip, width, mode):
         opening = 0.0 if isnan(opening) else opening
     opening, slip = _rest(opening, slip, width), _rest(slip, opening, width)
     if isnan(width) and (isnan(opening) or isnan(slip)):
-        raise InputError("the width is unknown: give width_mm, or opening_mm and slip_mm, or one of the two "
-                         "with its mode, tension or shear")
+        raise InputError(
+            "the width is unknown: give width_mm, or opening_mm and slip_mm, or one of the two "
+            "with its mode, tension or shear"
+        )
     together = float(np.hypot(opening, slip))
     if abs(together - width) > _AGREE * width + _AGREE_MM * MILLIMETRE:
-        raise InputError(f"width_mm = {width / MILLIMETRE:g}, but opening and slip give "
-                         f"{together / MILLIMETRE:g}; expected sqrt(opening^2 + slip^2)")
+        raise InputError(
+            f"width_mm = {width / MILLIMETRE:g}, but opening and slip give "
+            f"{together / MILLIMETRE:g}; expected sqrt(opening^2 + slip^2)"
+        )
     return opening, slip, width if isnan(together) else together
 
 
 def _rest(wanted, other, width):
-    """Opening or slip [m] from the width and the other of both, unless it is known; NaN where it cannot be computed."""
+    """Opening or slip [m] from the width and the other of both, unless it is known; NaN where it
+    cannot be computed."""
     return float(np.sqrt(np.maximum(width**2 - other**2, 0.0))) if isnan(wanted) else wanted
 
 
 def write_cracks(path, patterns, comments=()):
-    """Write patterns (CrackPattern) to `path`; comments: lines for its head.  The columns OF_SURVEY are there where a
-    pattern has a value of them."""
-    rows = pd.DataFrame([row for pattern in patterns for row in _point_rows(pattern)], columns=[*COLUMNS, *OF_SURVEY])
+    """Write patterns (CrackPattern) to `path`; comments: lines for its head.  The columns OF_SURVEY
+    are there where a pattern has a value of them."""
+    rows = pd.DataFrame(
+        [row for pattern in patterns for row in _point_rows(pattern)],
+        columns=[*COLUMNS, *OF_SURVEY],
+    )
     if not (rows["mode"].eq(NO_CRACK).any() or rows[list(OF_SURVEY)].notna().any(axis=None)):
         rows = rows[list(COLUMNS)]
     numbers = rows.select_dtypes("number") + 0.0  # zero has no sign
@@ -219,7 +288,8 @@ def write_cracks(path, patterns, comments=()):
 
 
 def _point_rows(pattern):
-    """The rows of one level: each polyline's points, the last one without sizes, then the corners of clear areas."""
+    """The rows of one level: each polyline's points, the last one without sizes, then the corners
+    of clear areas."""
     head = (pattern.level, 100 * pattern.drift_ratio)
     accuracy = (pattern.detection_limit_m / MILLIMETRE, pattern.width_error_m / MILLIMETRE)
     seen = {number: word for word, number in SEEN.items() if not isnan(number)}
@@ -228,9 +298,19 @@ def _point_rows(pattern):
         yield (*head, *[None] * 9, *accuracy)
     for (crack, _), line in pattern.stretches.groupby(["crack", "line"], sort=False):
         for number, part in enumerate(line.itertuples(), start=1):
-            yield (*head, str(crack), number, part.x_start_m, part.z_start_m, part.opening_m / MILLIMETRE,
-                   part.slip_m / MILLIMETRE, part.width_m / MILLIMETRE, part.mode,
-                   seen.get(offset[part.Index]), *accuracy)
+            yield (
+                *head,
+                str(crack),
+                number,
+                part.x_start_m,
+                part.z_start_m,
+                part.opening_m / MILLIMETRE,
+                part.slip_m / MILLIMETRE,
+                part.width_m / MILLIMETRE,
+                part.mode,
+                seen.get(offset[part.Index]),
+                *accuracy,
+            )
         yield (*head, str(crack), number + 1, part.x_end_m, part.z_end_m, *[None] * 5, *accuracy)
     for name, (*first, x, z) in enumerate(pattern.clear, start=1):
         for point, corner in ((1, first), (2, (x, z))):
@@ -238,26 +318,33 @@ def _point_rows(pattern):
 
 
 def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
-    """The CrackPattern of a `damage.measure.cracks.crack_table`: each crack as polylines along its joints.
+    """The CrackPattern of a `damage.measure.cracks.crack_table`: each crack as polylines along its
+    joints.
 
     A polyline ends where the next cracked joint of its crack does not continue from its end.
     """
-    is_head = np.abs(table["x_end_m"] - table["x_start_m"]) < np.abs(table["z_end_m"] - table["z_start_m"])
+    is_head = np.abs(table["x_end_m"] - table["x_start_m"]) < np.abs(
+        table["z_end_m"] - table["z_start_m"]
+    )
     across = np.where(is_head, table["x_start_m"], table["z_start_m"])
     along = np.where(is_head, table["z_start_m"], table["x_start_m"])
     order = np.lexsort((along, np.round(across, 6), is_head, table["crack"]))
     parts = table.iloc[order].reset_index(drop=True)
     ends = parts[list(ENDS)].to_numpy()
     goes_on = np.zeros(len(parts), bool)
-    goes_on[1:] = (np.all(np.abs(ends[1:, :2] - ends[:-1, 2:]) < 1e-6, axis=1)
-                   & (np.diff(parts["crack"]) == 0) & (np.diff(is_head.to_numpy()[order].astype(int)) == 0))
+    goes_on[1:] = (
+        np.all(np.abs(ends[1:, :2] - ends[:-1, 2:]) < 1e-6, axis=1)
+        & (np.diff(parts["crack"]) == 0)
+        & (np.diff(is_head.to_numpy()[order].astype(int)) == 0)
+    )
     parts["line"] = np.cumsum(~goes_on)
     parts["mode"] = modes_of(parts["opening_m"].to_numpy(), parts["slip_m"].to_numpy(), threshold)
     return CrackPattern(float(level), float(drift_ratio), parts[list(STRETCHES)])
 
 
 def modes_of(opening, slip, threshold=THRESHOLD):
-    """tension, shear, or mixed of openings and slips [m]: what passes the threshold, (n,) of words."""
+    """tension, shear, or mixed of openings and slips [m]: what passes the threshold, (n,) of
+    words."""
     opened, slipped = opening > threshold, np.abs(slip) > threshold
     return np.where(opened == slipped, "mixed", np.where(opened, "tension", "shear"))
 
@@ -265,5 +352,7 @@ def modes_of(opening, slip, threshold=THRESHOLD):
 def patterns_of(history, samples, threshold=THRESHOLD):
     """The CrackPatterns of a History at samples (indices), numbered from 1."""
     drift = history.series["drift_ratio"].to_numpy()
-    return [pattern_of(cracks_at(history, sample, threshold), number, drift[sample], threshold)
-            for number, sample in enumerate(samples, start=1)]
+    return [
+        pattern_of(cracks_at(history, sample, threshold), number, drift[sample], threshold)
+        for number, sample in enumerate(samples, start=1)
+    ]

@@ -1,10 +1,12 @@
 """Digitised cracks on the joints of a wall, and the damage index from them, with bounds.
 
-A stretch of a polyline is cut into pieces of half a millimetre.  A piece belongs to the joint with the least
+A stretch of a polyline is cut into pieces of half a millimetre.  A piece belongs to the joint with
+the least
 
     distance / tolerance + sin^2(angle between piece and joint)
 
-and to none where that is 1 or more: it then runs through a brick, or beside the wall.  Its length counts on
+and to none where that is 1 or more: it then runs through a brick, or beside the wall.  Its length
+counts on
 the joint as it was drawn; no joint is cracked over more than its own length.
 
 Where only the width w of a crack is known, opening and slip each lie between 0 and w with
@@ -34,9 +36,10 @@ _TOGETHER = 200  # pieces whose distances to the joints near them are worked out
 class MappedCracks:
     """The cracks of one pattern on the joints of a wall.
 
-    table: DataFrame, a row each joint that a stretch runs along: joint (index), ENDS on the joint, length_m, and of the
-    stretch, as of a CrackPattern, crack, opening_m, slip_m, width_m, mode;
-    drawn_m, unmapped_m, surplus_m: length of all polylines, of what lies on no joint, and of what was drawn
+    table: DataFrame, a row each joint that a stretch runs along: joint (index), ENDS on the joint,
+    length_m, and of the stretch, as of a CrackPattern, crack, opening_m, slip_m, width_m, mode;
+    drawn_m, unmapped_m, surplus_m: length of all polylines, of what lies on no joint, and of what
+    was drawn
     over a joint beyond the joint's own length.
     """
 
@@ -47,51 +50,74 @@ class MappedCracks:
 
 
 def map_cracks(pattern, layout, tolerance=None):
-    """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
+    """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's
+    height."""
     tolerance = layout.wall.brick.height / 2 if tolerance is None else tolerance
     check_positive("tolerance [m]", tolerance)
     ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
     parts = pattern.stretches
-    rows = [row for number, part in enumerate(ends_of(parts)) for row in _on_joints(number, part, ends, tolerance)]
-    table = pd.DataFrame(rows, columns=["stretch", "joint", *ENDS, "length_m"]).astype({"stretch": int, "joint": int})
+    rows = [
+        row
+        for number, part in enumerate(ends_of(parts))
+        for row in _on_joints(number, part, ends, tolerance)
+    ]
+    table = pd.DataFrame(rows, columns=["stretch", "joint", *ENDS, "length_m"]).astype(
+        {"stretch": int, "joint": int}
+    )
     for name in ("crack", "opening_m", "slip_m", "width_m", "mode"):
         table[name] = parts[name].to_numpy()[table["stretch"]]
     mapped = table["length_m"].sum()
-    # No joint is cracked over more than its length.  A piece across its end counts entirely on one side of it: the sum
-    # may exceed the length by one piece.
+    # No joint is cracked over more than its length.  A piece across its end counts entirely on one
+    # side of it: the sum may exceed the length by one piece.
     length = layout.contacts.length
     on_joint = np.bincount(table["joint"], table["length_m"], minlength=len(length))
     share = np.divide(length, on_joint, out=np.ones(len(length)), where=on_joint > length + PIECE)
     table["length_m"] *= share[table["joint"]]
     drawn = float(pattern.length_m.sum())
-    return MappedCracks(table.drop(columns="stretch"), drawn, float(max(drawn - mapped, 0.0)),
-                        float(mapped - table["length_m"].sum()))
+    return MappedCracks(
+        table.drop(columns="stretch"),
+        drawn,
+        float(max(drawn - mapped, 0.0)),
+        float(mapped - table["length_m"].sum()),
+    )
 
 
 def _on_joints(number, stretch, ends, tolerance):
-    """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs along."""
+    """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs
+    along."""
     low, high = ends[:, 0], ends[:, 1]
     whole = stretch[1] - stretch[0]
     length = float(hypot(*whole))
     n_pieces = max(1, int(np.ceil(length / PIECE)))
     middle = stretch[0] + whole * ((np.arange(n_pieces) + 0.5) / n_pieces)[:, None]
-    best = np.concatenate([_nearest(part, whole / length, low, high, tolerance)
-                           for part in np.split(middle, range(_TOGETHER, n_pieces, _TOGETHER))])
+    best = np.concatenate(
+        [
+            _nearest(part, whole / length, low, high, tolerance)
+            for part in np.split(middle, range(_TOGETHER, n_pieces, _TOGETHER))
+        ]
+    )
     half = np.abs(whole) / n_pieces / 2
     for joint in np.unique(best[best >= 0]):
         pieces = middle[best == joint]
-        start, end = (np.clip(edge, low[joint], high[joint])
-                      for edge in (pieces.min(axis=0) - half, pieces.max(axis=0) + half))
+        start, end = (
+            np.clip(edge, low[joint], high[joint])
+            for edge in (pieces.min(axis=0) - half, pieces.max(axis=0) + half)
+        )
         yield number, joint, *start, *end, length * len(pieces) / n_pieces
 
 
 def _nearest(middle, along, low, high, tolerance):
     """The joint that each piece of a stretch belongs to, -1 for none: (n_pieces,).
 
-    middle: (n_pieces, 2) [m]; along: (2,) unit vector; low, high: ends of the joints (n_joints, 2) [m].
+    middle: (n_pieces, 2) [m]; along: (2,) unit vector; low, high: ends of the joints (n_joints, 2)
+    [m].
     """
-    near = np.flatnonzero(np.all((low <= middle.max(axis=0) + tolerance)
-                                 & (high >= middle.min(axis=0) - tolerance), axis=1))
+    near = np.flatnonzero(
+        np.all(
+            (low <= middle.max(axis=0) + tolerance) & (high >= middle.min(axis=0) - tolerance),
+            axis=1,
+        )
+    )
     if len(near) == 0:
         return np.full(len(middle), -1)
     is_head = (high - low)[near, 1] > (high - low)[near, 0]
@@ -102,16 +128,22 @@ def _nearest(middle, along, low, high, tolerance):
     return np.where(cost[np.arange(len(middle)), best] >= 1, -1, near[best])
 
 
-def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM):
-    """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct (None where
-    unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
+def describe_level(
+    pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM
+):
+    """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct
+    (None where
+    unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi,
+    psi_drawn, and
     DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 
-    Cracks count as they were drawn, by the file's own labels: a straight line over bricks and joints is one.  Psi is
-    that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the polylines
-    as they were drawn, through bricks too.  Without a drift DI is that of the cracks alone.  undecided_m: length over
-    the threshold whose mode is unknown.
+    Cracks count as they were drawn, by the file's own labels: a straight line over bricks and
+    joints is one.  Psi is that of the joints whose width reaches psi_from [m], as in
+    `damage.measure.cracks`; psi_drawn that of the polylines as they were drawn, through bricks too.
+    Without a drift DI is that of the cracks alone.  undecided_m: length over the threshold whose
+    mode is unknown.
     """
+
     def wide(rows, least):
         return rows[cracked(rows["width_m"].to_numpy(float), least)]
 
@@ -125,19 +157,27 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     if not known:
         bounds["DI_drift"] = None
     return {
-        "load_level": pattern.level, "drift_pct": 100 * pattern.drift_ratio if known else None,
-        "cracks": wide(parts, threshold)["crack"].nunique(), "crack_length_m": float(chosen["length_m"].sum()),
-        "unmapped_m": mapped.unmapped_m, "surplus_m": mapped.surplus_m,
+        "load_level": pattern.level,
+        "drift_pct": 100 * pattern.drift_ratio if known else None,
+        "cracks": wide(parts, threshold)["crack"].nunique(),
+        "crack_length_m": float(chosen["length_m"].sum()),
+        "unmapped_m": mapped.unmapped_m,
+        "surplus_m": mapped.surplus_m,
         "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
         "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,
-        "psi": psi(wide(table, psi_from)), "psi_drawn": psi(wide(parts, psi_from)), **bounds}
+        "psi": psi(wide(table, psi_from)),
+        "psi_drawn": psi(wide(parts, psi_from)),
+        **bounds,
+    }
 
 
 def index_bounds(table, total_length, drift, threshold=THRESHOLD):
-    """DI, DI_drift, DI_open, DI_slip of mapped cracks, each (low, high), equal where all modes are known.
+    """DI, DI_drift, DI_open, DI_slip of mapped cracks, each (low, high), equal where all modes are
+    known.
 
     table: of MappedCracks; total_length: of all joints [m]; drift: DI_drift [-].
     """
+
     def share(selected):
         return float(table.loc[selected, "length_m"].sum()) / total_length
 
@@ -148,25 +188,37 @@ def index_bounds(table, total_length, drift, threshold=THRESHOLD):
     weak = share(unknown & (width > threshold) & (width <= np.sqrt(2) * threshold))
     high = (opened + strong + weak, slipped + strong + weak)
     return {
-        "DI": (least_index(drift, opened, slipped, strong), largest_index(drift, opened, slipped, strong, weak)),
-        "DI_drift": (drift, drift), "DI_open": (opened, high[0]), "DI_slip": (slipped, high[1])}
+        "DI": (
+            least_index(drift, opened, slipped, strong),
+            largest_index(drift, opened, slipped, strong, weak),
+        ),
+        "DI_drift": (drift, drift),
+        "DI_open": (opened, high[0]),
+        "DI_slip": (slipped, high[1]),
+    }
 
 
 def least_index(drift, opened, slipped, either):
-    """Least DI where a share `either` of the joints has opened or slipped, not both: (1 - open)(1 - slip)
+    """Least DI where a share `either` of the joints has opened or slipped, not both: (1 - open)(1 -
+    slip)
     is largest where the two are as equal as can be."""
     to_open = np.clip((slipped - opened + either) / 2, 0.0, either)
     return float(combine(drift, opened + to_open, slipped + either - to_open))
 
 
 def largest_index(drift, opened, slipped, both, one):
-    """Largest DI where a share `both` has opened and slipped, a share `one` either: all of `one` in one."""
+    """Largest DI where a share `both` has opened and slipped, a share `one` either: all of `one` in
+    one."""
     opened, slipped = opened + both, slipped + both
     return float(max(combine(drift, opened + one, slipped), combine(drift, opened, slipped + one)))
 
 
 def largest(levels):
     """Each component's own maximum over levels of `describe_level`, (low, high), and psi's."""
-    result = {name: tuple(max((level[name][k] for level in levels if level[name]), default=0.0) for k in (0, 1))
-              for name in COMPONENTS}
+    result = {
+        name: tuple(
+            max((level[name][k] for level in levels if level[name]), default=0.0) for k in (0, 1)
+        )
+        for name in COMPONENTS
+    }
     return result | {"psi": max(level["psi"] for level in levels)}

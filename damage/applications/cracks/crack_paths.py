@@ -1,16 +1,17 @@
 """Drawn cracks as paths along the joints of a wall: straight lines become the nearest stepped path.
 
-The joints of a wall are a network: tributary lengths of contact points between the corners at which they meet.  A
-polyline is simplified to straight parts.  Its path is the one of least
+The joints of a wall are a network: tributary lengths of contact points between the corners at which
+they meet.  A polyline is simplified to straight parts.  Its path is the one of least
 
-    sum over joints of length (1 + (distance from the part / brick's height)^2) + 10 (distance of its ends and corners)
+    sum over joints of length (1 + (distance from the part / brick's height)^2) + 10 (distance of
+    its ends and corners)
 
-by Dijkstra's algorithm, over a copy of the network for each part; what of a line is in an opening or beside the wall
-has none.  Joints of the path that are farther from the line than a tolerance are left out; what of the line has none
-within the tolerance is on no joint.
+by Dijkstra's algorithm, over a copy of the network for each part; what of a line is in an opening
+or beside the wall has none.  Joints of the path that are farther from the line than a tolerance are
+left out; what of the line has none within the tolerance is on no joint.
 
-The faces of a crack move apart across the *line*: a vertical crack of 1 mm opens head joints by 1 mm, and bed joints
-slip.
+The faces of a crack move apart across the *line*: a vertical crack of 1 mm opens head joints by 1
+mm, and bed joints slip.
 """
 
 from dataclasses import dataclass
@@ -27,7 +28,8 @@ from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
 SIMPLER = 15 * MILLIMETRE
-"""Distance up to which a polyline may be simplified [m]: noise of drawing by hand, less than steps of bricks."""
+"""Distance up to which a polyline may be simplified [m]: noise of drawing by hand, less than steps
+of bricks."""
 AROUND_M = 1.0
 """How far from a polyline its path is searched [m]."""
 MOST_TOGETHER = 100
@@ -35,17 +37,19 @@ MOST_TOGETHER = 100
 _SAMPLE = 5 * MILLIMETRE  # pieces of lines whose distance from the path is worked out
 _CHUNK = 400  # of them at once: memory
 _SAME = 1e-6  # [m], two corners closer than this are one
-_END = 10.0  # cost of a metre between an end or a corner of the line and the corner of joints that stands for it
+# cost of a metre between an end or a corner of the line and the corner of joints that stands for it
+_END = 10.0
 
 
 @dataclass(frozen=True)
 class CrackPaths:
     """Drawn cracks on joints.
 
-    table: DataFrame, a row each joint of each polyline's path: line (index), joint (index), stretch (index of the
-    nearest), length_m, across: part of an opening across the line that opens the joint [-], 0 where it would close it;
-    drawn_m, on_joints_m: length of all polylines, and of what has joints of its path within the tolerance; apart_m:
-    largest distance of a joint of a path from its line.
+    table: DataFrame, a row each joint of each polyline's path: line (index), joint (index), stretch
+    (index of the nearest), length_m, across: part of an opening across the line that opens the
+    joint [-], 0 where it would close it; drawn_m, on_joints_m: length of all polylines, and of what
+    has joints of its path within the tolerance; apart_m: largest distance of a joint of a path from
+    its line.
     """
 
     table: pd.DataFrame
@@ -60,24 +64,31 @@ class CrackPaths:
 
 
 def lines_of(ends):
-    """Polylines (n, 2) [m] of stretches (n, 2, 2) [m] in their order, each of up to MOST_TOGETHER: a stretch continues
-    where the one before ends."""
+    """Polylines (n, 2) [m] of stretches (n, 2, 2) [m] in their order, each of up to MOST_TOGETHER:
+    a stretch continues where the one before ends."""
     goes_on = np.zeros(len(ends), bool)
     goes_on[1:] = np.all(ends[1:, 0] == ends[:-1, 1], axis=1)
     wholes = [part for part in np.split(ends, np.flatnonzero(~goes_on)[1:]) if len(part)]
-    parts = [part for whole in wholes for part in np.split(whole, range(MOST_TOGETHER, len(whole), MOST_TOGETHER))]
+    parts = [
+        part
+        for whole in wholes
+        for part in np.split(whole, range(MOST_TOGETHER, len(whole), MOST_TOGETHER))
+    ]
     return [np.vstack([part[:, 0], part[-1:, 1]]) for part in parts]
 
 
 def crack_paths(stretches, layout, tolerance=None):
-    """CrackPaths of the stretches of a CrackPattern, or of their ends (n, 2, 2) [m], on the joints of a Layout.
+    """CrackPaths of the stretches of a CrackPattern, or of their ends (n, 2, 2) [m], on the joints
+    of a Layout.
 
     tolerance [m]: how far from a line its joints may be, None for half a brick's length.
     """
     brick = layout.wall.brick
     tolerance = brick.length / 2 if tolerance is None else tolerance
     check_positive("tolerance [m]", tolerance)
-    places = ends_of(stretches) if isinstance(stretches, pd.DataFrame) else np.asarray(stretches, float)
+    places = (
+        ends_of(stretches) if isinstance(stretches, pd.DataFrame) else np.asarray(stretches, float)
+    )
     network, first, rows, on_joints, apart = _Network(layout), 0, [], 0.0, 0.0
     for number, line in enumerate(lines_of(places)):
         drawn = np.stack([line[:-1], line[1:]], axis=1)
@@ -90,63 +101,88 @@ def crack_paths(stretches, layout, tolerance=None):
         joint, along, distance = joint[near], along[near], distance[near]
         on_joints += network.covered(drawn, joint, tolerance, brick.height / 2)
         apart = max(apart, distance.min(axis=1).max(initial=0.0))
-        rows.append(pd.DataFrame({"line": number, "joint": joint, "stretch": first + distance.argmin(axis=1),
-                                  "across": np.maximum(along, 0.0)}))
+        rows.append(
+            pd.DataFrame(
+                {
+                    "line": number,
+                    "joint": joint,
+                    "stretch": first + distance.argmin(axis=1),
+                    "across": np.maximum(along, 0.0),
+                }
+            )
+        )
         first += len(drawn)
     empty = pd.DataFrame({"line": [0], "joint": [0], "stretch": [0], "across": [0.0]}).iloc[:0]
     table = pd.concat([one for one in rows if len(one)] or [empty], ignore_index=True)
     table["length_m"] = network.length[table["joint"]]
     drawn_m = float(hypot(*(places[:, 1] - places[:, 0]).T).sum())
-    return CrackPaths(table.drop_duplicates(["line", "joint"], ignore_index=True), drawn_m, on_joints, float(apart))
+    return CrackPaths(
+        table.drop_duplicates(["line", "joint"], ignore_index=True),
+        drawn_m,
+        on_joints,
+        float(apart),
+    )
 
 
 def _simplified(line, most):
-    """A polyline (n, 2) with fewer points: none that is left out is farther from it than `most` [m] (Douglas and
-    Peucker 1973)."""
+    """A polyline (n, 2) with fewer points: none that is left out is farther from it than `most` [m]
+    (Douglas and Peucker 1973)."""
     away = _distances(line[1:-1], line[np.newaxis, [0, -1]])[:, 0]
     if away.max(initial=0.0) <= most:
         return line[[0, -1]]
     middle = 1 + int(away.argmax())
-    return np.vstack([_simplified(line[:middle + 1], most), _simplified(line[middle:], most)[1:]])
+    return np.vstack([_simplified(line[: middle + 1], most), _simplified(line[middle:], most)[1:]])
 
 
 def _distances(points, segments):
     """Distances (n_points, n_segments) [m] of points (n, 2) from segments (n, 2, 2)."""
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     away = points[:, np.newaxis] - start
-    share = np.clip((away * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-18), 0.0, 1.0)
+    share = np.clip(
+        (away * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-18), 0.0, 1.0
+    )
     return np.linalg.norm(away - share[..., np.newaxis] * along, axis=2)
 
 
 def _in_chunks(function, points):
     """A function of points (n, 2) that gives (n,), for a few of them at a time."""
-    return np.concatenate([function(part) for part in np.split(points, range(_CHUNK, len(points), _CHUNK))])
+    return np.concatenate(
+        [function(part) for part in np.split(points, range(_CHUNK, len(points), _CHUNK))]
+    )
 
 
 class _Network:
     """The joints of a Layout between the corners at which they meet.
 
-    ends: (n_joints, 2, 2) [m]; length: (n_joints,) [m]; corners: (n_corners, 2) [m]; corner: (n_joints, 2) indices;
-    joint_of: {(corner, corner): joint};
+    ends: (n_joints, 2, 2) [m]; length: (n_joints,) [m]; corners: (n_corners, 2) [m]; corner:
+    (n_joints, 2) indices; joint_of: {(corner, corner): joint};
     low, high: (n, 2) [m], corners of all bodies.
     """
 
     def __init__(self, layout):
         n, bodies = layout.n_below_caps, layout.bodies
-        middle, half = (np.column_stack([getattr(bodies, name)[:n] for name in names]) for names in (
-            ("x", "z"), ("length", "height")))
+        middle, half = (
+            np.column_stack([getattr(bodies, name)[:n] for name in names])
+            for names in (("x", "z"), ("length", "height"))
+        )
         self.low, self.high = middle - half / 2, middle + half / 2
         self.ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
-        self.length = layout.contacts.length[:layout.n_joints]
+        self.length = layout.contacts.length[: layout.n_joints]
         places = self.ends.reshape(-1, 2)
         same = scipy.spatial.cKDTree(places).query_pairs(_SAME, output_type="ndarray")
         graph = scipy.sparse.coo_matrix((np.ones(len(same)), same.T), shape=(len(places),) * 2)
         corner = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
-        self.corners, self.corner = places[np.unique(corner, return_index=True)[1]], corner.reshape(-1, 2)
-        self.joint_of = {tuple(sorted(pair)): number for number, pair in enumerate(self.corner.tolist())}
+        self.corners, self.corner = (
+            places[np.unique(corner, return_index=True)[1]],
+            corner.reshape(-1, 2),
+        )
+        self.joint_of = {
+            tuple(sorted(pair)): number for number, pair in enumerate(self.corner.tolist())
+        }
 
     def _has(self, points, margin):
         """Whether points (n, 2) lie in bodies, or within a margin [m] of one."""
+
         def inside(points):
             low, high = self.low - margin, self.high + margin
             near = ((low <= points.max(axis=0)) & (high >= points.min(axis=0))).all(axis=1)
@@ -156,20 +192,22 @@ class _Network:
         return _in_chunks(inside, points)
 
     def covered(self, drawn, joint, tolerance, margin):
-        """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these joints within the
-        tolerance [m]."""
+        """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these
+        joints within the tolerance [m]."""
         covered = 0.0
         for start, end in drawn if len(joint) else ():
             length = float(hypot(*(end - start)))
             n = max(1, int(np.ceil(length / _SAMPLE)))
             middle = start + (end - start) * ((np.arange(n) + 0.5) / n)[:, np.newaxis]
-            near = _in_chunks(lambda points: _distances(points, self.ends[joint]).min(axis=1), middle) \
-                <= tolerance * (1 + 1e-9)
+            near = _in_chunks(
+                lambda points: _distances(points, self.ends[joint]).min(axis=1), middle
+            ) <= tolerance * (1 + 1e-9)
             covered += length * float((near & self._has(middle, margin)).mean())
         return covered
 
     def in_masonry(self, line, margin):
-        """The parts of a polyline (n, 2) [m] that lie in bodies, or within a margin [m] of one: a list of polylines."""
+        """The parts of a polyline (n, 2) [m] that lie in bodies, or within a margin [m] of one: a
+        list of polylines."""
         pieces, goes_on = [], False
         for start, end in pairwise(line):
             n = max(1, int(np.ceil(hypot(*(end - start)) / _SAMPLE)))
@@ -187,11 +225,13 @@ class _Network:
         return [np.array(piece) for piece in pieces]
 
     def path(self, line, height):
-        """(joint, cosine of the angle between the line and the way along the joint) of each joint of the path of a
-        polyline (n, 2) [m]; height: of a brick [m]."""
+        """(joint, cosine of the angle between the line and the way along the joint) of each joint
+        of the path of a polyline (n, 2) [m]; height: of a brick [m]."""
         parts = np.stack([line[:-1], line[1:]], axis=1)
         low, high = line.min(axis=0), line.max(axis=0)
-        near = np.flatnonzero(((self.corners >= low - AROUND_M) & (self.corners <= high + AROUND_M)).all(axis=1))
+        near = np.flatnonzero(
+            ((self.corners >= low - AROUND_M) & (self.corners <= high + AROUND_M)).all(axis=1)
+        )
         near = near[_distances(self.corners[near], parts).min(axis=1, initial=np.inf) <= AROUND_M]
         if len(near) == 0:
             return np.zeros(0, int), np.zeros(0)
@@ -200,16 +240,25 @@ class _Network:
         joint = np.flatnonzero((local[self.corner] >= 0).all(axis=1))
         first, second = local[self.corner[joint]].T
         cost = self.length[joint, np.newaxis] * (
-            1 + (_distances(self.ends[joint].mean(axis=1), parts) / height)**2)
+            1 + (_distances(self.ends[joint].mean(axis=1), parts) / height) ** 2
+        )
         n, n_parts = len(near), len(parts)
-        turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - line, axis=2)  # (n, n_parts + 1)
+        # (n, n_parts + 1)
+        turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - line, axis=2)
         copy, source = n * np.arange(n_parts), n * n_parts
-        start, end, weight = (np.concatenate(one) for one in zip(
-            *((first + k, second + k, cost[:, p]) for p, k in enumerate(copy)),
-            *((second + k, first + k, cost[:, p]) for p, k in enumerate(copy)),
-            *((np.arange(n) + k, np.arange(n) + k + n, turn[:, p + 1]) for p, k in enumerate(copy[:-1])),
-            (np.full(n, source), np.arange(n), turn[:, 0]),
-            (np.arange(n) + copy[-1], np.full(n, source + 1), turn[:, -1])))
+        start, end, weight = (
+            np.concatenate(one)
+            for one in zip(
+                *((first + k, second + k, cost[:, p]) for p, k in enumerate(copy)),
+                *((second + k, first + k, cost[:, p]) for p, k in enumerate(copy)),
+                *(
+                    (np.arange(n) + k, np.arange(n) + k + n, turn[:, p + 1])
+                    for p, k in enumerate(copy[:-1])
+                ),
+                (np.full(n, source), np.arange(n), turn[:, 0]),
+                (np.arange(n) + copy[-1], np.full(n, source + 1), turn[:, -1]),
+            )
+        )
         graph = scipy.sparse.csr_matrix((weight + 1e-12, (start, end)), shape=(source + 2,) * 2)
         _, before = scipy.sparse.csgraph.dijkstra(graph, indices=source, return_predecessors=True)
         nodes = [source + 1]
@@ -219,7 +268,9 @@ class _Network:
         here, there = nodes[:-1], nodes[1:]
         inside = here // n == there // n
         one, other = near[here[inside] % n], near[there[inside] % n]
-        joint = np.array([self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int)
+        joint = np.array(
+            [self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int
+        )
         travel = self.corners[other] - self.corners[one]
         travel = travel / hypot(*travel.T)[:, np.newaxis]
         along = (line[1:] - line[:-1])[here[inside] // n]

@@ -8,7 +8,13 @@ import pandas as pd
 
 from damage.applications.cracks.crack_file import patterns_of, read_cracks, write_cracks
 from damage.applications.cracks.crack_mapping import describe_level, largest, map_cracks
-from damage.applications.cracks.dic import MARGIN, field_warnings, measure, patterns_of_fields, read_field
+from damage.applications.cracks.dic import (
+    MARGIN,
+    field_warnings,
+    measure,
+    patterns_of_fields,
+    read_field,
+)
 from damage.applications.cracks.dic import report as dic_report
 from damage.errors import InputError, warn
 from damage.history.moments import choose_samples
@@ -24,18 +30,47 @@ SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
 
 
-def crack_report(source, *, dic, wall, export, at, threshold_mm, psi_from_mm, drift_limit_pct, tolerance_mm, margin_mm,
-                 out):
-    """(report, what `crack_pictures` draws) of the command's options: of a history, a crack file or a DIC field.
+def crack_report(
+    source,
+    *,
+    dic,
+    wall,
+    export,
+    at,
+    threshold_mm,
+    psi_from_mm,
+    drift_limit_pct,
+    tolerance_mm,
+    margin_mm,
+    out,
+):
+    """(report, what `crack_pictures` draws) of the command's options: of a history, a crack file or
+    a DIC field.
 
-    Options that do not belong to what there is are refused; of a history without `out` nothing is drawn.
+    Options that do not belong to what there is are refused; of a history without `out` nothing is
+    drawn.
     """
-    given = {name for name, value in {"wall": wall, "export": export, "at": at, "tolerance-mm": tolerance_mm,
-                                      "margin-mm": margin_mm, "out": out}.items() if value is not None}
+    given = {
+        name
+        for name, value in {
+            "wall": wall,
+            "export": export,
+            "at": at,
+            "tolerance-mm": tolerance_mm,
+            "margin-mm": margin_mm,
+            "out": out,
+        }.items()
+        if value is not None
+    }
     if (source is None) == (dic is None):
-        raise InputError("expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field")
-    limits = {"threshold": threshold_mm * MILLIMETRE, "drift_limit": drift_limit_pct / 100,
-              "psi_from": psi_from_mm * MILLIMETRE}
+        raise InputError(
+            "expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field"
+        )
+    limits = {
+        "threshold": threshold_mm * MILLIMETRE,
+        "drift_limit": drift_limit_pct / 100,
+        "psi_from": psi_from_mm * MILLIMETRE,
+    }
     if dic:
         _only_with("a DIC field", given, without=("at", "tolerance-mm"))
         margin = MARGIN if margin_mm is None else margin_mm * MILLIMETRE
@@ -77,33 +112,58 @@ def _only_with(what, given, needs=("wall",), without=()):
 
 
 def history_report(history, samples, threshold, drift_limit, psi_from, export):
-    """The cracks of a History at samples (indices), a dictionary; written to `export` if it is given."""
+    """The cracks of a History at samples (indices), a dictionary; written to `export` if it is
+    given."""
     index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
     width = np.hypot(history.opening_m, history.slip_by("displacement"))
     levels = []
     for number, sample in enumerate(samples, start=1):
         table = cracks_at(history, sample, threshold)
-        levels.append({
-            "load_level": float(number), "time_s": float(history.series["time_s"].iloc[sample]),
-            "drift_pct": 100 * float(history.series["drift_ratio"].iloc[sample]),
-            "cracks": int(table["crack"].nunique()), "crack_length_m": float(table["length_m"].sum()),
-            "max_width_mm": float(width[sample].max() / MILLIMETRE),
-            "psi": psi(cracks_at(history, sample, psi_from)),
-            **{name: (float(index[name].iloc[sample]),) * 2 for name in COMPONENTS}})
+        levels.append(
+            {
+                "load_level": float(number),
+                "time_s": float(history.series["time_s"].iloc[sample]),
+                "drift_pct": 100 * float(history.series["drift_ratio"].iloc[sample]),
+                "cracks": int(table["crack"].nunique()),
+                "crack_length_m": float(table["length_m"].sum()),
+                "max_width_mm": float(width[sample].max() / MILLIMETRE),
+                "psi": psi(cracks_at(history, sample, psi_from)),
+                **{name: (float(index[name].iloc[sample]),) * 2 for name in COMPONENTS},
+            }
+        )
     if export:
         moments_s = ", ".join(f"{level['time_s']:.6g}" for level in levels)
         least = min(threshold, psi_from)
-        write_cracks(export, patterns_of(history, samples, least), [
-            f"cracks of {history.wall}, {history.loading.name}, solver {history.solver}, at "
-            f"{moments_s} s", f"joints whose width reaches {least / MILLIMETRE:g} mm; docs/reference/crack-format.md"])
-    return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
-            "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
-            "max": largest(levels), "run": psi_summary(history, psi_from) | {
-                "psi_from_mm": psi_from / MILLIMETRE}, "notes": []}
+        write_cracks(
+            export,
+            patterns_of(history, samples, least),
+            [
+                (
+                    f"cracks of {history.wall}, {history.loading.name}, solver {history.solver}, at"
+                    f" {moments_s} s"
+                ),
+                (
+                    f"joints whose width reaches {least / MILLIMETRE:g} mm;"
+                    " docs/reference/crack-format.md"
+                ),
+            ],
+        )
+    return {
+        "wall": history.wall,
+        "source": "simulation",
+        "threshold_mm": threshold / MILLIMETRE,
+        "psi_from_mm": psi_from / MILLIMETRE,
+        "total_joint_length_m": total,
+        "levels": levels,
+        "max": largest(levels),
+        "run": psi_summary(history, psi_from) | {"psi_from_mm": psi_from / MILLIMETRE},
+        "notes": [],
+    }
 
 
 def history_drawn(history, samples, threshold=THRESHOLD):
-    """What `crack_pictures` draws of a History at samples: MappedCracks and CrackPatterns, and the Layout."""
+    """What `crack_pictures` draws of a History at samples: MappedCracks and CrackPatterns, and the
+    Layout."""
     layout = lay_out(history.masonry_wall, history.model)
     patterns = patterns_of(history, samples, threshold)
     return [map_cracks(pattern, layout) for pattern in patterns], patterns, layout
@@ -112,15 +172,25 @@ def history_drawn(history, samples, threshold=THRESHOLD):
 def pattern_report(patterns, layout, threshold, drift_limit, psi_from, tolerance=None):
     """The results of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
     mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
-    levels = [describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
-              for pattern, cracks in zip(patterns, mapped)]
-    return {"wall": layout.wall.name, "source": "digitised cracks", "threshold_mm": threshold / MILLIMETRE,
-            "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": layout.total_joint_length,
-            "levels": levels, "max": largest(levels), "notes": list(_notes(levels))}, mapped
+    levels = [
+        describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
+        for pattern, cracks in zip(patterns, mapped)
+    ]
+    return {
+        "wall": layout.wall.name,
+        "source": "digitised cracks",
+        "threshold_mm": threshold / MILLIMETRE,
+        "psi_from_mm": psi_from / MILLIMETRE,
+        "total_joint_length_m": layout.total_joint_length,
+        "levels": levels,
+        "max": largest(levels),
+        "notes": list(_notes(levels)),
+    }, mapped
 
 
 def field_report(path, wall, margin, threshold, drift_limit, psi_from, export):
-    """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if given."""
+    """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if
+    given."""
     fields, layout = read_field(path), lay_out(load_wall(wall))
     measured = measure(fields, layout, margin)
     warn(*field_warnings(fields, measured, layout, margin))
@@ -130,8 +200,17 @@ def field_report(path, wall, margin, threshold, drift_limit, psi_from, export):
     notes = list(_dic_notes(limits, threshold, psi_from))
     report |= {"source": "DIC field", "dic": limits, "notes": notes + report["notes"]}
     if export:
-        write_cracks(export, patterns, [f"cracks of {layout.wall.name} from the DIC field {Path(path).name}; "
-                                        "docs/reference/crack-format.md", *notes])
+        write_cracks(
+            export,
+            patterns,
+            [
+                (
+                    f"cracks of {layout.wall.name} from the DIC field {Path(path).name}; "
+                    "docs/reference/crack-format.md"
+                ),
+                *notes,
+            ],
+        )
     return report, mapped, patterns, layout
 
 
@@ -140,39 +219,74 @@ def _notes(levels):
     for level in levels:
         where = f"level {level['load_level']:g}: "
         if level["undecided_m"] > 0:
-            yield (where + f"{level['undecided_m']:.3f} m of cracks give their width only: tension and shear cannot "
-                   "be distinguished there, and DI_open, DI_slip and DI lie between the bounds shown")
+            yield (
+                where
+                + f"{level['undecided_m']:.3f} m of cracks give their width only: tension and shear"
+                " cannot be distinguished there, and DI_open, DI_slip and DI lie between the"
+                " bounds shown"
+            )
         if level["drift_pct"] is None:
             yield where + "drift unknown: DI is that of the cracks alone"
         if level["unmapped_m"] > 5e-4:
-            yield (where + f"{level['unmapped_m']:.3f} m of cracks lie on no joint (through bricks, or beside the "
-                   "wall): only psi_drawn counts them")
+            yield (
+                where + f"{level['unmapped_m']:.3f} m of cracks lie on no joint (through bricks, or"
+                " beside the wall): only psi_drawn counts them"
+            )
         if level["surplus_m"] > 5e-4:
-            yield where + f"{level['surplus_m']:.3f} m drawn over joints beyond the joints' own length: not counted"
+            yield (
+                where
+                + f"{level['surplus_m']:.3f} m drawn over joints beyond the joints' own length: not"
+                " counted"
+            )
 
 
 def _dic_notes(limits, threshold, psi_from):
     millimetres = {name: value / MILLIMETRE for name, value in limits.items()}
-    yield ("noise of a point {noise_m:.4f} mm, which leaves a standard deviation of {opening_deviation_m:.4f} mm "
-           "to a joint's opening".format(**millimetres))
-    yield ("elastic deformation is contained: up to {elastic_opening_m:.4f} mm of opening before a joint breaks, about "
-           "{elastic_slip_m:.4f} mm of slip".format(**millimetres))
+    yield (
+        "noise of a point {noise_m:.4f} mm, which leaves a standard deviation of"
+        " {opening_deviation_m:.4f} mm to a joint's opening".format(**millimetres)
+    )
+    yield (
+        "elastic deformation is contained: up to {elastic_opening_m:.4f} mm of opening before a"
+        " joint breaks, about {elastic_slip_m:.4f} mm of slip".format(**millimetres)
+    )
     if 3 * limits["opening_deviation_m"] > threshold:
-        yield (f"warning: three standard deviations exceed the threshold of {threshold / MILLIMETRE:g} mm; noise "
-               "counts as cracks: measure more finely, or raise --threshold-mm")
-    most = max(limits["elastic_opening_m"], limits["elastic_slip_m"]) + 3 * limits["opening_deviation_m"]
+        yield (
+            f"warning: three standard deviations exceed the threshold of {threshold / MILLIMETRE:g}"
+            " mm; noise counts as cracks: measure more finely, or raise --threshold-mm"
+        )
+    most = (
+        max(limits["elastic_opening_m"], limits["elastic_slip_m"])
+        + 3 * limits["opening_deviation_m"]
+    )
     if most > psi_from:
-        yield (f"warning: noise and elastic deformation make up to {most / MILLIMETRE:.4f} mm, and Psi counts cracks "
-               f"from {psi_from / MILLIMETRE:g} mm: measure more finely, or raise --psi-from-mm")
+        yield (
+            f"warning: noise and elastic deformation make up to {most / MILLIMETRE:.4f} mm, and Psi"
+            f" counts cracks from {psi_from / MILLIMETRE:g} mm: measure more finely, or raise"
+            " --psi-from-mm"
+        )
     if limits["unseen_m"] > 0:
-        yield f"{limits['unseen_m']:.3f} m of joints lie at bricks with too few points: they count as uncracked"
+        yield (
+            f"{limits['unseen_m']:.3f} m of joints lie at bricks with too few points: they count as"
+            " uncracked"
+        )
 
 
-_COLUMNS = (("level", "load_level", "{:g}"), ("time s", "time_s", "{:.3f}"), ("drift %", "drift_pct", "{:.4f}"),
-            ("cracks", "cracks", "{:d}"), ("length m", "crack_length_m", "{:.3f}"),
-            ("unmapped m", "unmapped_m", "{:.3f}"), ("width mm", "max_width_mm", "{:.3f}"), ("Psi", "psi", "{:.2f}"),
-            ("Psi drawn", "psi_drawn", "{:.2f}"), ("DI", "DI", "{:.4f}"), ("DI_drift", "DI_drift", "{:.4f}"),
-            ("DI_open", "DI_open", "{:.4f}"), ("DI_slip", "DI_slip", "{:.4f}"))
+_COLUMNS = (
+    ("level", "load_level", "{:g}"),
+    ("time s", "time_s", "{:.3f}"),
+    ("drift %", "drift_pct", "{:.4f}"),
+    ("cracks", "cracks", "{:d}"),
+    ("length m", "crack_length_m", "{:.3f}"),
+    ("unmapped m", "unmapped_m", "{:.3f}"),
+    ("width mm", "max_width_mm", "{:.3f}"),
+    ("Psi", "psi", "{:.2f}"),
+    ("Psi drawn", "psi_drawn", "{:.2f}"),
+    ("DI", "DI", "{:.4f}"),
+    ("DI_drift", "DI_drift", "{:.4f}"),
+    ("DI_open", "DI_open", "{:.4f}"),
+    ("DI_slip", "DI_slip", "{:.4f}"),
+)
 
 
 def describe(report):
@@ -181,18 +295,31 @@ def describe(report):
     rows = [[label for label, *_ in columns]]
     rows += [[_shown(level[key], form) for _, key, form in columns] for level in report["levels"]]
     if len(report["levels"]) > 1:
-        rows.append([_shown(report["max"][key], form) if key in report["max"] else "" for _, key, form in columns])
+        rows.append(
+            [
+                _shown(report["max"][key], form) if key in report["max"] else ""
+                for _, key, form in columns
+            ]
+        )
         rows[-1][0] = "max"
     widths = [max(len(row[k]) for row in rows) for k in range(len(columns))]
-    lines = [f"{report['wall']}: {report['source']}, threshold {report['threshold_mm']:g} mm, "
-             f"Psi from {report['psi_from_mm']:g} mm, "
-             f"{report['total_joint_length_m']:.3f} m of joints"]
+    lines = [
+        f"{report['wall']}: {report['source']}, threshold {report['threshold_mm']:g} mm, "
+        f"Psi from {report['psi_from_mm']:g} mm, "
+        f"{report['total_joint_length_m']:.3f} m of joints"
+    ]
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows]
     if "run" in report:
         run, residual = report["run"], report["run"]["residual_psi"]
-        lines.append(f"whole run: Psi up to {run['max_psi']:.2f}, widths up to {run['max_crack_width_mm']:.3f} mm"
-                     + ("" if residual is None else f"; in the end {residual:.2f}, "
-                                                    f"{run['residual_crack_width_mm']:.3f} mm"))
+        lines.append(
+            f"whole run: Psi up to {run['max_psi']:.2f}, widths up to"
+            f" {run['max_crack_width_mm']:.3f} mm"
+            + (
+                ""
+                if residual is None
+                else f"; in the end {residual:.2f}, {run['residual_crack_width_mm']:.3f} mm"
+            )
+        )
     return "\n".join(lines + [f"note: {note}" for note in report["notes"]])
 
 
@@ -201,5 +328,9 @@ def _shown(value, form):
         return "-"
     if isinstance(value, tuple):
         low, high = value
-        return form.format(high) if high - low < SAME_NUMBERS else f"{form.format(low)}..{form.format(high)}"
+        return (
+            form.format(high)
+            if high - low < SAME_NUMBERS
+            else f"{form.format(low)}..{form.format(high)}"
+        )
     return form.format(value)

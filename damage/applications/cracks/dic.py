@@ -1,12 +1,16 @@
 """From a displacement field measured by digital image correlation (DIC) to cracks of the joints.
 
-A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and opening
-and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).  So tension and shear
-are distinguished, unlike in a picture of the cracks alone.  `docs/reference/crack-format.md` gives the file.
+A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and
+opening
+and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).  So
+tension and shear
+are distinguished, unlike in a picture of the cracks alone.  `docs/reference/crack-format.md` gives
+the file.
 
-What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without the
-stresses; `report` bounds it.  Slip is the offset of the two bricks along the joint, as by `displacement` in a
-simulation, whether the joint is open or closed.
+What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without
+the
+stresses; `report` bounds it.  Slip is the offset of the two bricks along the joint, as by
+`displacement` in a simulation, whether the joint is open or closed.
 """
 
 from dataclasses import dataclass
@@ -27,16 +31,19 @@ from damage.wall.kinematics import ContactKinematics, rigid_displacement
 from damage.wall.parameters import LONGEST_M
 
 MARGIN = 10 * MILLIMETRE
-"""Points closer to a brick's edge than this are left out [m]: their subset may reach over the joint."""
+"""Points closer to a brick's edge than this are left out [m]: their subset may reach over the
+joint."""
 LEAST_POINTS = 4
 MOST_M = 0.5
 """Largest displacement of a field [m]: a wall that moves so far has fallen."""
 _PLACE = Column("m", "of a point", least=-LONGEST_M, most=LONGEST_M)
 _DISPLACEMENT = Column("m", "of a point", least=-MOST_M, most=MOST_M)
 REQUIRED = {"x_m": _PLACE, "z_m": _PLACE, "ux_m": _DISPLACEMENT, "uz_m": _DISPLACEMENT}
-"""{name: Column} of the file, beside those of the load level, `damage.applications.cracks.crack_file.OF_LEVEL`."""
+"""{name: Column} of the file, beside those of the load level,
+`damage.applications.cracks.crack_file.OF_LEVEL`."""
 MOVES_M, UPSIDE = 0.05 * MILLIMETRE, 2.0
-"""Motion [m] from which the lowest course is compared with the top one, and how many times that one's is doubtful."""
+"""Motion [m] from which the lowest course is compared with the top one, and how many times that
+one's is doubtful."""
 STUCK = 5.0
 """Deviations of the noise from which a point without displacement is not one of its brick."""
 
@@ -56,9 +63,12 @@ class Field:
 class Motions:
     """Rigid motions of the bricks.
 
-    motion: (n_bodies, 3) displacement of the centres [m, m] and rotation [rad], NaN for a brick with too
-    few points, 0 for caps; noise: standard deviation of a point's displacement component about the rigid
-    motions [m]; n_points: (n_bodies,); centre: (n_bodies, 2) of a brick's points [m]; spread: (n_bodies,)
+    motion: (n_bodies, 3) displacement of the centres [m, m] and rotation [rad], NaN for a brick
+    with too
+    few points, 0 for caps; noise: standard deviation of a point's displacement component about the
+    rigid
+    motions [m]; n_points: (n_bodies,); centre: (n_bodies, 2) of a brick's points [m]; spread:
+    (n_bodies,)
     sum of their squared distances from it [m2].
     """
 
@@ -74,8 +84,9 @@ class Measured:
     """Opening and slip of the joints at one level of a DIC field.
 
     opening, slip: (n_joints,) [m], NaN where a brick was not seen; deviation: (n_joints,) standard
-    deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-]: the file's, else that
-    of the top course, NaN where no brick of it was seen; motion: of the bodies, as of Motions.
+    deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-]: the
+    file's, else that of the top course, NaN where no brick of it was seen; motion: of the bodies,
+    as of Motions.
     """
 
     opening: np.ndarray
@@ -87,32 +98,47 @@ class Measured:
 
 
 def read_field(path):
-    """The fields of a DIC file, a list of Field in the order of the file; rows without displacement, which
+    """The fields of a DIC file, a list of Field in the order of the file; rows without
+    displacement, which
     the correlation lost, are left out.  Raises InputError with the line."""
     table = read_csv(path, REQUIRED | OF_LEVEL, REQUIRED)
     table.refuse_empty("x_m", "z_m")
     level = table.levels()
     x, z, ux, uz, drift = table.rows[[*REQUIRED, "drift_pct"]].to_numpy().T
-    table.refuse(np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither")
+    table.refuse(
+        np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither"
+    )
     fields = []
     for number in dict.fromkeys(level):
         here = level == number
         drifts = np.unique(drift[here & ~np.isnan(drift)])
         if len(drifts) > 1:
-            raise InputError(f"{path}: load level {number:g} has {len(drifts)} values of drift_pct; expected one")
+            raise InputError(
+                f"{path}: load level {number:g} has {len(drifts)} values of drift_pct; expected one"
+            )
         seen = here & ~np.isnan(ux)
-        fields.append(Field(number, drifts[0] / 100 if len(drifts) else np.nan,
-                            np.column_stack([x, z])[seen], np.column_stack([ux, uz])[seen]))
+        fields.append(
+            Field(
+                number,
+                drifts[0] / 100 if len(drifts) else np.nan,
+                np.column_stack([x, z])[seen],
+                np.column_stack([ux, uz])[seen],
+            )
+        )
     return fields
 
 
 def rigid_motion(points, displacement):
-    """The rigid motion nearest to displacements in the sense of least squares, exact for any rotation:
-    displacement of the points' centre (2,) [m] and rotation x towards z [rad]; both arrays (n, 2)."""
+    """The rigid motion nearest to displacements in the sense of least squares, exact for any
+    rotation:
+    displacement of the points' centre (2,) [m] and rotation x towards z [rad]; both arrays (n,
+    2)."""
     mean = displacement.mean(axis=0)
     before = points - points.mean(axis=0)
     after = before + displacement - mean
-    turn = np.arctan2(np.sum(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]), np.sum(before * after))
+    turn = np.arctan2(
+        np.sum(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]), np.sum(before * after)
+    )
     return mean, float(turn)
 
 
@@ -122,7 +148,8 @@ def turned(points, turn):
 
 
 def relative_to_base(field, margin=MARGIN):
-    """Displacements (n, 2) relative to the base, whose points lie below -margin; as they are without any."""
+    """Displacements (n, 2) relative to the base, whose points lie below -margin; as they are
+    without any."""
     base = field.points[:, 1] < -margin
     if base.sum() < LEAST_POINTS:
         return field.displacement
@@ -155,15 +182,17 @@ def brick_motions(field, layout, margin=MARGIN):
         place, moved = field.points[inside], displacement[inside]
         mean, turn = rigid_motion(place, moved)
         centre[brick] = place.mean(axis=0)
-        spread[brick] = np.sum((place - centre[brick])**2)
+        spread[brick] = np.sum((place - centre[brick]) ** 2)
         motion[brick] = *(mean + turned(middle[None] - centre[brick], turn)[0]), turn
-        squares += np.sum((moved - mean - turned(place - centre[brick], turn))**2)
+        squares += np.sum((moved - mean - turned(place - centre[brick], turn)) ** 2)
     freedom = np.sum(2 * n_points[n_points >= LEAST_POINTS] - 3)
     if freedom == 0:
-        raise InputError(f"load level {field.level:g}: no brick of wall {layout.wall.name} has {LEAST_POINTS} points "
-                         f"{margin / MILLIMETRE:g} mm inside its edges; check the origin (the wall's lower left "
-                         "corner) and the unit, or give a smaller --margin-mm")
-    motion[layout.n_bricks:] = 0.0
+        raise InputError(
+            f"load level {field.level:g}: no brick of wall {layout.wall.name} has {LEAST_POINTS}"
+            f" points {margin / MILLIMETRE:g} mm inside its edges; check the origin (the wall's"
+            " lower left corner) and the unit, or give a smaller --margin-mm"
+        )
+    motion[layout.n_bricks :] = 0.0
     return Motions(motion, float(np.sqrt(squares / freedom)), n_points, centre, spread)
 
 
@@ -172,7 +201,9 @@ def opening_deviation(motions, layout):
     contacts, n = layout.contacts, layout.n_joints
     variance = np.zeros(n)
     for body in (contacts.first[:n], contacts.second[:n]):
-        arm = np.hypot(contacts.x[:n] - motions.centre[body, 0], contacts.z[:n] - motions.centre[body, 1])
+        arm = np.hypot(
+            contacts.x[:n] - motions.centre[body, 0], contacts.z[:n] - motions.centre[body, 1]
+        )
         own = 1 / np.maximum(motions.n_points[body], 1) + arm**2 / motions.spread[body]
         variance += np.where(body < 0, 0.0, own)
     return motions.noise * np.sqrt(variance)
@@ -189,35 +220,53 @@ def measure(fields, layout, margin=MARGIN):
         drift, top = field.drift_ratio, motions.motion[layout.drift_bodies, 0]
         if isnan(drift) and not np.isnan(top).all():  # that of the top course, as in a simulation
             drift = float(np.nanmean(top) / layout.drift_height)
-        levels.append(Measured(np.maximum(opening, 0.0), shear, opening_deviation(motions, layout), motions.noise,
-                               drift, motions.motion))
+        levels.append(
+            Measured(
+                np.maximum(opening, 0.0),
+                shear,
+                opening_deviation(motions, layout),
+                motions.noise,
+                drift,
+                motions.motion,
+            )
+        )
     return levels
 
 
 def field_warnings(fields, measured, layout, margin=MARGIN):
-    """Lines on what of fields is doubtful: z that points down, and points kept as zero that the correlation lost."""
+    """Lines on what of fields is doubtful: z that points down, and points kept as zero that the
+    correlation lost."""
     found = []
     z, n = layout.bodies.z, layout.n_bricks
     for field, level in zip(fields, measured):
-        where, seen = f"load level {field.level:g}: ", np.flatnonzero(~np.isnan(level.motion[:n, 0]))
+        where, seen = (
+            f"load level {field.level:g}: ",
+            np.flatnonzero(~np.isnan(level.motion[:n, 0])),
+        )
         moved = np.hypot(*level.motion[seen, :2].T)
-        low, high = (float(np.median(moved[z[seen] == edge])) for edge in (z[seen].min(), z[seen].max()))
+        low, high = (
+            float(np.median(moved[z[seen] == edge])) for edge in (z[seen].min(), z[seen].max())
+        )
         if low > max(MOVES_M, UPSIDE * high):
             found.append(
-                f"{where}the lowest course moves by {low / MILLIMETRE:.3g} mm, the top one by {high / MILLIMETRE:.3g} "
-                "mm; expected z up from a base at rest: where z points down, as in pictures, give the wall's height "
-                "less z, and -uz")
+                f"{where}the lowest course moves by {low / MILLIMETRE:.3g} mm, the top one by"
+                f" {high / MILLIMETRE:.3g} mm; expected z up from a base at rest: where z points"
+                " down, as in pictures, give the wall's height less z, and -uz"
+            )
         stuck = stuck_points(field, layout, margin)
         if len(stuck):
             places = [f"({x:g}, {z:g})" for x, z in field.points[stuck]]
-            found.append(f"{where}{len(stuck)} of {len(field.points)} points, at x, z = {some_of(places, 3)} [m], have "
-                         "zero displacement on bricks that move; expected no ux_m and uz_m where the correlation "
-                         "failed: leave them empty there")
+            found.append(
+                f"{where}{len(stuck)} of {len(field.points)} points, at x, z = {some_of(places, 3)}"
+                " [m], have zero displacement on bricks that move; expected no ux_m and uz_m where"
+                " the correlation failed: leave them empty there"
+            )
     return found
 
 
 def stuck_points(field, layout, margin=MARGIN):
-    """Indices of points whose displacement is zero, while that of their brick by its other points is not."""
+    """Indices of points whose displacement is zero, while that of their brick by its other points
+    is not."""
     zero, found = ~field.displacement.any(axis=1), [np.zeros(0, int)]
     for _, inside in points_of_bricks(field.points, layout, margin):
         still, others = inside[zero[inside]], inside[~zero[inside]]
@@ -233,26 +282,44 @@ def stuck_points(field, layout, margin=MARGIN):
 def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):
     """The CrackPattern of each level of `measure`."""
     ends = tributary_ends(joint_table(layout))
-    return [pattern_of(crack_table(ends, level.opening, level.slip, threshold), field.level, level.drift_ratio,
-                       threshold) for field, level in zip(fields, measured)]
+    return [
+        pattern_of(
+            crack_table(ends, level.opening, level.slip, threshold),
+            field.level,
+            level.drift_ratio,
+            threshold,
+        )
+        for field, level in zip(fields, measured)
+    ]
 
 
 def report(measured, layout):
-    """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the largest
+    """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the
+    largest
     of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m.
 
-    The latter two are the most that elastic deformation adds: an intact joint opens by f_t / k_n; a closed one that
-    slides is sheared by tan(phi) times the precompression over k_s.
+    The latter two are the most that elastic deformation adds: an intact joint opens by f_t / k_n; a
+    closed one that slides is sheared by tan(phi) times the precompression over k_s.
     """
     contacts, n, wall = layout.contacts, layout.n_joints, layout.wall
     strength = contacts.tensile_strength[:n]
     breakable = np.isfinite(strength)
     opening = np.max(strength[breakable] / contacts.normal_stiffness[:n][breakable], initial=0.0)
     weight = wall.precompression + GRAVITY * wall.brick.density * wall.built_height
-    slip = np.max(np.tan(wall.joint.friction_angle) * weight / contacts.shear_stiffness[:n], initial=0.0)
+    slip = np.max(
+        np.tan(wall.joint.friction_angle) * weight / contacts.shear_stiffness[:n], initial=0.0
+    )
     length = layout.joint_length
     unseen = [float(length[np.isnan(level.opening)].sum()) for level in measured]
-    deviation = [float(np.median(level.deviation[np.isfinite(level.opening)])) for level in measured
-                 if np.isfinite(level.opening).any()]
-    return {"noise_m": max(level.noise for level in measured), "opening_deviation_m": max(deviation, default=np.nan),
-            "unseen_m": max(unseen), "elastic_opening_m": float(opening), "elastic_slip_m": float(slip)}
+    deviation = [
+        float(np.median(level.deviation[np.isfinite(level.opening)]))
+        for level in measured
+        if np.isfinite(level.opening).any()
+    ]
+    return {
+        "noise_m": max(level.noise for level in measured),
+        "opening_deviation_m": max(deviation, default=np.nan),
+        "unseen_m": max(unseen),
+        "elastic_opening_m": float(opening),
+        "elastic_slip_m": float(slip),
+    }

@@ -1,8 +1,8 @@
-"""Patterns at rest: what stays of a run whose history is not kept (`--keep patterns`), some kilobytes instead of
-megabytes.
+"""Patterns at rest: what stays of a run whose history is not kept (`--keep patterns`), some
+kilobytes instead of megabytes.
 
-A pattern file is a NumPy archive with the fields of `Patterns`; its SHA-256 is in the record of its run
-(`damage.applications.studies.records`).
+A pattern file is a NumPy archive with the fields of `Patterns`; its SHA-256 is in the record of its
+run (`damage.applications.studies.records`).
 """
 
 import hashlib
@@ -17,7 +17,8 @@ from damage.files import whole_or_nothing
 from damage.history.moments import nearest_snapshot
 
 START, SETTLED = -1, 0
-"""Numbers of the moments before any motion, and at the end of the settlement; events count from 1."""
+"""Numbers of the moments before any motion, and at the end of the settlement; events count from
+1."""
 FOLDER, ENDING = "patterns", ".npz"
 _REMEDY = "delete it, and the same command makes it again"
 
@@ -25,9 +26,10 @@ _REMEDY = "delete it, and the same command makes it again"
 class Patterns(NamedTuple):
     """The contact points and bricks of a run at rest.
 
-    moment: (n,) START, SETTLED where the ground settled, then the numbers of the events, at the end of each; joints:
-    (k,) indices of the contact points that opened or slid by then; opening_m, offset_m: (n, k) as of a History, [m];
-    displacement: (n, n_bodies, 3) [m, m, rad] since the end of the static stage, NaN where no snapshot is near.
+    moment: (n,) START, SETTLED where the ground settled, then the numbers of the events, at the end
+    of each; joints: (k,) indices of the contact points that opened or slid by then; opening_m,
+    offset_m: (n, k) as of a History, [m]; displacement: (n, n_bodies, 3) [m, m, rad] since the end
+    of the static stage, NaN where no snapshot is near.
     """
 
     moment: np.ndarray
@@ -37,8 +39,13 @@ class Patterns(NamedTuple):
     displacement: np.ndarray
 
     def at(self, moment, n_joints):
-        """Opening and offset (n_joints,) [m] of all contact points at a moment; the last one where it is None."""
-        row = len(self.moment) - 1 if moment is None else int(np.flatnonzero(self.moment == moment)[0])
+        """Opening and offset (n_joints,) [m] of all contact points at a moment; the last one where
+        it is None."""
+        row = (
+            len(self.moment) - 1
+            if moment is None
+            else int(np.flatnonzero(self.moment == moment)[0])
+        )
         whole = np.zeros((2, n_joints))
         whole[:, self.joints] = self.opening_m[row], self.offset_m[row]
         return whole
@@ -49,16 +56,27 @@ def patterns_of(history):
     series, active = history.series, history.active
     settled = np.flatnonzero(series["stage"] == "settlement")
     moving = series[series["stage"] != "settlement"]
-    rows = {START: 0, **({SETTLED: int(settled[-1])} if len(settled) else {}),
-            **{int(event): int(members.index[-1]) for event, members in moving.groupby("shock") if len(members)}}
+    rows = {
+        START: 0,
+        **({SETTLED: int(settled[-1])} if len(settled) else {}),
+        **{
+            int(event): int(members.index[-1])
+            for event, members in moving.groupby("shock")
+            if len(members)
+        },
+    }
     samples = list(rows.values())
     opening, offset = active.opening_m[samples], active.slip_by("displacement")[samples]
     used = ((opening != 0) | (offset != 0)).any(axis=0)
     moved = [nearest_snapshot(history, time_s) for time_s in series["time_s"].iloc[samples]]
     none = np.full(history.displacement.shape[1:], np.nan)
     displacement = np.array([none if one is None else history.displacement[one] for one in moved])
-    return Patterns(np.array(list(rows), "i4"), active.joints[used].astype("i4"),
-                    *(of[:, used].astype("f4") for of in (opening, offset)), displacement.astype("f4"))
+    return Patterns(
+        np.array(list(rows), "i4"),
+        active.joints[used].astype("i4"),
+        *(of[:, used].astype("f4") for of in (opening, offset)),
+        displacement.astype("f4"),
+    )
 
 
 def write_patterns(patterns, path):
@@ -71,12 +89,14 @@ def write_patterns(patterns, path):
 
 
 def read_patterns(path, sha256):
-    """The Patterns of a file; sha256: of its bytes, as the record of the run has it.  Raises InputError where the file
-    is missing or has another."""
+    """The Patterns of a file; sha256: of its bytes, as the record of the run has it.  Raises
+    InputError where the file is missing or has another."""
     path = check_file(path, "the patterns of a run (.npz)")
     content = path.read_bytes()
     if (found := hashlib.sha256(content).hexdigest()) != sha256:
-        raise InputError(f"{path} is not what its run wrote: SHA-256 {found[:12]}, expected {str(sha256)[:12]} by the "
-                         f"run's record; {_REMEDY}")
+        raise InputError(
+            f"{path} is not what its run wrote: SHA-256 {found[:12]}, expected {str(sha256)[:12]}"
+            f" by the run's record; {_REMEDY}"
+        )
     with np.load(io.BytesIO(content), allow_pickle=False) as archive:
         return Patterns(*(archive[name] for name in Patterns._fields))

@@ -1,4 +1,5 @@
-"""The option --cracked of a run: cracks of a survey, along which its joints have no bond from the start."""
+"""The option --cracked of a run: cracks of a survey, along which its joints have no bond from the
+start."""
 
 from dataclasses import dataclass
 
@@ -51,11 +52,13 @@ class Surveyed:
     def joints(self, layout):
         """Which contact points along the cracks have no bond, (n_joints,) of bool.
 
-        Straight lines become the nearest paths along joints (`damage.applications.cracks.crack_paths`).  Elastic contact points
-        stay as they are, with a warning; what the survey comes to is printed.  Raises InputError where less than half
-        of it lies on joints.
+        Straight lines become the nearest paths along joints
+        (`damage.applications.cracks.crack_paths`).  Elastic contact points stay as they are, with a
+        warning; what the survey comes to is printed.  Raises InputError where less than half of it
+        lies on joints.
         """
-        from damage.applications.cracks.crack_paths import crack_paths  # whose libraries no other run needs
+        # whose libraries no other run needs
+        from damage.applications.cracks.crack_paths import crack_paths
         from damage.applications.cracks.survey import check_share
 
         contacts = layout.contacts
@@ -64,12 +67,17 @@ class Surveyed:
         failed = np.zeros(len(contacts), bool)
         failed[paths.table["joint"]] = True
         if elastic := int(contacts.elastic[failed].sum()):
-            warn(f"--cracked {self.file}: {elastic} of {failed.sum()} contact points are elastic by --lintel and stay "
-                 "so")
+            warn(
+                f"--cracked {self.file}: {elastic} of {failed.sum()} contact points are elastic by"
+                " --lintel and stay so"
+            )
         failed &= ~contacts.elastic
-        print(f"cracks of {self.file}: {paths.drawn_m:.2f} m, {100 * paths.share:.0f} % of it on joints up to "
-              f"{1e3 * paths.apart_m:.0f} mm away; {failed.sum()} of {layout.n_joints} contact points "
-              f"({contacts.length[failed].sum():.2f} m) start without bond; widths are not used")
+        print(
+            f"cracks of {self.file}: {paths.drawn_m:.2f} m, {100 * paths.share:.0f} % of it on"
+            f" joints up to {1e3 * paths.apart_m:.0f} mm away; {failed.sum()} of {layout.n_joints}"
+            f" contact points ({contacts.length[failed].sum():.2f} m) start without bond; widths"
+            " are not used"
+        )
         return failed
 
 
@@ -84,8 +92,26 @@ def _fields(given):
     return {"joints_without_bond": Surveyed.read(given.cracked, tolerance_m)}
 
 
-register(Source(PAST, (
-    file_arg("--cracked", "CRACKS.csv", "joints along these cracks have no bond from the start "
-             "(docs/reference/crack-format.md; the last load level; widths are not used)"),
-    arg("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a crack of "
-        "--cracked may be drawn (default: half a brick's length)")), _fields))
+register(
+    Source(
+        PAST,
+        (
+            file_arg(
+                "--cracked",
+                "CRACKS.csv",
+                "joints along these cracks have no bond from the start "
+                "(docs/reference/crack-format.md; the last load level; widths are not used)",
+            ),
+            arg(
+                "--tolerance-mm",
+                type=number_from(1e-3, 1000),
+                metavar="MM",
+                help=(
+                    "how far from a joint a crack of "
+                    "--cracked may be drawn (default: half a brick's length)"
+                ),
+            ),
+        ),
+        _fields,
+    )
+)

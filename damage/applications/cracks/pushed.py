@@ -14,16 +14,41 @@ from damage.files import DATA
 from damage.measure import pushed
 
 TESTS = DATA / "eucentre" / "tests.csv"
-SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", **{name.lower(): name for name in (
-    "COMP1_1", "COMP1_3", "COMP2_1", "COMP2_2", "COMP2_3", "COMP2_4", "COMP2_5", "MI1", "MI2", "ISP1", "ISP3",
-    "ABRAMS_W1", "ABRAMS_W3")}}
+SPECIMENS = {
+    "squat": "COMP1_3",
+    "squat_tested": "COMP1_3",
+    **{
+        name.lower(): name
+        for name in (
+            "COMP1_1",
+            "COMP1_3",
+            "COMP2_1",
+            "COMP2_2",
+            "COMP2_3",
+            "COMP2_4",
+            "COMP2_5",
+            "MI1",
+            "MI2",
+            "ISP1",
+            "ISP3",
+            "ABRAMS_W1",
+            "ABRAMS_W3",
+        )
+    },
+}
 """Name of a wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear", "SL": "sliding"}
-FIGURES = {"stiffness_n_per_m": ("stiffness, secant to 0.7 of the peak", "kN/mm", 1e6),
-           "peak_force_n": ("peak force", "kN", 1e3), "drift_at_peak": ("drift at the peak force", "%", 0.01),
-           "force_n": ("bilinear force", "kN", 1e3), "mean_force_n": ("mean force to {}", "kN", 1e3),
-           "left_n": ("force left at {}", "kN", 1e3), "energy_j": ("energy below the bilinear line", "J", 1.0),
-           "elastic_drift": ("elastic drift", "%", 0.01), "ultimate_drift": ("ultimate drift", "%", 0.01)}
+FIGURES = {
+    "stiffness_n_per_m": ("stiffness, secant to 0.7 of the peak", "kN/mm", 1e6),
+    "peak_force_n": ("peak force", "kN", 1e3),
+    "drift_at_peak": ("drift at the peak force", "%", 0.01),
+    "force_n": ("bilinear force", "kN", 1e3),
+    "mean_force_n": ("mean force to {}", "kN", 1e3),
+    "left_n": ("force left at {}", "kN", 1e3),
+    "energy_j": ("energy below the bilinear line", "J", 1.0),
+    "elastic_drift": ("elastic drift", "%", 0.01),
+    "ultimate_drift": ("ultimate drift", "%", 0.01),
+}
 """{figure of `pushed.capacity` and of a test: (words, unit, its size in SI)}; {}: a drift."""
 
 
@@ -31,9 +56,10 @@ FIGURES = {"stiffness_n_per_m": ("stiffness, secant to 0.7 of the peak", "kN/mm"
 class LaboratoryTest:
     """Measured numbers of one wall; pairs are of the two directions of loading.
 
-    peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (positive, negative);
-    drifts are ratios; first_crack: the drift at which one was seen, None where none was; mode: of MODES; height [m].
-    """
+    peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (positive,
+    negative);
+    drifts are ratios; first_crack: the drift at which one was seen, None where none was; mode: of
+    MODES; height [m]."""
 
     specimen: str
     mode: str
@@ -48,28 +74,59 @@ class LaboratoryTest:
     @property
     def stiffness_n_per_m(self):
         """Of the bilinear idealisation, in both directions."""
-        return tuple(force / (drift * self.height) for force, drift in zip(self.bilinear_force_n, self.elastic_drift))
+        return tuple(
+            force / (drift * self.height)
+            for force, drift in zip(self.bilinear_force_n, self.elastic_drift)
+        )
 
     @property
     def energy_j(self):
         """Energy below the bilinear idealisation up to the ultimate drift, in both directions."""
-        return tuple(force * (ultimate - elastic / 2) * self.height for force, elastic, ultimate in zip(
-            self.bilinear_force_n, self.elastic_drift, self.ultimate_drift))
+        return tuple(
+            force * (ultimate - elastic / 2) * self.height
+            for force, elastic, ultimate in zip(
+                self.bilinear_force_n, self.elastic_drift, self.ultimate_drift
+            )
+        )
 
     @property
     def figures(self):
-        """{name: mean over both directions} of FIGURES; at its ultimate drift 0.8 of the peak are left."""
-        names = {"force_n": self.bilinear_force_n, **{name: getattr(self, name) for name in (
-            "stiffness_n_per_m", "peak_force_n", "drift_at_peak", "energy_j", "elastic_drift", "ultimate_drift")}}
+        """{name: mean over both directions} of FIGURES; at its ultimate drift 0.8 of the peak are
+        left."""
+        names = {
+            "force_n": self.bilinear_force_n,
+            **{
+                name: getattr(self, name)
+                for name in (
+                    "stiffness_n_per_m",
+                    "peak_force_n",
+                    "drift_at_peak",
+                    "energy_j",
+                    "elastic_drift",
+                    "ultimate_drift",
+                )
+            },
+        }
         found = {name: float(np.mean(pair)) for name, pair in names.items()}
-        return found | {"left_n": pushed.ULTIMATE_SHARE * found["peak_force_n"], "mean_force_n": float(np.mean(
-            [energy / drift / self.height for energy, drift in zip(self.energy_j, self.ultimate_drift)]))}
+        return found | {
+            "left_n": pushed.ULTIMATE_SHARE * found["peak_force_n"],
+            "mean_force_n": float(
+                np.mean(
+                    [
+                        energy / drift / self.height
+                        for energy, drift in zip(self.energy_j, self.ultimate_drift)
+                    ]
+                )
+            ),
+        }
 
     def bilinear_curve(self, direction):
         """Drift ratios and forces [N] of the idealised envelope, (3,) each; direction 0 or 1."""
         force = self.bilinear_force_n[direction]
-        return (np.array([0.0, self.elastic_drift[direction], self.ultimate_drift[direction]]),
-                np.array([0.0, force, force]))
+        return (
+            np.array([0.0, self.elastic_drift[direction], self.ultimate_drift[direction]]),
+            np.array([0.0, force, force]),
+        )
 
 
 def read_test(specimen):
@@ -82,81 +139,146 @@ def read_test(specimen):
     def pair(name, unit, factor):
         return tuple(float(row[f"{name}{sign}_{unit}"]) * factor for sign in "+-")
 
-    return LaboratoryTest(specimen, MODES[row["Failure mode"]], float(row["H_m"]), pair("Vmax", "kN", 1e3),
-                          pair("dVmax", "pct", 0.01), pair("Vbil", "kN", 1e3), pair("de", "pct", 0.01),
-                          pair("du", "pct", 0.01), 0.01 * row["dcr+_pct"] if np.isfinite(row["dcr+_pct"]) else None)
+    return LaboratoryTest(
+        specimen,
+        MODES[row["Failure mode"]],
+        float(row["H_m"]),
+        pair("Vmax", "kN", 1e3),
+        pair("dVmax", "pct", 0.01),
+        pair("Vbil", "kN", 1e3),
+        pair("de", "pct", 0.01),
+        pair("du", "pct", 0.01),
+        0.01 * row["dcr+_pct"] if np.isfinite(row["dcr+_pct"]) else None,
+    )
 
 
 def test_of(history):
     """The LaboratoryTest that a run's wall models; InputError where it models none."""
     if history.wall not in SPECIMENS:
-        raise InputError(f"{history.path}: wall {history.wall} models no test; expected one of {', '.join(SPECIMENS)}")
+        raise InputError(
+            f"{history.path}: wall {history.wall} models no test; expected one of"
+            f" {', '.join(SPECIMENS)}"
+        )
     return read_test(SPECIMENS[history.wall])
 
 
 def _measured(history, to=None):
-    """The LaboratoryTest that a run's wall models, its figures, and the drift [-] to which mean forces count: `to`,
-    else that of the test; None and {} where there is no test."""
+    """The LaboratoryTest that a run's wall models, its figures, and the drift [-] to which mean
+    forces count: `to`, else that of the test; None and {} where there is no test."""
     test = read_test(SPECIMENS[history.wall]) if history.wall in SPECIMENS else None
     figures = test.figures if test else {}
     if to is None:
         return test, figures, figures.get("ultimate_drift")
     same = test and np.isclose(to, figures["ultimate_drift"], rtol=1e-3)
-    return test, {name: one for name, one in figures.items() if same or name not in ("mean_force_n", "left_n")}, to
+    return (
+        test,
+        {
+            name: one
+            for name, one in figures.items()
+            if same or name not in ("mean_force_n", "left_n")
+        },
+        to,
+    )
 
 
 def _words(name, to):
-    return FIGURES[name][0].format("the ultimate drift" if to is None else f"{100 * to:.3g} % drift")
+    return FIGURES[name][0].format(
+        "the ultimate drift" if to is None else f"{100 * to:.3g} % drift"
+    )
 
 
 def figures(history, to=None):
-    """Rows (figure, unit, simulated, measured) of a pushed wall, means over the directions of loading; measured: of the
-    test that it models; None where there is no figure.  to: the drift [-] of mean forces, None for the test's ultimate
-    drift, without a test the run's."""
+    """Rows (figure, unit, simulated, measured) of a pushed wall, means over the directions of
+    loading; measured: of the test that it models; None where there is no figure.  to: the drift [-]
+    of mean forces, None for the test's ultimate drift, without a test the run's."""
     test, measured, to = _measured(history, to)
     found = pushed.capacity(history, to)
     initial, shares = pushed.first_loading(history)["initial_stiffness_n_per_m"], found["failure"]
     rows = [("stiffness, initial", "kN/mm", initial and initial / 1e6, None)]
     for name, (_, unit, size) in FIGURES.items():
-        words = _words(name, to) + (", not reached: over" if name == "ultimate_drift" and not found["ended"] else "")
-        rows.append((words, unit, *(None if one is None else one / size for one in (found[name], measured.get(name)))))
+        words = _words(name, to) + (
+            ", not reached: over" if name == "ultimate_drift" and not found["ended"] else ""
+        )
+        rows.append(
+            (
+                words,
+                unit,
+                *(None if one is None else one / size for one in (found[name], measured.get(name))),
+            )
+        )
     crack = pushed.drift_at_first_crack(history)
-    return [*rows,
-            ("drift at the first crack (of 0.1 mm)", "%", *(None if drift is None else 100 * drift
-                                                            for drift in (crack, test and test.first_crack))),
-            ("share of the slipped length on stairs", "1", shares["stair_share"], None),
-            ("failure mode at the ultimate drift", "", shares["mode"], test and test.mode)]
+    return [
+        *rows,
+        (
+            "drift at the first crack (of 0.1 mm)",
+            "%",
+            *(
+                None if drift is None else 100 * drift
+                for drift in (crack, test and test.first_crack)
+            ),
+        ),
+        ("share of the slipped length on stairs", "1", shares["stair_share"], None),
+        ("failure mode at the ultimate drift", "", shares["mode"], test and test.mode),
+    ]
 
 
 def pushed_report(history, to=None):
     """Everything about a pushed run as a plain dictionary: cycles, envelope, mode and `figures`."""
     height = history.attributes["drift_height_m"]
     cyclic, found = pushed.pushed_loading(history).cycles > 0, pushed.capacity(history, to)
-    return {"wall": history.wall, "solver": history.solver, "motion": history.loading.name,
-            "status": history.status, "slip": "displacement", "test": SPECIMENS.get(history.wall),
-            "cycles": pushed.cycles_table(history).to_dict("records") if cyclic else [],
-            "bilinear": {side: pushed.bilinear(curve, height) for side, curve in pushed.loaded_curves(history).items()},
-            "first_crack_drift": pushed.drift_at_first_crack(history),
-            "failure": found["failure"], "by_hand_n": pushed.hand_capacities(history),
-            "figures": [dict(zip(("figure", "unit", "simulated", "measured"), row)) for row in figures(history, to)]}
+    return {
+        "wall": history.wall,
+        "solver": history.solver,
+        "motion": history.loading.name,
+        "status": history.status,
+        "slip": "displacement",
+        "test": SPECIMENS.get(history.wall),
+        "cycles": pushed.cycles_table(history).to_dict("records") if cyclic else [],
+        "bilinear": {
+            side: pushed.bilinear(curve, height)
+            for side, curve in pushed.loaded_curves(history).items()
+        },
+        "first_crack_drift": pushed.drift_at_first_crack(history),
+        "failure": found["failure"],
+        "by_hand_n": pushed.hand_capacities(history),
+        "figures": [
+            dict(zip(("figure", "unit", "simulated", "measured"), row))
+            for row in figures(history, to)
+        ],
+    }
 
 
 def draws_report(histories, to=None):
-    """Medians and quantiles of the `figures` of several draws of the joints' strengths, a plain dictionary.
+    """Medians and quantiles of the `figures` of several draws of the joints' strengths, a plain
+    dictionary.
 
     Raises InputError where runs are not of one wall and one push, or a draw is there twice."""
     first, drawn = histories[0], {}
-    alike = [(history.masonry_wall, pushed.pushed_loading(history), replace(history.model, strength_seed=0),
-              history.solver) for history in histories]
+    alike = [
+        (
+            history.masonry_wall,
+            pushed.pushed_loading(history),
+            replace(history.model, strength_seed=0),
+            history.solver,
+        )
+        for history in histories
+    ]
     for history, common in zip(histories, alike):
         if common != alike[0]:
-            raise InputError(f"{history.path}: another wall, push or model than {first.path}; expected draws of one, "
-                             "which differ in --strength-seed alone; leave it out")
+            raise InputError(
+                f"{history.path}: another wall, push or model than {first.path}; expected draws of"
+                " one, which differ in --strength-seed alone; leave it out"
+            )
         model, seeds = history.model, history.parameters
-        draw = model.strength_cov and model.strength_seed, seeds.get("scatter") and seeds.get("seed")
+        draw = (
+            model.strength_cov and model.strength_seed,
+            seeds.get("scatter") and seeds.get("seed"),
+        )
         if draw in drawn:
-            raise InputError(f"{history.path}: the same draw of the strengths as {drawn[draw]}; expected "
-                             "--strength-cov and another --strength-seed; leave one out")
+            raise InputError(
+                f"{history.path}: the same draw of the strengths as {drawn[draw]}; expected "
+                "--strength-cov and another --strength-seed; leave one out"
+            )
         drawn[draw] = history.path
     test, measured, to = _measured(first, to)
     found, rows = [pushed.capacity(history, to) for history in histories], []
@@ -164,53 +286,111 @@ def draws_report(histories, to=None):
         values = [one[name] / size for one in found if one[name] is not None]
         whole = len(values) == len(found)
         low, middle, high = np.quantile(values, (0.05, 0.5, 0.95)).tolist() if whole else [None] * 3
-        rows.append({"figure": _words(name, to), "unit": unit, "median": middle, "quantile_05": low,
-                     "quantile_95": high, "measured": measured.get(name) and measured[name] / size,
-                     "draws_needed": pushed.draws_needed(values) if whole else None})
-    return {"wall": first.wall, "motion": first.loading.name, "draws": len(found), "test": test and test.specimen,
-            "figures": rows, "not_ended": sum(not one["ended"] for one in found),
-            "failure": dict(Counter(one["failure"]["mode"] or "none" for one in found).most_common()),
-            "failure_measured": test and test.mode}
+        rows.append(
+            {
+                "figure": _words(name, to),
+                "unit": unit,
+                "median": middle,
+                "quantile_05": low,
+                "quantile_95": high,
+                "measured": measured.get(name) and measured[name] / size,
+                "draws_needed": pushed.draws_needed(values) if whole else None,
+            }
+        )
+    return {
+        "wall": first.wall,
+        "motion": first.loading.name,
+        "draws": len(found),
+        "test": test and test.specimen,
+        "figures": rows,
+        "not_ended": sum(not one["ended"] for one in found),
+        "failure": dict(Counter(one["failure"]["mode"] or "none" for one in found).most_common()),
+        "failure_measured": test and test.mode,
+    }
 
 
 def describe_draws(found):
     """A `draws_report` as lines for people."""
-    lines = [f"{found['wall']} / {found['motion']}: {found['draws']} draws",
-             f"{'':42s}{'median':>10s}{'5 %':>10s}{'95 %':>10s}{'measured':>10s}{'draws needed':>14s}"]
-    lines += [f"{row['figure'] + ', ' + row['unit']:42s}" + "".join(f"{_shown(row[name]):>10s}" for name in (
-        "median", "quantile_05", "quantile_95", "measured")) + f"{_shown(row['draws_needed']):>14s}"
-        for row in found["figures"]]
-    lines.append("failure mode at the ultimate drift: " + ", ".join(
-        f"{mode} in {count}" for mode, count in found["failure"].items())
-        + (f"; in the test {found['failure_measured']}" if found["failure_measured"] else ""))
+    lines = [
+        f"{found['wall']} / {found['motion']}: {found['draws']} draws",
+        f"{'':42s}{'median':>10s}{'5 %':>10s}{'95 %':>10s}{'measured':>10s}{'draws needed':>14s}",
+    ]
+    lines += [
+        f"{row['figure'] + ', ' + row['unit']:42s}"
+        + "".join(
+            f"{_shown(row[name]):>10s}"
+            for name in ("median", "quantile_05", "quantile_95", "measured")
+        )
+        + f"{_shown(row['draws_needed']):>14s}"
+        for row in found["figures"]
+    ]
+    lines.append(
+        "failure mode at the ultimate drift: "
+        + ", ".join(f"{mode} in {count}" for mode, count in found["failure"].items())
+        + (f"; in the test {found['failure_measured']}" if found["failure_measured"] else "")
+    )
     if found["not_ended"]:
-        lines.append(f"{found['not_ended']} of {found['draws']} kept 0.8 of the peak to the end: their ultimate drift "
-                     "is the largest one")
+        lines.append(
+            f"{found['not_ended']} of {found['draws']} kept 0.8 of the peak to the end: their"
+            " ultimate drift is the largest one"
+        )
     return "\n".join([*lines, "draws needed: for the median within 5 %"])
 
 
 def describe(found):
     """A `pushed_report` as lines for people."""
-    lines = [f"{found['wall']} / {found['motion']} / {found['solver']}: {found['status']}; slip by {found['slip']}"]
+    lines = [
+        f"{found['wall']} / {found['motion']} / {found['solver']}: {found['status']}; slip by"
+        f" {found['slip']}"
+    ]
     if found["cycles"]:
-        columns = ("amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn", "dissipated_j",
-                   "equivalent_damping", "DI_at_max", "DI_at_min")
-        lines.append("cycle  amplitude      drift [%]       force [kN]  lost [J]  damping [-]    DI at both ends")
-        lines += ["{:5d}{:9g} %{:10.4f}{:9.4f}{:9.1f}{:8.1f}{:10.1f}{:12.3f}{:11.4f}{:8.4f}".format(
-            row["cycle"], *(row[name] for name in columns)) for row in found["cycles"]]
+        columns = (
+            "amplitude_pct",
+            "max_drift_pct",
+            "min_drift_pct",
+            "max_force_kn",
+            "min_force_kn",
+            "dissipated_j",
+            "equivalent_damping",
+            "DI_at_max",
+            "DI_at_min",
+        )
+        lines.append(
+            "cycle  amplitude      drift [%]       force [kN]  lost [J]  damping [-]    DI at both"
+            " ends"
+        )
+        lines += [
+            "{:5d}{:9g} %{:10.4f}{:9.4f}{:9.1f}{:8.1f}{:10.1f}{:12.3f}{:11.4f}{:8.4f}".format(
+                row["cycle"], *(row[name] for name in columns)
+            )
+            for row in found["cycles"]
+        ]
     for side, line in found["bilinear"].items():
-        lines.append(f"bilinear, {side}: {line['stiffness_n_per_m'] / 1e6:.1f} kN/mm, {line['force_n'] / 1e3:.1f} kN, "
-                     f"to {100 * line['ultimate_drift']:.3f} % drift")
+        lines.append(
+            f"bilinear, {side}: {line['stiffness_n_per_m'] / 1e6:.1f} kN/mm,"
+            f" {line['force_n'] / 1e3:.1f} kN, to {100 * line['ultimate_drift']:.3f} % drift"
+        )
     failure = found["failure"]
-    hand = ", ".join(f"{name.replace('_', ' ')} {force / 1e3:.0f}" for name, force in found["by_hand_n"].items())
+    hand = ", ".join(
+        f"{name.replace('_', ' ')} {force / 1e3:.0f}" for name, force in found["by_hand_n"].items()
+    )
     lines += [f"by hand [kN]: {hand}"] if hand else []
-    lines.append(f"failure at the ultimate drift: {failure['mode']}; bed joints opened over "
-                 f"{failure['opened_m']:.2f} m, slipped over {failure['slipped_m']:.2f} m, "
-                 f"{100 * failure['stair_share']:.0f} % of that on stairs")
-    lines.append(f"{'beside the test ' + found['test'] if found['test'] else '':42s}{'simulated':>12s}"
-                 + f"{'measured':>12s}" * bool(found["test"]))
-    lines += [f"{row['figure'] + (', ' + row['unit'] if row['unit'] else ''):42s}{_shown(row['simulated']):>12s}"
-              + f"  {_shown(row['measured']):>10s}" * bool(found["test"]) for row in found["figures"]]
+    lines.append(
+        f"failure at the ultimate drift: {failure['mode']}; bed joints opened over "
+        f"{failure['opened_m']:.2f} m, slipped over {failure['slipped_m']:.2f} m, "
+        f"{100 * failure['stair_share']:.0f} % of that on stairs"
+    )
+    lines.append(
+        f"{'beside the test ' + found['test'] if found['test'] else '':42s}{'simulated':>12s}"
+        + f"{'measured':>12s}" * bool(found["test"])
+    )
+    lines += [
+        f"{', '.join(filter(None, (row['figure'], row['unit']))):42s}"
+        f"{_shown(row['simulated']):>12s}"
+        + f"  {_shown(row['measured']):>10s}"
+        * bool(found["test"])
+        for row in found["figures"]
+    ]
     return "\n".join(lines)
 
 

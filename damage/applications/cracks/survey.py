@@ -1,13 +1,15 @@
-"""A survey of the cracks of a real wall: on its joints, beside a run, and how far a simulated pattern is from it.
+"""A survey of the cracks of a real wall: on its joints, beside a run, and how far a simulated
+pattern is from it.
 
-The distance of a simulated pattern, in windows that slide over the wall as in `damage.applications.cracks.patterns`,
+The distance of a simulated pattern, in windows that slide over the wall as in
+`damage.applications.cracks.patterns`,
 
     d^2 = sum (|f - g| - e)^2 / sum (f^2 + g^2)
 
-compares the areas f and g of the visible cracks (width times length) of survey and pattern; e: error of the surveyed
-widths times the surveyed length.  0: as the survey within its errors, 1: no crack at the same place.  Where the survey
-says whether faces are offset, d^2 is the mean of this and of the same of the lengths that are seen to be offset, in
-windows where it says so.
+compares the areas f and g of the visible cracks (width times length) of survey and pattern; e:
+error of the surveyed widths times the surveyed length.  0: as the survey within its errors, 1: no
+crack at the same place.  Where the survey says whether faces are offset, d^2 is the mean of this
+and of the same of the lengths that are seen to be offset, in windows where it says so.
 """
 
 from dataclasses import dataclass
@@ -23,7 +25,15 @@ from damage.applications.cracks.crack_paths import crack_paths
 from damage.applications.cracks.patterns import Places, in_words
 from damage.errors import InputError
 from damage.index import THRESHOLD
-from damage.measure.cracks import close_pairs, crack_numbers, cracked, ends_of, mean_width, psi, psi_value
+from damage.measure.cracks import (
+    close_pairs,
+    crack_numbers,
+    cracked,
+    ends_of,
+    mean_width,
+    psi,
+    psi_value,
+)
 from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
@@ -36,20 +46,22 @@ WIDTH_ERROR = 0.05 * MILLIMETRE
 WIDEST_M = 1.0
 """A crack of this width [m] is none: the wall has fallen."""
 NEAR_M = 0.225
-"""How near a crack of the run is to one of the survey, and the other way round, to count as at its place [m]."""
+"""How near a crack of the run is to one of the survey, and the other way round, to count as at its
+place [m]."""
 
 
 @dataclass(frozen=True)
 class Survey:
     """The cracks of a survey on the joints of a wall.
 
-    file, sha256: of the file; pattern: CrackPattern as drawn; table: DataFrame, a row each joint: joint, crack,
-    length_m, opening_m, slip_m, width_m (of the widest crack there), offset (1 seen, 0 not, NaN unknown);
-    n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m: largest distance of joints from the lines
-    that they stand for; detection_limit_m, width_error_m: of the file, else THRESHOLD, or the narrowest surveyed width
-    below it, and WIDTH_ERROR;
-    looked_at: joints that were looked at (n_joints,): all of them where the survey names no area without a crack;
-    notes: sentences on what was assumed.
+    file, sha256: of the file; pattern: CrackPattern as drawn; table: DataFrame, a row each joint:
+    joint, crack, length_m, opening_m, slip_m, width_m (of the widest crack there), offset (1 seen,
+    0 not, NaN unknown);
+    n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m: largest distance of
+    joints from the lines that they stand for; detection_limit_m, width_error_m: of the file, else
+    THRESHOLD, or the narrowest surveyed width below it, and WIDTH_ERROR;
+    looked_at: joints that were looked at (n_joints,): all of them where the survey names no area
+    without a crack; notes: sentences on what was assumed.
     """
 
     file: str
@@ -87,12 +99,19 @@ class Survey:
     def as_dict(self):
         """Its key numbers, fit for JSON."""
         widths = self.pattern.stretches["width_m"]
-        return {"file": self.file, "sha256": self.sha256, "cracks": self.count,
-                "crack_length_m": float(self.pattern.length_m.sum()), "psi": self.psi,
-                "max_width_mm": float(widths.max() / MILLIMETRE) if len(widths) else 0.0,
-                "share_on_joints": self.share_on_joints, "apart_m": self.apart_m,
-                "detection_limit_mm": self.detection_limit_m / MILLIMETRE,
-                "width_error_mm": self.width_error_m / MILLIMETRE, "notes": list(self.notes)}
+        return {
+            "file": self.file,
+            "sha256": self.sha256,
+            "cracks": self.count,
+            "crack_length_m": float(self.pattern.length_m.sum()),
+            "psi": self.psi,
+            "max_width_mm": float(widths.max() / MILLIMETRE) if len(widths) else 0.0,
+            "share_on_joints": self.share_on_joints,
+            "apart_m": self.apart_m,
+            "detection_limit_mm": self.detection_limit_m / MILLIMETRE,
+            "width_error_mm": self.width_error_m / MILLIMETRE,
+            "notes": list(self.notes),
+        }
 
     def _of_joints(self, name):
         values = np.zeros(self.n_joints)
@@ -101,8 +120,8 @@ class Survey:
 
 
 def read_survey(path, wall):
-    """The Survey of a crack file, at its last load level, on the joints of a Layout.  Raises InputError, too, where
-    less than LEAST_SHARE of the drawn length lies on joints."""
+    """The Survey of a crack file, at its last load level, on the joints of a Layout.  Raises
+    InputError, too, where less than LEAST_SHARE of the drawn length lies on joints."""
     return survey_of(read_cracks(path)[-1], wall, **file_origin(path))
 
 
@@ -114,18 +133,35 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
     check_share(paths, file, wall)
     offset = np.full(len(parts), np.nan) if pattern.offset is None else pattern.offset
     stretch = paths.table["stretch"].to_numpy(int)
-    opening_m = parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)  # of a width alone all is opening
+    # of a width alone all is opening
+    opening_m = parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)
     found = paths.table[["joint", "length_m"]].assign(
-        crack=parts["crack"].to_numpy()[stretch], width_m=parts["width_m"].to_numpy(float)[stretch],
-        opening_m=opening_m[stretch] * paths.table["across"], offset=offset[stretch])
-    found["slip_m"] = np.sqrt(np.maximum(found["width_m"]**2 - found["opening_m"]**2, 0.0))
-    found = found.sort_values("width_m", ascending=False, kind="stable").drop_duplicates("joint").sort_values(
-        "joint", ignore_index=True)
+        crack=parts["crack"].to_numpy()[stretch],
+        width_m=parts["width_m"].to_numpy(float)[stretch],
+        opening_m=opening_m[stretch] * paths.table["across"],
+        offset=offset[stretch],
+    )
+    found["slip_m"] = np.sqrt(np.maximum(found["width_m"] ** 2 - found["opening_m"] ** 2, 0.0))
+    found = (
+        found.sort_values("width_m", ascending=False, kind="stable")
+        .drop_duplicates("joint")
+        .sort_values("joint", ignore_index=True)
+    )
     limit, error = pattern.detection_limit_m, pattern.width_error_m
     narrowest = float(parts["width_m"][parts["width_m"] > 0].to_numpy(float).min(initial=THRESHOLD))
     known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
-    return Survey(file, sha256, pattern, found, wall.n_joints, paths.share, paths.apart_m, *known,
-                  _looked_at(pattern.clear, found["joint"], wall), tuple(_assumed(pattern, known)))
+    return Survey(
+        file,
+        sha256,
+        pattern,
+        found,
+        wall.n_joints,
+        paths.share,
+        paths.apart_m,
+        *known,
+        _looked_at(pattern.clear, found["joint"], wall),
+        tuple(_assumed(pattern, known)),
+    )
 
 
 def _refuse_contradictions(pattern, file, wall):
@@ -133,26 +169,36 @@ def _refuse_contradictions(pattern, file, wall):
     parts, length = pattern.stretches, pattern.length_m
     widest, limit = float(parts["width_m"].max()) if len(parts) else 0.0, pattern.detection_limit_m
     if widest > WIDEST_M:
-        raise InputError(f"{file}: a crack of {widest / MILLIMETRE:g} mm; expected widths of up to "
-                         f"{WIDEST_M / MILLIMETRE:g} mm, look at the unit")
+        raise InputError(
+            f"{file}: a crack of {widest / MILLIMETRE:g} mm; expected widths of up to "
+            f"{WIDEST_M / MILLIMETRE:g} mm, look at the unit"
+        )
     if 0 < widest and not isnan(limit) and not cracked(widest, limit):
-        raise InputError(f"{file}: detection_limit_mm = {limit / MILLIMETRE:g}, but the widest crack has "
-                         f"{widest / MILLIMETRE:g} mm; expected the width from which cracks are seen, correct one of "
-                         "both")
+        raise InputError(
+            f"{file}: detection_limit_mm = {limit / MILLIMETRE:g}, but the widest crack has"
+            f" {widest / MILLIMETRE:g} mm; expected the width from which cracks are seen, correct"
+            " one of both"
+        )
     ends = ends_of(parts)
-    same = pd.DataFrame(np.sort(ends[..., 0] + 1j * ends[..., 1], axis=1)).duplicated()  # in either direction
+    # in either direction
+    same = pd.DataFrame(np.sort(ends[..., 0] + 1j * ends[..., 1], axis=1)).duplicated()
     for k in np.flatnonzero(same)[:1]:
         start, end = (f"({x:g}, {z:g})" for x, z in ends[k])
-        raise InputError(f"{file}: the part of crack {parts['crack'].iloc[k]} from {start} to {end} m is there twice; "
-                         "expected each part of a crack once, leave one out")
+        raise InputError(
+            f"{file}: the part of crack {parts['crack'].iloc[k]} from {start} to {end} m is there"
+            " twice; expected each part of a crack once, leave one out"
+        )
     inside = float(length @ _share_in(ends, pattern.clear))
     if inside > wall.wall.brick.length / 2:
-        raise InputError(f"{file}: {inside:.2f} m of cracks lie in areas of mode none, which have no crack; expected "
-                         "areas beside the cracks, make them smaller or leave them out")
+        raise InputError(
+            f"{file}: {inside:.2f} m of cracks lie in areas of mode none, which have no crack;"
+            " expected areas beside the cracks, make them smaller or leave them out"
+        )
 
 
 def _share_in(ends, areas):
-    """Share of the length of straight parts (n, 2, 2) in rectangles (n, 4) [m], by 20 points of each."""
+    """Share of the length of straight parts (n, 2, 2) in rectangles (n, 4) [m], by 20 points of
+    each."""
     share = (np.arange(20) + 0.5) / 20
     place = ends[:, :1] + share[:, np.newaxis] * (ends[:, 1:] - ends[:, :1])
     return _within(place, areas).mean(axis=1)
@@ -169,13 +215,15 @@ def check_share(paths, file, wall):
     """Raise InputError where less than LEAST_SHARE of the length of CrackPaths lies on joints."""
     if paths.share < LEAST_SHARE:
         raise InputError(
-            f"{file}: {paths.on_joints_m:.2f} of {paths.drawn_m:.2f} m of its cracks run along joints of wall "
-            f"{wall.wall.name} ({100 * paths.share:.0f} %); expected at least {100 * LEAST_SHARE:.0f} %, places on "
-            "this wall, x from its left end and z from its base [m]; look at them")
+            f"{file}: {paths.on_joints_m:.2f} of {paths.drawn_m:.2f} m of its cracks run along"
+            f" joints of wall {wall.wall.name} ({100 * paths.share:.0f} %); expected at least"
+            f" {100 * LEAST_SHARE:.0f} %, places on this wall, x from its left end and z from its"
+            " base [m]; look at them"
+        )
 
 
 def _looked_at(clear, on_cracks, wall):
-    x, z = (getattr(wall.contacts, name)[:wall.n_joints] for name in "xz")
+    x, z = (getattr(wall.contacts, name)[: wall.n_joints] for name in "xz")
     if len(clear) == 0:
         return np.ones(wall.n_joints, bool)
     seen = _within(np.column_stack([x, z]), clear)
@@ -184,8 +232,15 @@ def _looked_at(clear, on_cracks, wall):
 
 
 def _assumed(pattern, known):
-    """Sentences on what a survey does not say; known: detection limit and error of widths that are taken [m]."""
-    words = ("detection limit", "error of widths"), (pattern.detection_limit_m, pattern.width_error_m)
+    """Sentences on what a survey does not say; known: detection limit and error of widths that are
+    taken [m]."""
+    words = (
+        ("detection limit", "error of widths"),
+        (
+            pattern.detection_limit_m,
+            pattern.width_error_m,
+        ),
+    )
     for word, given, taken in zip(*words, known):
         if isnan(given):
             yield f"the survey gives no {word}: {taken / MILLIMETRE:.3g} mm is taken"
@@ -196,28 +251,37 @@ def _assumed(pattern, known):
         yield wide
     below = widths[(widths > 0) & ~cracked(widths, known[0])]
     if len(below):
-        yield (f"cracks of {below.min() / MILLIMETRE:.3g} mm, but a detection limit of {known[0] / MILLIMETRE:.3g} mm: "
-               "cracks of a run as narrow as these are taken as not seen")
+        yield (
+            f"cracks of {below.min() / MILLIMETRE:.3g} mm, but a detection limit of"
+            f" {known[0] / MILLIMETRE:.3g} mm: cracks of a run as narrow as these are taken as not"
+            " seen"
+        )
     if 0 < widths.max(initial=0.0) <= known[1]:
-        yield (f"widths have an error of {known[1] / MILLIMETRE:.3g} mm, as much as the widest crack: patterns without "
-               "a crack are as near to the survey as those with it")
+        yield (
+            f"widths have an error of {known[1] / MILLIMETRE:.3g} mm, as much as the widest crack:"
+            " patterns without a crack are as near to the survey as those with it"
+        )
     alone = pattern.stretches["opening_m"].isna().to_numpy()
     if alone.any():
-        yield (f"{pattern.length_m[alone].sum():.2f} m of cracks give their width alone: all of it is taken as opening "
-               "across the line")
+        yield (
+            f"{pattern.length_m[alone].sum():.2f} m of cracks give their width alone: all of it is"
+            " taken as opening across the line"
+        )
 
 
-# --- beside a simulated pattern ---------------------------------------------------------------------
+# --- beside a simulated pattern -------------------------------------------------------------------
+
 
 def visible(survey, opening_m, offset_m):
-    """Widths (n_joints,) [m] of a simulated pattern as the surveyor would have seen them, 0 where there is nothing to
-    be seen: below the detection limit, or where nobody looked."""
+    """Widths (n_joints,) [m] of a simulated pattern as the surveyor would have seen them, 0 where
+    there is nothing to be seen: below the detection limit, or where nobody looked."""
     width = np.hypot(opening_m, offset_m)
     return np.where(survey.looked_at & cracked(width, survey.detection_limit_m), width, 0.0)
 
 
 class Seen(NamedTuple):
-    """Visible cracks in windows, (n, n_windows) each: area [m2]; length [m]; length that is seen to be offset [m]."""
+    """Visible cracks in windows, (n, n_windows) each: area [m2]; length [m]; length that is seen to
+    be offset [m]."""
 
     area: np.ndarray
     length: np.ndarray
@@ -235,11 +299,14 @@ def seen_of(survey, opening_m, offset_m, wall):
 
 
 def surveyed(survey, wall):
-    """(Seen of one row of a Survey itself, length (n_windows,) [m] of which it says whether it is offset)."""
+    """(Seen of one row of a Survey itself, length (n_windows,) [m] of which it says whether it is
+    offset)."""
     table, drawn = survey.table, np.zeros((4, wall.n_joints))
     offset = table["offset"].to_numpy(float)
-    drawn[:, table["joint"]] = np.array([table["width_m"], np.ones(len(table)), offset == 1, ~np.isnan(offset)]
-                                        ) * table["length_m"].to_numpy()
+    drawn[:, table["joint"]] = (
+        np.array([table["width_m"], np.ones(len(table)), offset == 1, ~np.isnan(offset)])
+        * table["length_m"].to_numpy()
+    )
     *seen, known = places_on(wall).sums(drawn)
     return Seen(*(values[np.newaxis] for values in seen)), known
 
@@ -262,7 +329,9 @@ def distances(one, others, error_m, known_m):
     off = np.maximum(np.abs(one.area - others.area) - error_m * one.length, 0.0)
     squares = [_relative(off, one.area, others.area)]
     if (of := known_m > 0).any():
-        squares.append(_relative((one.offset - others.offset)[:, of], one.offset[:, of], others.offset[:, of]))
+        squares.append(
+            _relative((one.offset - others.offset)[:, of], one.offset[:, of], others.offset[:, of])
+        )
     return np.sqrt(np.mean(squares, axis=0))
 
 
@@ -274,15 +343,21 @@ def _relative(difference, f, g):
 def places_on(wall):
     """The Places of the joints of a Layout."""
     contacts, n = wall.contacts, wall.n_joints
-    return Places(contacts.x[:n], contacts.z[:n], contacts.length[:n], (wall.wall.length, wall.wall.built_height))
+    return Places(
+        contacts.x[:n],
+        contacts.z[:n],
+        contacts.length[:n],
+        (wall.wall.length, wall.wall.built_height),
+    )
 
 
 def beside(survey, opening_m, offset_m, wall):
     """A Survey beside a simulated pattern, a plain dictionary; arguments as of `distance`.
 
-    pattern: fractions skill score of the visible cracks with its controls, as of `damage.applications.cracks.patterns`; widths: of
-    survey and run, each [survey, run]; positions: shares of the length of each that has a crack of the other within
-    NEAR_M [-], None without a crack.
+    pattern: fractions skill score of the visible cracks with its controls, as of
+    `damage.applications.cracks.patterns`; widths: of survey and run, each [survey, run]; positions:
+    shares of the length of each that has a crack of the other within NEAR_M [-], None without a
+    crack.
     """
     places, drawn = places_on(wall), survey.as_dict()
     widths = survey.width_m, visible(survey, opening_m, offset_m)
@@ -290,19 +365,27 @@ def beside(survey, opening_m, offset_m, wall):
     means = [mean_width(width, places.length) for width in widths]
     count = int(crack_numbers(there, close_pairs(tributary_ends(joint_table(wall)))).max(initial=0))
     return {
-        "survey": drawn, "distance": distance(survey, opening_m, offset_m, wall),
+        "survey": drawn,
+        "distance": distance(survey, opening_m, offset_m, wall),
         "pattern": places.scores(here, there),
-        "widths": {"cracks": [survey.count, count],
-                   "joints_m": [float(places.length[flags].sum()) for flags in (here, there)],
-                   "max_width_mm": [drawn["max_width_mm"], float(widths[1].max(initial=0.0) / MILLIMETRE)],
-                   "mean_width_mm": [float(mean / MILLIMETRE) for mean in means],
-                   "psi": [survey.psi, float(psi_value(count, means[1]))]},
-        "positions": {"of_survey": _near(places, here, there), "of_run": _near(places, there, here),
-                      "within_m": NEAR_M}}
+        "widths": {
+            "cracks": [survey.count, count],
+            "joints_m": [float(places.length[flags].sum()) for flags in (here, there)],
+            "max_width_mm": [drawn["max_width_mm"], float(widths[1].max(initial=0.0) / MILLIMETRE)],
+            "mean_width_mm": [float(mean / MILLIMETRE) for mean in means],
+            "psi": [survey.psi, float(psi_value(count, means[1]))],
+        },
+        "positions": {
+            "of_survey": _near(places, here, there),
+            "of_run": _near(places, there, here),
+            "within_m": NEAR_M,
+        },
+    }
 
 
 def _near(places, flags, others):
-    """Share of the length of flagged joints that has one of the others within NEAR_M [-]; None without a flag."""
+    """Share of the length of flagged joints that has one of the others within NEAR_M [-]; None
+    without a flag."""
     if not flags.any():
         return None
     tree = scipy.spatial.cKDTree(np.column_stack([places.x[others], places.z[others]]))
@@ -312,21 +395,33 @@ def _near(places, flags, others):
 
 def on_joints(survey):
     """A survey (`Survey.as_dict`) on its wall in a line."""
-    return (f"survey {survey['file']}: {survey['cracks']} cracks, {survey['crack_length_m']:.2f} m, "
-            f"{100 * survey['share_on_joints']:.0f} % of it on joints, up to {1e3 * survey['apart_m']:.0f} mm away")
+    return (
+        f"survey {survey['file']}: {survey['cracks']} cracks, {survey['crack_length_m']:.2f} m,"
+        f" {100 * survey['share_on_joints']:.0f} % of it on joints, up to"
+        f" {1e3 * survey['apart_m']:.0f} mm away"
+    )
 
 
 def describe_beside(found):
     """The result of `beside` as lines."""
     survey, positions = found["survey"], found["positions"]
-    shares = ["-" if positions[name] is None else f"{100 * positions[name]:.0f} %" for name in ("of_survey", "of_run")]
+    shares = [
+        "-" if positions[name] is None else f"{100 * positions[name]:.0f} %"
+        for name in ("of_survey", "of_run")
+    ]
     return [
         on_joints(survey),
         f"seen from {survey['detection_limit_mm']:.3g} mm, +-{survey['width_error_mm']:.3g} mm",
         f"{'':16}{'survey':>10}{'run':>10}",
-        *(f"{name:16}{here:>10.3g}{there:>10.3g}" for name, (here, there) in found["widths"].items()),
+        *(
+            f"{name:16}{here:>10.3g}{there:>10.3g}"
+            for name, (here, there) in found["widths"].items()
+        ),
         f"pattern of visible cracks: {in_words(found['pattern'])}",
-        f"positions: {shares[0]} of the survey's length has a crack of the run within "
-        f"{1e3 * positions['within_m']:.0f} mm, {shares[1]} of the run's one of the survey",
+        (
+            f"positions: {shares[0]} of the survey's length has a crack of the run within "
+            f"{1e3 * positions['within_m']:.0f} mm, {shares[1]} of the run's one of the survey"
+        ),
         f"distance {found['distance']:.2f} (0: as the survey, 1: nothing at the same place)",
-        *(f"note: {note}" for note in survey["notes"])]
+        *(f"note: {note}" for note in survey["notes"]),
+    ]

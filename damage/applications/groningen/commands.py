@@ -5,7 +5,12 @@ import re
 import sys
 from pathlib import Path
 
-from damage.applications.groningen.exposure.catalogue import SHIPPED, read_catalogue, with_later, write_catalogue
+from damage.applications.groningen.exposure.catalogue import (
+    SHIPPED,
+    read_catalogue,
+    with_later,
+    write_catalogue,
+)
 from damage.applications.groningen.exposure.exposure import Exposure
 from damage.applications.groningen.exposure.exposure import describe as describe_exposure
 from damage.applications.groningen.exposure.ground_motion import model_named
@@ -28,73 +33,162 @@ def _metres(word):
     try:
         return float(word)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{word}: expected metres with a decimal point and nothing between thousands; "
-                                         "correct it") from None
+        raise argparse.ArgumentTypeError(
+            f"{word}: expected metres with a decimal point and nothing between thousands; "
+            "correct it"
+        ) from None
 
 
 _degrees.__name__ = "float"  # for what argparse says of a word that is none
 _ADDRESS = (
-    group("address",
-          arg("--at", nargs=2, type=_degrees, metavar=("LAT", "LON"), help="the address, degrees in WGS84"),
-          arg("--rd", nargs=2, type=_metres, metavar=("X", "Y"), help="instead: metres in the Dutch grid (EPSG:28992)"),
-          arg("--vs30", type=float, default=200.0, metavar="M_S", help="mean shear-wave velocity of the upper 30 m "
-               "(default 200)")),
-    group("earthquakes and ground motion",
-          arg("--from", dest="first", type=int, metavar="YEAR", help="first year (default: the catalogue's)"),
-          arg("--to", dest="last", type=int, metavar="YEAR", help="last year (default: the catalogue's)"),
-          file_arg("--catalogue", "FILE", "events: CSV, KNMI's all_induced.csv, or the text of an FDSN event service "
-                   "(default: KNMI's list for the field, 1991-12 to 2022-01, which ships)"),
-          arg("--component", metavar="LRG|GEO|MAX", help="larger of both horizontal components (default), their "
-               "geometric mean, or the largest in any direction"),
-          arg("--model", default="bommer-2022", metavar="NAME", help="ground-motion model (default bommer-2022)")))
+    group(
+        "address",
+        arg(
+            "--at",
+            nargs=2,
+            type=_degrees,
+            metavar=("LAT", "LON"),
+            help="the address, degrees in WGS84",
+        ),
+        arg(
+            "--rd",
+            nargs=2,
+            type=_metres,
+            metavar=("X", "Y"),
+            help="instead: metres in the Dutch grid (EPSG:28992)",
+        ),
+        arg(
+            "--vs30",
+            type=float,
+            default=200.0,
+            metavar="M_S",
+            help="mean shear-wave velocity of the upper 30 m (default 200)",
+        ),
+    ),
+    group(
+        "earthquakes and ground motion",
+        arg(
+            "--from",
+            dest="first",
+            type=int,
+            metavar="YEAR",
+            help="first year (default: the catalogue's)",
+        ),
+        arg(
+            "--to",
+            dest="last",
+            type=int,
+            metavar="YEAR",
+            help="last year (default: the catalogue's)",
+        ),
+        file_arg(
+            "--catalogue",
+            "FILE",
+            "events: CSV, KNMI's all_induced.csv, or the text of an FDSN event service "
+            "(default: KNMI's list for the field, 1991-12 to 2022-01, which ships)",
+        ),
+        arg(
+            "--component",
+            metavar="LRG|GEO|MAX",
+            help=(
+                "larger of both horizontal components (default), their "
+                "geometric mean, or the largest in any direction"
+            ),
+        ),
+        arg(
+            "--model",
+            default="bommer-2022",
+            metavar="NAME",
+            help="ground-motion model (default bommer-2022)",
+        ),
+    ),
+)
 """Options of the commands that are about an address; `_exposure_of` reads them."""
 
 
 def _exposure_of(asked):
     if (asked.at is None) == (asked.rd is None):
-        raise InputError(f"which address? {'both' if asked.at else 'none'} given: expected --at LAT LON or --rd X Y; "
-                         "give one of them")
-    return Exposure(at(*asked.at) if asked.at else at_rd(*asked.rd),
-                    read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
-                    model_named(asked.model, asked.component), asked.vs30)
+        raise InputError(
+            f"which address? {'both' if asked.at else 'none'} given: expected --at LAT LON or --rd"
+            " X Y; give one of them"
+        )
+    return Exposure(
+        at(*asked.at) if asked.at else at_rd(*asked.rd),
+        read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
+        model_named(asked.model, asked.component),
+        asked.vs30,
+    )
 
 
-@command("the ground motion at an address in the Groningen field: PGV of every earthquake of a catalogue", *_ADDRESS,
-         JSON, out("folder for the table of all events and the picture", required=False),
-         examples=("--at 53.36 6.75", "--rd 246000 597000 --vs30 180 --from 2012 --out exposure"))
+@command(
+    "the ground motion at an address in the Groningen field: PGV of every earthquake of a"
+    " catalogue",
+    *_ADDRESS,
+    JSON,
+    out("folder for the table of all events and the picture", required=False),
+    examples=("--at 53.36 6.75", "--rd 246000 597000 --vs30 180 --from 2012 --out exposure"),
+)
 def _exposure(asked):
     exposure = _exposure_of(asked)
     if asked.out:
         from damage.applications.groningen.pictures import exposure_picture
         from damage.measure.tables import write_table
 
-        print(f"table: {write_table(exposure.table(), asked.out / 'exposure.csv')}", file=sys.stderr)
+        print(
+            f"table: {write_table(exposure.table(), asked.out / 'exposure.csv')}", file=sys.stderr
+        )
         save([("exposure", exposure_picture(exposure))], asked.out, "exposure")
     show(asked, exposure.as_dict(), describe_exposure)
 
 
-@command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has later; "
-         "the file is text, of https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
-         file_arg("later", "FILE", "text of an FDSN event service, CSV, or KNMI's all_induced.csv"),
-         file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
-         out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"),
-         examples=("later.txt --out catalogue.csv",
-                   "newest.txt --catalogue catalogue.csv --out catalogue_2.csv"))
+@command(
+    "a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event"
+    " service has later; the file is text, of"
+    " https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
+    file_arg("later", "FILE", "text of an FDSN event service, CSV, or KNMI's all_induced.csv"),
+    file_arg(
+        "--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"
+    ),
+    out(
+        "the catalogue with both, for --catalogue of other commands and catalogue = in addresses",
+        "FILE.csv",
+    ),
+    examples=(
+        "later.txt --out catalogue.csv",
+        "newest.txt --catalogue catalogue.csv --out catalogue_2.csv",
+    ),
+)
 def _catalogue(asked):
     joined, notes = with_later(asked.later, asked.catalogue or SHIPPED)
-    print(*notes, f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d} to "
-          f"{joined.end:%Y-%m-%d}", sep="\n")
+    print(
+        *notes,
+        f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d}"
+        f" to {joined.end:%Y-%m-%d}",
+        sep="\n",
+    )
 
 
 def _address_of(asked):
-    """Keys of `damage.applications.groningen.exposure.lives.KEYS` of parsed options, None where not given."""
-    place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
-        dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
+    """Keys of `damage.applications.groningen.exposure.lives.KEYS` of parsed options, None where not
+    given."""
+    place = (
+        dict(zip(("latitude", "longitude"), asked.at))
+        if asked.at
+        else dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
+    )
     return place | {
-        "vs30_m_s": asked.vs30, "first_year": asked.first, "last_year": asked.last,
-        "catalogue": asked.catalogue and str(asked.catalogue.resolve()), "component": asked.component,
-        "model": asked.model, "above_mm_s": asked.above, "within_km": asked.within, "scale_to": asked.scale_to,
-        "strong": list(asked.strong), "seed": asked.seed}
+        "vs30_m_s": asked.vs30,
+        "first_year": asked.first,
+        "last_year": asked.last,
+        "catalogue": asked.catalogue and str(asked.catalogue.resolve()),
+        "component": asked.component,
+        "model": asked.model,
+        "above_mm_s": asked.above,
+        "within_km": asked.within,
+        "scale_to": asked.scale_to,
+        "strong": list(asked.strong),
+        "seed": asked.seed,
+    }
 
 
 def _lives_options(within, strong):
@@ -102,74 +196,193 @@ def _lives_options(within, strong):
     return (
         group(
             "lives",
-            arg("--seed", type=number_from(0, 2**31, int), default=0, metavar="N", help="of the draws (default 0)"),
-            arg("--above", type=number_from(0.01, 1000), default=8.0, metavar="MM_S", help="PGV from which an event "
-                "is part of a life (default 8); the largest always is"),
-            arg("--within", type=number_from(0.1, 1000), default=within, metavar="KM", help="stations whose records "
-                f"are used (default {within:g} km from the epicentre)"),
-            arg("--scale-to", default="pgv", metavar="pgv|sa", help="what records are scaled to: the drawn PGV "
-                "(default), or the spectral acceleration at 0.2 s that it implies"),
-            arg("--strong", nargs=2, type=float, default=strong, metavar="SHARE", help="shares of the Arias "
-                "intensity that a record's window leaves out at its start and end (default "
-                f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)")),
+            arg(
+                "--seed",
+                type=number_from(0, 2**31, int),
+                default=0,
+                metavar="N",
+                help="of the draws (default 0)",
+            ),
+            arg(
+                "--above",
+                type=number_from(0.01, 1000),
+                default=8.0,
+                metavar="MM_S",
+                help="PGV from which an event is part of a life (default 8); the largest always is",
+            ),
+            arg(
+                "--within",
+                type=number_from(0.1, 1000),
+                default=within,
+                metavar="KM",
+                help=f"stations whose records are used (default {within:g} km from the epicentre)",
+            ),
+            arg(
+                "--scale-to",
+                default="pgv",
+                metavar="pgv|sa",
+                help=(
+                    "what records are scaled to: the drawn PGV "
+                    "(default), or the spectral acceleration at 0.2 s that it implies"
+                ),
+            ),
+            arg(
+                "--strong",
+                nargs=2,
+                type=float,
+                default=strong,
+                metavar="SHARE",
+                help=(
+                    "shares of the Arias "
+                    "intensity that a record's window leaves out at its start and end (default "
+                    f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)"
+                ),
+            ),
+        ),
         group(
             "runs",
-            arg("--rest", type=number_from(0, 100), default=0.2, metavar="S", help="free vibration after each event "
-                "(default 0.2), before the damped stage"),
-            arg("--strength-cov", type=number_from(0, 2), default=0.3, metavar="COV", help="scatter of the joints' "
-                "strengths (default 0.3)"),
-            arg("--settle", metavar="PROFILE|FILE.csv", help="settlement of the ground before the first event"),
-            arg("--distortion", metavar="1/500", help="of a named profile")),
-        group("batch", arg("-j", dest="jobs", type=number_from(1, 9999, int), metavar="N",
-                           help="processes (default: one a core)"),
-              flag("--remake", "make runs again that another version made")))
+            arg(
+                "--rest",
+                type=number_from(0, 100),
+                default=0.2,
+                metavar="S",
+                help="free vibration after each event (default 0.2), before the damped stage",
+            ),
+            arg(
+                "--strength-cov",
+                type=number_from(0, 2),
+                default=0.3,
+                metavar="COV",
+                help="scatter of the joints' strengths (default 0.3)",
+            ),
+            arg(
+                "--settle",
+                metavar="PROFILE|FILE.csv",
+                help="settlement of the ground before the first event",
+            ),
+            arg("--distortion", metavar="1/500", help="of a named profile"),
+        ),
+        group(
+            "batch",
+            arg(
+                "-j",
+                dest="jobs",
+                type=number_from(1, 9999, int),
+                metavar="N",
+                help="processes (default: one a core)",
+            ),
+            flag("--remake", "make runs again that another version made"),
+        ),
+    )
 
 
-@command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
-         "damage carried over, their motions and the joints' strengths drawn; the same command continues",
-         WALL, *_ADDRESS, *_lives_options(10.0, (0.05, 0.1)),
-         group("lives", arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N",
-                            help="lives (default 100)")),
-         group("batch", flag("--slurm", "as jobs of a SLURM cluster")),
-         out("folder of the study: tables, pictures, report"),
-         examples=("symmetric --at 53.36 6.75 --out results/life",
-                   "my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled"))
+@command(
+    "lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one"
+    " after the other, damage carried over, their motions and the joints' strengths drawn; the same"
+    " command continues",
+    WALL,
+    *_ADDRESS,
+    *_lives_options(10.0, (0.05, 0.1)),
+    group(
+        "lives",
+        arg(
+            "--draws",
+            type=number_from(2, 10000, int),
+            default=100,
+            metavar="N",
+            help="lives (default 100)",
+        ),
+    ),
+    group("batch", flag("--slurm", "as jobs of a SLURM cluster")),
+    out("folder of the study: tables, pictures, report"),
+    examples=(
+        "symmetric --at 53.36 6.75 --out results/life",
+        "my_wall.toml --at 53.36 6.75 --settle hogging --distortion 1/3000 --out results/settled",
+    ),
+)
 def _life(asked):
     from damage.applications.groningen.life.results import NAME, write_study
     from damage.applications.studies.command import run_study
     from damage.applications.studies.folder import held
 
     exposure = _exposure_of(asked)
-    Draws(exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
-        1)  # says what is wrong before anything is written
+    Draws(
+        exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)
+    ).life(1)  # says what is wrong before anything is written
     wall_path(asked.wall)
     warn(*exposure.warnings)
-    options = {"rest": asked.rest, "strength-cov": asked.strength_cov, "settle": asked.settle,
-               "distortion": asked.distortion}
+    options = {
+        "rest": asked.rest,
+        "strength-cov": asked.strength_cov,
+        "settle": asked.settle,
+        "distortion": asked.distortion,
+    }
     with held(asked.out, Path(NAME).stem) as lock:
-        study = write_study(asked.out, asked.wall, _address_of(asked),
-                            {name: value for name, value in options.items() if value is not None}, asked.draws)
-        return run_study([str(study), "--out", str(asked.out), "--keep", "summary",
-                          *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else []),
-                          *(["--remake"] if asked.remake else [])], lock)
+        study = write_study(
+            asked.out,
+            asked.wall,
+            _address_of(asked),
+            {name: value for name, value in options.items() if value is not None},
+            asked.draws,
+        )
+        return run_study(
+            [
+                str(study),
+                "--out",
+                str(asked.out),
+                "--keep",
+                "summary",
+                *(["-j", str(asked.jobs)] if asked.jobs else []),
+                *(["--slurm"] if asked.slurm else []),
+                *(["--remake"] if asked.remake else []),
+            ],
+            lock,
+        )
 
 
-@command("a claim: the same front with and without the earthquakes, with and without settlement, beside a survey of "
-         "its cracks; one sheet that prints on A4, and every number as JSON; the same command continues",
-         WALL, *_ADDRESS,
-         group("survey", file_arg("--cracks", "SURVEY.csv", "its cracks (docs/reference/crack-format.md)",
-                                  required=True)),
-         *_lives_options(3.5, (0.05, 0.15)),
-         group("lives", arg("--draws", type=number_from(2, 10000, int), metavar="N", help="draws (default: 96, then "
-                            "more, up to 400, until the intervals are narrow and enough draws resemble the survey; an "
-                            "answer needs 50 that do)")),
-         group("runs", file_arg("--levels", "LEVELS.csv", "instead of --settle: levels of a course, with columns x_m, "
-                                "height_m, date")),
-         output(arg("--language", choices=("en", "nl"), default="en", help="of the sheet (default en)")),
-         out("folder for the sheet, its numbers and the runs"),
-         examples=("my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
-                   "my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500 "
-                   "--language nl --out results/claim"))
+@command(
+    "a claim: the same front with and without the earthquakes, with and without settlement, beside"
+    " a survey of its cracks; one sheet that prints on A4, and every number as JSON; the same"
+    " command continues",
+    WALL,
+    *_ADDRESS,
+    group(
+        "survey",
+        file_arg(
+            "--cracks", "SURVEY.csv", "its cracks (docs/reference/crack-format.md)", required=True
+        ),
+    ),
+    *_lives_options(3.5, (0.05, 0.15)),
+    group(
+        "lives",
+        arg(
+            "--draws",
+            type=number_from(2, 10000, int),
+            metavar="N",
+            help=(
+                "draws (default: 96, then more, up to 400, until the intervals are narrow and"
+                " enough draws resemble the survey; an answer needs 50 that do)"
+            ),
+        ),
+    ),
+    group(
+        "runs",
+        file_arg(
+            "--levels",
+            "LEVELS.csv",
+            "instead of --settle: levels of a course, with columns x_m, height_m, date",
+        ),
+    ),
+    output(arg("--language", choices=("en", "nl"), default="en", help="of the sheet (default en)")),
+    out("folder for the sheet, its numbers and the runs"),
+    examples=(
+        "my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
+        (
+            "my_house.toml --at 53.36 6.75 --cracks survey.csv --settle hogging --distortion 1/1500"
+            " --language nl --out results/claim"
+        ),
+    ),
+)
 def _claim(asked):
     import os
 
@@ -182,41 +395,73 @@ def _claim(asked):
         with held(asked.out.absolute(), Path(NAME).stem):  # not those of a claim that is being made
             set_aside(asked.out)
     if asked.levels and (asked.settle or asked.distortion):
-        raise InputError("--levels and --settle or --distortion: expected one of them, as levels say shape and size; "
-                         "leave the other out")
+        raise InputError(
+            "--levels and --settle or --distortion: expected one of them, as levels say shape and"
+            " size; leave the other out"
+        )
     if asked.distortion and not asked.settle:
         raise InputError("--distortion belongs to --settle; give both")
     settle = asked.levels or asked.settle
     if settle and is_there(settle):
         settle = str(Path(settle).resolve())
-    settlement = {name: value for name, value in (("settle", settle), ("distortion", asked.distortion)) if value}
+    settlement = {
+        name: value
+        for name, value in (("settle", settle), ("distortion", asked.distortion))
+        if value
+    }
     exposure = _exposure_of(asked)  # before _address_of, which fails where no address is given
     return make_claim(
-        Claim(asked.wall, _address_of(asked), exposure, asked.cracks,
-              {"rest": asked.rest, "strength-cov": asked.strength_cov}, settlement, asked.draws, asked.language),
-        asked.out, asked.jobs or os.cpu_count(), asked.remake)
+        Claim(
+            asked.wall,
+            _address_of(asked),
+            exposure,
+            asked.cracks,
+            {"rest": asked.rest, "strength-cov": asked.strength_cov},
+            settlement,
+            asked.draws,
+            asked.language,
+        ),
+        asked.out,
+        asked.jobs or os.cpu_count(),
+        asked.remake,
+    )
 
 
-@command("a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step; it listens on "
-         "the loopback interface alone and writes below --out only (needs Flask: python3-flask)",
-         arg("--port", type=number_from(0, 65535, int), default=0, metavar="N", help="of the page (default: a free "
-             "one)"),
-         arg("--no-browser", dest="opened", action="store_false", help="print the page's address, open no browser"),
-         out("folder of the claim"),
-         examples=("--out results/claim", "--out results/claim --port 8765 --no-browser"))
+@command(
+    "a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step;"
+    " it listens on the loopback interface alone and writes below --out only (needs Flask:"
+    " python3-flask)",
+    arg(
+        "--port",
+        type=number_from(0, 65535, int),
+        default=0,
+        metavar="N",
+        help="of the page (default: a free one)",
+    ),
+    arg(
+        "--no-browser",
+        dest="opened",
+        action="store_false",
+        help="print the page's address, open no browser",
+    ),
+    out("folder of the claim"),
+    examples=("--out results/claim", "--out results/claim --port 8765 --no-browser"),
+)
 def _app(asked):
     from damage.applications.groningen.app.server import serve
 
     serve(asked.out, asked.port, asked.opened)
 
 
-@command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "
-         "the contribution of each; tables, pictures and one HTML report, in the folder",
-         file_arg("results", "FOLDER", "folder of a study with lives"),
-         flag("--tables", dest="only", help_="tables and text only"),
-         output(file_arg("--markdown", "FILE", "write the text, too")),
-         out("folder for the tables (default: figures in FOLDER)", required=False),
-         examples=("results/life", "results/life --markdown lives.md --out figures"))
+@command(
+    "what became of the lives of walls: probabilities of visible damage by year, the share of the"
+    " largest event, the contribution of each; tables, pictures and one HTML report, in the folder",
+    file_arg("results", "FOLDER", "folder of a study with lives"),
+    flag("--tables", dest="only", help_="tables and text only"),
+    output(file_arg("--markdown", "FILE", "write the text, too")),
+    out("folder for the tables (default: figures in FOLDER)", required=False),
+    examples=("results/life", "results/life --markdown lives.md --out figures"),
+)
 def _lives(asked):
     from damage.applications.groningen.life.comparison import largest_alone
     from damage.applications.groningen.life.results import (
@@ -242,8 +487,17 @@ def _lives(asked):
     for one in parts:
         if not one.draws.choices.largest_alone:
             title = f"{one.point}: {len(one.last)} lives"
-            save([(f"life_{one.point}", life_picture(one.table, over_time(one), alone.get(one.point), title)),
-                   (f"life_{one.point}_events", contributions_picture(contributions(one), title))], folder, title)
+            save(
+                [
+                    (
+                        f"life_{one.point}",
+                        life_picture(one.table, over_time(one), alone.get(one.point), title),
+                    ),
+                    (f"life_{one.point}_events", contributions_picture(contributions(one), title)),
+                ],
+                folder,
+                title,
+            )
     paragraphs = text.replace("\n  ", "; ").replace("\n", "\n\n")
     print(write_report([asked.results], None, Words("Lives of a wall", None, paragraphs)))
 
@@ -258,5 +512,11 @@ def _tables():
     from damage.applications.groningen.life.results import COLUMNS as LIVES
     from damage.applications.groningen.life.results import CONTRIBUTIONS, YEARLY
 
-    return {"exposure.csv": COLUMNS, "lives.csv": LIVES, "life.csv": YEARLY, "contributions.csv": CONTRIBUTIONS,
-            "choices.csv": CHOICES, "readings.csv": READINGS}
+    return {
+        "exposure.csv": COLUMNS,
+        "lives.csv": LIVES,
+        "life.csv": YEARLY,
+        "contributions.csv": CONTRIBUTIONS,
+        "choices.csv": CHOICES,
+        "readings.csv": READINGS,
+    }

@@ -1,4 +1,5 @@
-"""The options --address, --event and --life of a run, whose motions are earthquakes at an address."""
+"""The options --address, --event and --life of a run, whose motions are earthquakes at an
+address."""
 
 from dataclasses import replace
 
@@ -18,10 +19,14 @@ from damage.run.options import (
 
 
 def _fields(given):
-    """{field of RunSettings: value} of parsed options, empty without an address; raises InputError."""
+    """{field of RunSettings: value} of parsed options, empty without an address; raises
+    InputError."""
     asked = "event" if given.event is not None else "life"
     if (given.address is None) != (getattr(given, asked) is None):
-        raise InputError("--address ADDRESS.toml and --life N, or --event DATE: expected both; give the other one, too")
+        raise InputError(
+            "--address ADDRESS.toml and --life N, or --event DATE: expected both; give the other"
+            " one, too"
+        )
     if given.address is None:
         return {}
     refuse_motions(given, f"--{asked}", "the address decides the motions")
@@ -33,8 +38,10 @@ def _settlement(given, draws):
     """The Settlement that a life draws, in a dictionary that is empty where it draws none."""
     drawn = given.life is not None and draws.settlement(given.life)
     if drawn and given.settle is not None:
-        raise InputError(f"--settle {given.settle} and {given.address}, whose lives draw the settlement: expected one "
-                         "of them; leave --settle or the key settle out")
+        raise InputError(
+            f"--settle {given.settle} and {given.address}, whose lives draw the settlement:"
+            " expected one of them; leave --settle or the key settle out"
+        )
     return {"settlement": drawn} if drawn else {}
 
 
@@ -42,18 +49,25 @@ def _event(given, draws):
     """The motion of a record, scaled, of the event of a date."""
     table = draws.event(given.event, given.life)
     (motion,), (row,) = events_of(table, given.rest), table.to_dict("records")
-    return {"loading": replace(motion.loading, scale=motion.factor), "sequence": (1.0,), "life": None,
-            "event": row | {"life": given.life, **draws.as_dict()}}
+    return {
+        "loading": replace(motion.loading, scale=motion.factor),
+        "sequence": (1.0,),
+        "life": None,
+        "event": row | {"life": given.life, **draws.as_dict()},
+    }
 
 
 def _life(given, draws):
     """The events of a life, and what decides them, fit for JSON."""
     return fields_of_events(events_of(draws.life(given.life), given.rest)) | {
-        "event": None, "life": {"number": given.life, **draws.as_dict()}}
+        "event": None,
+        "life": {"number": given.life, **draws.as_dict()},
+    }
 
 
 def _digest(options):
-    """`Draws.digest`, which takes a quarter of a second and is asked for of each run: once while no record changes."""
+    """`Draws.digest`, which takes a quarter of a second and is asked for of each run: once while no
+    record changes."""
     draws = read_address(options["address"])
     kept, times = vars(draws), [path.stat().st_mtime_ns for path in shipped_records().values()]
     if kept.get("digest_at") != times:
@@ -61,9 +75,35 @@ def _digest(options):
     return kept["digest_then"]
 
 
-register(Source("a life: the earthquakes at an address, one after the other, instead of a motion", (
-    file_arg("--address", "ADDRESS.toml", "where, and how motions are chosen (docs/guides/groningen.md)"),
-    arg("--event", type=str, metavar="DATE", help="one earthquake of the catalogue, like 2012-08-16, instead of a "
-        "life: a record scaled to its median PGV at the address; with --life to the PGV drawn there"),
-    arg("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it motions are "
-        "drawn and, where --strength-cov is given, the joints' strengths")), _fields, _digest))
+register(
+    Source(
+        "a life: the earthquakes at an address, one after the other, instead of a motion",
+        (
+            file_arg(
+                "--address",
+                "ADDRESS.toml",
+                "where, and how motions are chosen (docs/guides/groningen.md)",
+            ),
+            arg(
+                "--event",
+                type=str,
+                metavar="DATE",
+                help=(
+                    "one earthquake of the catalogue, like 2012-08-16, instead of a life: a record"
+                    " scaled to its median PGV at the address; with --life to the PGV drawn there"
+                ),
+            ),
+            arg(
+                "--life",
+                type=number_from(1, MOST_SEED, int),
+                metavar="N",
+                help=(
+                    "number of the life: by it motions are "
+                    "drawn and, where --strength-cov is given, the joints' strengths"
+                ),
+            ),
+        ),
+        _fields,
+        _digest,
+    )
+)

@@ -1,4 +1,5 @@
-"""Pictures at an address: the PGV of every event over time and on a map; lives of a wall, what each event did."""
+"""Pictures at an address: the PGV of every event over time and on a map; lives of a wall, what each
+event did."""
 
 from textwrap import fill
 
@@ -22,8 +23,8 @@ _HALO = [withStroke(linewidth=1.5, foreground="white")]
 
 @style.styled
 def exposure_picture(exposure):
-    """Figure of a `damage.applications.groningen.exposure.exposure.Exposure`: medians with the value that 1 % exceed over time, and a map
-    whose dots grow with the median PGV at the place."""
+    """Figure of a `damage.applications.groningen.exposure.exposure.Exposure`: medians with the
+    value that 1 % exceed over time, and a map whose dots grow with the median PGV at the place."""
     table = exposure.table()
     table = table.assign(x_km=table["easting_rd_m"] / 1e3, y_km=table["northing_rd_m"] / 1e3)
     shown = table[table["median_mm_s"] >= FROM_MM_S].sort_values("median_mm_s")
@@ -34,51 +35,107 @@ def exposure_picture(exposure):
     _over_time(time, shown, named)
     time.set_xlim(np.datetime64(f"{first}"), np.datetime64(f"{last + 1}"))
     _on_a_map(ground, exposure.place, table, shown, named)
-    title = (f"Latitude {exposure.place.latitude:.4f}, longitude {exposure.place.longitude:.4f}: PGV "
-             f"({exposure.model.component}) of {len(table)} events, {first} to {last}, {len(shown)} of them with a "
-             f"median from {FROM_MM_S:g} mm/s",
-             "; ".join(f"{k}: {one.place} {one.time_utc[:4]}, M {one.magnitude:g}" for k, one in enumerate(named, 1)))
-    figure.suptitle("\n".join(fill(line, style.TITLE_CHARACTERS) for line in title), x=0.02, ha="left")
+    title = (
+        (
+            f"Latitude {exposure.place.latitude:.4f}, longitude {exposure.place.longitude:.4f}: PGV"
+            f" ({exposure.model.component}) of {len(table)} events, {first} to {last}, {len(shown)}"
+            f" of them with a median from {FROM_MM_S:g} mm/s"
+        ),
+        "; ".join(
+            f"{k}: {one.place} {one.time_utc[:4]}, M {one.magnitude:g}"
+            for k, one in enumerate(named, 1)
+        ),
+    )
+    figure.suptitle(
+        "\n".join(fill(line, style.TITLE_CHARACTERS) for line in title), x=0.02, ha="left"
+    )
     return figure
 
 
 def _over_time(ax, shown, named):
     when = shown["time_utc"].to_numpy().astype("datetime64[s]")
-    ax.vlines(when, shown["median_mm_s"], shown["one_percent_mm_s"], color=style.MEDIUM, lw=0.5, zorder=1)
+    ax.vlines(
+        when, shown["median_mm_s"], shown["one_percent_mm_s"], color=style.MEDIUM, lw=0.5, zorder=1
+    )
     ax.plot(when, shown["median_mm_s"], "o", color=style.BLUE, ms=2.2, mew=0, zorder=2)
     for number, event in enumerate(named, 1):
-        ax.annotate(f"{number}", (np.datetime64(event.time_utc), event.one_percent_mm_s), (0, 1.5), ha="center",
-                    textcoords="offset points")
+        ax.annotate(
+            f"{number}",
+            (np.datetime64(event.time_utc), event.one_percent_mm_s),
+            (0, 1.5),
+            ha="center",
+            textcoords="offset points",
+        )
     ax.set(yscale="log", ylabel="PGV [mm/s]")
     ax.set_ylim(bottom=FROM_MM_S)
     ax.yaxis.set_major_formatter("{x:g}")
-    ax.legend(handles=[Line2D([], [], ls="", marker="o", color=style.BLUE, ms=2.2, label="median"),
-                       Line2D([], [], color=style.MEDIUM, lw=0.8, label="up to what is exceeded with 1 %")], ncols=2,
-              loc="lower left", bbox_to_anchor=(0, 1))
+    ax.legend(
+        handles=[
+            Line2D([], [], ls="", marker="o", color=style.BLUE, ms=2.2, label="median"),
+            Line2D([], [], color=style.MEDIUM, lw=0.8, label="up to what is exceeded with 1 %"),
+        ],
+        ncols=2,
+        loc="lower left",
+        bbox_to_anchor=(0, 1),
+    )
 
 
 def _on_a_map(ax, place, table, shown, named):
     star = {"marker": "*", "color": style.VERMILLION, "mec": style.BLACK, "mew": 0.3}
     ax.plot(table["x_km"], table["y_km"], ".", color="0.8", ms=1, zorder=1)
-    ax.scatter(shown["x_km"], shown["y_km"], DOT_SIZE * shown["median_mm_s"], color=style.BLUE, lw=0.3,
-               edgecolor="white", alpha=0.8, zorder=2)
+    ax.scatter(
+        shown["x_km"],
+        shown["y_km"],
+        DOT_SIZE * shown["median_mm_s"],
+        color=style.BLUE,
+        lw=0.3,
+        edgecolor="white",
+        alpha=0.8,
+        zorder=2,
+    )
     ax.plot(place.x_m / 1e3, place.y_m / 1e3, ls="", ms=8, zorder=4, clip_on=False, **star)
     for number, event in enumerate(named, 1):
-        ax.annotate(f"{number}", (event.x_km, event.y_km), ha="center", va="center", color="white", fontsize=5,
-                    zorder=3, bbox={"boxstyle": "circle,pad=0.15", "facecolor": style.BLACK, "linewidth": 0})
+        ax.annotate(
+            f"{number}",
+            (event.x_km, event.y_km),
+            ha="center",
+            va="center",
+            color="white",
+            fontsize=5,
+            zorder=3,
+            bbox={"boxstyle": "circle,pad=0.15", "facecolor": style.BLACK, "linewidth": 0},
+        )
     ax.set_aspect("equal", adjustable="datalim")
     ax.grid(color=style.LIGHT, lw=0.5)
     _towns_and_scale(ax)
     ax.set(xlabel="easting, RD [km]", ylabel="northing, RD [km]")
     sizes = [pgv for pgv in (1, 2, 5, 20) if pgv <= 1.5 * table["median_mm_s"].max()]
-    ax.legend(handles=[Line2D([], [], ls="", ms=6, label="the place", **star),
-                       Line2D([], [], ls="", marker=".", color="0.8", ms=2, label="weaker"),
-                       *(Line2D([], [], ls="", marker="o", color=style.BLUE, ms=np.sqrt(DOT_SIZE * pgv), mew=0,
-                                label=f"median {pgv:g} mm/s") for pgv in sizes)], loc="upper right", labelspacing=0.9)
+    ax.legend(
+        handles=[
+            Line2D([], [], ls="", ms=6, label="the place", **star),
+            Line2D([], [], ls="", marker=".", color="0.8", ms=2, label="weaker"),
+            *(
+                Line2D(
+                    [],
+                    [],
+                    ls="",
+                    marker="o",
+                    color=style.BLUE,
+                    ms=np.sqrt(DOT_SIZE * pgv),
+                    mew=0,
+                    label=f"median {pgv:g} mm/s",
+                )
+                for pgv in sizes
+            ),
+        ],
+        loc="upper right",
+        labelspacing=0.9,
+    )
 
 
 def _towns_and_scale(ax):
-    """Names of the towns within what the axes show, which stays as it is, and a bar of SCALE_KM, on the map."""
+    """Names of the towns within what the axes show, which stays as it is, and a bar of SCALE_KM, on
+    the map."""
     ax.apply_aspect()
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     ax.set(xlim=(left, right), ylim=(low, high))
@@ -87,27 +144,56 @@ def _towns_and_scale(ax):
         if left < x < right and low < y < high:
             ax.plot(x, y, "s", color=style.DARK, ms=2, mew=0, zorder=3)
             below = name == "Appingedam"  # Delfzijl is beside it
-            ax.annotate(name, (x, y), (2, -6.5 if below else 1.5), textcoords="offset points", color=style.DARK,
-                        fontsize=5.5, zorder=3, path_effects=_HALO, clip_on=True)
+            ax.annotate(
+                name,
+                (x, y),
+                (2, -6.5 if below else 1.5),
+                textcoords="offset points",
+                color=style.DARK,
+                fontsize=5.5,
+                zorder=3,
+                path_effects=_HALO,
+                clip_on=True,
+            )
     x, y = left + 0.04 * (right - left), low + 0.03 * (high - low)
-    ax.plot([x, x + SCALE_KM], [y, y], color=style.BLACK, lw=1.5, marker="|", ms=4, solid_capstyle="butt", zorder=4)
-    ax.annotate(f"{SCALE_KM:g} km", (x + SCALE_KM / 2, y), (0, 3), textcoords="offset points", ha="center",
-                path_effects=_HALO, zorder=4)
+    ax.plot(
+        [x, x + SCALE_KM],
+        [y, y],
+        color=style.BLACK,
+        lw=1.5,
+        marker="|",
+        ms=4,
+        solid_capstyle="butt",
+        zorder=4,
+    )
+    ax.annotate(
+        f"{SCALE_KM:g} km",
+        (x + SCALE_KM / 2, y),
+        (0, 3),
+        textcoords="offset points",
+        ha="center",
+        path_effects=_HALO,
+        zorder=4,
+    )
 
 
 SECONDS_OF_A_YEAR = 31556952.0
-LINES = {"max_psi_1": (style.BLUE, "--", "visible at some moment"), "psi_1": (style.BLUE, "-", "visible afterwards"),
-         "max_psi_2": (style.VERMILLION, "--", r"$\Psi \geq 2$ at some moment"),
-         "psi_2": (style.VERMILLION, "-", r"$\Psi \geq 2$ afterwards")}
+LINES = {
+    "max_psi_1": (style.BLUE, "--", "visible at some moment"),
+    "psi_1": (style.BLUE, "-", "visible afterwards"),
+    "max_psi_2": (style.VERMILLION, "--", r"$\Psi \geq 2$ at some moment"),
+    "psi_2": (style.VERMILLION, "-", r"$\Psi \geq 2$ afterwards"),
+}
 """{column of life.csv: (colour, dashes, words)}."""
 _MOST_EVENTS = 8
 
 
 @style.styled
 def life_picture(table, yearly, alone, title):
-    """Figure over the years: Psi at rest after each event of every life, and its median; the probabilities of visible
-    damage with their intervals; and, where alone (of `Lives.until`) is given, which share of its walls ends with a Psi
-    or less, with all events and with the largest alone.  table, yearly: of `damage.applications.groningen.life.results`."""
+    """Figure over the years: Psi at rest after each event of every life, and its median; the
+    probabilities of visible damage with their intervals; and, where alone (of `Lives.until`) is
+    given, which share of its walls ends with a Psi or less, with all events and with the largest
+    alone.  table, yearly: of `damage.applications.groningen.life.results`."""
     figure, axes = style.new_figure(1.8 * style.COLUMN_WIDTH, 2 if alone is None else 3)
     psi, probability = axes[:2]
     first, last = yearly["year"].iloc[0], yearly["year"].iloc[-1] + 1
@@ -118,16 +204,29 @@ def life_picture(table, yearly, alone, title):
         end = life["psi"].iloc[-1]
         if alone is None or key in alone.index:
             final.append(end)
-        psi.plot(times, [0.0, *life["psi"], end], drawstyle="steps-post", color=style.MEDIUM, lw=0.3, alpha=0.6)
+        psi.plot(
+            times,
+            [0.0, *life["psi"], end],
+            drawstyle="steps-post",
+            color=style.MEDIUM,
+            lw=0.3,
+            alpha=0.6,
+        )
     settled = table.loc[table["event"] == 0, "psi"]
-    psi.plot([first, *(yearly["year"] + 1)], [settled.median() if len(settled) else 0.0, *yearly["median_psi"]],
-             color=style.BLACK, lw=1.2)
+    psi.plot(
+        [first, *(yearly["year"] + 1)],
+        [settled.median() if len(settled) else 0.0, *yearly["median_psi"]],
+        color=style.BLACK,
+        lw=1.2,
+    )
     psi.axhline(1.0, color=style.BLUE, lw=0.5, ls=":")
     psi.set_ylabel(r"$\Psi$ at rest [-]")
     letter(psi, 0, "every life, and the median; dotted: just visible")
     for outcome, (colour, dashes, label) in LINES.items():
         year, name = yearly["year"] + 1, f"p_{outcome}"
-        probability.fill_between(year, yearly[f"{name}_low"], yearly[f"{name}_high"], color=colour, alpha=0.12, lw=0)
+        probability.fill_between(
+            year, yearly[f"{name}_low"], yearly[f"{name}_high"], color=colour, alpha=0.12, lw=0
+        )
         probability.plot(year, yearly[name], color=colour, ls=dashes, label=label)
     probability.set(ylabel="share of walls [-]", xlabel="year", ylim=(0, 1))
     probability.legend(loc="upper left")
@@ -137,11 +236,18 @@ def life_picture(table, yearly, alone, title):
         ax.set_xlim(first, last)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=8))
     if alone is not None:
-        for values, colour, label in ((final, style.BLACK, "all events"),
-                                      (alone["psi"], style.GREEN, "the largest event alone")):
+        for values, colour, label in (
+            (final, style.BLACK, "all events"),
+            (alone["psi"], style.GREEN, "the largest event alone"),
+        ):
             finite = np.sort(np.asarray(values, float))
-            axes[2].plot(finite, (np.arange(len(finite)) + 1) / len(finite), drawstyle="steps-post", color=colour,
-                         label=label)
+            axes[2].plot(
+                finite,
+                (np.arange(len(finite)) + 1) / len(finite),
+                drawstyle="steps-post",
+                color=colour,
+                label=label,
+            )
         axes[2].set(xlabel=r"$\Psi$ at the end [-]", ylabel="share of walls [-]", ylim=(0, 1))
         axes[2].legend(loc="lower right")
         letter(axes[2], 2, r"share of walls that end with this $\Psi$ or less")
@@ -151,12 +257,22 @@ def life_picture(table, yearly, alone, title):
 
 @style.styled
 def contributions_picture(table, title):
-    """Figure of the events that contribute most: their share of the increase of Psi over all lives.  table: of
-    `damage.applications.groningen.life.results.contributions`."""
+    """Figure of the events that contribute most: their share of the increase of Psi over all lives.
+    table: of `damage.applications.groningen.life.results.contributions`."""
     figure, ax = style.new_figure(0.8 * style.COLUMN_WIDTH)
     shown = table.head(_MOST_EVENTS).iloc[::-1]
-    ax.barh([row.place if np.isnan(row.magnitude) else f"{row.place} {row.time_utc[:4]}, M {row.magnitude:g}"
-             for row in shown.itertuples()], shown["share"], color=style.BLUE)
+    ax.barh(
+        [
+            (
+                row.place
+                if np.isnan(row.magnitude)
+                else f"{row.place} {row.time_utc[:4]}, M {row.magnitude:g}"
+            )
+            for row in shown.itertuples()
+        ],
+        shown["share"],
+        color=style.BLUE,
+    )
     ax.set_xlabel(r"share of the increase of $\Psi$ at rest [-]")
     figure.suptitle(title, x=0.02, ha="left")
     return figure

@@ -1,1 +1,2 @@
-"""Results as one HTML file that can be sent: it needs a browser and nothing else, no network either."""
+"""Results as one HTML file that can be sent: it needs a browser and nothing else, no network
+either."""

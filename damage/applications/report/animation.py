@@ -1,8 +1,9 @@
-"""Animation of a run: the wall with magnified displacements and its cracks; below it drift and index over time.
+"""Animation of a run: the wall with magnified displacements and its cracks; below it drift and
+index over time.
 
-Frames are the snapshots of the run, without interpolation.  Of a long run only those around the maximum of the index,
-or those of a window, are shown.  Where bricks were followed beyond a collapse, so are they here; index and drift end
-with the first fallen brick.
+Frames are the snapshots of the run, without interpolation.  Of a long run only those around the
+maximum of the index, or those of a window, are shown.  Where bricks were followed beyond a
+collapse, so are they here; index and drift end with the first fallen brick.
 """
 
 import shutil
@@ -23,22 +24,24 @@ from damage.wall.geometry import body_corners
 WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
 FRAMES_PER_S = 20
 MOST_FRAMES = 300
-"""Largest number of frames, about six seconds of a run; a GIF keeps all of them in memory, a megabyte each."""
+"""Largest number of frames, about six seconds of a run; a GIF keeps all of them in memory, a
+megabyte each."""
 DOTS_PER_INCH = 150
 
 
 def write_film(history, path, window_s=None, magnify=None):
     """Write the animation of a History to `path`, GIF or MP4 by its suffix; returns the path.
 
-    window_s: (start, end) of the part of the run [s], None for all of it; magnify: factor on displacements, None for
-    one that makes them visible and that all frames share.
+    window_s: (start, end) of the part of the run [s], None for all of it; magnify: factor on
+    displacements, None for one that makes them visible and that all frames share.
     Raises InputError where there is no frame to show, the ending is another, or ffmpeg is missing.
     """
     path = Path(path)
     check_magnify(magnify)
     writer = _writer(path)
     snapshots = choose_snapshots(history, window_s)
-    with tempfile.TemporaryDirectory() as folder:  # writers need the suffix, which an unfinished file lacks
+    # writers need the suffix, which an unfinished file lacks
+    with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / f"film{path.suffix.lower()}"
         _shoot(history, snapshots, magnify, writer, made)
         with whole_or_nothing(path) as unfinished:
@@ -50,15 +53,20 @@ def _writer(path):
     """matplotlib writer for the suffix of a path; raises InputError where there is none."""
     kind = WRITERS.get(path.suffix.lower())
     if kind is None:
-        raise InputError(f"{path}: expected a film that ends in {' or '.join(WRITERS)}; correct the name")
+        raise InputError(
+            f"{path}: expected a film that ends in {' or '.join(WRITERS)}; correct the name"
+        )
     if not kind.isAvailable():
-        raise InputError(f"{path}: expected ffmpeg on PATH, which MP4 needs (Debian's package ffmpeg); install it, or "
-                         "give a name that ends in .gif")
+        raise InputError(
+            f"{path}: expected ffmpeg on PATH, which MP4 needs (Debian's package ffmpeg); install"
+            " it, or give a name that ends in .gif"
+        )
     return kind(fps=FRAMES_PER_S)
 
 
 def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
-    """Indices of the snapshots to show, (n,): those in a window [s], or up to `most` around the maximum of the index.
+    """Indices of the snapshots to show, (n,): those in a window [s], or up to `most` around the
+    maximum of the index.
 
     Raises InputError where the window has none, or more than `most`.
     """
@@ -66,16 +74,20 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
     start, end = window_s or (-np.inf, np.inf)
     chosen = np.flatnonzero((times >= start) & (times <= end))
     if len(chosen) == 0 or len(series) == 0:
-        raise InputError(f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more, give "
-                         "another --window, or let the run continue")
+        raise InputError(
+            f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more,"
+            " give another --window, or let the run continue"
+        )
     if len(chosen) <= most:
         return chosen
     if window_s:
-        raise InputError(f"--window {start:g} {end:g} holds {len(chosen)} snapshots; expected up to {most}, give a "
-                         "shorter one")
+        raise InputError(
+            f"--window {start:g} {end:g} holds {len(chosen)} snapshots; expected up to {most}, give"
+            " a shorter one"
+        )
     top = series["time_s"].iloc[int(history.index()["DI"].to_numpy().argmax())]
     first = int(np.clip(np.argmin(np.abs(times - top)) - most // 2, 0, len(chosen) - most))
-    return chosen[first:first + most]
+    return chosen[first : first + most]
 
 
 @style.styled
@@ -101,11 +113,19 @@ def _stage(history, snapshots, samples, magnify):
     gravest = wall_shape(history, "max", magnify=magnify)
     figure, (wall, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
     draw_wall(wall, gravest)
-    ratio = show_all(wall, *(body_corners(history.bodies, history.displacement[k].astype(float), magnify)
-                             for k in snapshots), ground=False)
+    ratio = show_all(
+        wall,
+        *(
+            body_corners(history.bodies, history.displacement[k].astype(float), magnify)
+            for k in snapshots
+        ),
+        ground=False,
+    )
     gravest = gravest.on_page(span_m=(np.ptp(wall.get_xlim()), np.ptp(wall.get_ylim())))
     labels = 0.45  # [inch] that ticks and labels take beside and below
-    figure.set_size_inches(style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels)
+    figure.set_size_inches(
+        style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels
+    )
     clock = wall.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
     times, words = history.snapshot_time_s[snapshots], f"displacements × {magnify:g}"
     mark = _draw_below(below, history, samples, times[-1])
@@ -148,8 +168,11 @@ def _draw_below(ax, history, samples, until_s):
     factor, unit = style.drift_scale(ratio)
     ax.plot(time_s, factor * ratio, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
-    ax.set(ylabel=f"drift [{unit}]", xlabel="time [s]",
-           xlim=(time_s[samples[0]], max(time_s[samples[-1]], until_s) + 1e-9))
+    ax.set(
+        ylabel=f"drift [{unit}]",
+        xlabel="time [s]",
+        xlim=(time_s[samples[0]], max(time_s[samples[-1]], until_s) + 1e-9),
+    )
     ax.yaxis.label.set_color(style.BLUE)
     right = ax.twinx()
     right.plot(time_s, history.index()["DI"], color=style.BLACK)

@@ -23,21 +23,38 @@ from damage.start import missing_library
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
-MODEL = tuple(one.name for one in fields(ModelOptions) if one.name not in (
-    "fibres", "brick_order", "plane", "brick_mass", "brick_damping"))
+MODEL = tuple(
+    one.name
+    for one in fields(ModelOptions)
+    if one.name not in ("fibres", "brick_order", "plane", "brick_mass", "brick_damping")
+)
 """Options of a wall's model that export offers; the others are of what it cannot write."""
 
 
-@command("a first run, in half a minute: the façade that ships under a harmonic motion, with pictures and a report",
-         file_arg("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
-         flag("--overwrite", "replace what a demo before has left there"),
-         examples=("", "--out first --overwrite"))
+@command(
+    "a first run, in half a minute: the façade that ships under a harmonic motion, with pictures"
+    " and a report",
+    file_arg("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
+    flag("--overwrite", "replace what a demo before has left there"),
+    examples=("", "--out first --overwrite"),
+)
 def _demo(asked):
     from damage.reference.session import run_reference
 
     history = asked.out / "symmetric.h5"
-    status = run_reference(["symmetric", "--harmonic", "0.2", "0.05", "--rest", "1", "--out", str(history),
-                            *["--overwrite"] * asked.overwrite])
+    status = run_reference(
+        [
+            "symmetric",
+            "--harmonic",
+            "0.2",
+            "0.05",
+            "--rest",
+            "1",
+            "--out",
+            str(history),
+            *["--overwrite"] * asked.overwrite,
+        ]
+    )
     if status:
         return status
     try:
@@ -50,36 +67,69 @@ def _demo(asked):
     return 0
 
 
-@command("the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there", HISTORY,
-         out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
-         arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the run (default: all of it, "
-              "or of a long one what is around its maximum DI)"),
-         arg("--magnify", type=number_from(0, 1e6), metavar="FACTOR", help="on displacements (default: what makes "
-              "them visible)"),
-         examples=("run.h5", "run.h5 --window 1 2 --magnify 200 --out run.mp4"))
+@command(
+    "the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there",
+    HISTORY,
+    out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
+    arg(
+        "--window",
+        nargs=2,
+        type=float,
+        metavar=("T0_S", "T1_S"),
+        help="part of the run (default: all of it, or of a long one what is around its maximum DI)",
+    ),
+    arg(
+        "--magnify",
+        type=number_from(0, 1e6),
+        metavar="FACTOR",
+        help="on displacements (default: what makes them visible)",
+    ),
+    examples=("run.h5", "run.h5 --window 1 2 --magnify 200 --out run.mp4"),
+)
 def _animate(asked):
     from damage.applications.report.animation import write_film
 
-    print(write_film(read_history(asked.history), asked.out or asked.history.with_suffix(".gif"), asked.window,
-                     asked.magnify))
+    print(
+        write_film(
+            read_history(asked.history),
+            asked.out or asked.history.with_suffix(".gif"),
+            asked.window,
+            asked.magnify,
+        )
+    )
 
 
-@command("a history for ParaView, or a wall for OpenSees",
-         file_arg("source", "FILE.h5|WALL", f"a history, or a wall file or the name of a wall that ships. "
-                  f"{WALLS_ARE_CODE}"),
-         group("the model of a wall", *model_arguments(*MODEL), ACCEPTING),
-         output(
-             file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
-             file_arg("--opensees", "FILE.py", "of a wall: a model with interface elements for OpenSeesPy")),
-         examples=("run.h5 --vtkhdf run.vtkhdf",
-                   "symmetric --contacts corners --opensees symmetric.py"))
+@command(
+    "a history for ParaView, or a wall for OpenSees",
+    file_arg(
+        "source",
+        "FILE.h5|WALL",
+        f"a history, or a wall file or the name of a wall that ships. {WALLS_ARE_CODE}",
+    ),
+    group("the model of a wall", *model_arguments(*MODEL), ACCEPTING),
+    output(
+        file_arg(
+            "--vtkhdf",
+            "FILE.vtkhdf",
+            "of a history: one file with all samples, for ParaView 5.12 or newer",
+        ),
+        file_arg(
+            "--opensees", "FILE.py", "of a wall: a model with interface elements for OpenSeesPy"
+        ),
+    ),
+    examples=("run.h5 --vtkhdf run.vtkhdf", "symmetric --contacts corners --opensees symmetric.py"),
+)
 def _export(asked):
     if not asked.vtkhdf and not asked.opensees:
-        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf of a history, or --opensees FILE.py "
-                         "of a wall; give one")
+        raise InputError(
+            "export without a format: expected --vtkhdf FILE.vtkhdf of a history, or --opensees"
+            " FILE.py of a wall; give one"
+        )
     if asked.vtkhdf and (asked.opensees or model_of(asked) != ModelOptions()):
-        raise InputError(f"export of {asked.source} with options of a wall's model, or a format of walls: expected "
-                         "them for a wall only; leave them out")
+        raise InputError(
+            f"export of {asked.source} with options of a wall's model, or a format of walls:"
+            " expected them for a wall only; leave them out"
+        )
     print(_export_wall(asked) if asked.opensees else _export_history(asked))
 
 
@@ -93,28 +143,54 @@ def _export_wall(asked):
     from damage.applications.report.opensees import write_opensees
 
     if asked.source.suffix.lower() == ".h5" or asked.source.is_dir():
-        raise InputError(f"export of {asked.source} for OpenSees: expected a wall file, or the name of a wall that "
-                         "ships; give the wall that was run")
+        raise InputError(
+            f"export of {asked.source} for OpenSees: expected a wall file, or the name of a wall"
+            " that ships; give the wall that was run"
+        )
     layout = lay_out(plausible_wall(asked, asked.source), model_of(asked))
     return write_opensees(layout, asked.opensees)
 
 
-@command("one HTML file to send: a run, runs side by side, or a study, for any browser, without a network",
-         file_arg("paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"),
-         out("the file (default: beside the first PATH, of its name, or report.html in a folder)", "FILE.html",
-              required=False),
-         group("words", arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
-               arg("--author", metavar="NAME", help="who wrote it, below the title"),
-               arg("--text", metavar="WORDS", help="what it begins with, as what was asked and what follows; blank "
-                   "lines separate paragraphs"),
-               arg("--language", choices=("en", "nl"), default="en", help="of each run's summary (default en); the "
-                   "technical part is English")),
-         examples=("run.h5",
-                   'results/quick --title "Quick study" --author "A. Name" --out report.html'))
+@command(
+    "one HTML file to send: a run, runs side by side, or a study, for any browser, without a"
+    " network",
+    file_arg(
+        "paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"
+    ),
+    out(
+        "the file (default: beside the first PATH, of its name, or report.html in a folder)",
+        "FILE.html",
+        required=False,
+    ),
+    group(
+        "words",
+        arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
+        arg("--author", metavar="NAME", help="who wrote it, below the title"),
+        arg(
+            "--text",
+            metavar="WORDS",
+            help=(
+                "what it begins with, as what was asked and what follows; blank "
+                "lines separate paragraphs"
+            ),
+        ),
+        arg(
+            "--language",
+            choices=("en", "nl"),
+            default="en",
+            help="of each run's summary (default en); the technical part is English",
+        ),
+    ),
+    examples=("run.h5", 'results/quick --title "Quick study" --author "A. Name" --out report.html'),
+)
 def _report(asked):
     from damage.applications.report.report import Words, write_report
 
-    print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text, asked.language)))
+    print(
+        write_report(
+            asked.paths, asked.out, Words(asked.title, asked.author, asked.text, asked.language)
+        )
+    )
 
 
 def _export_curves(asked, runs, fits, intensity):
@@ -133,16 +209,29 @@ def _periods(runs, intensity):
 
     if intensity != "sa_eigen_period_g":
         return {}
-    if "eigen_period_s" not in runs or not (to_numeric(runs["eigen_period_s"], errors="coerce") > 0).all():
-        raise InputError("--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the period "
-                         "that NRML names; expected a number above zero; choose another intensity, as --intensity "
-                         "pga_g, or run the study again")
+    if (
+        "eigen_period_s" not in runs
+        or not (to_numeric(runs["eigen_period_s"], errors="coerce") > 0).all()
+    ):
+        raise InputError(
+            "--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the"
+            " period that NRML names; expected a number above zero; choose another intensity, as"
+            " --intensity pga_g, or run the study again"
+        )
     return runs.groupby("wall")["eigen_period_s"].median()
 
 
-extend("fragility", output(
-    file_arg("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
-             "coefficients with units, arrays")))
+extend(
+    "fragility",
+    output(
+        file_arg(
+            "--export",
+            "DIR",
+            "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
+            "coefficients with units, arrays",
+        )
+    ),
+)
 WRITERS.append(_export_curves)
 
 

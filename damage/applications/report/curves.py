@@ -1,15 +1,18 @@
-"""Fragility curves for other tools: NRML 0.5, a CSV of coefficients with their units, arrays of damage states.
+"""Fragility curves for other tools: NRML 0.5, a CSV of coefficients with their units, arrays of
+damage states.
 
-A step, whose dispersion the data do not give, is no lognormal curve and is not written as one: the CSV bounds its
-median, the discrete NRML (probabilities at levels of intensity) and the arrays rise in a straight line between the
-bounds, and the continuous NRML (mean and standard deviation of a lognormal distribution, `logncdf`) leaves it out.
+A step, whose dispersion the data do not give, is no lognormal curve and is not written as one: the
+CSV bounds its median, the discrete NRML (probabilities at levels of intensity) and the arrays rise
+in a straight line between the bounds, and the continuous NRML (mean and standard deviation of a
+lognormal distribution, `logncdf`) leaves it out.
 
-The NRML is that of the OpenQuake engine, `openquake/risklib/read_nrml.py` and the manual's chapter on fragility models:
-https://docs.openquake.org/oq-engine/master/manual/
-The arrays are in the layout of GEM's Vulnerability Modellers' ToolKit (`openquake.vmtk.postprocessor`, what its
-analyses return, https://github.com/GEMScienceTools/oq-vmtk): `intensities` (n,), `poes` (n, n_states), `medians`,
-`betas_total` and `damage_thresholds` (n_states,), so that its `get_vulnerability_function(poes, consequences,
-intensities)` takes them; `medians` and `betas_total` of a step are NaN.
+The NRML is that of the OpenQuake engine, `openquake/risklib/read_nrml.py` and the manual's chapter
+on fragility models: https://docs.openquake.org/oq-engine/master/manual/
+The arrays are in the layout of GEM's Vulnerability Modellers' ToolKit
+(`openquake.vmtk.postprocessor`, what its analyses return,
+https://github.com/GEMScienceTools/oq-vmtk): `intensities` (n,), `poes` (n, n_states), `medians`,
+`betas_total` and `damage_thresholds` (n_states,), so that its `get_vulnerability_function(poes,
+consequences, intensities)` takes them; `medians` and `betas_total` of a step are NaN.
 """
 
 import io
@@ -31,25 +34,49 @@ CM_PER_M = 100
 _Z = np.linspace(-4.0, 4.0, 33)
 """Where a curve has its levels, in dispersions from the median: from 0.00003 to 0.99997."""
 COLUMNS = {
-    **CURVE, "level_unit": Column("", "unit of the level"), "intensity_unit": Column("", "unit of the median"),
-    "distribution": Column("", "lognormal: P = Phi(ln(x / median) / dispersion); step: the median is bounded, no "
-                           "dispersion is known; none: the runs determine no curve"),
-    "median": Column("as `intensity_unit` says", "intensity at which half of the runs exceed the level"),
-    "step_low": Column("as `intensity_unit` says", "of a step: intensity up to which no run exceeds the level"),
-    "step_high": Column("as `intensity_unit` says", "of a step: intensity from which on all runs do"),
-    **{f"new_record_{end}": Column("as `intensity_unit` says", f"{words} bound of a new record's own median")
-       for end, words in ENDS}}
-COLUMNS["dispersion"] = Column("1", "standard deviation of the intensity's logarithm, empty of a step")
+    **CURVE,
+    "level_unit": Column("", "unit of the level"),
+    "intensity_unit": Column("", "unit of the median"),
+    "distribution": Column(
+        "",
+        "lognormal: P = Phi(ln(x / median) / dispersion); step: the median is bounded, no "
+        "dispersion is known; none: the runs determine no curve",
+    ),
+    "median": Column(
+        "as `intensity_unit` says", "intensity at which half of the runs exceed the level"
+    ),
+    "step_low": Column(
+        "as `intensity_unit` says", "of a step: intensity up to which no run exceeds the level"
+    ),
+    "step_high": Column(
+        "as `intensity_unit` says", "of a step: intensity from which on all runs do"
+    ),
+    **{
+        f"new_record_{end}": Column(
+            "as `intensity_unit` says", f"{words} bound of a new record's own median"
+        )
+        for end, words in ENDS
+    },
+}
+COLUMNS["dispersion"] = Column(
+    "1", "standard deviation of the intensity's logarithm, empty of a step"
+)
 """Columns of the table of `coefficients`."""
-_TYPES = {"pga_g": ("PGA", 1), "pgv_m_s": ("PGV", CM_PER_M),
-          "pgv_rotd100_m_s": ("PGV", CM_PER_M), "sa_0.2_s_g": ("SA(0.2)", 1),
-          "sa_eigen_period_g": ("SA({:.4g})", 1), "avg_sa_g": ("AvgSA", 1), "arias_m_s": ("IA", 1)}
+_TYPES = {
+    "pga_g": ("PGA", 1),
+    "pgv_m_s": ("PGV", CM_PER_M),
+    "pgv_rotd100_m_s": ("PGV", CM_PER_M),
+    "sa_0.2_s_g": ("SA(0.2)", 1),
+    "sa_eigen_period_g": ("SA({:.4g})", 1),
+    "avg_sa_g": ("AvgSA", 1),
+    "arias_m_s": ("IA", 1),
+}
 """OpenQuake's names of columns of summary.csv, and the factor to its unit."""
 
 
 def measure_type(intensity, eigen_period_s):
-    """OpenQuake's name of an intensity that has one, and the factor to its unit: g, of PGV cm/s, of the Arias intensity
-    m/s; eigen_period_s: of the wall, for sa_eigen_period_g.
+    """OpenQuake's name of an intensity that has one, and the factor to its unit: g, of PGV cm/s, of
+    the Arias intensity m/s; eigen_period_s: of the wall, for sa_eigen_period_g.
 
     >>> measure_type("pgv_m_s", 0.2), measure_type("sa_eigen_period_g", 0.2003)
     (('PGV', 100), ('SA(0.2003)', 1))
@@ -59,8 +86,11 @@ def measure_type(intensity, eigen_period_s):
 
 
 def limit_state(fit):
-    """Name of the limit state of a Fragility, of letters that OpenQuake takes, as max_DI_over_0p02 or its own."""
-    return re.sub(r"\W+", "_", fit.name) or f"{fit.measure}_over_{fit.level:g}".replace(".", "p").replace("-", "m")
+    """Name of the limit state of a Fragility, of letters that OpenQuake takes, as max_DI_over_0p02
+    or its own."""
+    return re.sub(r"\W+", "_", fit.name) or f"{fit.measure}_over_{fit.level:g}".replace(
+        ".", "p"
+    ).replace("-", "m")
 
 
 def fitted(fits):
@@ -69,19 +99,21 @@ def fitted(fits):
 
 
 def probability(fit, x):
-    """P(exceeded) at intensities; of a step the straight line between the intensities that bound its median."""
+    """P(exceeded) at intensities; of a step the straight line between the intensities that bound
+    its median."""
     return np.interp(x, fit.step, (0.0, 1.0)) if fit.step else fit.probability(x)
 
 
 def levels(fits):
-    """Intensities from where the first of the curves begins to where the last has come to its end, increasing (n,)."""
+    """Intensities from where the first of the curves begins to where the last has come to its end,
+    increasing (n,)."""
     x = np.concatenate([fit.step or fit.median * np.exp(fit.dispersion * _Z) for fit in fits])
     return np.unique([float(f"{value:.9g}") for value in x])
 
 
 def write_nrml(wall, fits, path, kind, eigen_period_s=np.nan):
-    """Write the curves of one wall and measure as NRML, whole or not at all; returns the path, None where no level has
-    a curve of this kind.
+    """Write the curves of one wall and measure as NRML, whole or not at all; returns the path, None
+    where no level has a curve of this kind.
 
     fits: Fragility of a measure's levels, ascending; kind: "continuous" or "discrete".
     """
@@ -90,8 +122,13 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=np.nan):
         return None
     name, factor = measure_type(curves[0].intensity, eigen_period_s)
     root = Xml.Element("nrml", xmlns=NAMESPACE)
-    model = Xml.SubElement(root, "fragilityModel", id=f"{wall}_{curves[0].measure}", assetCategory="building",
-                           lossCategory="structural")
+    model = Xml.SubElement(
+        root,
+        "fragilityModel",
+        id=f"{wall}_{curves[0].measure}",
+        assetCategory="building",
+        lossCategory="structural",
+    )
     Xml.SubElement(model, "description").text = _description(wall, fits, name, kind)
     Xml.SubElement(model, "limitStates").text = " ".join(map(limit_state, curves))
     function = Xml.SubElement(model, "fragilityFunction", id=wall, format=kind)
@@ -103,21 +140,29 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=np.nan):
 
 
 def _continuous(function, curves, name, factor):
-    """Mean and standard deviation of the intensity itself, as OpenQuake wants them, not of its logarithm."""
+    """Mean and standard deviation of the intensity itself, as OpenQuake wants them, not of its
+    logarithm."""
     x = factor * levels(curves)
     function.set("shape", "logncdf")
     Xml.SubElement(function, "imls", imt=name, minIML=_text(x[0]), maxIML=_text(x[-1]))
     for fit in curves:
         mean = factor * fit.median * np.exp(fit.dispersion**2 / 2)
-        Xml.SubElement(function, "params", ls=limit_state(fit), mean=repr(float(mean)),
-                       stddev=repr(float(mean * np.sqrt(np.expm1(fit.dispersion**2)))))
+        Xml.SubElement(
+            function,
+            "params",
+            ls=limit_state(fit),
+            mean=repr(float(mean)),
+            stddev=repr(float(mean * np.sqrt(np.expm1(fit.dispersion**2)))),
+        )
 
 
 def _discrete(function, curves, name, factor):
     x = levels(curves)
     Xml.SubElement(function, "imls", imt=name).text = " ".join(map(_text, factor * x))
     for fit in curves:
-        Xml.SubElement(function, "poes", ls=limit_state(fit)).text = " ".join(map(_text, probability(fit, x)))
+        Xml.SubElement(function, "poes", ls=limit_state(fit)).text = " ".join(
+            map(_text, probability(fit, x))
+        )
 
 
 def _text(value):
@@ -126,32 +171,51 @@ def _text(value):
 
 def _description(wall, fits, name, kind):
     """What the curves are of, and what they leave out."""
-    one, without = fits[0], [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)]
+    one, without = (
+        fits[0],
+        [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)],
+    )
     steps = [f"{fit.level:g}" for fit in fits if fit.step]
-    lines = [f"Wall {wall}: probability that {one.measure} exceeds a level, by {name}; {one.n_runs} runs in "
-             f"{one.n_records} records; masonry-damage."]
+    lines = [
+        f"Wall {wall}: probability that {one.measure} exceeds a level, by {name}; {one.n_runs} runs"
+        f" in {one.n_records} records; masonry-damage."
+    ]
     lines += [f"No curve for {', '.join(without)}."] if without else []
-    lines += [f"A step for {', '.join(steps)}: the data bound its median and give no dispersion; "
-              + ("a straight line between the bounds." if kind == "discrete" else "left out, see the discrete model.")
-              ] if steps else []
+    lines += (
+        [
+            f"A step for {', '.join(steps)}: the data bound its median and give no dispersion; "
+            + (
+                "a straight line between the bounds."
+                if kind == "discrete"
+                else "left out, see the discrete model."
+            )
+        ]
+        if steps
+        else []
+    )
     return " ".join(lines)
 
 
 def write_curves(fits, folder, eigen_period_s):
     """Write all formats of the curves {wall: [Fragility]} into a folder; returns the paths.
 
-    eigen_period_s: {wall: [s]}, needed by sa_eigen_period_g alone; files are FORMAT's own of each wall and measure,
-    and one fragility_coefficients.csv.
-    A level whose curve the runs do not determine is in the CSV alone, with the reason; so are all by an intensity that
-    OpenQuake has no name for, but for the arrays.
+    eigen_period_s: {wall: [s]}, needed by sa_eigen_period_g alone; files are FORMAT's own of each
+    wall and measure, and one fragility_coefficients.csv.
+    A level whose curve the runs do not determine is in the CSV alone, with the reason; so are all
+    by an intensity that OpenQuake has no name for, but for the arrays.
     """
     folder, paths = Path(folder), []
     for wall, ones in fits.items():
         for measure in dict.fromkeys(one.measure for one in ones):
             same = [one for one in ones if one.measure == measure]
             stem = f"fragility_{wall}_{measure}_{same[0].intensity}"
-            paths += [write_nrml(wall, same, folder / f"{stem}_{kind}.xml", kind, eigen_period_s.get(wall))
-                      for kind in ("continuous", "discrete") if same[0].intensity in _TYPES]
+            paths += [
+                write_nrml(
+                    wall, same, folder / f"{stem}_{kind}.xml", kind, eigen_period_s.get(wall)
+                )
+                for kind in ("continuous", "discrete")
+                if same[0].intensity in _TYPES
+            ]
             paths.append(write_arrays(same, folder / f"{stem}.npz"))
     paths.append(write_table(coefficients(fits), folder / "fragility_coefficients.csv"))
     return [path for path in paths if path]
@@ -159,45 +223,83 @@ def write_curves(fits, folder, eigen_period_s):
 
 def left_out(fits):
     """Lines about curves {wall: [Fragility]} that no file has as lognormal ones, and why."""
-    lines = [f"{wall}, {one.state}: a step, no lognormal curve: no run exceeds it up to {one.step[0]:.3g} "
-             f"{unit_of(one.intensity)[1]}, all do from {one.step[1]:.3g} on; exported as these bounds of the median"
-             for wall, ones in fits.items() for one in ones if one.step]
-    lines += [f"{wall}, {one.state}: no curve: {one.n_exceeding} of {one.n_runs} runs exceed it, {one.why}"
-              for wall, ones in fits.items() for one in ones if not np.isfinite(one.median)]
-    odd = sorted({one.intensity for ones in fits.values() for one in ones if one.intensity not in _TYPES})
+    lines = [
+        f"{wall}, {one.state}: a step, no lognormal curve: no run exceeds it up to"
+        f" {one.step[0]:.3g} {unit_of(one.intensity)[1]}, all do from {one.step[1]:.3g} on;"
+        " exported as these bounds of the median"
+        for wall, ones in fits.items()
+        for one in ones
+        if one.step
+    ]
+    lines += [
+        f"{wall}, {one.state}: no curve: {one.n_exceeding} of {one.n_runs} runs exceed it,"
+        f" {one.why}"
+        for wall, ones in fits.items()
+        for one in ones
+        if not np.isfinite(one.median)
+    ]
+    odd = sorted(
+        {one.intensity for ones in fits.values() for one in ones if one.intensity not in _TYPES}
+    )
     return lines + [f"no NRML by {name}: OpenQuake has no name for this intensity" for name in odd]
 
 
 def coefficients(fits):
     """A DataFrame with a row a curve.
 
-    distribution: "lognormal", P(measure > level | intensity x) = Phi(ln(x / median) / dispersion); "step", whose median
-    lies between step_low and step_high and whose dispersion is not known; "none", where the runs determine no curve,
-    with the reason in undetermined.
+    distribution: "lognormal", P(measure > level | intensity x) = Phi(ln(x / median) / dispersion);
+    "step", whose median lies between step_low and step_high and whose dispersion is not known;
+    "none", where the runs determine no curve, with the reason in undetermined.
     new_record_low, new_record_high: 90 % prediction interval of the median in a new record.
     """
-    return pd.DataFrame([{
-        "wall": wall, "state": one.state, "measure": one.measure, "level": one.level,
-        "level_unit": unit_of(one.measure)[1], "intensity": one.intensity, "intensity_unit": unit_of(one.intensity)[1],
-        "distribution": "step" if one.step else "lognormal" if np.isfinite(one.median) else "none",
-        "median": np.nan if one.step else one.median, "dispersion": np.nan if one.step else one.dispersion,
-        **dict(zip(("step_low", "step_high"), one.step or (None, None))),
-        **dict(zip(("new_record_low", "new_record_high"),
-                   one.new_record.median_bounds() if one.new_record else (np.nan, np.nan))),
-        "undetermined": one.why, "runs": one.n_runs, "exceeding": one.n_exceeding,
-        "records": one.n_records} for wall, ones in fits.items() for one in ones])
+    return pd.DataFrame(
+        [
+            {
+                "wall": wall,
+                "state": one.state,
+                "measure": one.measure,
+                "level": one.level,
+                "level_unit": unit_of(one.measure)[1],
+                "intensity": one.intensity,
+                "intensity_unit": unit_of(one.intensity)[1],
+                "distribution": (
+                    "step" if one.step else "lognormal" if np.isfinite(one.median) else "none"
+                ),
+                "median": np.nan if one.step else one.median,
+                "dispersion": np.nan if one.step else one.dispersion,
+                **dict(zip(("step_low", "step_high"), one.step or (None, None))),
+                **dict(
+                    zip(
+                        ("new_record_low", "new_record_high"),
+                        one.new_record.median_bounds() if one.new_record else (np.nan, np.nan),
+                    )
+                ),
+                "undetermined": one.why,
+                "runs": one.n_runs,
+                "exceeding": one.n_exceeding,
+                "records": one.n_records,
+            }
+            for wall, ones in fits.items()
+            for one in ones
+        ]
+    )
 
 
 def write_arrays(fits, path):
-    """Write the arrays of one wall and measure as NPZ, whole or not at all; returns the path, None without a curve."""
+    """Write the arrays of one wall and measure as NPZ, whole or not at all; returns the path, None
+    without a curve."""
     curves = fitted(fits)
     if not curves:
         return None
     x, content = levels(curves), io.BytesIO()
-    np.savez(content, intensities=x, poes=np.column_stack([probability(fit, x) for fit in curves]),
-             medians=[np.nan if fit.step else fit.median for fit in curves],
-             betas_total=[np.nan if fit.step else fit.dispersion for fit in curves],
-             damage_thresholds=[fit.level for fit in curves])
+    np.savez(
+        content,
+        intensities=x,
+        poes=np.column_stack([probability(fit, x) for fit in curves]),
+        medians=[np.nan if fit.step else fit.median for fit in curves],
+        betas_total=[np.nan if fit.step else fit.dispersion for fit in curves],
+        damage_thresholds=[fit.level for fit in curves],
+    )
     with whole_or_nothing(path) as unfinished:
         unfinished.write_bytes(content.getvalue())
     return Path(path)

@@ -1,13 +1,16 @@
 """A wall as a model for OpenSeesPy: a Python script of rigid bricks on interface elements.
 
-A brick is a node with mass; a contact point is two nodes in one place, tied rigidly to the nodes of its bodies, with
-an element between them.  No element of OpenSees has this project's joint law; two in turn have it:
+A brick is a node with mass; a contact point is two nodes in one place, tied rigidly to the nodes of
+its bodies, with an element between them.  No element of OpenSees has this project's joint law; two
+in turn have it:
 
     intact bond    `zeroLength` with elastic springs of k_n A and k_s A
-    failed joint   `flatSliderBearing`: no tension, |shear| <= tan(phi) times the present normal force, by a return
+    failed joint   `flatSliderBearing`: no tension, |shear| <= tan(phi) times the present normal
+    force, by a return
                    mapping; opening resets its slip
 
-The script replaces one by the other where, after a step, the normal force exceeds f_t A or the shear force reaches
+The script replaces one by the other where, after a step, the normal force exceeds f_t A or the
+shear force reaches
 c A - tan(phi) N.  The slider begins at the shear displacement that the bond had, which was elastic.
 
 Commands: https://opensees.github.io/OpenSeesDocumentation and https://openseespydoc.readthedocs.io.
@@ -24,8 +27,9 @@ from damage.version import VERSION
 
 _SCRIPT = '''"""{made}
 
-OpenSeesPy (pip install openseespy). Units: N, m, kg, s; x along the wall, y up. Displacements are small.
-`build()` makes the model, `weight()` loads it, `static` and `transient` advance an analysis and break joints.
+OpenSeesPy (pip install openseespy). Units: N, m, kg, s; x along the wall, y up. Displacements are
+small. `build()` makes the model, `weight()` loads it, `static` and `transient` advance an analysis
+and break joints.
 """
 
 from math import inf
@@ -37,8 +41,9 @@ FRICTION = {friction}  # coefficient
 BODIES = [  # node, x, y [m], mass [kg], moment of inertia [kg m2]
 {bodies}
 ]
-JOINTS = [  # element, first body or 0 for the ground, second body, x, y [m], normal from first to second,
-    # normal and shear stiffness [N/m], tensile strength, cohesion [N]: those of the joint times its area
+JOINTS = [
+    # element, first body or 0 for the ground, second body, x, y [m], normal from first to second;
+    # times the area of the joint: normal and shear stiffness [N/m], tensile strength, cohesion [N]
 {joints}
 ]
 TOP = {top}  # bodies whose mean displacement is that of the top
@@ -71,7 +76,7 @@ def build():
 
 
 def break_joints():
-    """Replace the elements of the joints beyond their strength by sliders; returns how many failed."""
+    """Replace elements of joints beyond their strength by sliders; returns how many failed."""
     failed = []
     for joint, (ends, (nx, ny), (kn, ks), (tension, cohesion)) in INTACT.items():
         (x1, y1, _), (x2, y2, _) = map(ops.nodeDisp, ends)
@@ -88,7 +93,8 @@ def break_joints():
 
 
 def solver(tolerance, algorithm="KrylovNewton"):
-    """What all analyses have in common; tolerance: of the unbalanced forces [N]; algorithm: in time, "Newton"."""
+    """What all analyses have in common; tolerance: of the unbalanced forces [N]; algorithm: in
+    time, "Newton"."""
     ops.wipeAnalysis()
     ops.constraints("Transformation")
     ops.numberer("RCM")
@@ -98,7 +104,8 @@ def solver(tolerance, algorithm="KrylovNewton"):
 
 
 def static(steps, integrator, *words):
-    """Static steps; words: of the integrator, the increment last.  False where one found no equilibrium."""
+    """Static steps; words: of the integrator, the increment last.  False where one found no
+    equilibrium."""
     for _ in range(steps):
         increment = words
         while True:
@@ -113,7 +120,8 @@ def static(steps, integrator, *words):
 
 
 def transient(steps, dt):
-    """Steps in time, of an integrator that was chosen before.  False where one found no equilibrium."""
+    """Steps in time, of an integrator that was chosen before.  False where one found no
+    equilibrium."""
     for _ in range(steps):
         if ops.analyze(1, dt):
             return False
@@ -141,51 +149,90 @@ def top(direction=1):
 if __name__ == "__main__":
     build()
     found = weight()
-    print(f"mass {{sum(mass for _, _, _, mass, _ in BODIES):.3f}} kg, settlement {{-top(2):.6e}} m, "
-          f"{{len(JOINTS) - len(INTACT)}} of {{len(JOINTS)}} contact points failed" if found else "no equilibrium")
+    mass, failed = sum(mass for _, _, _, mass, _ in BODIES), len(JOINTS) - len(INTACT)
+    print(f"mass {{mass:.3f}} kg, settlement {{-top(2):.6e}} m, "
+          f"{{failed}} of {{len(JOINTS)}} contact points failed" if found else "no equilibrium")
 '''
 
 
 def write_opensees(layout, path):
-    """Write a damage.wall.layout.Layout of rigid bricks as a script for OpenSeesPy; returns the path.
+    """Write a damage.wall.layout.Layout of rigid bricks as a script for OpenSeesPy; returns the
+    path.
 
-    Raises InputError for bricks, joints or soil that it cannot have, and where the path cannot be written.
+    Raises InputError for bricks, joints or soil that it cannot have, and where the path cannot be
+    written.
     """
     _check_rigid(layout)
     wall, bodies = layout.wall, layout.bodies
-    rows = ((k + 1, *values) for k, values in enumerate(zip(bodies.x, bodies.z, bodies.mass, bodies.inertia)))
-    return write_text(path, _SCRIPT.format(
-        made=_made_by(layout), gravity=GRAVITY, friction=_number(math.tan(wall.joint.friction_angle)),
-        bodies=_table(rows), joints=_table(_joints(layout)), top=[int(k) + 1 for k in layout.drift_bodies]))
+    rows = (
+        (k + 1, *values)
+        for k, values in enumerate(zip(bodies.x, bodies.z, bodies.mass, bodies.inertia))
+    )
+    return write_text(
+        path,
+        _SCRIPT.format(
+            made=_made_by(layout),
+            gravity=GRAVITY,
+            friction=_number(math.tan(wall.joint.friction_angle)),
+            bodies=_table(rows),
+            joints=_table(_joints(layout)),
+            top=[int(k) + 1 for k in layout.drift_bodies],
+        ),
+    )
 
 
 def _check_rigid(layout):
     """Raise InputError where a Layout has what rigid blocks on brittle joints lack."""
     joint, options = layout.wall.joint, layout.options
     problems = (
-        (layout.strain is not None, "deformable bricks with strain modes", "rigid ones; leave --bricks deformable out"),
-        (joint.softens, "joints that soften", "brittle ones; take the wall's fracture energies out"),
-        (joint.compressive_strength is not None, "joints that crush", "none; take the compressive strength out"),
+        (
+            layout.strain is not None,
+            "deformable bricks with strain modes",
+            "rigid ones; leave --bricks deformable out",
+        ),
+        (
+            joint.softens,
+            "joints that soften",
+            "brittle ones; take the wall's fracture energies out",
+        ),
+        (
+            joint.compressive_strength is not None,
+            "joints that crush",
+            "none; take the compressive strength out",
+        ),
         (layout.wall.restraints, "restraints of its edges", "free ones; take the restraints out"),
-        (options.soil_velocity > 0, "soil with radiation damping", "soil without it; leave --soil-velocity out"))
+        (
+            options.soil_velocity > 0,
+            "soil with radiation damping",
+            "soil without it; leave --soil-velocity out",
+        ),
+    )
     for found, what, expected in problems:
         if found:
-            raise InputError(f"--opensees of wall {layout.wall.name} with {what}: expected {expected}")
+            raise InputError(
+                f"--opensees of wall {layout.wall.name} with {what}: expected {expected}"
+            )
 
 
 def _made_by(layout):
     """One line: the wall, its choices, and what wrote it."""
-    return (f"Wall {layout.wall.name} ({', '.join(layout.options.tags()) or 'usual model'}), written by "
-            f"masonry-damage {VERSION}, commit {commit()}.")
+    return (
+        f"Wall {layout.wall.name} ({', '.join(layout.options.tags()) or 'usual model'}), written by"
+        f" masonry-damage {VERSION}, commit {commit()}."
+    )
 
 
 def _joints(layout):
     """Rows of JOINTS, one a contact point."""
     contacts = layout.contacts
-    forces = (getattr(contacts, name) * contacts.area for name in (
-        "normal_stiffness", "shear_stiffness", "tensile_strength", "cohesion"))
-    (nx, nz), ends = contact_normals(contacts).T, [
-        [max(int(body) + 1, 0) for body in of] for of in (contacts.first, contacts.second)]
+    forces = (
+        getattr(contacts, name) * contacts.area
+        for name in ("normal_stiffness", "shear_stiffness", "tensile_strength", "cohesion")
+    )
+    (nx, nz), ends = (
+        contact_normals(contacts).T,
+        [[max(int(body) + 1, 0) for body in of] for of in (contacts.first, contacts.second)],
+    )
     return zip(range(1, len(contacts) + 1), *ends, contacts.x, contacts.z, nx, nz, *forces)
 
 

@@ -10,7 +10,8 @@ _ALIGNED = 8  # bytes: where an array may begin, so that a browser can look at i
 
 
 def pack_arrays(arrays):
-    """{"packed": all arrays of {name: array} one after the other, "arrays": {name: [type, first byte, length]}}.
+    """{"packed": all arrays of {name: array} one after the other, "arrays": {name: [type, first
+    byte, length]}}.
 
     Types are numpy's, little-endian: f4, i4, i2, u2, u1.
 
@@ -23,11 +24,15 @@ def pack_arrays(arrays):
         values = np.asarray(array)
         places[name] = [values.dtype.str[1:], len(data), values.size]
         data += values.astype(values.dtype.newbyteorder("<")).tobytes()
-    return {"packed": base64.b64encode(gzip.compress(bytes(data), 9, mtime=0)).decode("ascii"), "arrays": places}
+    return {
+        "packed": base64.b64encode(gzip.compress(bytes(data), 9, mtime=0)).decode("ascii"),
+        "arrays": places,
+    }
 
 
 def quantised(values):
-    """int16 of values (n, ..., k), and the step of each of the k columns: values are step times these numbers.
+    """int16 of values (n, ..., k), and the step of each of the k columns: values are step times
+    these numbers.
 
     What is not finite becomes 0.
     """

@@ -9,7 +9,13 @@ from jinja2.utils import htmlsafe_json_dumps
 
 from damage.applications.report.charts import over_time, states_legend
 from damage.applications.report.run_part import run_part
-from damage.applications.report.study_part import documents, figures, runs_of, studies_below, study_part
+from damage.applications.report.study_part import (
+    documents,
+    figures,
+    runs_of,
+    studies_below,
+    study_part,
+)
 from damage.applications.report.tables import energy_balance, measures, parameters, versions
 from damage.applications.report.words import PAGE, environment
 from damage.applications.report.words import words as texts
@@ -24,9 +30,9 @@ from damage.version import VERSION
 
 @cache
 def plotly_code():
-    """The code of plotly.js, text: its partial bundle `basic` as its makers publish it (MIT licence, beside it),
-    `npm pack plotly.js-basic-dist-min@4.1.1`.  The whole library, which the Python package plotly ships, makes reports
-    2 MB larger and takes twice as long to draw."""
+    """The code of plotly.js, text: its partial bundle `basic` as its makers publish it (MIT
+    licence, beside it), `npm pack plotly.js-basic-dist-min@4.1.1`.  The whole library, which the
+    Python package plotly ships, makes reports 2 MB larger and takes twice as long to draw."""
     return (PAGE / "plotly-basic.min.js").read_text(encoding="utf-8")
 
 
@@ -45,8 +51,8 @@ LETTERS = "ABCDEF"
 
 @dataclass(frozen=True)
 class Words:
-    """Texts of a report: title, None for wall and motion; author; text with blank lines between paragraphs; language of
-    its summary."""
+    """Texts of a report: title, None for wall and motion; author; text with blank lines between
+    paragraphs; language of its summary."""
 
     title: str | None = None
     author: str | None = None
@@ -63,60 +69,119 @@ def write_report(paths, out=None, words=Words()):
     """Write the report of histories and of folders of studies; returns its path.
 
     words: title, author and text that the report begins with.
-    paths: of histories, up to as many as LETTERS has, and of folders that hold the tables of studies; out: by default
-    beside the first, NAME.html of a history, report.html in a folder.
-    Raises InputError of a file that is no history or has no sample, of a folder without tables, and of another ending.
-    """
+    paths: of histories, up to as many as LETTERS has, and of folders that hold the tables of
+    studies; out: by default beside the first, NAME.html of a history, report.html in a folder.
+    Raises InputError of a file that is no history or has no sample, of a folder without tables, and
+    of another ending."""
     paths = [Path(path) for path in paths]
-    out = Path(out) if out else paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
+    out = (
+        Path(out)
+        if out
+        else paths[0] / "report.html"
+        if paths[0].is_dir()
+        else paths[0].with_suffix(".html")
+    )
     if out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out {out}: expected a name that ends in .html; give it one")
-    files, folders = ([path for path in paths if path.is_dir() == of_study] for of_study in (False, True))
+    files, folders = (
+        [path for path in paths if path.is_dir() == of_study] for of_study in (False, True)
+    )
     return write_text(out, page(files, folders, words))
 
 
 def page(files, folders, words=Words()):
-    """The text of the report of histories (paths) and of folders of studies, with the Words of its author."""
+    """The text of the report of histories (paths) and of folders of studies, with the Words of its
+    author."""
     if len(files) > len(LETTERS):
-        raise InputError(f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or the "
-                         "folder of their study")
+        raise InputError(
+            f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or"
+            " the folder of their study"
+        )
     studies = [study for folder in folders for study in studies_below(folder)]
     histories, unread = _worst(studies, len(LETTERS) - len(files))
     histories = [*map(read_history, files), *histories]
     runs = [run_part(*one, words.language) for one in zip(histories, LETTERS)]
     letters = {history.path.resolve(): letter for history, letter in zip(histories, LETTERS)}
-    parts = [study_part(folder, {path.stem: letter for path, letter in letters.items()
-                                 if path.parent == (folder / "runs").resolve()}) for folder in studies]
-    drawn = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
-             "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend(runs)}
-    return environment().get_template("report.html").render(
-        runs=runs, language=words.language, words=partial(texts, words.language), studies=parts,
-        of_folders=[{"name": folder.resolve().name, "documents": documents(folder), "figures": figures(folder)}
-                    for folder in folders if folder not in studies],  # the part of a study has its own
-        first=[(f"Run {run['letter']}, {run['file']}" if len(runs) > 1 or parts else run["file"], run["first"])
-               for run in runs if run["first"]]
-        + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
-        + ([("Histories that cannot be read", unread)] if unread else []),
-        title=words.title or _title(runs, parts), subject=_title(runs, parts) if words.title else "",
-        author=words.author, paragraphs=words.paragraphs, measures=measures(runs) if runs else [],
-        energies=energy_balance(runs) if runs else [], parameters=parameters, versions=versions,
-        threshold_mm=THRESHOLD / MILLIMETRE,
-        data=htmlsafe_json_dumps(drawn, dumps=json_text),  # safe inside HTML
-        style=(PAGE / "report.css").read_text(encoding="utf-8"),
-        program=(PAGE / "report.js").read_text(encoding="utf-8"), library=plotly_code() if runs else "",
-        library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
+    parts = [
+        study_part(
+            folder,
+            {
+                path.stem: letter
+                for path, letter in letters.items()
+                if path.parent == (folder / "runs").resolve()
+            },
+        )
+        for folder in studies
+    ]
+    drawn = {
+        "runs": [{"letter": run["letter"], **run["drawn"]} for run in runs],
+        "charts": over_time(runs),
+        "threshold_mm": THRESHOLD / MILLIMETRE,
+        "states": states_legend(runs),
+    }
+    return (
+        environment()
+        .get_template("report.html")
+        .render(
+            runs=runs,
+            language=words.language,
+            words=partial(texts, words.language),
+            studies=parts,
+            of_folders=[
+                {
+                    "name": folder.resolve().name,
+                    "documents": documents(folder),
+                    "figures": figures(folder),
+                }
+                # the part of a study has its own
+                for folder in folders
+                if folder not in studies
+            ],
+            first=[
+                (
+                    (
+                        f"Run {run['letter']}, {run['file']}"
+                        if len(runs) > 1 or parts
+                        else run["file"]
+                    ),
+                    run["first"],
+                )
+                for run in runs
+                if run["first"]
+            ]
+            + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
+            + ([("Histories that cannot be read", unread)] if unread else []),
+            title=words.title or _title(runs, parts),
+            subject=_title(runs, parts) if words.title else "",
+            author=words.author,
+            paragraphs=words.paragraphs,
+            measures=measures(runs) if runs else [],
+            energies=energy_balance(runs) if runs else [],
+            parameters=parameters,
+            versions=versions,
+            threshold_mm=THRESHOLD / MILLIMETRE,
+            data=htmlsafe_json_dumps(drawn, dumps=json_text),  # safe inside HTML
+            style=(PAGE / "report.css").read_text(encoding="utf-8"),
+            program=(PAGE / "report.js").read_text(encoding="utf-8"),
+            library=plotly_code() if runs else "",
+            library_version=plotly_version() if runs else "",
+            made_by=f"masonry-damage {VERSION}, commit {commit()}",
+        )
+    )
 
 
 def _worst(studies, most):
-    """(Histories of the runs of studies with the largest DI, up to so many, one of every point first; what is said of
-    those that cannot be read).  Runs without a file are passed over, those that fell come first."""
+    """(Histories of the runs of studies with the largest DI, up to so many, one of every point
+    first; what is said of those that cannot be read).  Runs without a file are passed over, those
+    that fell come first."""
     found = []
     for folder in studies:
         summary, _ = runs_of(folder)
         mine = summary.reindex(columns=["run", "point", "solver"]).assign(
             path=[folder / "runs" / f"{run}.h5" for run in summary["run"]],
             stood=summary.reindex(columns=["collapsed_at_s"]).isna().all(axis=1),
-            DI=-summary.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0))
+            DI=-summary.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0),
+        )
         mine = mine[[path.is_file() for path in mine["path"]]].sort_values(["stood", "DI", "run"])
         others = mine.groupby(["point", "solver"], dropna=False).cumcount()
         found += zip(others, mine["stood"], mine["DI"], mine["path"])

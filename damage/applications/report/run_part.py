@@ -1,4 +1,5 @@
-"""Part of the page on a run: moving wall, lines over time, summary, and notes before its results."""
+"""Part of the page on a run: moving wall, lines over time, summary, and notes before its
+results."""
 
 import numpy as np
 import pandas as pd
@@ -27,40 +28,64 @@ SERIES = (*COMPONENTS, "drift_ratio", "base_shear_kn", "base_x_g", "base_z_g", *
 
 
 def run_part(history, letter, language="en"):
-    """Everything about one History, a dictionary for the page; letter: what the page calls the run; language: of its
-    summary.
+    """Everything about one History, a dictionary for the page; letter: what the page calls the run;
+    language: of its summary.
 
     Raises InputError of a file without a sample.
     """
     summary, index, row = summarise(history), history.index(), summary_row(history)
-    part = {"letter": letter, "title": run_title(history), "solver": history.solver, "history": history,
-            "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
-            "evidence": _evidence(summary["evidence"]), "row": row, "info": info(history),
-            "plain": plain(history, summary, row, members_of(history), language),
-            "key": _key_numbers(history, summary, index), "still": still(history),
-            "preview": preview(history),
-            "beside": {name: as_png(draw(history)) for name, draw in pictures_beside(history).items()},
-            "drawn": drawn(history, index)}
+    part = {
+        "letter": letter,
+        "title": run_title(history),
+        "solver": history.solver,
+        "history": history,
+        "file": history.path.name,
+        "first": said_first(history, summary["warnings"]),
+        "summary": summary,
+        "evidence": _evidence(summary["evidence"]),
+        "row": row,
+        "info": info(history),
+        "plain": plain(history, summary, row, members_of(history), language),
+        "key": _key_numbers(history, summary, index),
+        "still": still(history),
+        "preview": preview(history),
+        "beside": {name: as_png(draw(history)) for name, draw in pictures_beside(history).items()},
+        "drawn": drawn(history, index),
+    }
     return part | {"words": in_words(part)}
 
 
 def _evidence(evidence):
-    """{"line", "rows"} of the evidence for a run: in one line, and for each quantity name, value, range and whether
-    it is inside."""
+    """{"line", "rows"} of the evidence for a run: in one line, and for each quantity name, value,
+    range and whether it is inside."""
     ranges = {one.name: one.range for one in QUANTITIES}
-    return {"line": describe(evidence), "rows": [
-        {"name": name, "range": ranges[name], "where": {True: "inside", False: "outside"}.get(one["inside"], ""),
-         "value": "does not apply" if one["inside"] is None else f"{one['value']:.3g} {one['unit']}"}
-        for name, one in evidence.items()]}
+    return {
+        "line": describe(evidence),
+        "rows": [
+            {
+                "name": name,
+                "range": ranges[name],
+                "where": {True: "inside", False: "outside"}.get(one["inside"], ""),
+                "value": (
+                    "does not apply"
+                    if one["inside"] is None
+                    else f"{one['value']:.3g} {one['unit']}"
+                ),
+            }
+            for name, one in evidence.items()
+        ],
+    }
 
 
 def still(history):
-    """The wall at its largest DI as a picture, for who has no scripts, and until the moving one is drawn."""
+    """The wall at its largest DI as a picture, for who has no scripts, and until the moving one is
+    drawn."""
     return as_png(wall_picture(history))
 
 
 def preview(history):
-    """The wall as it was built, with its masses, elastic joints and names of piers and spandrels, as a picture."""
+    """The wall as it was built, with its masses, elastic joints and names of piers and spandrels,
+    as a picture."""
     base = support_motion(history, None)
     supports = tuple(zip(base.left, base.right)) if len(base.left) > 1 else ()
     return as_png(wall_preview(history.plan, history.bodies, history.joints, supports))
@@ -69,112 +94,226 @@ def preview(history):
 def said_first(history, warnings=()):
     """Notes on a History before its results, a list of str; empty where there are none."""
     until = history.series["time_s"].iloc[-1]
-    lines = {"complete": [],
-             "interrupted": [f"interrupted at {until:.3f} s, before the run's end; every maximum is one so far"],
-             "failed": [f"failed at {until:.3f} s: do not rely on what is shown"],
-             "unfinished": [f"without an end: a run writes the file now, or was killed. It reaches to {until:.3f} s; "
-                            "every maximum is one so far"]}[history.status]
+    lines = {
+        "complete": [],
+        "interrupted": [
+            f"interrupted at {until:.3f} s, before the run's end; every maximum is one so far"
+        ],
+        "failed": [f"failed at {until:.3f} s: do not rely on what is shown"],
+        "unfinished": [
+            f"without an end: a run writes the file now, or was killed. It reaches to {until:.3f}"
+            " s; every maximum is one so far"
+        ],
+    }[history.status]
     if history.collapsed_at_s is not None:
-        lines.append(f"collapsed at {history.collapsed_at_s:.3f} s: maxima are those until the run's end, "
-                     "residuals the state then")
+        lines.append(
+            f"collapsed at {history.collapsed_at_s:.3f} s: maxima are those until the run's end, "
+            "residuals the state then"
+        )
     if history.parameters.get("repeats"):
-        lines.append(f"repeated {history.parameters['repeats']} times in smaller steps, last for its "
-                     f"{history.parameters['repeated_for']} (docs/validation/step-and-damping.md)")
+        lines.append(
+            f"repeated {history.parameters['repeats']} times in smaller steps, last for its "
+            f"{history.parameters['repeated_for']} (docs/validation/step-and-damping.md)"
+        )
     return [*lines, *warnings]
 
 
 def _key_numbers(history, summary, index):
-    """(name, value or None, the value in the digits that are known, unit, what else is said) of what one asks first; of
-    a run with members their median and range, too."""
+    """(name, value or None, the value in the digits that are known, unit, what else is said) of
+    what one asks first; of a run with members their median and range, too."""
     table = members_of(history)
     found = {} if table is None else spread(table)
 
     def of_members(name):
-        return f"; {found['count']} members: {members_in_words(found, name)}" if name in found else ""
+        return (
+            f"; {found['count']} members: {members_in_words(found, name)}" if name in found else ""
+        )
 
     time_s, drift = (history.series[name].to_numpy() for name in ("time_s", "drift_ratio"))
     (factor, unit), residual = drift_scale(drift), summary["residual"]
     found_here = [
-        ("Maximum DI", summary["max"]["DI"], None, "",
-         f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{of_members('max_DI')}"),
-        ("Residual DI", residual and residual["DI"], None, "",
-         f"at the end{of_members('residual_DI')}" if residual else "no end, no residual"),
-        ("Largest drift", factor * summary["max_drift_ratio"], 3, unit,
-         f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s{of_members('max_drift_ratio')}"),
-        ("Widest crack", summary["max_crack_width_mm"], 2, "mm",
-         f"opening and offset together, {summary['crack_width_class']} (Burland){of_members('max_crack_width_mm')}"),
-        ("Psi", summary["max_psi"], 2, "", f"{summary['psi_class']} (Korswagen){of_members('max_psi')}"),
-        ("Largest base shear", summary["peak_base_shear_n"] / 1e3, 3, "kN",
-         of_members("peak_base_shear_n").removeprefix("; "))]
+        (
+            "Maximum DI",
+            summary["max"]["DI"],
+            None,
+            "",
+            f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{of_members('max_DI')}",
+        ),
+        (
+            "Residual DI",
+            residual and residual["DI"],
+            None,
+            "",
+            f"at the end{of_members('residual_DI')}" if residual else "no end, no residual",
+        ),
+        (
+            "Largest drift",
+            factor * summary["max_drift_ratio"],
+            3,
+            unit,
+            (
+                f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f}"
+                f" s{of_members('max_drift_ratio')}"
+            ),
+        ),
+        (
+            "Widest crack",
+            summary["max_crack_width_mm"],
+            2,
+            "mm",
+            (
+                f"opening and offset together, {summary['crack_width_class']}"
+                f" (Burland){of_members('max_crack_width_mm')}"
+            ),
+        ),
+        (
+            "Psi",
+            summary["max_psi"],
+            2,
+            "",
+            f"{summary['psi_class']} (Korswagen){of_members('max_psi')}",
+        ),
+        (
+            "Largest base shear",
+            summary["peak_base_shear_n"] / 1e3,
+            3,
+            "kN",
+            of_members("peak_base_shear_n").removeprefix("; "),
+        ),
+    ]
     if summary["settled_psi"] is not None:
-        found_here.append((
-            "Psi after the settlement", summary["settled_psi"], 2, "",
-            f"widest crack {rounded(summary['settled_crack_width_mm'], 2)} mm, DI {summary['settled_DI']:.3f}, angular "
-            f"distortion {rounded(summary['angular_distortion'], 2)}{of_members('settled_psi')}"))
-    return [(name, value, None if value is None else f"{value:.3f}" if digits is None else rounded(value, digits),
-             *rest) for name, value, digits, *rest in found_here]  # digits as on the screen (`damage.run.report`)
+        found_here.append(
+            (
+                "Psi after the settlement",
+                summary["settled_psi"],
+                2,
+                "",
+                (
+                    f"widest crack {rounded(summary['settled_crack_width_mm'], 2)} mm, DI"
+                    f" {summary['settled_DI']:.3f}, angular distortion"
+                    f" {rounded(summary['angular_distortion'], 2)}{of_members('settled_psi')}"
+                ),
+            )
+        )
+    return [
+        (
+            name,
+            value,
+            None if value is None else f"{value:.3f}" if digits is None else rounded(value, digits),
+            # digits as on the screen (`damage.run.report`)
+            *rest,
+        )
+        for name, value, digits, *rest in found_here
+    ]
 
 
-# --- what is drawn -----------------------------------------------------------------------------------
+# --- what is drawn --------------------------------------------------------------------------------
+
 
 def drawn(history, index):
-    """Numbers for the drawings: {"arrays", "packed"} of `pack_arrays`, and lists and numbers besides."""
+    """Numbers for the drawings: {"arrays", "packed"} of `pack_arrays`, and lists and numbers
+    besides."""
     chosen, lines = instants(history, index), _lines(history, index)
     kept = points(np.array([lines[name] for name in SERIES]), chosen)
     wall, more = _moving_wall(history, chosen)
     arrays = {name: values[kept].astype("f4") for name, values in lines.items()}
-    settling, settlement = ((history.series["stage"] == stage).to_numpy()[kept] for stage in ("settling", "settlement"))
+    settling, settlement = (
+        (history.series["stage"] == stage).to_numpy()[kept] for stage in ("settling", "settlement")
+    )
     settles = settling | settlement if is_moving(history.series).any() else settling
-    arrays |= {"instant": np.searchsorted(kept, chosen).astype("i4"), "settles": settles.astype("u1"), **wall}
+    arrays |= {
+        "instant": np.searchsorted(kept, chosen).astype("i4"),
+        "settles": settles.astype("u1"),
+        **wall,
+    }
     time_s = lines["time_s"]
-    return more | pack_arrays(arrays) | {
-        "settling": spans_of(time_s[kept], settling), "settlement": spans_of(time_s[kept], settlement),
-        "collapsed_at_s": history.collapsed_at_s,
-        "at_max": float(time_s[int(np.argmax(index["DI"]))]), "n_instants": len(chosen)}
+    return (
+        more
+        | pack_arrays(arrays)
+        | {
+            "settling": spans_of(time_s[kept], settling),
+            "settlement": spans_of(time_s[kept], settlement),
+            "collapsed_at_s": history.collapsed_at_s,
+            "at_max": float(time_s[int(np.argmax(index["DI"]))]),
+            "n_instants": len(chosen),
+        }
+    )
 
 
 def _lines(history, index):
     """{"time_s" and names of SERIES: (n_times,)} in the units of the drawings."""
     series = history.series
-    found = {"time_s": series["time_s"], "base_shear_kn": series["base_shear_n"] / 1e3,
-             **{f"base_{axis}_g": series[f"base_acceleration_{axis}_m_s2"] / GRAVITY for axis in "xz"},
-             **energy_groups(series)}
-    found |= {name: index[name] if name in index else series[name] for name in SERIES if name not in found}
+    found = {
+        "time_s": series["time_s"],
+        "base_shear_kn": series["base_shear_n"] / 1e3,
+        **{f"base_{axis}_g": series[f"base_acceleration_{axis}_m_s2"] / GRAVITY for axis in "xz"},
+        **energy_groups(series),
+    }
+    found |= {
+        name: index[name] if name in index else series[name] for name in SERIES if name not in found
+    }
     return {name: np.asarray(values) for name, values in found.items()}
 
 
 def _moving_wall(history, chosen):
     """Arrays of the wall at the chosen samples, and what goes with them.
 
-    Of contact points only those that are not intact in all of them, and the elastic ones; displacements are those of
-    the nearest snapshot, none where none is near, in steps of a 32767th of the largest.
+    Of contact points only those that are not intact in all of them, and the elastic ones;
+    displacements are those of the nearest snapshot, none where none is near, in steps of a 32767th
+    of the largest.
     """
     states = np.array([joint_states(history, sample) for sample in chosen])
     ever = np.flatnonzero((states != STATES.index("intact")).any(axis=0))
-    width = np.hypot(history.opening_m[chosen][:, ever], history.slip_by("displacement")[chosen][:, ever], dtype=float)
+    width = np.hypot(
+        history.opening_m[chosen][:, ever],
+        history.slip_by("displacement")[chosen][:, ever],
+        dtype=float,
+    )
     near = [nearest_snapshot(history, time) for time in history.series["time_s"].to_numpy()[chosen]]
     still = np.zeros((len(history.bodies), 3))
-    motion = np.nan_to_num([still if snapshot is None else history.displacement[snapshot] for snapshot in near])
+    motion = np.nan_to_num(
+        [still if snapshot is None else history.displacement[snapshot] for snapshot in near]
+    )
     places, step = quantised(motion)
     joints, bodies, ends = history.joints.iloc[ever], history.bodies, tributary_ends(history.joints)
-    elastic = np.setdiff1d(np.flatnonzero(history.joints["elastic"] & ~cuts_of_lintels(history.joints, bodies)), ever)
+    elastic = np.setdiff1d(
+        np.flatnonzero(history.joints["elastic"] & ~cuts_of_lintels(history.joints, bodies)), ever
+    )
     arrays = {
         **{name: bodies[f"{name}_m"].astype("f4") for name in ("x", "z", "length", "height")},
         "kind": pd.Categorical(kinds_of_bodies(bodies["course"]), BODY_COLOURS).codes.astype("u1"),
-        "ends": ends[ever].astype("f4").ravel(), "elastic_ends": ends[elastic].astype("f4").ravel(),
-        **{f"elastic_{name}": history.joints[f"{name}_body"].iloc[elastic].astype("i4")
-           for name in ("first", "second")},
-        "first": joints["first_body"].astype("i4"), "second": joints["second_body"].astype("i4"),
-        "head": joints["kind"].isin(("head", "brick")).astype("u1"), "place": places.ravel(),
+        "ends": ends[ever].astype("f4").ravel(),
+        "elastic_ends": ends[elastic].astype("f4").ravel(),
+        **{
+            f"elastic_{name}": history.joints[f"{name}_body"].iloc[elastic].astype("i4")
+            for name in ("first", "second")
+        },
+        "first": joints["first_body"].astype("i4"),
+        "second": joints["second_body"].astype("i4"),
+        "head": joints["kind"].isin(("head", "brick")).astype("u1"),
+        "place": places.ravel(),
         "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),
         "state": states[:, ever].astype("u1").ravel(),
-        "width_um": np.nan_to_num(width / MICROMETRE).clip(0, np.iinfo("u2").max).round().astype("u2").ravel()}
+        "width_um": (
+            np.nan_to_num(width / MICROMETRE)
+            .clip(0, np.iinfo("u2").max)
+            .round()
+            .astype("u2")
+            .ravel()
+        ),
+    }
     largest = motion[int(np.argmax(np.abs(motion[..., :2]).max(axis=(1, 2))))]
-    return arrays, {"step": step.tolist(), "n_joints": len(history.joints), "n_ever": len(ever),
-                    "n_elastic": len(elastic), "magnify": magnification(bodies, largest)}
+    return arrays, {
+        "step": step.tolist(),
+        "n_joints": len(history.joints),
+        "n_ever": len(ever),
+        "n_elastic": len(elastic),
+        "magnify": magnification(bodies, largest),
+    }
 
 
-# --- in words ------------------------------------------------------------------------------------------
+# --- in words -------------------------------------------------------------------------------------
+
 
 def in_words(part):
     """{drawing: what it shows, for who cannot see it}."""
@@ -182,18 +321,27 @@ def in_words(part):
     series = history.series
     shear_kn = series["base_shear_n"] / 1e3
     drift_pct = 100 * series["drift_ratio"]
-    spans = (f"drift from {drift_pct.min():.3g} to {drift_pct.max():.3g} %, base shear from {shear_kn.min():.3g} to "
-             f"{shear_kn.max():.3g} kN")
+    spans = (
+        f"drift from {drift_pct.min():.3g} to {drift_pct.max():.3g} %, base shear from"
+        f" {shear_kn.min():.3g} to {shear_kn.max():.3g} kN"
+    )
     return {
-        "wall": f"Moving drawing of the {history.wall} wall, {history.attributes['length_m']:g} m long and "
-                f"{history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact points "
-                f"{shown['n_ever']} break in this run, {shown['n_elastic']} are elastic and cannot fail; the widest "
-                f"crack has {summary['max_crack_width_mm']:.3g} mm; the maximum DI is {summary['max']['DI']:.3f} at "
-                f"{shown['at_max']:.3f} s. The line below says what it shows.",
+        "wall": (
+            f"Moving drawing of the {history.wall} wall, {history.attributes['length_m']:g} m long"
+            f" and {history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact"
+            f" points {shown['n_ever']} break in this run, {shown['n_elastic']} are elastic and"
+            f" cannot fail; the widest crack has {summary['max_crack_width_mm']:.3g} mm; the"
+            f" maximum DI is {summary['max']['DI']:.3f} at {shown['at_max']:.3f} s. The line below"
+            " says what it shows."
+        ),
         "hysteresis": f"Base shear against drift ratio: {spans}.",
-        "energy": f"Energies over time: supplied {summary['input_energy_j']:.3g} J at the end, friction took "
-                  f"{summary['friction_energy_j']:.3g} J, fracture {summary['fracture_energy_j']:.3g} J, damping "
-                  f"before settling {summary['damping_energy_j']:.3g} J."}
+        "energy": (
+            f"Energies over time: supplied {summary['input_energy_j']:.3g} J at the end, friction"
+            f" took {summary['friction_energy_j']:.3g} J, fracture"
+            f" {summary['fracture_energy_j']:.3g} J, damping before settling"
+            f" {summary['damping_energy_j']:.3g} J."
+        ),
+    }
 
 
 MOST_INSTANTS = 300
@@ -203,31 +351,45 @@ MOST_POINTS = 6000
 
 
 def instants(history, index):
-    """Samples of a History that its moving picture shows, rising: snapshots, evenly chosen, and the special ones.
+    """Samples of a History that its moving picture shows, rising: snapshots, evenly chosen, and the
+    special ones.
 
     index: `History.index` of it.
     """
     time_s = history.series["time_s"].to_numpy()
     at_snapshots = np.searchsorted(time_s, history.snapshot_time_s).clip(0, len(time_s) - 1)
     every = at_snapshots if len(at_snapshots) else np.arange(len(time_s))
-    chosen = every[np.linspace(0, len(every) - 1, min(len(every), MOST_INSTANTS)).round().astype(int)]
+    chosen = every[
+        np.linspace(0, len(every) - 1, min(len(every), MOST_INSTANTS)).round().astype(int)
+    ]
     return np.unique(np.concatenate([chosen, special_samples(history, index)]))
 
 
 def special_samples(history, index):
-    """Samples of a History with an extreme value, of the first failure, the collapse, the first and the last one."""
+    """Samples of a History with an extreme value, of the first failure, the collapse, the first and
+    the last one."""
     series, time_s = history.series, history.series["time_s"].to_numpy()
     drift = np.nan_to_num(series["drift_ratio"].to_numpy())
-    found = [0, len(time_s) - 1, *(np.argmax(index[name]) for name in COMPONENTS), np.argmax(drift), np.argmin(drift),
-             np.argmax(np.abs(np.nan_to_num(series["base_shear_n"]))),
-             *(np.argmax(np.abs(field).max(axis=1)) for field in (history.opening_m, history.slip_by("displacement")))]
+    found = [
+        0,
+        len(time_s) - 1,
+        *(np.argmax(index[name]) for name in COMPONENTS),
+        np.argmax(drift),
+        np.argmin(drift),
+        np.argmax(np.abs(np.nan_to_num(series["base_shear_n"]))),
+        *(
+            np.argmax(np.abs(field).max(axis=1))
+            for field in (history.opening_m, history.slip_by("displacement"))
+        ),
+    ]
     moments = [history.collapsed_at_s, *history.events["time_s"][history.events["time_s"] >= 0][:1]]
     found += [np.argmin(np.abs(time_s - moment)) for moment in moments if moment is not None]
     return np.array(found)
 
 
 def points(lines, needed):
-    """Samples that lines over time are drawn from, rising: all, or extremes of stretches, and those needed.
+    """Samples that lines over time are drawn from, rising: all, or extremes of stretches, and those
+    needed.
 
     lines: (n_lines, n_times); needed: samples.
     """
@@ -237,6 +399,9 @@ def points(lines, needed):
     stretches = max(MOST_POINTS // (2 * len(lines)), 1)
     edges = np.linspace(0, n_times, stretches + 1).astype(int)
     lines = np.nan_to_num(lines)
-    extremes = [first + pick(lines[:, first:last], axis=1) for first, last in zip(edges, edges[1:])
-                for pick in (np.argmin, np.argmax)]
+    extremes = [
+        first + pick(lines[:, first:last], axis=1)
+        for first, last in zip(edges, edges[1:])
+        for pick in (np.argmin, np.argmax)
+    ]
     return np.unique(np.concatenate([*extremes, needed]))

@@ -1,4 +1,5 @@
-"""Tables of the file: measures with their meaning, run beside run; the energy balance; parameters."""
+"""Tables of the file: measures with their meaning, run beside run; the energy balance;
+parameters."""
 
 import math
 from numbers import Number
@@ -15,15 +16,21 @@ SECTIONS = {**MEASURES, "Run and parameters": RUN | PARAMETERS, "Provenance": MA
 DIGITS, GIVEN_DIGITS = 3, 5
 """Significant digits of results, as on the screen, and of what a run was given."""
 ENERGIES = {
-    "input_energy_j": "supplied", "kinetic_energy_j": "kinetic, stored", "elastic_energy_j": "elastic, stored",
-    "gravity_energy_j": "potential, stored", "friction_energy_j": "dissipated by friction",
+    "input_energy_j": "supplied",
+    "kinetic_energy_j": "kinetic, stored",
+    "elastic_energy_j": "elastic, stored",
+    "gravity_energy_j": "potential, stored",
+    "friction_energy_j": "dissipated by friction",
     "fracture_energy_j": "dissipated by fracture",
     "damping_energy_j": "dissipated by damping, that of settling included",
 }
 LEAST_PLAIN, MOST_PLAIN = 1e-4, 1e6
 """Between them numbers are written without an exponent."""
-COLUMNS = {name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))
-           for columns in SECTIONS.values() for name, column in each(columns).items()}
+COLUMNS = {
+    name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))
+    for columns in SECTIONS.values()
+    for name, column in each(columns).items()
+}
 """{column: (unit, meaning)}; a unit of 1 is none."""
 _GIVEN = each(RUN | PARAMETERS | MADE_BY)
 
@@ -36,33 +43,50 @@ def digits_of(name):
 def in_short(value, digits=DIGITS):
     """A number with so many significant digits, a word as it is, nothing as a dash.
 
-    >>> in_short(0.0940123456), in_short(1234567.0), in_short(None), in_short("complete"), in_short(3)
+    >>> [in_short(value) for value in (0.0940123456, 1234567.0, None, "complete", 3)]
     ('0.0940', '1.23e+06', '–', 'complete', '3')
     """
     if value is None or (isinstance(value, Number) and not math.isfinite(value)):
         return "–"
     if isinstance(value, int) or not isinstance(value, Number):
         return str(value) or "–"
-    return rounded(value, digits) if LEAST_PLAIN <= abs(value) < MOST_PLAIN or value == 0 else f"{value:.{digits}g}"
+    return (
+        rounded(value, digits)
+        if LEAST_PLAIN <= abs(value) < MOST_PLAIN or value == 0
+        else f"{value:.{digits}g}"
+    )
 
 
 def measures(parts):
     """[(section, [row])] of all measures that a run has.
 
-    A row is {"name", "unit", "meaning", "cells": [cell of each run], "differences": [cell of each but the first]}, a
-    cell (text, the whole number or None).
+    A row is {"name", "unit", "meaning", "cells": [cell of each run], "differences": [cell of each
+    but the first]}, a cell (text, the whole number or None).
     """
     rows = [part["row"] for part in parts]
-    found = [(section, [_row(name, [row.get(name) for row in rows]) for name in each(columns)
-                        if any(row.get(name) is not None for row in rows)]) for section, columns in SECTIONS.items()]
+    found = [
+        (
+            section,
+            [
+                _row(name, [row.get(name) for row in rows])
+                for name in each(columns)
+                if any(row.get(name) is not None for row in rows)
+            ],
+        )
+        for section, columns in SECTIONS.items()
+    ]
     return [(section, rows) for section, rows in found if rows]
 
 
 def _row(name, values):
     unit, meaning = COLUMNS[name]
-    return {"name": name, "unit": unit, "meaning": meaning,
-            "cells": [cell(value, digits_of(name)) for value in values],
-            "differences": [_difference(values[0], value) for value in values[1:]]}
+    return {
+        "name": name,
+        "unit": unit,
+        "meaning": meaning,
+        "cells": [cell(value, digits_of(name)) for value in values],
+        "differences": [_difference(values[0], value) for value in values[1:]],
+    }
 
 
 def cell(value, digits=DIGITS):
@@ -72,7 +96,8 @@ def cell(value, digits=DIGITS):
 
 
 def _difference(first, other):
-    """Difference of another value from the first, as a cell: numbers as difference and per cent, texts as "differs"."""
+    """Difference of another value from the first, as a cell: numbers as difference and per cent,
+    texts as "differs"."""
     if cell(first)[1] is None or cell(other)[1] is None:
         return ("", None) if first == other else ("differs", None)
     change = other - first
@@ -82,28 +107,45 @@ def _difference(first, other):
 
 
 def energy_balance(parts):
-    """Rows (label, [cell of each run]) of the energies at the end [J], their imbalance, and its largest share."""
+    """Rows (label, [cell of each run]) of the energies at the end [J], their imbalance, and its
+    largest share."""
     ends = [part["history"].series.iloc[-1] for part in parts]
     errors = [part["summary"]["energy_error_fraction"] for part in parts]
-    return [*((label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()),
-            ("stored and dissipated, less supplied", [
-                cell(float(imbalance(known_energies(part["history"].series))[-1])) for part in parts]),
-            ("largest imbalance before settling, % of the energy supplied", [
-                cell(error if error is None else 100 * error) for error in errors])]
+    return [
+        *((label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()),
+        (
+            "stored and dissipated, less supplied",
+            [cell(float(imbalance(known_energies(part["history"].series))[-1])) for part in parts],
+        ),
+        (
+            "largest imbalance before settling, % of the energy supplied",
+            [cell(error if error is None else 100 * error) for error in errors],
+        ),
+    ]
 
 
 def parameters(content):
-    """(name, text) of the caps of a run, its static stage, the results that precede the motion, and every parameter;
-    content: `damage.history.info.info`."""
-    return [*((f"cap {number}", describe_cap(cap)) for number, cap in enumerate(content["caps"], start=1)),
-            *((f"static.{name}", value) for name, value in content["static"].items()),
-            *flat(content["results"]), *flat(given(content))]
+    """(name, text) of the caps of a run, its static stage, the results that precede the motion, and
+    every parameter; content: `damage.history.info.info`."""
+    return [
+        *(
+            (f"cap {number}", describe_cap(cap))
+            for number, cap in enumerate(content["caps"], start=1)
+        ),
+        *((f"static.{name}", value) for name, value in content["static"].items()),
+        *flat(content["results"]),
+        *flat(given(content)),
+    ]
 
 
 def versions(content):
     """(software, version) of what made a run; content: `damage.history.info.info`."""
     others = sorted(set(content["versions"]) - {"masonry-damage", "commit", "model"})
-    return [("masonry-damage", content["software"]), ("commit", content["commit"]),
-            ("digest of the model", content["model_digest"]), *((name, content["versions"][name]) for name in others),
-            ("machine", content["machine"]),
-            ("made", content["created_utc"])]
+    return [
+        ("masonry-damage", content["software"]),
+        ("commit", content["commit"]),
+        ("digest of the model", content["model_digest"]),
+        *((name, content["versions"][name]) for name in others),
+        ("machine", content["machine"]),
+        ("made", content["created_utc"]),
+    ]

@@ -1,12 +1,14 @@
 """A history as one VTKHDF file with all its times, for ParaView 5.12 and VTK 9.3 or newer.
 
-The grid is stored once.  Every sample of the history is a step: joints, index and series as they were then, bodies as
-in the snapshot nearest to it, whose time is `snapshot_time_s`; nothing is interpolated.  The layout is that of
-Kitware's VTKHDF 2.2: https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html
+The grid is stored once.  Every sample of the history is a step: joints, index and series as they
+were then, bodies as in the snapshot nearest to it, whose time is `snapshot_time_s`; nothing is
+interpolated.  The layout is that of Kitware's VTKHDF 2.2:
+https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html
 
-Bricks are hexahedra, joints are lines.  The points lie where they are at rest and `displacement_m` says how far they
-have moved: ParaView's filter Warp By Vector shows the moved wall, magnified as one likes.  Every brick has eight points
-of its own and every contact point two, the ends of its tributary length on the front face, so that a joint can open:
+Bricks are hexahedra, joints are lines.  The points lie where they are at rest and `displacement_m`
+says how far they have moved: ParaView's filter Warp By Vector shows the moved wall, magnified as
+one likes.  Every brick has eight points of its own and every contact point two, the ends of its
+tributary length on the front face, so that a joint can open:
 
         3 ---- 2         z          4 to 7 in front, at y = -thickness/2, 0 to 3 behind;
         |      |         |          the joints' lines are in front
@@ -34,14 +36,21 @@ HEXAHEDRON, LINE = 12, 3
 """VTK's codes of the cells."""
 PARTS = ("brick", "cap", "bed joint", "head joint", "cut of a brick")
 """What the codes of the cells' `part` stand for."""
-SERIES = ("drift_ratio", "top_displacement_m", "base_acceleration_x_m_s2", "base_acceleration_z_m_s2", "base_shear_n",
-          "top_force_n")
-"""Columns of the history's series that go along, one number a time, with the index and its components."""
+SERIES = (
+    "drift_ratio",
+    "top_displacement_m",
+    "base_acceleration_x_m_s2",
+    "base_acceleration_z_m_s2",
+    "base_shear_n",
+    "top_force_n",
+)
+"""Columns of the history's series that go along, one number a time, with the index and its
+components."""
 
 
 def write_vtkhdf(history, path):
-    """Write a History as VTKHDF, whole or not at all; returns the path.  Raises InputError where it cannot be written,
-    or holds no sample."""
+    """Write a History as VTKHDF, whole or not at all; returns the path.  Raises InputError where it
+    cannot be written, or holds no sample."""
     check_samples(history)
     content = io.BytesIO()  # HDF5 itself cannot be left in order once a write has failed
     with h5py.File(content, "w") as file:
@@ -54,20 +63,39 @@ def write_vtkhdf(history, path):
 def _fill(root, cells):
     root.attrs["Version"] = np.array(VERSION, np.int64)
     root.attrs["Type"] = np.bytes_("UnstructuredGrid")
-    n_points = len(cells.points)  # of the cells one after the other, so that their connectivity counts them
-    for name, values in {"Points": cells.points, "Connectivity": np.arange(n_points),
-                         "Offsets": np.concatenate([[0], np.cumsum(np.where(cells.types == HEXAHEDRON, 8, 2))]),
-                         "Types": cells.types, "NumberOfPoints": [n_points], "NumberOfCells": [len(cells.types)],
-                         "NumberOfConnectivityIds": [n_points]}.items():
+    # of the cells one after the other, so that their connectivity counts them
+    n_points = len(cells.points)
+    for name, values in {
+        "Points": cells.points,
+        "Connectivity": np.arange(n_points),
+        "Offsets": np.concatenate([[0], np.cumsum(np.where(cells.types == HEXAHEDRON, 8, 2))]),
+        "Types": cells.types,
+        "NumberOfPoints": [n_points],
+        "NumberOfCells": [len(cells.types)],
+        "NumberOfConnectivityIds": [n_points],
+    }.items():
         root[name] = np.asarray(values)
     time_s = cells.history.series["time_s"].to_numpy()
     steps = _steps(root, time_s)
     samples, n_snapshots = np.arange(len(time_s)), len(cells.history.snapshot_time_s)
     shapes = [*range(n_snapshots), -1]  # the last: at rest
     shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
-    _keep(root, steps, "PointData", shapes, shape_of, lambda k: {"displacement_m": cells.displacement(k)})
-    _keep(root, steps, "CellData", shapes, shape_of,
-          lambda k: {"rotation_rad": cells.rotation(k), **cells.brick_fields(k)})
+    _keep(
+        root,
+        steps,
+        "PointData",
+        shapes,
+        shape_of,
+        lambda k: {"displacement_m": cells.displacement(k)},
+    )
+    _keep(
+        root,
+        steps,
+        "CellData",
+        shapes,
+        shape_of,
+        lambda k: {"rotation_rad": cells.rotation(k), **cells.brick_fields(k)},
+    )
     _keep(root, steps, "CellData", [0], np.zeros_like(samples), lambda k: cells.fixed)
     _keep(root, steps, "CellData", samples, samples, cells.joint_fields)
     for name, values in cells.numbers.items():
@@ -90,21 +118,29 @@ def _steps(root, time_s):
 
 
 def _keep(root, steps, kind, blocks, block_of_step, make):
-    """Write arrays block by block, and say which block each step has, by its place; make(block): {name: array}, alike
-    for all blocks, as many rows as the grid has points or cells."""
+    """Write arrays block by block, and say which block each step has, by its place; make(block):
+    {name: array}, alike for all blocks, as many rows as the grid has points or cells."""
     for place, block in enumerate(blocks):
         for name, values in make(block).items():
             rows = len(values)
             if place == 0:
-                root.create_dataset(f"{kind}/{name}", (len(blocks) * rows, *values.shape[1:]), values.dtype,
-                                    chunks=values.shape, compression="gzip", compression_opts=1, shuffle=True)
+                root.create_dataset(
+                    f"{kind}/{name}",
+                    (len(blocks) * rows, *values.shape[1:]),
+                    values.dtype,
+                    chunks=values.shape,
+                    compression="gzip",
+                    compression_opts=1,
+                    shuffle=True,
+                )
                 steps[f"{kind}Offsets/{name}"] = np.asarray(block_of_step, np.int64) * rows
-            root[f"{kind}/{name}"][place * rows:(place + 1) * rows] = values
+            root[f"{kind}/{name}"][place * rows : (place + 1) * rows] = values
 
 
 @dataclass(frozen=True)
 class WallCells:
-    """The cells of a history's wall, and what is known of them at its samples; n_cells = n_bodies + n_joints."""
+    """The cells of a history's wall, and what is known of them at its samples; n_cells = n_bodies +
+    n_joints."""
 
     history: History
 
@@ -114,7 +150,9 @@ class WallCells:
         half = self.history.masonry_wall.brick.thickness / 2
         corners = body_corners(self.history.bodies, self._motion(-1))
         bodies = np.concatenate([_at(corners, half), _at(corners, -half)], axis=1)
-        return np.concatenate([bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)])
+        return np.concatenate(
+            [bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)]
+        )
 
     @cached_property
     def types(self):
@@ -123,20 +161,26 @@ class WallCells:
 
     @cached_property
     def fixed(self):
-        """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint, rows of the history's
-        tables, -1 in cells that are none; course; length_m; elastic."""
+        """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint,
+        rows of the history's tables, -1 in cells that are none; course; length_m; elastic."""
         bodies, joints = self.history.bodies, self.history.joints
-        course, kinds = bodies["course"].to_numpy(), joints["kind"].map({"bed": 2, "head": 3, "brick": 4})
+        course, kinds = (
+            bodies["course"].to_numpy(),
+            joints["kind"].map({"bed": 2, "head": 3, "brick": 4}),
+        )
         return {
             "part": self._joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
-            "body": self._joined(np.arange(len(bodies)), -1), "joint": self._joined(-1, np.arange(len(joints))),
+            "body": self._joined(np.arange(len(bodies)), -1),
+            "joint": self._joined(-1, np.arange(len(joints))),
             "course": self._joined(course, -1),
             "length_m": self._joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),
-            "elastic": self._joined(0, joints["elastic"].to_numpy()).astype(np.int8)}
+            "elastic": self._joined(0, joints["elastic"].to_numpy()).astype(np.int8),
+        }
 
     @cached_property
     def snapshot_of(self):
-        """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then drawn at rest."""
+        """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then
+        drawn at rest."""
         found = [nearest_snapshot(self.history, time_s) for time_s in self.history.series["time_s"]]
         return np.array([-1 if one is None else one for one in found])
 
@@ -146,51 +190,83 @@ class WallCells:
         bodies, joints = self.history.bodies, self.history.joints
         moved = _at(body_corners(bodies, motion) - body_corners(bodies, at_rest), 0.0)
         supports = support_motion(self.history, None if snapshot < 0 else snapshot)
-        ends = _at(joint_segments(joints, bodies, motion, supports=supports)
-                   - joint_segments(joints, bodies, at_rest), 0.0)
-        return np.concatenate([np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]).astype(np.float32)
+        ends = _at(
+            joint_segments(joints, bodies, motion, supports=supports)
+            - joint_segments(joints, bodies, at_rest),
+            0.0,
+        )
+        return np.concatenate(
+            [np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]
+        ).astype(np.float32)
 
     def rotation(self, snapshot):
-        """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean of its bodies'."""
+        """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean
+        of its bodies'."""
         of_bodies = self._motion(snapshot)[:, 2]
         supports = support_motion(self.history, None if snapshot < 0 else snapshot).motion[:, 2]
         joints, rotation = self.history.joints, np.concatenate([of_bodies, supports])
-        first, second = (rotation[np.minimum(rows(joints[name], len(of_bodies)), len(rotation) - 1)]
-                         for name in ("first_body", "second_body"))
+        first, second = (
+            rotation[np.minimum(rows(joints[name], len(of_bodies)), len(rotation) - 1)]
+            for name in ("first_body", "second_body")
+        )
         return np.concatenate([of_bodies, (first + second) / 2]).astype(np.float32)
 
     def brick_fields(self, snapshot):
-        """{name: (n_cells, 3) or (n_cells,)} of the bricks in a snapshot, 0 in joints: stress_pa at the centre (along
-        x, along z, shear) and its principal stresses; empty where bricks are rigid; -1: zero."""
+        """{name: (n_cells, 3) or (n_cells,)} of the bricks in a snapshot, 0 in joints: stress_pa at
+        the centre (along x, along z, shear) and its principal stresses; empty where bricks are
+        rigid; -1: zero."""
         if self.history.stress_pa is None:
             return {}
         stress = self.history.stress_pa[max(snapshot, 0), :, 0] * float(snapshot >= 0)
         principal = principal_stresses(stress)[0]
-        fields = {"stress_pa": stress, "max_principal_stress_pa": principal[:, 0],
-                  "min_principal_stress_pa": principal[:, 1]}
+        fields = {
+            "stress_pa": stress,
+            "max_principal_stress_pa": principal[:, 0],
+            "min_principal_stress_pa": principal[:, 1],
+        }
         n_joints = len(self.history.joints)
-        return {name: np.concatenate([values, np.zeros((n_joints, *values.shape[1:]))]).astype(np.float32)
-                for name, values in fields.items()}
+        return {
+            name: (
+                np.concatenate([values, np.zeros((n_joints, *values.shape[1:]))]).astype(np.float32)
+            )
+            for name, values in fields.items()
+        }
 
     def joint_fields(self, sample):
-        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m,
-        crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
+        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m,
+        accumulated_slip_m, offset_m, crack_width_m; state, a code of
+        `damage.history.moments.STATES`, in bodies -1; broken;
         at_shear_limit; joint_normal_stress_pa, joint_shear_stress_pa of a run with --stresses."""
         history, slip = self.history, "displacement"
-        numbers = {"opening_m": history.opening_m[sample], "accumulated_slip_m": history.slip_m[sample]}
+        numbers = {
+            "opening_m": history.opening_m[sample],
+            "accumulated_slip_m": history.slip_m[sample],
+        }
         numbers["offset_m"] = history.offset_m[sample]
-        numbers["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
+        numbers["crack_width_m"] = np.hypot(
+            history.opening_m[sample], history.slip_by(slip)[sample]
+        )
         if history.joint_stress_pa is not None:
-            numbers |= dict(zip(("joint_normal_stress_pa", "joint_shear_stress_pa"), history.joint_stress_pa[sample].T))
+            numbers |= dict(
+                zip(
+                    ("joint_normal_stress_pa", "joint_shear_stress_pa"),
+                    history.joint_stress_pa[sample].T,
+                )
+            )
         return {
-            **{name: self._joined(0.0, values).astype(np.float32) for name, values in numbers.items()},
+            **{
+                name: self._joined(0.0, values).astype(np.float32)
+                for name, values in numbers.items()
+            },
             "state": self._joined(-1, joint_states(history, sample, slip)).astype(np.int8),
             "broken": self._joined(0, history.broken[sample]).astype(np.int8),
-            "at_shear_limit": self._joined(0, history.at_limit[sample]).astype(np.int8)}
+            "at_shear_limit": self._joined(0, history.at_limit[sample]).astype(np.int8),
+        }
 
     @cached_property
     def numbers(self):
-        """A DataFrame with a row a sample: DI and its components, those of SERIES, snapshot_time_s, NaN where none."""
+        """A DataFrame with a row a sample: DI and its components, those of SERIES, snapshot_time_s,
+        NaN where none."""
         index = self.history.index().drop(columns=["time_s", "drift_over_limit"])
         series = self.history.series[list(SERIES)].reset_index(drop=True)
         taken = np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
@@ -198,13 +274,23 @@ class WallCells:
 
     def _motion(self, snapshot):
         """Motion of the bodies in a snapshot (n_bodies, 3) [m, m, rad]; -1: at rest."""
-        return np.zeros((len(self.history.bodies), 3)) if snapshot < 0 else \
-            self.history.displacement[snapshot].astype(float)
+        return (
+            np.zeros((len(self.history.bodies), 3))
+            if snapshot < 0
+            else self.history.displacement[snapshot].astype(float)
+        )
 
     def _joined(self, of_bodies, of_joints):
         """One array for all cells of values of the bodies and of the joints, arrays or numbers."""
-        return np.concatenate([np.broadcast_to(values, len(table)) for values, table in (
-            (of_bodies, self.history.bodies), (of_joints, self.history.joints))])
+        return np.concatenate(
+            [
+                np.broadcast_to(values, len(table))
+                for values, table in (
+                    (of_bodies, self.history.bodies),
+                    (of_joints, self.history.joints),
+                )
+            ]
+        )
 
 
 def _at(points, y):

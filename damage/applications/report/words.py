@@ -16,15 +16,24 @@ OF_PAGES = ("app",)
 @cache
 def environment():
     """What renders the templates of PAGE."""
-    return Environment(loader=FileSystemLoader(PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-                       lstrip_blocks=True)
+    return Environment(
+        loader=FileSystemLoader(PAGE),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
 
 
 @cache
 def all_words(page=None):
     """{key: {language: text}} of the sheet and of reports, or those of one of OF_PAGES."""
     tables = tomllib.loads((PAGE / "words.toml").read_text(encoding="utf-8"))
-    return tables[page] if page else {key: texts for key, texts in tables.items() if key not in OF_PAGES}
+    return (
+        tables[page]
+        if page
+        else {key: texts for key, texts in tables.items() if key not in OF_PAGES}
+    )
 
 
 def words(language, key, **values):

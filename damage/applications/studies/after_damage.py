@@ -1,7 +1,8 @@
 """Fragility by the damage before an event: each event of a sequence as a run of its own.
 
-A wall enters its second event with the cracks of the first, which Psi counts, so events are classified by Psi at rest
-before them, as in P. A. Korswagen's curves for walls with damage (docs/paper/published-fragility.md).
+A wall enters its second event with the cracks of the first, which Psi counts, so events are
+classified by Psi at rest before them, as in P. A. Korswagen's curves for walls with damage
+(docs/paper/published-fragility.md).
 """
 
 import pandas as pd
@@ -11,8 +12,12 @@ from damage.applications.studies.states import INTENSITIES, STATES, check_states
 from damage.errors import InputError
 from damage.measure.columns import read_table
 
-BEFORE = {"undamaged": (0.0, 0.25), "Psi about 0.5": (0.25, 0.75), "Psi about 1": (0.75, 1.25),
-          "Psi about 1.5": (1.25, 1.75)}
+BEFORE = {
+    "undamaged": (0.0, 0.25),
+    "Psi about 0.5": (0.25, 0.75),
+    "Psi about 1": (0.75, 1.25),
+    "Psi about 1.5": (1.25, 1.75),
+}
 """Words for Psi at rest before a shock: from, up to [-]; a single crack of 0.02 mm is 0.62."""
 LEAST_SHOCKS = 20
 """Fewer of a class of damage before are not fitted."""
@@ -21,45 +26,70 @@ _SQUARED = ("arias_m_s",)
 
 
 def load_shocks(runs, folder, states=STATES):
-    """Rows like those of summary.csv for each event of runs, with `shock`, `psi_before` [-] and its class `before`, one
-    of BEFORE, else "more".
+    """Rows like those of summary.csv for each event of runs, with `shock`, `psi_before` [-] and its
+    class `before`, one of BEFORE, else "more".
 
-    Measures are those within the event.  Intensities are those of the run, which belong to its strongest event, scaled
-    by the factors.  Events that several runs share, such as equal first ones, count once.
-    folder: that of the study, with tables/shocks.csv; states: State of each measure, a column there.  Raises InputError
-    where there is no sequence, or events of a run or a measure are missing.
+    Measures are those within the event.  Intensities are those of the run, which belong to its
+    strongest event, scaled by the factors.  Events that several runs share, such as equal first
+    ones, count once.
+    folder: that of the study, with tables/shocks.csv; states: State of each measure, a column
+    there.  Raises InputError where there is no sequence, or events of a run or a measure are
+    missing.
     """
     path, rows, known = folder / "tables" / "shocks.csv", [], set()
     if not path.is_file():
-        raise InputError(f"{folder} holds no tables/shocks.csv; expected a study of sequences, as "
-                         "studies/aftershocks.toml, summed up by this version: run ./run_all.sh again")
+        raise InputError(
+            f"{folder} holds no tables/shocks.csv; expected a study of sequences, as "
+            "studies/aftershocks.toml, summed up by this version: run ./run_all.sh again"
+        )
     measures = list(dict.fromkeys(state.measure for state in states))
     shocks = read_table(path, ("run", "shock", "factor", "end_s", "residual_psi"))
-    check_states(shocks.assign(collapsed_at_s=0.0), states, "shocks.csv")  # a wall that fell lacks its last shocks
+    # a wall that fell lacks its last shocks
+    check_states(shocks.assign(collapsed_at_s=0.0), states, "shocks.csv")
     by_run = dict(list(shocks.groupby("run")))
     for _, run in runs[runs["shocks"] > 1].iterrows():
         if run["run"] not in by_run:
-            raise InputError(f"{path} lacks the shocks of {run['run']}; expected those of every run, run "
-                             "./run_all.sh again")
+            raise InputError(
+                f"{path} lacks the shocks of {run['run']}; expected those of every run, run "
+                "./run_all.sh again"
+            )
         table = by_run[run["run"]]
         strongest = table["factor"].abs().max()
         before = table["residual_psi"].shift(1, fill_value=0.0)
         for (_, shock), psi in zip(table.iterrows(), before):
             factor = abs(shock["factor"]) / strongest
             so_far = table["factor"][table["shock"] <= shock["shock"]] * (run["pga_g"] / strongest)
-            story = (run["wall"], str(run["record"]), run["strength_seed"], *so_far.round(9), *shock[measures])
+            story = (
+                run["wall"],
+                str(run["record"]),
+                run["strength_seed"],
+                *so_far.round(9),
+                *shock[measures],
+            )
             if story in known:
                 continue
             known.add(story)
             fell = run["collapsed_at_s"] <= shock["end_s"] + 1e-9
-            rows.append(run.to_dict() | {name: run[name] * factor ** (2 if name in _SQUARED else 1)
-                                         for name in INTENSITIES if name in run}
-                        | {name: shock[name] for name in measures}
-                        | {"shock": int(shock["shock"]), "psi_before": psi, "before": _class(psi),
-                           "collapsed_at_s": run["collapsed_at_s"] if fell else None})
+            rows.append(
+                run.to_dict()
+                | {
+                    name: run[name] * factor ** (2 if name in _SQUARED else 1)
+                    for name in INTENSITIES
+                    if name in run
+                }
+                | {name: shock[name] for name in measures}
+                | {
+                    "shock": int(shock["shock"]),
+                    "psi_before": psi,
+                    "before": _class(psi),
+                    "collapsed_at_s": run["collapsed_at_s"] if fell else None,
+                }
+            )
     if not rows:
-        raise InputError(f"{folder} holds no run of several shocks; expected a study of sequences, as "
-                         "studies/aftershocks.toml")
+        raise InputError(
+            f"{folder} holds no run of several shocks; expected a study of sequences, as "
+            "studies/aftershocks.toml"
+        )
     return pd.DataFrame(rows)
 
 
@@ -68,22 +98,31 @@ def _class(psi):
 
 
 def table_after_damage(shocks, intensity, replicates, states=STATES):
-    """A DataFrame with a row for each wall, class of the damage before and State: fits of `fragility`.
+    """A DataFrame with a row for each wall, class of the damage before and State: fits of
+    `fragility`.
 
     intensity: a name of INTENSITIES.  Raises InputError where no class has enough events."""
     if intensity not in INTENSITIES or shocks[intensity].isna().any():
-        raise InputError(f"--after-damage --intensity {intensity}: expected one of {', '.join(INTENSITIES)} that every "
-                         "run has, as how it follows a shock's factor must be known; choose one")
+        raise InputError(
+            f"--after-damage --intensity {intensity}: expected one of {', '.join(INTENSITIES)} that"
+            " every run has, as how it follows a shock's factor must be known; choose one"
+        )
     rows = []
     for (wall, before), of_class in shocks.groupby(["wall", "before"], sort=False):
         if len(of_class) < LEAST_SHOCKS:
             continue
         for state in states:
-            one = fragility(of_class, state.measure, state.level, intensity, replicates, name=state.name)
+            one = fragility(
+                of_class, state.measure, state.level, intensity, replicates, name=state.name
+            )
             rows.append({"wall": wall, "before": before, "intensity": intensity, **one.row()})
     if not rows:
-        raise InputError(f"{len(shocks)} shocks; expected {LEAST_SHOCKS} or more of one class of damage before; run "
-                         "more of them")
+        raise InputError(
+            f"{len(shocks)} shocks; expected {LEAST_SHOCKS} or more of one class of damage before;"
+            " run more of them"
+        )
     table = pd.DataFrame(rows)
     order = {words: place for place, words in enumerate([*BEFORE, "more"])}
-    return table.sort_values("before", key=lambda column: column.map(order), kind="stable", ignore_index=True)
+    return table.sort_values(
+        "before", key=lambda column: column.map(order), kind="stable", ignore_index=True
+    )

@@ -1,7 +1,8 @@
-"""A study on a cluster whose nodes share its folder: slices of about an hour, each a job that Snakemake submits.
+"""A study on a cluster whose nodes share its folder: slices of about an hour, each a job that
+Snakemake submits.
 
-Snakemake 7 takes the commands that submit, watch and cancel a job by itself, Snakemake 8 and later by its plugin
-cluster-generic.
+Snakemake 7 takes the commands that submit, watch and cancel a job by itself, Snakemake 8 and later
+by its plugin cluster-generic.
 """
 
 import os
@@ -25,8 +26,8 @@ from damage.start import EXIT_INTERRUPTED
 HERE = Path(__file__).parent
 PLUGIN = "snakemake-executor-plugin-cluster-generic"
 RUNS_AN_HOUR, YADE = 1500, 200
-"""Runs of the reference solver in an hour of a processor, about (walls of 400 bricks, 5 s); for how many of them a run
-in YADE counts."""
+"""Runs of the reference solver in an hour of a processor, about (walls of 400 bricks, 5 s); for how
+many of them a run in YADE counts."""
 
 
 class NoPlugin(Exception):
@@ -42,7 +43,10 @@ def check():
     except PackageNotFoundError:
         raise ModuleNotFoundError("No module named 'snakemake'", name="snakemake") from None
     if needs_plugin(release) and find_spec(PLUGIN.replace("-", "_")) is None:
-        raise NoPlugin(f"--slurm with Snakemake {release}: expected its plugin; get it with pip install {PLUGIN}")
+        raise NoPlugin(
+            f"--slurm with Snakemake {release}: expected its plugin; get it with pip install"
+            f" {PLUGIN}"
+        )
 
 
 def needs_plugin(release):
@@ -51,7 +55,8 @@ def needs_plugin(release):
 
 
 def slices(runs, n):
-    """Lists of the StudyRuns of n slices, of about as many runs each; neighbours, which are alike, stay together."""
+    """Lists of the StudyRuns of n slices, of about as many runs each; neighbours, which are alike,
+    stay together."""
     weights = np.array([_weight(run) for run in runs], float)
     place = np.minimum((np.cumsum(weights) - weights / 2) * n / weights.sum(), n - 1).astype(int)
     return [[run for run, here in zip(runs, place) if here == k] for k in range(n)]
@@ -68,26 +73,55 @@ def _weight(run):
 
 
 def run_slices(study, folder, options, n, only, jobs, cores, say):
-    """Run slices (numbers from 1) of n as jobs of a cluster; returns Snakemake's exit status, EXIT_INTERRUPTED where an
-    interrupt or a polite kill has cancelled them.
+    """Run slices (numbers from 1) of n as jobs of a cluster; returns Snakemake's exit status,
+    EXIT_INTERRUPTED where an interrupt or a polite kill has cancelled them.
 
-    options: words of `python3 -m damage study` for each; jobs: at a time; cores: of each; say(line): prints a line.
-    """
+    options: words of `python3 -m damage study` for each; jobs: at a time; cores: of each;
+    say(line): prints a line."""
     done = [f"logs/slice-{k}-of-{n}.done" for k in only]
     for name in done:
         (folder / name).unlink(missing_ok=True)
-    config = {"study": study.path, "slices": n, "only": ",".join(map(str, only)), "cores": cores,
-              "options": shlex.join(options)}
-    command = [sys.executable, "-m", "snakemake", *done, *slurm_words(study.name, folder, jobs), "--snakefile",
-               HERE / "Snakefile", "--directory", folder, "--scheduler", "greedy", "--nolock", "--nocolor",
-               "--keep-going", "--rerun-incomplete", "--config", *(f"{key}={value}" for key, value in config.items())]
-    # For Snakemake 7, which imports distutils: a virtual environment would load all of setuptools for it, 0.3 s.
+    config = {
+        "study": study.path,
+        "slices": n,
+        "only": ",".join(map(str, only)),
+        "cores": cores,
+        "options": shlex.join(options),
+    }
+    command = [
+        sys.executable,
+        "-m",
+        "snakemake",
+        *done,
+        *slurm_words(study.name, folder, jobs),
+        "--snakefile",
+        HERE / "Snakefile",
+        "--directory",
+        folder,
+        "--scheduler",
+        "greedy",
+        "--nolock",
+        "--nocolor",
+        "--keep-going",
+        "--rerun-incomplete",
+        "--config",
+        *(f"{key}={value}" for key, value in config.items()),
+    ]
+    # For Snakemake 7, which imports distutils: a virtual environment would load all of setuptools
+    # for it, 0.3 s.
     faster = {"SETUPTOOLS_USE_DISTUTILS": "stdlib"} if sys.version_info < (3, 12) else {}
     say(f"{len(only)} jobs of the cluster, {jobs} at a time; {folder / 'logs' / 'snakemake.log'}")
     with open_log(folder / "logs" / "snakemake.log") as log:
         snakemake = subprocess.Popen(
-            list(map(str, command)), cwd=folder, env={**environment(folder), **faster}, stdin=subprocess.DEVNULL,
-            stdout=log, stderr=log, process_group=0, preexec_fn=partial(_prepare, os.getpid()))
+            list(map(str, command)),
+            cwd=folder,
+            env={**environment(folder), **faster},
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            process_group=0,
+            preexec_fn=partial(_prepare, os.getpid()),
+        )
     interrupted = []
 
     def interrupt(*_):
@@ -100,21 +134,39 @@ def run_slices(study, folder, options, n, only, jobs, cores, say):
 
 
 def _prepare(parent):
-    """Snakemake cancels its jobs at SIGINT, even where this program was started without, and when this program dies."""
+    """Snakemake cancels its jobs at SIGINT, even where this program was started without, and when
+    this program dies."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     end_with_parent(parent, signal.SIGINT)
 
 
 def slurm_words(name, folder, jobs, release=None):
-    """Options of Snakemake, by default of the release installed, for so many jobs of a study at a time."""
+    """Options of Snakemake, by default of the release installed, for so many jobs of a study at a
+    time."""
     logs = folder / "logs" / "slurm"
     logs.mkdir(parents=True, exist_ok=True)
     submit = ["sbatch", "--parsable", "--ntasks=1", f"--job-name={name}", f"--output={logs}/%j.log"]
-    commands = shlex.join(submit) + " --cpus-per-task={threads}", str(HERE / "slurm_status.sh"), "scancel"
+    commands = (
+        shlex.join(submit) + " --cpus-per-task={threads}",
+        str(HERE / "slurm_status.sh"),
+        "scancel",
+    )
     if needs_plugin(release or version("snakemake")):
-        options = ("--cluster-generic-submit-cmd", "--cluster-generic-status-cmd", "--cluster-generic-cancel-cmd")
+        options = (
+            "--cluster-generic-submit-cmd",
+            "--cluster-generic-status-cmd",
+            "--cluster-generic-cancel-cmd",
+        )
         executor = ["--executor", "cluster-generic"]
     else:
         options, executor = ("--cluster", "--cluster-status", "--cluster-cancel"), []
-    return ["--jobs", str(jobs), "--latency-wait", "60", "--max-status-checks-per-second", "2", *executor,
-            *(word for pair in zip(options, commands) for word in pair)]
+    return [
+        "--jobs",
+        str(jobs),
+        "--latency-wait",
+        "60",
+        "--max-status-checks-per-second",
+        "2",
+        *executor,
+        *(word for pair in zip(options, commands) for word in pair),
+    ]

@@ -1,4 +1,5 @@
-"""`python3 -m damage study STUDY`: a study from its file to tables and pictures; `run_all.sh` starts this, too."""
+"""`python3 -m damage study STUDY`: a study from its file to tables and pictures; `run_all.sh`
+starts this, too."""
 
 import os
 import re
@@ -42,25 +43,37 @@ ALL = "all"
 
 
 def run_study(arguments, lock=None):
-    """Run the study, or all that ship, that words of a command line ask for; returns the exit status: 0 all done, 1 a
-    run failed or was not made, 2 bad input, 3 software is missing, 130 interrupted.  Raises InputError.
+    """Run the study, or all that ship, that words of a command line ask for; returns the exit
+    status: 0 all done, 1 a run failed or was not made, 2 bad input, 3 software is missing, 130
+    interrupted.  Raises InputError.
 
-    lock: of the study's folder, where the caller holds it (`damage.applications.studies.folder.held`)."""
+    lock: of the study's folder, where the caller holds it
+    (`damage.applications.studies.folder.held`)."""
     words = arguments or ["--help"]
     if words[0].startswith("-") and words[0] not in ("-h", "--help"):
-        raise InputError(f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]")
+        raise InputError(
+            f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]"
+        )
     asked = parse(words)
     if asked.slice and asked.slurm:
-        raise InputError("--slice and --slurm given together; expected one of them, leave the other out")
+        raise InputError(
+            "--slice and --slurm given together; expected one of them, leave the other out"
+        )
     if (asked.cores or asked.shard) and not asked.slurm:
         warn("--cores and --shard have no effect without --slurm: -j is how many processes work")
     if asked.solver != "reference" and not (ROOT / "yade_scripts").is_dir():
-        raise InputError(f"--solver {asked.solver}: YADE's programs are in a clone of the repository only, beside "
-                         "YADE; expected --solver reference, or ./run_all.sh in a clone")
+        raise InputError(
+            f"--solver {asked.solver}: YADE's programs are in a clone of the repository only,"
+            " beside YADE; expected --solver reference, or ./run_all.sh in a clone"
+        )
     try:
         if asked.slurm and not asked.dry_run:
             cluster.check()
-        return _all_studies(asked) if str(asked.study) == ALL else _one_study(asked, study_path(asked.study), lock)
+        return (
+            _all_studies(asked)
+            if str(asked.study) == ALL
+            else _one_study(asked, study_path(asked.study), lock)
+        )
     except cluster.NoPlugin as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_MISSING
@@ -68,29 +81,79 @@ def run_study(arguments, lock=None):
 
 def parse(words):
     """The parsed words of a command line."""
-    parser = OneLineParser(prog="python3 -m damage study", allow_abbrev=False, examples=(
-        "python3 -m damage study quick", "python3 -m damage study my_study.toml -j 4 --keep summary --out mine"),
-        description="Run a study: simulations, tables, pictures.  What is done is not done again.")
-    parser.add_argument("study", metavar="STUDY", help="a study file (.toml), the name of one that ships, or all: "
-                        "every one that ships")
-    parser.add_argument("-j", dest="jobs", type=number_from(1, 9999, int), default=os.cpu_count(), metavar="N",
-                        help="simulations at a time (default: one for each core); with --slurm jobs at a time")
-    parser.add_argument("--out", type=file_path, metavar="DIR", help="where everything goes (default results/NAME)")
-    parser.add_argument("--solver", default="reference", choices=("yade", "reference", "both"), help="what simulates "
-                        "(default reference)")
-    parser.add_argument("--keep", default="all", choices=KEEP, help="histories: all (default); summary: those "
-                        "of each point's first run, and what failed; patterns: these, and of every run openings, "
-                        "offsets and displacements at rest, some kB each")
-    parser.add_argument("--dry-run", action="store_true", help="make nothing: list the runs that are there and those "
-                        "to make")
-    parser.add_argument("--remake", action="store_true", help="make runs again that another version made")
-    parser.add_argument("--slice", type=_slice, metavar="K/N", help="the K-th of N parts alone, without tables of the "
-                        "whole study: a job of a cluster")
-    parser.add_argument("--slurm", action="store_true", help="as jobs of a SLURM cluster, by Snakemake")
-    parser.add_argument("--cores", type=number_from(1, 9_999_999, int), metavar="N", help="with --slurm: "
-                        "processors for each job (default 1)")
-    parser.add_argument("--shard", type=number_from(1, 9_999_999, int), metavar="RUNS", help="with --slurm: runs of a "
-                        f"job (default about an hour's, {cluster.RUNS_AN_HOUR} a processor)")
+    parser = OneLineParser(
+        prog="python3 -m damage study",
+        allow_abbrev=False,
+        examples=(
+            "python3 -m damage study quick",
+            "python3 -m damage study my_study.toml -j 4 --keep summary --out mine",
+        ),
+        description="Run a study: simulations, tables, pictures.  What is done is not done again.",
+    )
+    parser.add_argument(
+        "study",
+        metavar="STUDY",
+        help="a study file (.toml), the name of one that ships, or all: every one that ships",
+    )
+    parser.add_argument(
+        "-j",
+        dest="jobs",
+        type=number_from(1, 9999, int),
+        default=os.cpu_count(),
+        metavar="N",
+        help="simulations at a time (default: one for each core); with --slurm jobs at a time",
+    )
+    parser.add_argument(
+        "--out", type=file_path, metavar="DIR", help="where everything goes (default results/NAME)"
+    )
+    parser.add_argument(
+        "--solver",
+        default="reference",
+        choices=("yade", "reference", "both"),
+        help="what simulates (default reference)",
+    )
+    parser.add_argument(
+        "--keep",
+        default="all",
+        choices=KEEP,
+        help=(
+            "histories: all (default); summary: those of each point's first run, and what failed;"
+            " patterns: these, and of every run openings, offsets and displacements at rest, some"
+            " kB each"
+        ),
+    )
+    parser.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="make nothing: list the runs that are there and those to make",
+    )
+    parser.add_argument(
+        "--remake", action="store_true", help="make runs again that another version made"
+    )
+    parser.add_argument(
+        "--slice",
+        type=_slice,
+        metavar="K/N",
+        help="the K-th of N parts alone, without tables of the whole study: a job of a cluster",
+    )
+    parser.add_argument(
+        "--slurm", action="store_true", help="as jobs of a SLURM cluster, by Snakemake"
+    )
+    parser.add_argument(
+        "--cores",
+        type=number_from(1, 9_999_999, int),
+        metavar="N",
+        help="with --slurm: processors for each job (default 1)",
+    )
+    parser.add_argument(
+        "--shard",
+        type=number_from(1, 9_999_999, int),
+        metavar="RUNS",
+        help=(
+            "with --slurm: runs of a "
+            f"job (default about an hour's, {cluster.RUNS_AN_HOUR} a processor)"
+        ),
+    )
     return parser.parse_args(words)
 
 
@@ -102,19 +165,23 @@ def _slice(word):
 
 
 def study_path(word):
-    """Path of a study file given by path or by the name of a shipped study; a file has precedence.  Raises InputError
-    where there is neither."""
+    """Path of a study file given by path or by the name of a shipped study; a file has precedence.
+    Raises InputError where there is neither."""
     named = shipped_files("studies", ".toml")
     if is_there(word):
         return Path(word)
     if str(word) in named:
         return named[str(word)]
-    raise InputError(f"{word}: no such study file; expected the path of one (.toml), or the name of a study that "
-                     f"ships: {', '.join(named)}{did_you_mean(word, named) or did_you_mean(Path(word).stem, named)}")
+    raise InputError(
+        f"{word}: no such study file; expected the path of one (.toml), or the name of a study that"
+        " ships:"
+        f" {', '.join(named)}{did_you_mean(word, named) or did_you_mean(Path(word).stem, named)}"
+    )
 
 
 def _all_studies(asked):
-    """Run every study that ships and has a run for the solver, one after the other; returns the worst exit status."""
+    """Run every study that ships and has a run for the solver, one after the other; returns the
+    worst exit status."""
     if asked.slice:
         raise InputError("--slice is of one study; name it")
     ended, out = {}, asked.out or RESULTS
@@ -133,10 +200,15 @@ def _all_studies(asked):
         if ended[name] == EXIT_INTERRUPTED:
             return EXIT_INTERRUPTED
     if not ended:
-        raise InputError(f"--solver {asked.solver}: no study has a run for this solver; choose another")
+        raise InputError(
+            f"--solver {asked.solver}: no study has a run for this solver; choose another"
+        )
     for name, status in ended.items():
         if status != 0:
-            print(f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}", file=sys.stderr)
+            print(
+                f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}",
+                file=sys.stderr,
+            )
     return max(ended.values())
 
 
@@ -147,7 +219,11 @@ def _one_study(asked, path, lock=None):
     if asked.dry_run:
         print_plan(study, folder, asked.remake)
         return 0
-    runs = cluster.slices(study.runs, asked.slice[1])[asked.slice[0] - 1] if asked.slice else study.runs
+    runs = (
+        cluster.slices(study.runs, asked.slice[1])[asked.slice[0] - 1]
+        if asked.slice
+        else study.runs
+    )
     lock = claim(folder, study, asked.slice is not None, lock)
     try:
         with chdir(ROOT):
@@ -155,8 +231,10 @@ def _one_study(asked, path, lock=None):
     except OSError as error:
         if error.filename is None:
             raise
-        raise InputError(f"cannot write {error.filename}: {error.strerror}; correct that, and the same command "
-                         "continues from here") from error
+        raise InputError(
+            f"cannot write {error.filename}: {error.strerror}; correct that, and the same command "
+            "continues from here"
+        ) from error
     finally:
         os.close(lock)
 
@@ -165,9 +243,12 @@ def _say_changed(changed):
     """Say in a line which runs were not made as their inputs changed; changed: as of Pool."""
     if changed:
         of = {task.point.id: f"{task.point.id} ({some_of(words, 3)})" for task, words in changed}
-        print(f"error: {len(changed)} runs were not made, as inputs changed since the study began: "
-              f"{some_of(list(of.values()), 3)}; restore these and give the same command, or give it with the new "
-              "ones: it makes all runs of these points again", file=sys.stderr)
+        print(
+            f"error: {len(changed)} runs were not made, as inputs changed since the study began:"
+            f" {some_of(list(of.values()), 3)}; restore these and give the same command, or give it"
+            " with the new ones: it makes all runs of these points again",
+            file=sys.stderr,
+        )
 
 
 class Batch:
@@ -176,19 +257,28 @@ class Batch:
     def __init__(self, study, runs, folder, asked, lock):
         self.study, self.runs, self.folder, self.asked, self.lock = study, runs, folder, asked, lock
         self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
-        self.what = f"study {study.name}{' slice {}/{}'.format(*asked.slice) if asked.slice else ''}"
+        self.what = (
+            f"study {study.name}{' slice {}/{}'.format(*asked.slice) if asked.slice else ''}"
+        )
 
     def run(self):
         """Bring all up to date; returns the exit status."""
         results = Results(self.folder)
         verdict = results.judge(self.runs)
         said = results.bring_up_to_date(verdict, self.asked.remake)
-        print(f"{self.what}{': ' if self.study.title else ''}{self.study.title}\n"
-              f"{self.unit}: {len(self.runs)}, {self.asked.jobs} at a time, into {self.folder}", flush=True)
-        self.points = {run.id: Point(run, results, self.asked.keep, self.study.pictures == "all")
-                       for run in self.runs}
+        print(
+            f"{self.what}{': ' if self.study.title else ''}{self.study.title}\n"
+            f"{self.unit}: {len(self.runs)}, {self.asked.jobs} at a time, into {self.folder}",
+            flush=True,
+        )
+        self.points = {
+            run.id: Point(run, results, self.asked.keep, self.study.pictures == "all")
+            for run in self.runs
+        }
         left = [point.run for point in self.points.values() if not point.done]
-        warn(*said, *filter(None, [forecast(left, results.histories, self.folder, self.asked.keep)]))
+        warn(
+            *said, *filter(None, [forecast(left, results.histories, self.folder, self.asked.keep)])
+        )
         if self.asked.slice:
             name = "records-{}-of-{}.jsonl".format(*self.asked.slice)
         else:
@@ -225,19 +315,34 @@ class Batch:
 
         notes = {run.id: content for run, (_, content) in inputs.items()}
         pool = Pool(self.asked.jobs, partial(work, inputs=notes), self.lock, self.folder, say)
-        pool.run([task for point in self.points.values() for task in (*point.next_tasks(), *point.next_pictures())],
-                 follow)
+        pool.run(
+            [
+                task
+                for point in self.points.values()
+                for task in (*point.next_tasks(), *point.next_pictures())
+            ],
+            follow,
+        )
         if pool.interrupted:
             if pool.n_lost:
                 kept = sum(len(point.records) for point in self.points.values())
-                say(f"interrupted: {pool.n_lost} runs were under way and are lost; {kept} that had ended are kept")
+                say(
+                    f"interrupted: {pool.n_lost} runs were under way and are lost; {kept} that had"
+                    " ended are kept"
+                )
             self._count()
-            print("interrupted: runs that had ended are kept, those that were under way begin again: the same command "
-                  "continues from here", file=sys.stderr)
+            print(
+                "interrupted: runs that had ended are kept, those that were under way begin again:"
+                " the same command continues from here",
+                file=sys.stderr,
+            )
             return EXIT_INTERRUPTED
         if pool.short or (pool.failed and is_short(self.folder)):
             self._count()
-            print(f"error: {shortage(self.folder)}, and the same command continues from here", file=sys.stderr)
+            print(
+                f"error: {shortage(self.folder)}, and the same command continues from here",
+                file=sys.stderr,
+            )
             return 1
         status = 0 if self.asked.slice else self._sum_up()
         status = self._report(pool.failed) or status
@@ -249,13 +354,21 @@ class Batch:
         cores = self.asked.cores or 1
         size = self.asked.shard or cluster.RUNS_AN_HOUR * cores
         n = cluster.number_of_slices(self.runs, size)
-        left = {point.run for point in self.points.values() if not point.done or point.next_pictures()}
-        only = [k for k, runs in enumerate(cluster.slices(self.runs, n), start=1) if left.intersection(runs)]
+        left = {
+            point.run for point in self.points.values() if not point.done or point.next_pictures()
+        }
+        only = [
+            k
+            for k, runs in enumerate(cluster.slices(self.runs, n), start=1)
+            if left.intersection(runs)
+        ]
         options = ["--solver", self.asked.solver, "--keep", self.asked.keep]
         status = 0
         if only:
             lock_as(self.lock, self.folder, shared=True)
-            status = cluster.run_slices(self.study, self.folder, options, n, only, self.asked.jobs, cores, say)
+            status = cluster.run_slices(
+                self.study, self.folder, options, n, only, self.asked.jobs, cores, say
+            )
             lock_as(self.lock, self.folder)
         results = Results(self.folder)
         verdict = results.judge(self.runs)
@@ -280,13 +393,17 @@ class Batch:
             pace_s = (time.monotonic() - self._began) / max(1, done - self._there_before)
             minutes, seconds = divmod(round(pace_s * (len(self.points) - done)), 60)
             left = f", about {minutes}:{seconds:02d} left"
-        say(f"{point.run.id}: done\n{self.what}: {done} of {len(self.points)} {self.unit} simulated{left}")
+        say(
+            f"{point.run.id}: done\n{self.what}: {done} of {len(self.points)} {self.unit}"
+            f" simulated{left}"
+        )
 
     def _count(self):
         print(f"\n{self.what}: {self._done} of {len(self.points)} {self.unit} done", flush=True)
 
     def _sum_up(self):
-        """Write the tables of the study, and let the command that sums it up do so; returns the exit status."""
+        """Write the tables of the study, and let the command that sums it up do so; returns the
+        exit status."""
         if not self._done:
             return 0
         write_study_tables(self.study, self.folder)
@@ -295,11 +412,15 @@ class Batch:
         package, command = CONCLUSION.fullmatch(self.study.conclusion).groups()
         document = self.folder / "tables" / f"{command}.md"
         say(f"{command}: {document}")
-        return subprocess.run([sys.executable, "-m", package, command, str(self.folder), "--markdown", str(document)],
-                              env=environment(), check=False).returncode
+        return subprocess.run(
+            [sys.executable, "-m", package, command, str(self.folder), "--markdown", str(document)],
+            env=environment(),
+            check=False,
+        ).returncode
 
     def _report(self, failed):
-        """Print the summary table, where things are and what failed; returns 1 where something did, else 0."""
+        """Print the summary table, where things are and what failed; returns 1 where something did,
+        else 0."""
         self._count()
         tables = self.folder / "tables"
         if not self.asked.slice and (tables / "summary.csv").is_file():
@@ -313,7 +434,9 @@ class Batch:
             what = f"pictures of {task.name}" if task.kind == PICTURES else task.point.id
             named.setdefault(what, task)
         for what, task in named.items():
-            print(f"failed: {what}; see {task.log}{last_words(task.log, task.name)}", file=sys.stderr)
+            print(
+                f"failed: {what}; see {task.log}{last_words(task.log, task.name)}", file=sys.stderr
+            )
         return 1 if failed else 0
 
 
@@ -331,7 +454,8 @@ def _shown_table(tables, unit):
 
 
 def last_words(log, run):
-    """The last line of a log that is about a run, or the last of all, in brackets, where there is one."""
+    """The last line of a log that is about a run, or the last of all, in brackets, where there is
+    one."""
     lines = log.read_text(encoding="utf-8", errors="replace").split("\n") if log.is_file() else []
     lines = [line.strip() for line in lines if line.strip()]
     lines = [line for line in lines if line.startswith("error: ") and run in line] or lines

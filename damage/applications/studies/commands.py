@@ -9,8 +9,8 @@ from damage.provenance import shown_path
 from damage.run.options import arg, file_arg, flag, group, number_from
 
 WRITERS = []
-"""Functions of the options of `fragility`, the runs, their fits and the intensity, which write the curves in other
-formats and print where; applications add theirs."""
+"""Functions of the options of `fragility`, the runs, their fits and the intensity, which write the
+curves in other formats and print where; applications add theirs."""
 
 
 @program("run a study: simulations, tables and pictures (see study --help)")
@@ -20,58 +20,116 @@ def _study(words, quiet):
     return run_study(words)
 
 
-@command("the tables of a study, from the runs that exist so far", file_arg("study", "STUDY.toml"),
-         file_arg("folder", "DIR", "the study's folder; tables go to DIR/tables"),
-         arg("--solver", choices=("yade", "reference", "both"), default="both",
-          help="whose runs the study names (default both)"),
-         file_arg("--root", "DIR", "where walls and records lie (default: the working folder)"),
-         arg("-j", dest="jobs", type=number_from(1, 1000, int), default=1, metavar="N", help="processes (default 1)"),
-         examples=("studies/quick.toml results/quick",
-                   "my_study.toml results/my_study --solver reference -j 4"))
+@command(
+    "the tables of a study, from the runs that exist so far",
+    file_arg("study", "STUDY.toml"),
+    file_arg("folder", "DIR", "the study's folder; tables go to DIR/tables"),
+    arg(
+        "--solver",
+        choices=("yade", "reference", "both"),
+        default="both",
+        help="whose runs the study names (default both)",
+    ),
+    file_arg("--root", "DIR", "where walls and records lie (default: the working folder)"),
+    arg(
+        "-j",
+        dest="jobs",
+        type=number_from(1, 1000, int),
+        default=1,
+        metavar="N",
+        help="processes (default 1)",
+    ),
+    examples=(
+        "studies/quick.toml results/quick",
+        "my_study.toml results/my_study --solver reference -j 4",
+    ),
+)
 def _study_tables(asked):
     from damage.applications.studies.definition import load_study
     from damage.applications.studies.tables import write_study_tables
 
-    print(*write_study_tables(load_study(asked.study, asked.solver, asked.root), asked.folder, asked.jobs), sep="\n")
+    print(
+        *write_study_tables(
+            load_study(asked.study, asked.solver, asked.root), asked.folder, asked.jobs
+        ),
+        sep="\n",
+    )
 
 
-@command("the JSON Schema of study files, by which editors complete and check them: put it beside yours, and "
-         "'#:schema ./study.schema.json' on its first line",
-         examples=("> study.schema.json", "| less"))
+@command(
+    "the JSON Schema of study files, by which editors complete and check them: put it beside yours,"
+    " and '#:schema ./study.schema.json' on its first line",
+    examples=("> study.schema.json", "| less"),
+)
 def _study_schema(asked):
     from damage.applications.studies.schema import study_schema
 
     print(json_text(study_schema(), indent=1))
 
 
-@command("probabilities of exceeding levels of damage, from a study with scattered strengths",
-         file_arg("study", "STUDY_DIR", "folder of a study, as results/fragility"),
-         group(
-             "intensity and damage",
-             arg("--intensity", metavar="COLUMN", help="column of summary.csv with a number above zero in "
-                  "every run (default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"),
-             arg("--state", action="append", dest="states", metavar="STATE", help="damage state, a column of "
-                 'summary.csv and the level that it exceeds, as "moderate: max_psi > 2"; may be repeated (default: '
-                 "those of the study file, else levels of DI, crack width and Psi)"),
-             arg("--at", type=number_from(1e-12, 1e12), nargs="+", metavar="X", help="also print the probability at "
-                  "these intensities, with its intervals"),
-             arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
-                 help="bootstrap samples (default 500)")),
-         group(
-             "comparison",
-             flag("--leave-one-out", "compare each record with the curves of all others"),
-             file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
-             flag("--after-damage", "of a study of sequences: by Psi before each shock")),
-         out("folder for tables and pictures"),
-         examples=("results/fragility --out curves",
-                   'results/fragility --intensity pga_g --state "moderate: max_psi > 2" --out curves'))
+@command(
+    "probabilities of exceeding levels of damage, from a study with scattered strengths",
+    file_arg("study", "STUDY_DIR", "folder of a study, as results/fragility"),
+    group(
+        "intensity and damage",
+        arg(
+            "--intensity",
+            metavar="COLUMN",
+            help=(
+                "column of summary.csv with a number above zero in "
+                "every run (default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"
+            ),
+        ),
+        arg(
+            "--state",
+            action="append",
+            dest="states",
+            metavar="STATE",
+            help=(
+                'damage state, a column of summary.csv and the level that it exceeds, as "moderate:'
+                ' max_psi > 2"; may be repeated (default: those of the study file, else levels of'
+                " DI, crack width and Psi)"
+            ),
+        ),
+        arg(
+            "--at",
+            type=number_from(1e-12, 1e12),
+            nargs="+",
+            metavar="X",
+            help="also print the probability at these intensities, with its intervals",
+        ),
+        arg(
+            "--replicates",
+            type=number_from(0, 100_000, int),
+            default=500,
+            metavar="N",
+            help="bootstrap samples (default 500)",
+        ),
+    ),
+    group(
+        "comparison",
+        flag("--leave-one-out", "compare each record with the curves of all others"),
+        file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
+        flag("--after-damage", "of a study of sequences: by Psi before each shock"),
+    ),
+    out("folder for tables and pictures"),
+    examples=(
+        "results/fragility --out curves",
+        'results/fragility --intensity pga_g --state "moderate: max_psi > 2" --out curves',
+    ),
+)
 def _fragility(asked):
     from damage.applications.studies.fragility import STATES, load_runs
     from damage.applications.studies.states import leading, parse_state, study_choices
 
-    clash = [name for name in ("export", "at", "leave_one_out", "unseen") if getattr(asked, name, None)]
+    clash = [
+        name for name in ("export", "at", "leave_one_out", "unseen") if getattr(asked, name, None)
+    ]
     if asked.after_damage and clash:
-        raise InputError(f"--{clash[0].replace('_', '-')} with --after-damage: expected one of them; leave one out")
+        raise InputError(
+            f"--{clash[0].replace('_', '-')} with --after-damage: expected one of them; leave"
+            " one out"
+        )
     chosen = study_choices(asked.study)
     states = tuple(map(parse_state, asked.states or chosen["states"])) or STATES
     runs = load_runs(asked.study)
@@ -91,8 +149,13 @@ def _fragility_after_damage(asked, runs, intensity, states):
     print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
     print(write_table(table, asked.out / f"fragility_after_damage_{intensity}.csv"))
     drawn = {} if asked.states is None else {"states": states}
-    return [(f"fragility_after_damage_{wall}_{intensity}", picture_after_damage(
-        wall, of_wall, table[table["wall"] == wall], intensity, **drawn)) for wall, of_wall in shocks.groupby("wall")]
+    return [
+        (
+            f"fragility_after_damage_{wall}_{intensity}",
+            picture_after_damage(wall, of_wall, table[table["wall"] == wall], intensity, **drawn),
+        )
+        for wall, of_wall in shocks.groupby("wall")
+    ]
 
 
 def _fragility_curves(asked, runs, intensity, states):
@@ -112,8 +175,12 @@ def _fragility_curves(asked, runs, intensity, states):
     for write in WRITERS:
         write(asked, runs, fits, intensity)
     print(in_words(fits))
-    print(write_table(fragility_table(fits, intensity).assign(slip="displacement"),
-                      asked.out / f"fragility_{intensity}.csv"))
+    print(
+        write_table(
+            fragility_table(fits, intensity).assign(slip="displacement"),
+            asked.out / f"fragility_{intensity}.csv",
+        )
+    )
     tables = {"efficiency": efficiency_table(runs, states, intensity)}
     if asked.at:
         tables[f"fragility_{intensity}_at"] = at_intensities(fits, asked.at)

@@ -10,13 +10,14 @@ A study is a TOML file:
     wall = "walls/symmetric.py"
     options = { harmonic = [0.2, 0.05], rest = 1.0 }
 
-In `options` true stands for an option without a value.  Paths are looked for beside the study file, then in the
-repository, then among what ships, by name, too (wall = "symmetric"); a list of paths means the first that is there.  A
-table [[grid]] has `vary` or `rows`, too, and stands for many runs: `damage.applications.studies.grid`.
+In `options` true stands for an option without a value.  Paths are looked for beside the study file,
+then in the repository, then among what ships, by name, too (wall = "symmetric"); a list of paths
+means the first that is there.  A table [[grid]] has `vary` or `rows`, too, and stands for many
+runs: `damage.applications.studies.grid`.
 
-Every run is a point of the study.  In the reference solver a point can be an ensemble, by one of the keys members (only
-one where the first breaks no joint), samples and lives (`ENTRY_KEYS`).  YADE runs a point once, without scatter.
-`docs/reference/studies.md` describes all keys.
+Every run is a point of the study.  In the reference solver a point can be an ensemble, by one of
+the keys members (only one where the first breaks no joint), samples and lives (`ENTRY_KEYS`).  YADE
+runs a point once, without scatter. `docs/reference/studies.md` describes all keys.
 """
 
 import hashlib
@@ -38,8 +39,19 @@ from damage.run.settings import SCATTER
 from damage.toml_file import read_toml
 from damage.wall.file import shipped_walls
 
-RESERVED_OPTIONS = ("members", "out", "overwrite", "pictures", "no-pictures", "quiet", "view", "console", "checkpoint",
-                    "resume", "help")
+RESERVED_OPTIONS = (
+    "members",
+    "out",
+    "overwrite",
+    "pictures",
+    "no-pictures",
+    "quiet",
+    "view",
+    "console",
+    "checkpoint",
+    "resume",
+    "help",
+)
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 PICTURES = ("all", "none")
@@ -49,8 +61,9 @@ MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 _ENSEMBLES = "members", "samples", "lives"
 HEAVY = 0.1
-"""Range of the first members' values over their median from which as many again are run: the median of five is then
-uncertain by some percent, and a sixth member lies outside of their range in one case out of three."""
+"""Range of the first members' values over their median from which as many again are run: the median
+of five is then uncertain by some percent, and a sixth member lies outside of their range in one
+case out of three."""
 LEAST_MEMBERS = 5
 """Least number of members by which `tails_are_heavy` can judge."""
 JUDGED = ("max_DI", "max_drift_ratio")
@@ -59,25 +72,44 @@ LIVES_A_POINT, FROM = 48, "_from"
 """Most lives of a point, and what its name has before the number of the first."""
 KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
-    "title": "one line for people", "pictures": "of single runs: all (default) or none",
+    "title": "one line for people",
+    "pictures": "of single runs: all (default) or none",
     "conclusion": "the command that sums the whole study up, as python3 -m damage lives",
-    "states": "damage states of fragility curves, as [\"moderate: max_psi > 2\"]: columns of summary.csv and levels",
+    "states": (
+        'damage states of fragility curves, as ["moderate: max_psi > 2"]: columns of summary.csv'
+        " and levels"
+    ),
     "intensity": "column of summary.csv that fragility curves are fitted against",
     "runs": "points of the study, one table [[runs]] each",
-    "grid": "points of the study, every combination of the values in `vary` in a table [[grid]]"}
+    "grid": "points of the study, every combination of the values in `vary` in a table [[grid]]",
+}
 ENTRY_KEYS = {
     "id": "name of the point; without it, one is made of wall and options",
     "wall": "wall file, beside the study or in the repository, like walls/symmetric.py",
-    "options": "the run's command-line options without their dashes, or the list of words of a command line",
+    "options": (
+        "the run's command-line options without their dashes, or the list of words of a command"
+        " line"
+    ),
     "solvers": "which solvers the point is for (default both)",
-    "members": "an ensemble in the reference solver: how many runs, whose joints' strengths scatter a little",
+    "members": (
+        "an ensemble in the reference solver: how many runs, whose joints' strengths scatter a"
+        " little"
+    ),
     "scatter": f"of members: coefficient of variation of the strengths (default {SCATTER:g})",
-    "samples": "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov",
-    "lives": "an ensemble in the reference solver: lives 1, 2, ... at the address of the options"}
+    "samples": (
+        "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov"
+    ),
+    "lives": "an ensemble in the reference solver: lives 1, 2, ... at the address of the options",
+}
 GRID_KEYS = {
     "vary": "of a grid: lists of values by name; {name} in a string stands for the value",
-    "rows": "of a grid: a CSV table of values that belong together, as records and windows; its columns are names"}
-"""The keys of a study file and their meanings; `damage.applications.studies.schema` passes them to editors."""
+    "rows": (
+        "of a grid: a CSV table of values that belong together, as records and windows; its columns"
+        " are names"
+    ),
+}
+"""The keys of a study file and their meanings; `damage.applications.studies.schema` passes them to
+editors."""
 
 ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
@@ -88,11 +120,12 @@ class StudyRun:
     """One point of a study in one solver: a run, or an ensemble of them.
 
     point: unique in the study, fit for file names.
-    wall: the wall file; options: (name, value) of each option of its run, as of `damage.run.options.settings_of`.
-    Paths within the repository are relative to it, others absolute.
+    wall: the wall file; options: (name, value) of each option of its run, as of
+    `damage.run.options.settings_of`. Paths within the repository are relative to it, others
+    absolute.
     varied: name of the option that has the number 1, 2, ... of each member; empty for a single run.
-    members: their number; adaptive: one only where no joint fails in the first; offset: the option's value is so much
-    larger.
+    members: their number; adaptive: one only where no joint fails in the first; offset: the
+    option's value is so much larger.
     """
 
     point: str
@@ -106,8 +139,10 @@ class StudyRun:
 
     def __post_init__(self):
         if not ID.fullmatch(self.id) or len(self.id) > LONGEST_ID:
-            raise InputError(f"run id {self.id!r}: expected at most {LONGEST_ID} letters, digits, '.', '_' "
-                             "or '-', since it names files; correct it")
+            raise InputError(
+                f"run id {self.id!r}: expected at most {LONGEST_ID} letters, digits, '.', '_' "
+                "or '-', since it names files; correct it"
+            )
 
     @property
     def id(self):
@@ -125,55 +160,73 @@ class StudyRun:
 
     @property
     def most_members(self):
-        """How many runs an ensemble may come to, twice `members` where their tails are heavy; 1 of a single run."""
+        """How many runs an ensemble may come to, twice `members` where their tails are heavy; 1 of
+        a single run."""
         return 2 * self.members if self.adaptive and self.members >= LEAST_MEMBERS else self.members
 
     def runs_needed(self, records):
         """Number of runs that it needs, from the results so far.
 
-        records: {number from 1: record (`damage.applications.studies.records`)} of its runs so far.  Of an adaptive ensemble the
-        first is the only one where it breaks no joint: the wall was linear, and strengths change nothing; and there are
-        as many again where the first spread widely.
+        records: {number from 1: record (`damage.applications.studies.records`)} of its runs so far.
+        Of an adaptive ensemble the first is the only one where it breaks no joint: the wall was
+        linear, and strengths change nothing; and there are as many again where the first spread
+        widely.
         """
         if not self.adaptive:
             return self.members
-        first = [records[number]["row"] for number in range(1, self.members + 1) if number in records]
+        first = [
+            records[number]["row"] for number in range(1, self.members + 1) if number in records
+        ]
         if 1 not in records or records[1]["intact"]:
             return 1
-        return self.most_members if len(first) == self.members and tails_are_heavy(first) else self.members
+        return (
+            self.most_members
+            if len(first) == self.members and tails_are_heavy(first)
+            else self.members
+        )
 
     def name(self, number):
         """Name of the run with this number, from 1."""
         return f"{self.id}_s{number}" if self.is_ensemble else self.id
 
     def options_of(self, number, root=None):
-        """{name: value} of the options of the run with this number; root: the repository, which relative paths then
-        start from."""
-        options = dict(self.options) if root is None else with_paths(dict(self.options), lambda path: str(root / path))
+        """{name: value} of the options of the run with this number; root: the repository, which
+        relative paths then start from."""
+        options = (
+            dict(self.options)
+            if root is None
+            else with_paths(dict(self.options), lambda path: str(root / path))
+        )
         return options | ({self.varied: self.offset + number} if self.is_ensemble else {})
 
     def settings(self, root, number=1, prog="study", more=MappingProxyType({})):
-        """RunSettings of the run with this number; prog: what stands before its options in their `command`; more:
-        further options.  Raises InputError where the options or a record are not accepted."""
+        """RunSettings of the run with this number; prog: what stands before its options in their
+        `command`; more: further options.  Raises InputError where the options or a record are not
+        accepted."""
         return settings_of(self.options_of(number, root) | more, prog, self.solver)
 
 
 def tails_are_heavy(rows):
-    """Whether the rows of an ensemble's members (of `damage.measure.tables.summary_row`) spread so much.
+    """Whether the rows of an ensemble's members (of `damage.measure.tables.summary_row`) spread so
+    much.
 
     >>> drifts = [1.00e-3, 1.01e-3, 1.02e-3, 1.03e-3, 1.05e-3]
-    >>> tails_are_heavy([{"max_DI": 0.1, "max_drift_ratio": drift} for drift in drifts])
+    >>> rows = [{"max_DI": 0.1, "max_drift_ratio": drift} for drift in drifts]
+    >>> tails_are_heavy(rows)
     False
-    >>> tails_are_heavy([{"max_DI": 0.1, "max_drift_ratio": drift} for drift in [0.9e-3, *drifts[1:]]])
+    >>> tails_are_heavy([rows[0] | {"max_drift_ratio": 0.9e-3}, *rows[1:]])
     True
     """
-    return len(rows) >= LEAST_MEMBERS and any(np.ptp(values) > HEAVY * abs(np.median(values)) for values in (
-        [row[name] for row in rows] for name in JUDGED))
+    return len(rows) >= LEAST_MEMBERS and any(
+        np.ptp(values) > HEAVY * abs(np.median(values))
+        for values in ([row[name] for row in rows] for name in JUDGED)
+    )
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study: name, title, file, runs, runs of both solvers, and whether pictures of runs are made."""
+    """A study: name, title, file, runs, runs of both solvers, and whether pictures of runs are
+    made."""
 
     name: str
     title: str
@@ -185,41 +238,64 @@ class Study:
 
     def __post_init__(self):
         if not isinstance(self.name, str) or not ID.fullmatch(self.name):
-            raise InputError(f"{self.path}: name = {self.name!r}; expected letters, digits, '.', '_' or '-', "
-                             "since it names a folder; rename the study")
+            raise InputError(
+                f"{self.path}: name = {self.name!r}; expected letters, digits, '.', '_' or '-', "
+                "since it names a folder; rename the study"
+            )
         if self.pictures not in PICTURES:
-            raise InputError(f"{self.path}: pictures = {self.pictures!r}; expected {' or '.join(PICTURES)}; correct it")
+            raise InputError(
+                f"{self.path}: pictures = {self.pictures!r}; expected {' or '.join(PICTURES)};"
+                " correct it"
+            )
         if self.conclusion is not None and not CONCLUSION.fullmatch(str(self.conclusion)):
-            raise InputError(f"{self.path}: conclusion = {self.conclusion!r}; expected a command of this software, as "
-                             "python3 -m damage lives; correct it, or leave it out")
+            raise InputError(
+                f"{self.path}: conclusion = {self.conclusion!r}; expected a command of this"
+                " software, as python3 -m damage lives; correct it, or leave it out"
+            )
         if not self.of_both:
-            raise InputError(f"{self.path}: no runs; expected at least one table [[runs]] or [[grid]]; add one")
+            raise InputError(
+                f"{self.path}: no runs; expected at least one table [[runs]] or [[grid]]; add one"
+            )
         if not self.runs:
-            raise InputError(f"{self.path}: no run is for this solver; expected --solver "
-                             f"{self.of_both[0].solver}; choose it")
+            raise InputError(
+                f"{self.path}: no run is for this solver; expected --solver "
+                f"{self.of_both[0].solver}; choose it"
+            )
         first = {}
         for number, run in enumerate(self.runs, start=1):
             if first.setdefault(run.id, number) != number:
-                raise InputError(f"{self.path}: runs {first[run.id]} and {number} are both {run.id}; "
-                                 "expected different runs; take one out, or give them an id each")
+                raise InputError(
+                    f"{self.path}: runs {first[run.id]} and {number} are both {run.id}; "
+                    "expected different runs; take one out, or give them an id each"
+                )
 
 
 def load_study(path, solver="yade", root=None):
     """Read and check the study file at `path`, with the options of every run.
 
-    solver: "yade", "reference", or "both", which makes every run twice; root: the repository, where walls and records
-    are that do not lie beside the study file, None for the working folder.
+    solver: "yade", "reference", or "both", which makes every run twice; root: the repository, where
+    walls and records are that do not lie beside the study file, None for the working folder.
     Raises InputError where a key, option or file is not valid.
     """
     path, root = Path(path).absolute(), Path(root or ".").resolve()
     table = read_toml(path, *STUDY_FILE)
     _check_keys(table, set(KEYS), f"{path}")
     check_choices(path, table.get("states", []), table.get("intensity"))
-    runs = [run for entry, where in _entries(table, path, root) for run in _load_entry(entry, where, path.parent, root)]
+    runs = [
+        run
+        for entry, where in _entries(table, path, root)
+        for run in _load_entry(entry, where, path.parent, root)
+    ]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
-    study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
-                  runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
-                  pictures=table.get("pictures", "all"), conclusion=table.get("conclusion"))
+    study = Study(
+        name=table.get("name"),
+        title=str(table.get("title", "")),
+        path=path,
+        runs=tuple(run for run, _ in chosen),
+        of_both=tuple(run for run, _ in runs),
+        pictures=table.get("pictures", "all"),
+        conclusion=table.get("conclusion"),
+    )
     for run, where in chosen:  # last, as each may read a record
         _try_options(run, where, root)
     return study
@@ -227,8 +303,10 @@ def load_study(path, solver="yade", root=None):
 
 def _check_keys(table, known, where):
     if unknown := sorted(set(table) - known):
-        raise InputError(f"{where}: unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; "
-                         "take it out or correct its spelling")
+        raise InputError(
+            f"{where}: unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; "
+            "take it out or correct its spelling"
+        )
 
 
 def _entries(table, path, root):
@@ -236,7 +314,9 @@ def _entries(table, path, root):
     for kind, what in (("runs", "run"), ("grid", "grid")):
         tables = table.get(kind, [])
         if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
-            raise InputError(f"{path}: {kind} is no list of tables; expected one [[{kind}]] for each; write them")
+            raise InputError(
+                f"{path}: {kind} is no list of tables; expected one [[{kind}]] for each; write them"
+            )
         for number, entry in enumerate(tables, start=1):
             where = f"{path}, {what} {number}"
             _check_keys(entry, {*ENTRY_KEYS, *(GRID_KEYS if kind == "grid" else ())}, where)
@@ -248,18 +328,25 @@ def _points(grid, where, folder, root):
     if "rows" not in grid:
         return expand(grid, where)
     if not isinstance(grid["rows"], str):
-        raise InputError(f"{where}: rows = {grid['rows']!r}; expected the path of a CSV table; correct it")
+        raise InputError(
+            f"{where}: rows = {grid['rows']!r}; expected the path of a CSV table; correct it"
+        )
     return expand(grid, where, read_rows(root / _find(grid["rows"], where, folder, root), where))
 
 
 def _load_entry(table, where, folder, root):
     """(StudyRun, position in the file) of one point for each of its solvers."""
     if not isinstance(table.get("wall"), str):
-        raise InputError(f"{where}: wall = {table.get('wall')!r}; expected a path like "
-                         '"walls/symmetric.py"; give one')
+        raise InputError(
+            f"{where}: wall = {table.get('wall')!r}; expected a path like "
+            '"walls/symmetric.py"; give one'
+        )
     solvers = table.get("solvers", list(SOLVERS))
     if not isinstance(solvers, list) or not solvers or not set(solvers) <= set(SOLVERS):
-        raise InputError(f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; correct it")
+        raise InputError(
+            f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)};"
+            " correct it"
+        )
     options = option_table(_existing_files(table.get("options", {}), where, folder, root), where)
     if reserved := [name for name in options if name in RESERVED_OPTIONS]:
         raise InputError(f"{where}: --{reserved[0]} is set by the batch itself; take it out")
@@ -271,30 +358,51 @@ def _load_entry(table, where, folder, root):
         raise InputError(f"{where}: {error}") from error
     drawing, ensemble = _ensemble(table, where)
     drawn = {"samples", "lives"} & set(table)
-    solvers = [solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and drawn)]
+    solvers = [
+        solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and drawn)
+    ]
     try:
         given = {"yade": tuple(options.items()), "reference": (*options.items(), *drawing)}
-        return [(StudyRun(name + block, wall, given[solver], solver, **(ensemble if solver == "reference" else {}),
-                          **part), where)
-                for solver in solvers for block, part in _blocks(table)]
+        return [
+            (
+                StudyRun(
+                    name + block,
+                    wall,
+                    given[solver],
+                    solver,
+                    **(ensemble if solver == "reference" else {}),
+                    **part,
+                ),
+                where,
+            )
+            for solver in solvers
+            for block, part in _blocks(table)
+        ]
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
 
 
 def _blocks(table):
-    """(end of the point's name, fields of StudyRun) of the points that an entry stands for: lives are divided, so that
-    a shard need not have all of them; one otherwise."""
+    """(end of the point's name, fields of StudyRun) of the points that an entry stands for: lives
+    are divided, so that a shard need not have all of them; one otherwise."""
     for first in range(1, table.get("lives", 1) + 1, LIVES_A_POINT):
         here = min(LIVES_A_POINT, table.get("lives", 1) + 1 - first)
-        yield (f"{FROM}{first}", {"members": here, "offset": first - 1}) if "lives" in table else ("", {})
+        yield (
+            (f"{FROM}{first}", {"members": here, "offset": first - 1})
+            if "lives" in table
+            else ("", {})
+        )
 
 
 def _ensemble(table, where):
-    """Further options and fields of the StudyRun of an ensemble, by `members`, `samples` or `lives`; empty without."""
+    """Further options and fields of the StudyRun of an ensemble, by `members`, `samples` or
+    `lives`; empty without."""
     given = [name for name in _ENSEMBLES if name in table]
     if len(given) > 1:
-        raise InputError(f"{where}: {given[0]} and {given[1]} given together; expected one kind of ensemble, leave the "
-                         "other out")
+        raise InputError(
+            f"{where}: {given[0]} and {given[1]} given together; expected one kind of ensemble,"
+            " leave the other out"
+        )
     if "scatter" in table and "members" not in table:
         raise InputError(f"{where}: scatter without members; expected both; add members = 5")
     for name in given:
@@ -302,11 +410,19 @@ def _ensemble(table, where):
     if "members" in table:
         size = table.get("scatter", SCATTER)
         if type(size) not in (int, float) or not size > 0:
-            raise InputError(f"{where}: scatter = {size!r}; expected a number above zero, like 0.001; correct it")
-        return (("scatter", size),), {"varied": "seed", "members": table["members"], "adaptive": True}
+            raise InputError(
+                f"{where}: scatter = {size!r}; expected a number above zero, like 0.001; correct it"
+            )
+        return (("scatter", size),), {
+            "varied": "seed",
+            "members": table["members"],
+            "adaptive": True,
+        }
     if "lives" in table:
         return (), {"varied": "life"}
-    return (), {"varied": "strength_seed", "members": table["samples"]} if "samples" in table else {}
+    return (), (
+        {"varied": "strength_seed", "members": table["samples"]} if "samples" in table else {}
+    )
 
 
 def _existing_files(options, where, folder, root):
@@ -317,17 +433,23 @@ def _existing_files(options, where, folder, root):
     for name in file_options():
         paths = options.get(name)
         if isinstance(paths, list):
-            there = [path for path in paths if isinstance(path, str)
-                     and any(map(is_there, _candidates(path, folder, root)))]
+            there = [
+                path
+                for path in paths
+                if isinstance(path, str) and any(map(is_there, _candidates(path, folder, root)))
+            ]
             if not there:
-                raise InputError(f"{where}: none of the files {name} = {paths!r} is there; expected one beside the "
-                                 "study or in the repository; correct a path")
+                raise InputError(
+                    f"{where}: none of the files {name} = {paths!r} is there; expected one beside"
+                    " the study or in the repository; correct a path"
+                )
             chosen[name] = there[0]
     return chosen
 
 
 def option_table(options, where="options"):
-    """{name: value} of the options of a run from a table, or from a list of words; lists become tuples.
+    """{name: value} of the options of a run from a table, or from a list of words; lists become
+    tuples.
 
     >>> option_table({"harmonic": [0.2, 0.05], "rest": 1.0})
     {'harmonic': (0.2, 0.05), 'rest': 1.0}
@@ -337,13 +459,21 @@ def option_table(options, where="options"):
     if isinstance(options, list):
         options = _of_words(options, where)
     if not isinstance(options, dict):
-        raise InputError(f"{where}: options = {options!r}; expected a table or a list of words; write "
-                         "options = { rest = 1 }")
-    table = {name: tuple(value) if isinstance(value, list) else value for name, value in options.items()}
+        raise InputError(
+            f"{where}: options = {options!r}; expected a table or a list of words; write "
+            "options = { rest = 1 }"
+        )
+    table = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in options.items()
+    }
     for name, value in table.items():
-        for one in value if isinstance(value, tuple) else () if isinstance(value, bool) else (value,):
+        for one in (
+            value if isinstance(value, tuple) else () if isinstance(value, bool) else (value,)
+        ):
             if isinstance(one, bool) or not isinstance(one, (str, int, float)):
-                raise InputError(f"{where}: {name} holds {one!r}; expected numbers and strings; correct it")
+                raise InputError(
+                    f"{where}: {name} holds {one!r}; expected numbers and strings; correct it"
+                )
     return table
 
 
@@ -355,29 +485,38 @@ def _of_words(words, where):
             name, _, value = word[2:].partition("=")
             table[name] = [*table.get(name, ()), *([value] if value else ())]
         elif name is None:
-            raise InputError(f"{where}: options begin with {word!r}; expected an option like --rest; correct it")
+            raise InputError(
+                f"{where}: options begin with {word!r}; expected an option like --rest; correct it"
+            )
         else:
             table[name].append(word)
-    return {name: values[0] if len(values) == 1 else values or True for name, values in table.items()}
+    return {
+        name: values[0] if len(values) == 1 else values or True for name, values in table.items()
+    }
 
 
 def _candidates(path, folder, root):
-    """Possible paths of a file: beside the study, in the repository, among shipped files by path or by name."""
+    """Possible paths of a file: beside the study, in the repository, among shipped files by path or
+    by name."""
     yield from (folder / path, root / path)
-    yield from filter(None, (shipped_path(path), shipped_walls().get(path), shipped_records().get(path)))
+    yield from filter(
+        None, (shipped_path(path), shipped_walls().get(path), shipped_records().get(path))
+    )
 
 
 def _find(path, where, folder, root):
-    """The path of a file named beside the study, in the repository or among what ships: relative within the repository,
-    else absolute."""
+    """The path of a file named beside the study, in the repository or among what ships: relative
+    within the repository, else absolute."""
     check_path(path)
     for candidate in _candidates(path, folder, root):
         if is_there(candidate):
             found = candidate.resolve()
             return str(found.relative_to(root) if found.is_relative_to(root) else found)
     known = [*shipped_walls(), *shipped_records()]
-    raise InputError(f"{where}: no file {path}; expected one beside the study or in the repository, or the name of a "
-                     f"wall or record that ships{did_you_mean(Path(path).stem, known)}")
+    raise InputError(
+        f"{where}: no file {path}; expected one beside the study or in the repository, or the name"
+        f" of a wall or record that ships{did_you_mean(Path(path).stem, known)}"
+    )
 
 
 def _try_options(run, where, root):
@@ -389,13 +528,18 @@ def _try_options(run, where, root):
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
     if run.varied == "strength_seed" and not settings.model.strength_cov:
-        raise InputError(f"{where}: samples of walls whose strengths do not scatter; expected strength-cov = 0.3 or "
-                         "the like among the options; add it")
+        raise InputError(
+            f"{where}: samples of walls whose strengths do not scatter; expected strength-cov = 0.3"
+            " or the like among the options; add it"
+        )
 
 
 def with_paths(options, change):
-    """The options of a run, {name: value}, with each that names a file replaced by change(value)."""
-    return {name: change(value) if names_file(name, value) else value for name, value in options.items()}
+    """The options of a run, {name: value}, with each that names a file replaced by
+    change(value)."""
+    return {
+        name: change(value) if names_file(name, value) else value for name, value in options.items()
+    }
 
 
 def run_name(wall, options):
@@ -405,7 +549,12 @@ def run_name(wall, options):
     'solid_record-BGAR_scale-2'
     """
     words = words_of(options)
-    shown = words_of({name: Path(value).stem if names_file(name, value) else value for name, value in options.items()})
+    shown = words_of(
+        {
+            name: Path(value).stem if names_file(name, value) else value
+            for name, value in options.items()
+        }
+    )
     parts = [Path(wall).stem]
     for word in shown:
         if word.startswith("--"):
@@ -416,4 +565,4 @@ def run_name(wall, options):
     if len(name) <= LONGEST_ID - 12:
         return name
     digest = hashlib.sha256("\0".join((wall, *words)).encode()).hexdigest()[:8]
-    return f"{name[:LONGEST_ID - 24]}_{digest}"
+    return f"{name[: LONGEST_ID - 24]}_{digest}"

@@ -1,4 +1,5 @@
-"""The folder of a study: where it is, who works in it, how these end, its logs, and the room on its disk."""
+"""The folder of a study: where it is, who works in it, how these end, its logs, and the room on its
+disk."""
 
 import errno
 import fcntl
@@ -17,15 +18,18 @@ from damage.files import plain_file, shipped, whole_or_nothing
 from damage.start import EXIT_INTERRUPTED
 
 ROOT = shipped("studies").parent
-"""Where the paths of studies that ship start: the repository, or damage/share of an installed package."""
+"""Where the paths of studies that ship start: the repository, or damage/share of an installed
+package."""
 RESULTS = ROOT / "results" if (ROOT / "run_all.sh").is_file() else Path.cwd() / "results"
-"""Where studies go unless --out says it: into the repository; of an installed package, below the working folder."""
+"""Where studies go unless --out says it: into the repository; of an installed package, below the
+working folder."""
 KEPT = "study.toml"
 """Copy of the study's file in its folder."""
 LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""
 LEAST_FREE = 20_000_000
-"""Room for a study to start and continue [bytes]: tens of runs write less between two looks, and tables need some."""
+"""Room for a study to start and continue [bytes]: tens of runs write less between two looks, and
+tables need some."""
 NO_ROOM = errno.ENOSPC, errno.EDQUOT
 POLITE_ENDS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 """Signals at which a study ends what runs and keeps what is done."""
@@ -35,7 +39,8 @@ _ALREADY = "another batch is at work in {}; wait for its end, or choose another 
 
 
 def claim(folder, study, shared=False, lock=None):
-    """Lock the folder of a study, which keeps a copy of its file; arguments, result and errors as of `locked`.
+    """Lock the folder of a study, which keeps a copy of its file; arguments, result and errors as
+    of `locked`.
 
     lock: that its caller holds already, None for a new one.
     """
@@ -46,16 +51,18 @@ def claim(folder, study, shared=False, lock=None):
         for name in ("logs", "runs", "tables"):
             (folder / name).mkdir(exist_ok=True)
     except OSError as error:
-        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+        raise InputError(
+            f"cannot write to {folder}: {error.strerror}; choose another --out"
+        ) from error
     return lock
 
 
 def locked(folder, name, shared=False):
     """Make the folder of the study of a name and lock it; returns the lock, a descriptor.
 
-    shared: with others that share it, as slices of the study do.  The lock is the system's: it ends with the processes
-    that hold it, so that none is ever stale.  Raises InputError where another study or batch has the folder, or where
-    it cannot be written.
+    shared: with others that share it, as slices of the study do.  The lock is the system's: it ends
+    with the processes that hold it, so that none is ever stale.  Raises InputError where another
+    study or batch has the folder, or where it cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -63,15 +70,21 @@ def locked(folder, name, shared=False):
             raise InputError(f"{shortage(folder)}, or choose another --out")
         lock = _open_lock(folder)
     except (FileExistsError, NotADirectoryError) as error:
-        raise InputError(f"cannot write to {folder}: it, or a folder above it, is no folder; expected one; choose "
-                         "another --out") from error
+        raise InputError(
+            f"cannot write to {folder}: it, or a folder above it, is no folder; expected one;"
+            " choose another --out"
+        ) from error
     except OSError as error:
-        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+        raise InputError(
+            f"cannot write to {folder}: {error.strerror}; choose another --out"
+        ) from error
     try:
         lock_as(lock, folder, shared)
         owner = _name_in(folder / KEPT)
         if owner not in (None, name):
-            raise InputError(f"{folder} holds the study {owner!r}, not {name!r}; choose another --out")
+            raise InputError(
+                f"{folder} holds the study {owner!r}, not {name!r}; choose another --out"
+            )
     except BaseException:
         os.close(lock)
         raise
@@ -89,8 +102,8 @@ def held(folder, name):
 
 
 def _open_lock(folder):
-    """A descriptor to be locked: of the folder itself, since a file in it can be deleted while others hold it; of a
-    file where folders cannot be locked, as on NFS."""
+    """A descriptor to be locked: of the folder itself, since a file in it can be deleted while
+    others hold it; of a file where folders cannot be locked, as on NFS."""
     lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -104,7 +117,8 @@ def _open_lock(folder):
 
 
 def lock_as(lock, folder, shared=False):
-    """Make the lock of a folder shared, or this batch's own.  Raises InputError where another batch has it."""
+    """Make the lock of a folder shared, or this batch's own.  Raises InputError where another batch
+    has it."""
     until = time.monotonic() + LOCK_PATIENCE_S
     while True:
         try:
@@ -116,8 +130,8 @@ def lock_as(lock, folder, shared=False):
 
 
 def open_records(path):
-    """The file of records, opened to be added to and locked; a line that a kill tore is ended.  Raises InputError where
-    another batch has it."""
+    """The file of records, opened to be added to and locked; a line that a kill tore is ended.
+    Raises InputError where another batch has it."""
     file = open(path, "a", encoding="utf-8", opener=plain_file)  # noqa: SIM115, open as long as the batch lives
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -132,8 +146,11 @@ def open_records(path):
 
 def _name_in(path):
     """The name in a study file that a batch kept, None where there is none."""
-    found = re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text("utf-8", "replace"), re.MULTILINE) \
-        if path.is_file() else None
+    found = (
+        re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text("utf-8", "replace"), re.MULTILINE)
+        if path.is_file()
+        else None
+    )
     return found and found[1]
 
 
@@ -143,29 +160,44 @@ def open_log(path, mode="wb"):
         path.parent.mkdir(parents=True, exist_ok=True)
         return open(path, mode, buffering=0, opener=plain_file)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; expected a folder that can be written to, make "
-                         "room or choose another --out") from error
+        raise InputError(
+            f"cannot write {path}: {error.strerror}; expected a folder that can be written to, make"
+            " room or choose another --out"
+        ) from error
 
 
 def python_path():
-    """PYTHONPATH for what a batch starts, in any folder: this package, then what the user had, as obspy's folder."""
+    """PYTHONPATH for what a batch starts, in any folder: this package, then what the user had, as
+    obspy's folder."""
     package = str(Path(__file__).resolve().parents[3])
     given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
-    return os.pathsep.join(dict.fromkeys([package, *(os.path.abspath(folder) for folder in given if folder)]))
+    return os.pathsep.join(
+        dict.fromkeys([package, *(os.path.abspath(folder) for folder in given if folder)])
+    )
 
 
 def environment(folder=None):
-    """Environment of what a batch starts: this one's, with `python_path`, and without modules of the working folder,
-    which `python -m` would import before others: a folder that was sent may hold a numpy.py.  What matplotlib and
-    YADE's IPython keep goes into the study's folder, if given."""
-    places = {"XDG_CACHE_HOME": "cache", "MPLCONFIGDIR": "matplotlib", "IPYTHONDIR": "ipython"} if folder else {}
-    return {**os.environ, "PYTHONPATH": python_path(), "PYTHONSAFEPATH": "1", "PYTHONUNBUFFERED": "1",
-            **{name: str(folder / ".cache" / place) for name, place in places.items()}}
+    """Environment of what a batch starts: this one's, with `python_path`, and without modules of
+    the working folder, which `python -m` would import before others: a folder that was sent may
+    hold a numpy.py.  What matplotlib and YADE's IPython keep goes into the study's folder, if
+    given."""
+    places = (
+        {"XDG_CACHE_HOME": "cache", "MPLCONFIGDIR": "matplotlib", "IPYTHONDIR": "ipython"}
+        if folder
+        else {}
+    )
+    return {
+        **os.environ,
+        "PYTHONPATH": python_path(),
+        "PYTHONSAFEPATH": "1",
+        "PYTHONUNBUFFERED": "1",
+        **{name: str(folder / ".cache" / place) for name, place in places.items()},
+    }
 
 
 def end_with_parent(parent, signal_number=signal.SIGKILL):
-    """Have this process sent a signal when the thread that started it dies, however that happens (Linux only); end it
-    where its parent, by its number, is dead already."""
+    """Have this process sent a signal when the thread that started it dies, however that happens
+    (Linux only); end it where its parent, by its number, is dead already."""
     if sys.platform == "linux":
         _LIBC.prctl(_PR_SET_PDEATHSIG, int(signal_number), 0, 0, 0)
     if os.getppid() != parent:
@@ -174,8 +206,10 @@ def end_with_parent(parent, signal_number=signal.SIGKILL):
 
 @contextmanager
 def handled(handler):
-    """While this lasts an interrupt, a polite kill and a terminal that closes call a handler of signals."""
-    names = [name for name in POLITE_ENDS if signal.getsignal(name) != signal.SIG_IGN]  # as nohup leaves SIGHUP
+    """While this lasts an interrupt, a polite kill and a terminal that closes call a handler of
+    signals."""
+    # as nohup leaves SIGHUP
+    names = [name for name in POLITE_ENDS if signal.getsignal(name) != signal.SIG_IGN]
     before = {name: signal.signal(name, handler) for name in names}
     try:
         yield
@@ -192,16 +226,19 @@ def is_short(folder):
 def shortage(folder):
     """Free and needed disk space of a study, in words."""
     free = shutil.disk_usage(folder).free
-    found = f"has {free / 1e6:.2g} MB free:" if free < LEAST_FREE else "had no room left while it ran,"
+    found = (
+        f"has {free / 1e6:.2g} MB free:" if free < LEAST_FREE else "had no room left while it ran,"
+    )
     return f"{folder} {found} expected {LEAST_FREE / 1e6:g} MB or more; make room"
 
 
 def forecast(left, histories, folder, keep="all"):
-    """A warning where the runs that are left will not fit if they are as large as those that are there, else None.
+    """A warning where the runs that are left will not fit if they are as large as those that are
+    there, else None.
 
-    left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count, though one may do.
-    histories: {name: path} of those that are there; keep: other than "all" where the history of the first alone stays.
-    """
+    left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count,
+    though one may do. histories: {name: path} of those that are there; keep: other than "all" where
+    the history of the first alone stays."""
     count = sum(run.most_members if keep == "all" else 1 for run in left)
     if not histories or not count:
         return None
@@ -209,6 +246,8 @@ def forecast(left, histories, folder, keep="all"):
     free = shutil.disk_usage(folder).free
     if count * mean + LEAST_FREE <= free:
         return None
-    return (f"up to {count} runs are left, about {count * mean / 1e6:.2g} MB if they are as large as the "
-            f"{len(histories)} there; {folder} has {free / 1e6:.2g} MB free and keeps {LEAST_FREE / 1e6:g}: make room "
-            "meanwhile")
+    return (
+        f"up to {count} runs are left, about {count * mean / 1e6:.2g} MB if they are as large as"
+        f" the {len(histories)} there; {folder} has {free / 1e6:.2g} MB free and keeps"
+        f" {LEAST_FREE / 1e6:g}: make room meanwhile"
+    )

@@ -1,18 +1,22 @@
-"""Fragility of a wall: the probability that a measure of damage exceeds a level, by the motion's intensity.
+"""Fragility of a wall: the probability that a measure of damage exceeds a level, by the motion's
+intensity.
 
-The curve is lognormal, P(x) = Phi(ln(x / median) / dispersion), fitted by maximum likelihood to the number of runs that
-exceed the level at each intensity: J. W. Baker (2015), Efficient analytical fragility function fitting
-using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation (11).  It is the mean
-over the records.  Its bounds are percentiles over bootstrap samples, drawn anew with replacement, of the walls, which
-are the seeds of their joints' strengths, of the records, or of both, each with all its runs.  Those over walls leave
-other earthquakes out; of few records those over records are themselves uncertain.  Samples drawn from few scatter less
-than new ones would, so they are stretched about the fit (`stretch`).  The interval for the curve of a new record is
-wider: `damage.applications.studies.new_record`.
+The curve is lognormal, P(x) = Phi(ln(x / median) / dispersion), fitted by maximum likelihood to the
+number of runs that exceed the level at each intensity: J. W. Baker (2015), Efficient analytical
+fragility function fitting
+using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation
+(11).  It is the mean over the records.  Its bounds are percentiles over bootstrap samples, drawn
+anew with replacement, of the walls, which are the seeds of their joints' strengths, of the records,
+or of both, each with all its runs.  Those over walls leave other earthquakes out; of few records
+those over records are themselves uncertain.  Samples drawn from few scatter less than new ones
+would, so they are stretched about the fit (`stretch`).  The interval for the curve of a new record
+is wider: `damage.applications.studies.new_record`.
 
-A curve is given only where the runs determine it (`solve`).  The same holds for every bootstrap sample.  A sample that
-determines none is not left out, since an interval of the others alone would be too narrow: its median counts as beyond
-all bounds, on the side of the runs that it is known to lie on, else on both.  So a bound stands while fewer than one
-in twenty samples lie beyond it, and is NaN otherwise.
+A curve is given only where the runs determine it (`solve`).  The same holds for every bootstrap
+sample.  A sample that determines none is not left out, since an interval of the others alone would
+be too narrow: its median counts as beyond all bounds, on the side of the runs that it is known to
+lie on, else on both.  So a bound stands while fewer than one in twenty samples lie beyond it, and
+is NaN otherwise.
 """
 
 from dataclasses import dataclass, field
@@ -44,7 +48,8 @@ from damage.measure.columns import check_names, read_table
 OVER = ("walls", "records", "both")
 """What bootstrap samples draw anew."""
 FEW_RECORDS = 10
-"""Fewer are said to be few: 10 to 20 usually serve, D. Vamvatsikos, C. A. Cornell (2002), doi:10.1002/eqe.141."""
+"""Fewer are said to be few: 10 to 20 usually serve, D. Vamvatsikos, C. A. Cornell (2002),
+doi:10.1002/eqe.141."""
 REPLICATES = 500
 _PERCENTILES = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
 DISPERSIONS = 1e-3, 3.0
@@ -54,8 +59,9 @@ _STARTS = 0.5, 0.2
 
 
 class Fit(NamedTuple):
-    """A lognormal curve: median, dispersion [-], NaN where the runs determine none; why: the reason, "" where they do.
-    side: where the median lies then: 1 above all intensities that were run, -1 below, 0 not known."""
+    """A lognormal curve: median, dispersion [-], NaN where the runs determine none; why: the
+    reason, "" where they do. side: where the median lies then: 1 above all intensities that were
+    run, -1 below, 0 not known."""
 
     median: float
     dispersion: float
@@ -67,14 +73,15 @@ class Fit(NamedTuple):
 class Fragility:
     """A fitted curve with its bounds.
 
-    intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion [-]: NaN where the
-    runs determine no curve, why: the reason; n_runs, n_exceeding, n_records, n_walls; replicates: by a name of OVER
-    (n_replicates, 2) medians and dispersions of the bootstrap samples.  Of a sample that determines none the dispersion
-    is NaN, the median infinite, 0 or NaN where it lies above all intensities of the runs, below, or is not known.
-    step: two intensities where up to one no run exceeds the level and from the other on all do, with one other at
-    most between them; the data then give no dispersion (it is 0), and bound the median by the two.  None where there
-    are none.  name: of the damage state, "" for the condition.  stripes: what `new_record` takes, None where unknown.
-    """
+    intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion
+    [-]: NaN where the runs determine no curve, why: the reason; n_runs, n_exceeding, n_records,
+    n_walls; replicates: by a name of OVER (n_replicates, 2) medians and dispersions of the
+    bootstrap samples.  Of a sample that determines none the dispersion is NaN, the median infinite,
+    0 or NaN where it lies above all intensities of the runs, below, or is not known. step: two
+    intensities where up to one no run exceeds the level and from the other on all do, with one
+    other at most between them; the data then give no dispersion (it is 0), and bound the median by
+    the two.  None where there are none.  name: of the damage state, "" for the condition.  stripes:
+    what `new_record` takes, None where unknown."""
 
     measure: str
     level: float
@@ -99,7 +106,8 @@ class Fragility:
 
     @cached_property
     def new_record(self):
-        """The NewRecord of the runs, None where there is none, as of runs that determine no curve."""
+        """The NewRecord of the runs, None where there is none, as of runs that determine no
+        curve."""
         return new_record(*self.stripes) if self.stripes and np.isfinite(self.median) else None
 
     def probability(self, intensity):
@@ -107,10 +115,11 @@ class Fragility:
         return curve(intensity, self.median, self.dispersion)
 
     def bounds(self, intensity, over="walls"):
-        """Lower and upper bound of the probability at intensities (n,), (2, n); over: a name of OVER.
+        """Lower and upper bound of the probability at intensities (n,), (2, n); over: a name of
+        OVER.
 
-        None where nothing can be resampled, a single wall or record, and where the runs, or too many of the samples,
-        determine no curve.
+        None where nothing can be resampled, a single wall or record, and where the runs, or too
+        many of the samples, determine no curve.
         """
         x, (medians, dispersions) = np.asarray(intensity, float), self._samples(over).T
         step = [curve(x, end, 0.0) for end in self.step[::-1]] if self.step else None
@@ -122,7 +131,9 @@ class Fragility:
         low, high = _interval(np.vstack([curves, -unknown]), np.vstack([curves, unknown]))
         if np.isnan([low, high]).any():
             return None
-        return np.array([np.minimum(low, step[0]), np.maximum(high, step[1])] if step else [low, high])
+        return np.array(
+            [np.minimum(low, step[0]), np.maximum(high, step[1])] if step else [low, high]
+        )
 
     def median_bounds(self, over="walls"):
         """Lower and upper bound of (median, dispersion), (2, 2), NaN where there are none."""
@@ -136,12 +147,14 @@ class Fragility:
         return np.array([low, high])
 
     def _samples(self, over):
-        """Medians and dispersions (n, 2) of the bootstrap samples, stretched about the fit; none where there is no
-        fit."""
+        """Medians and dispersions (n, 2) of the bootstrap samples, stretched about the fit; none
+        where there is no fit."""
         samples = self.replicates.get(over, np.zeros((0, 2)))
         if len(samples) == 0 or not np.isfinite(self.median):
             return np.zeros((0, 2))
-        drawn = {"walls": self.n_walls, "records": self.n_records}.get(over, min(self.n_walls, self.n_records))
+        drawn = {"walls": self.n_walls, "records": self.n_records}.get(
+            over, min(self.n_walls, self.n_records)
+        )
         fit = np.array([self.median, self.dispersion])
         with np.errstate(divide="ignore", invalid="ignore"):
             stretched = fit * (samples / fit) ** stretch(drawn)
@@ -155,32 +168,57 @@ class Fragility:
         """Lines on what the runs, or bootstrap samples, do not determine."""
         if self.why:
             return [f"{self.state}: no curve, {self.why}"]
-        if self.n_replicates < 2 or "both" not in self.replicates or np.isfinite(self.median_bounds("both")).all():
+        if (
+            self.n_replicates < 2
+            or "both" not in self.replicates
+            or np.isfinite(self.median_bounds("both")).all()
+        ):
             return []
         lost = self.n_replicates - self._determined("both")
-        return [f"{self.state}: {lost} of {self.n_replicates} bootstrap samples determine no curve and count as beyond "
-                "the bounds of the mean curve: where 5 % or more do, a bound is open (-)"]
+        return [
+            f"{self.state}: {lost} of {self.n_replicates} bootstrap samples determine no curve and"
+            " count as beyond the bounds of the mean curve: where 5 % or more do, a bound is"
+            " open (-)"
+        ]
 
     def row(self):
-        """The fit as a flat dictionary: a row of the table; medians have the intensity's unit in their names."""
+        """The fit as a flat dictionary: a row of the table; medians have the intensity's unit in
+        their names."""
         named = partial(in_unit, column=self.intensity)
-        row = {"state": self.state, "measure": self.measure, "level": self.level, "runs": self.n_runs,
-               "exceeding": self.n_exceeding, "records": self.n_records, named("median"): self.median,
-               "dispersion": self.dispersion, "undetermined": self.why}
+        row = {
+            "state": self.state,
+            "measure": self.measure,
+            "level": self.level,
+            "runs": self.n_runs,
+            "exceeding": self.n_exceeding,
+            "records": self.n_records,
+            named("median"): self.median,
+            "dispersion": self.dispersion,
+            "undetermined": self.why,
+        }
         for over in OVER:
             (low, least), (high, largest) = self.median_bounds(over)
-            row |= {named(f"median_{over}_low"): low, named(f"median_{over}_high"): high,
-                    f"dispersion_{over}_low": least, f"dispersion_{over}_high": largest,
-                    f"fitted_{over}": self._determined(over)}
+            row |= {
+                named(f"median_{over}_low"): low,
+                named(f"median_{over}_high"): high,
+                f"dispersion_{over}_low": least,
+                f"dispersion_{over}_high": largest,
+                f"fitted_{over}": self._determined(over),
+            }
         low, high = self.new_record.median_bounds() if self.new_record else (np.nan, np.nan)
-        return row | {named("median_new_record_low"): low, named("median_new_record_high"): high,
-                      "confidence": CONFIDENCE, "replicates": self.n_replicates}
+        return row | {
+            named("median_new_record_low"): low,
+            named("median_new_record_high"): high,
+            "confidence": CONFIDENCE,
+            "replicates": self.n_replicates,
+        }
 
 
 def stretch(n):
-    """Factor by which bootstrap intervals of n samples are too narrow: resamples scatter less than n new ones, by
-    sqrt((n - 1) / n), and Student's quantile exceeds the normal one, since the scatter is itself uncertain.  After T.
-    C. Hesterberg (2015), What teachers should know about the bootstrap, The American Statistician
+    """Factor by which bootstrap intervals of n samples are too narrow: resamples scatter less than
+    n new ones, by sqrt((n - 1) / n), and Student's quantile exceeds the normal one, since the
+    scatter is itself uncertain.  After T. C. Hesterberg (2015), What teachers should know about the
+    bootstrap, The American Statistician
     69(4), doi:10.1080/00031305.2015.1089789, whose narrowness bias this corrects.
 
     >>> [round(float(stretch(n)), 2) for n in (2, 5, 25, 1000)]
@@ -199,15 +237,19 @@ def solve(intensity, exceeding, runs):
     """The Fit by maximum likelihood.
 
     intensity: (n,) [g]; exceeding, runs: (n,) how many of how many runs exceed the level there.
-    Where the runs turn from none to all at once (`step_of`), no dispersion is the likeliest: 0, and the median is the
-    intensity where some exceed, or else the geometric mean of the two, between which all medians are as likely.
+    Where the runs turn from none to all at once (`step_of`), no dispersion is the likeliest: 0, and
+    the median is the intensity where some exceed, or else the geometric mean of the two, between
+    which all medians are as likely.
 
-    Otherwise the runs determine a curve where its likelihood has one maximum, inside the bounds of the dispersion, and
-    the median is no extrapolation.  The first asks for two intensities at which some runs exceed and some do not.  Of
-    runs that each have their own intensity it asks for the same: that one exceeds below another that does not (M. J.
-    Silvapulle, 1981, doi:10.1111/j.2517-6161.1981.tb01676.x, of one covariate).
+    Otherwise the runs determine a curve where its likelihood has one maximum, inside the bounds of
+    the dispersion, and the median is no extrapolation.  The first asks for two intensities at which
+    some runs exceed and some do not.  Of runs that each have their own intensity it asks for the
+    same: that one exceeds below another that does not (M. J. Silvapulle, 1981,
+    doi:10.1111/j.2517-6161.1981.tb01676.x, of one covariate).
     """
-    x, y, n = (np.asarray(values, float)[np.asarray(runs) > 0] for values in (intensity, exceeding, runs))
+    x, y, n = (
+        np.asarray(values, float)[np.asarray(runs) > 0] for values in (intensity, exceeding, runs)
+    )
     if ends := step_of(x, y, n):
         some = x[(y > 0) & (y < n)]
         return Fit(float(some[0] if len(some) else np.sqrt(ends[0] * ends[1])), 0.0)
@@ -215,23 +257,35 @@ def solve(intensity, exceeding, runs):
     if y.sum() in (0, n.sum()):
         return Fit(np.nan, np.nan, f"{'no' if y.sum() == 0 else 'every'} run exceeds it", side)
     if x[y > 0].min() >= x[y < n].max():
-        return Fit(np.nan, np.nan, "one intensity only has runs of both kinds, a curve needs two", side)
+        return Fit(
+            np.nan, np.nan, "one intensity only has runs of both kinds, a curve needs two", side
+        )
     return _likeliest(np.log(x), y, n, side)
 
 
 def _likeliest(x, y, n, side):
-    """The Fit of ln intensities x (n,); side: where the median lies if no rising curve is the likeliest."""
+    """The Fit of ln intensities x (n,); side: where the median lies if no rising curve is the
+    likeliest."""
+
     def misfit(parameters):  # Baker (2015), equation (11), with the sign changed
         z = (x - parameters[0]) / np.exp(parameters[1])
         below, above = log_ndtr(z), log_ndtr(-z)
         density = -0.5 * z**2 - 0.5 * np.log(2 * np.pi)
         dz = y * np.exp(density - below) - (n - y) * np.exp(density - above)
-        return (-np.sum(y * below + (n - y) * above), np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]))
+        return (
+            -np.sum(y * below + (n - y) * above),
+            np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]),
+        )
 
     centre, ends = np.average(x, weights=n), np.log(DISPERSIONS)
     for start in np.log(_STARTS):
-        best = scipy.optimize.minimize(misfit, (centre, start), jac=True, method="L-BFGS-B",
-                                       bounds=((x.min() - 5, x.max() + 5), tuple(ends)))
+        best = scipy.optimize.minimize(
+            misfit,
+            (centre, start),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=((x.min() - 5, x.max() + 5), tuple(ends)),
+        )
         if best.x[1] != start:
             break
     median, dispersion = (float(np.exp(value)) for value in best.x)
@@ -242,19 +296,26 @@ def _likeliest(x, y, n, side):
         return Fit(np.nan, np.nan, f"the dispersion is at its bound of {dispersion:g}{words}", side)
     if above := int(best.x[0] > x.max()) - int(best.x[0] < x.min()):
         where = "above" if above > 0 else "below"
-        return Fit(np.nan, np.nan, f"the median would lie {where} all intensities that were run", above)
+        return Fit(
+            np.nan, np.nan, f"the median would lie {where} all intensities that were run", above
+        )
     return Fit(median, dispersion)
 
 
 def step_of(intensity, exceeding, runs):
-    """Two intensities, up to which no run and from which all runs exceed the level, with at most one intensity between
-    them; else None.  A lognormal curve needs two intensities at which some exceed."""
+    """Two intensities, up to which no run and from which all runs exceed the level, with at most
+    one intensity between them; else None.  A lognormal curve needs two intensities at which some
+    exceed."""
     x, y, n = np.asarray(intensity, float), np.asarray(exceeding), np.asarray(runs)
     none, all_ = x[(n > 0) & (y == 0)], x[(n > 0) & (y == n)]
     some = x[(y > 0) & (y < n)]
     if len(some) > 1 or not len(none) or not len(all_) or none.max() > all_.min():
         return None
-    return (float(none.max()), float(all_.min())) if all(none.max() < x < all_.min() for x in some) else None
+    return (
+        (float(none.max()), float(all_.min()))
+        if all(none.max() < x < all_.min() for x in some)
+        else None
+    )
 
 
 _SIDES = {1: (np.inf, np.nan), 0: (np.nan, np.nan), -1: (0.0, np.nan)}
@@ -262,7 +323,8 @@ _SIDES = {1: (np.inf, np.nan), 0: (np.nan, np.nan), -1: (0.0, np.nan)}
 
 
 def _interval(low, high):
-    """Percentiles, lower of low (n, ...) and upper of high, NaN where they fall among those that are infinite."""
+    """Percentiles, lower of low (n, ...) and upper of high, NaN where they fall among those that
+    are infinite."""
     if len(low) < 2:
         return np.full((2, *low.shape[1:]), np.nan)
     with np.errstate(invalid="ignore"):
@@ -275,39 +337,69 @@ def exceeding(runs, measure, level):
     return (runs[measure] > level) | runs["collapsed_at_s"].notna()
 
 
-def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=1, over=OVER, name=""):
-    """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every level.
+def fragility(
+    runs, measure, level, intensity=None, replicates=REPLICATES, seed=1, over=OVER, name=""
+):
+    """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every
+    level.
 
-    Walls differ by `strength_seed`; intensity: None for the first that they have; over: names of OVER
+    Walls differ by `strength_seed`; intensity: None for the first that they have; over: names of
+    OVER
     of what is drawn anew; name: of the damage state.
     """
     intensity = intensity or leading(runs)
     exceeds = exceeding(runs, measure, level)
     records = runs["record"].fillna("") if "record" in runs else pd.Series("", runs.index)
     (wall, walls), (record, known), (place, values) = (
-        pd.factorize(column, sort=True) for column in (runs["strength_seed"], records, runs[intensity].astype(float)))
+        pd.factorize(column, sort=True)
+        for column in (runs["strength_seed"], records, runs[intensity].astype(float))
+    )
     sizes = len(walls), len(known)
-    counts = np.zeros((2, *sizes, len(values)))  # runs of a wall in a record at an intensity, and those that exceed
+    # runs of a wall in a record at an intensity, and those that exceed
+    counts = np.zeros((2, *sizes, len(values)))
     np.add.at(counts[0], (wall, record, place), 1)
     np.add.at(counts[1], (wall, record, place), exceeds.to_numpy(float))
     found = {}
     for kind in over:
-        random = [np.random.default_rng((seed, number)) for number in range(2)]  # so that "both" has either's draws
+        # so that "both" has either's draws
+        random = [np.random.default_rng((seed, number)) for number in range(2)]
         drawn = [kind in (one, "both") and size > 1 for one, size in zip(OVER, sizes)]
         if not any(drawn) or (kind == "both" and not all(drawn)):
             continue
-        fits = [solve(values, *_drawn(counts, sizes, drawn, random)[::-1]) for _ in range(replicates)]
-        found[kind] = np.array([_SIDES[one.side] if one.why else one[:2] for one in fits]).reshape(-1, 2)
+        fits = [
+            solve(values, *_drawn(counts, sizes, drawn, random)[::-1]) for _ in range(replicates)
+        ]
+        found[kind] = np.array([_SIDES[one.side] if one.why else one[:2] for one in fits]).reshape(
+            -1, 2
+        )
     n, y = counts.sum(axis=(1, 2))
     median, dispersion, why, _ = solve(values, y, n)
-    return Fragility(measure, level, median, dispersion, len(runs), int(exceeds.sum()), found, replicates, len(known),
-                     len(walls), intensity, step_of(values, y, n), name, (values, *counts.sum(axis=1)[::-1]), why)
+    return Fragility(
+        measure,
+        level,
+        median,
+        dispersion,
+        len(runs),
+        int(exceeds.sum()),
+        found,
+        replicates,
+        len(known),
+        len(walls),
+        intensity,
+        step_of(values, y, n),
+        name,
+        (values, *counts.sum(axis=1)[::-1]),
+        why,
+    )
 
 
 def _drawn(counts, sizes, drawn, random):
-    """Numbers of runs and of those that exceed, by intensity, of a bootstrap sample of walls, records or both."""
-    walls, records = (np.bincount(one.integers(size, size=size), minlength=size) if anew else np.ones(size)
-                      for one, size, anew in zip(random, sizes, drawn))
+    """Numbers of runs and of those that exceed, by intensity, of a bootstrap sample of walls,
+    records or both."""
+    walls, records = (
+        np.bincount(one.integers(size, size=size), minlength=size) if anew else np.ones(size)
+        for one, size, anew in zip(random, sizes, drawn)
+    )
     return np.einsum("kwri,w,r->ki", counts, walls, records)
 
 
@@ -315,59 +407,113 @@ def load_runs(folder):
     """The runs of a study's folder whose strengths scatter: rows of its tables/summary.csv."""
     path = Path(folder) / "tables" / "summary.csv"
     if not path.is_file():
-        raise InputError(f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
-                         "./run_all.sh fragility --solver reference")
-    runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed", "wall", "record", "status",
-                             "collapsed_at_s"))
+        raise InputError(
+            f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
+            "./run_all.sh fragility --solver reference"
+        )
+    runs = read_table(
+        path,
+        (
+            *LEVELS,
+            "pga_g",
+            "strength_cov",
+            "strength_seed",
+            "wall",
+            "record",
+            "status",
+            "collapsed_at_s",
+        ),
+    )
     check_names(runs, path)
-    runs = runs[(pd.to_numeric(runs["strength_cov"], errors="coerce") > 0) & (runs["status"] == "complete")]
+    runs = runs[
+        (pd.to_numeric(runs["strength_cov"], errors="coerce") > 0) & (runs["status"] == "complete")
+    ]
     if len(runs) == 0:
-        raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "
-                         "as in studies/fragility.toml")
-    for name, expected in (("wall", "a name"), ("strength_seed", "a number"), ("collapsed_at_s", "a time or nothing")):
+        raise InputError(
+            f"{path} holds no finished run with scattered strengths; expected some with"
+            " strength-cov, as in studies/fragility.toml"
+        )
+    for name, expected in (
+        ("wall", "a name"),
+        ("strength_seed", "a number"),
+        ("collapsed_at_s", "a time or nothing"),
+    ):
         words = runs[name].notna() & pd.to_numeric(runs[name], errors="coerce").isna()
-        bad = runs[name].isna() if name == "wall" else words | runs[name].isna() & (name == "strength_seed")
+        bad = (
+            runs[name].isna()
+            if name == "wall"
+            else words | runs[name].isna() & (name == "strength_seed")
+        )
         if bad.any():
-            raise InputError(f"{path}: {bad.sum()} of {len(runs)} runs have {runs[name][bad].tolist()[0]!r} as {name}; "
-                             f"expected {expected} in each; take another copy of the table")
+            raise InputError(
+                f"{path}: {bad.sum()} of {len(runs)} runs have {runs[name][bad].tolist()[0]!r} as"
+                f" {name}; expected {expected} in each; take another copy of the table"
+            )
     return runs
 
 
 def fit_all(runs, intensity=None, replicates=REPLICATES, states=STATES):
-    """{wall: [Fragility of each State]} of runs; intensity: a column of theirs, None for the first of INTENSITIES that
-    they have."""
+    """{wall: [Fragility of each State]} of runs; intensity: a column of theirs, None for the first
+    of INTENSITIES that they have."""
     if replicates < 0:
         raise InputError(f"--replicates {replicates}: expected zero or more; correct it")
     intensity = intensity or leading(runs)
     check_intensity(runs, intensity)
     check_states(runs, states)
-    return {wall: [fragility(of_wall, state.measure, state.level, intensity, replicates, name=state.name)
-                   for state in states] for wall, of_wall in runs.groupby("wall", sort=False)}
+    return {
+        wall: [
+            fragility(of_wall, state.measure, state.level, intensity, replicates, name=state.name)
+            for state in states
+        ]
+        for wall, of_wall in runs.groupby("wall", sort=False)
+    }
 
 
 def fragility_table(fits, intensity):
     """A DataFrame with a row for each wall, measure and level."""
-    return pd.DataFrame([{"wall": wall, "intensity": intensity, **one.row()} for wall, ones in fits.items()
-                         for one in ones])
+    return pd.DataFrame(
+        [
+            {"wall": wall, "intensity": intensity, **one.row()}
+            for wall, ones in fits.items()
+            for one in ones
+        ]
+    )
 
 
 def in_words(fits):
-    """Text on curves {wall: [Fragility]}: a line each, with the intervals of the median for the mean curve and for a
-    new record."""
+    """Text on curves {wall: [Fragility]}: a line each, with the intervals of the median for the
+    mean curve and for a new record."""
     lines, notes = [], []
     for wall, ones in fits.items():
         one = ones[0]
-        lines += [f"{wall} wall by {one.intensity} [{unit_of(one.intensity)[1]}], {one.n_runs} runs, {one.n_walls} "
-                  f"walls, {one.n_records} records; intervals of {100 * CONFIDENCE:.0f} %",
-                  f"{'damage state':28} {'exceed':>6} {'median':>16} {'dispersion':>10} {'mean curve':>16} "
-                  f"{'a new record':>16}"]
+        lines += [
+            (
+                f"{wall} wall by {one.intensity} [{unit_of(one.intensity)[1]}], {one.n_runs} runs,"
+                f" {one.n_walls} walls, {one.n_records} records; intervals of"
+                f" {100 * CONFIDENCE:.0f} %"
+            ),
+            (
+                f"{'damage state':28} {'exceed':>6} {'median':>16} {'dispersion':>10}"
+                f" {'mean curve':>16} {'a new record':>16}"
+            ),
+        ]
         for one in ones:
-            median = _span(one.step) if one.step else f"{one.median:#.3g}" if np.isfinite(one.median) else "-"
-            dispersion = "step" if one.step else f"{one.dispersion:.2f}" if np.isfinite(one.median) else "-"
+            median = (
+                _span(one.step)
+                if one.step
+                else f"{one.median:#.3g}"
+                if np.isfinite(one.median)
+                else "-"
+            )
+            dispersion = (
+                "step" if one.step else f"{one.dispersion:.2f}" if np.isfinite(one.median) else "-"
+            )
             new = one.new_record.median_bounds() if one.new_record else (np.nan, np.nan)
             mean = one.median_bounds("both")[:, 0]
-            lines.append(f"{one.state:28} {one.n_exceeding:6} {median:>16} {dispersion:>10} {_span(mean):>16} "
-                         f"{_span(new):>16}")
+            lines.append(
+                f"{one.state:28} {one.n_exceeding:6} {median:>16} {dispersion:>10}"
+                f" {_span(mean):>16} {_span(new):>16}"
+            )
             notes += one.notes()
     return "\n".join(lines + notes)
 
@@ -379,48 +525,84 @@ def _span(bounds):
 
 
 def at_intensities(fits, values):
-    """A DataFrame with a row for each curve {wall: [Fragility]} and intensity of values: the probability of exceeding
-    by the curve, the interval of the mean curve, and that of a new record's own probability."""
+    """A DataFrame with a row for each curve {wall: [Fragility]} and intensity of values: the
+    probability of exceeding by the curve, the interval of the mean curve, and that of a new
+    record's own probability."""
     rows, unknown = [], (np.nan, np.nan)
     for wall, one in ((wall, one) for wall, ones in fits.items() for one in ones):
         mean, new = one.bounds(values, "both"), one.new_record
         for place, value in enumerate(values):
             low, high = unknown if mean is None else mean[:, place]
             new_low, new_high = new.bounds([value])[:, 0] if new else unknown
-            rows.append({"wall": wall, "state": one.state, "measure": one.measure, "level": one.level,
-                         "intensity": one.intensity, "value": value, "unit": unit_of(one.intensity)[1],
-                         "probability": one.probability(value), "mean_low": low, "mean_high": high,
-                         "new_record": new.probability([value])[0] if new else np.nan, "new_record_low": new_low,
-                         "new_record_high": new_high, "undetermined": one.why})
+            rows.append(
+                {
+                    "wall": wall,
+                    "state": one.state,
+                    "measure": one.measure,
+                    "level": one.level,
+                    "intensity": one.intensity,
+                    "value": value,
+                    "unit": unit_of(one.intensity)[1],
+                    "probability": one.probability(value),
+                    "mean_low": low,
+                    "mean_high": high,
+                    "new_record": new.probability([value])[0] if new else np.nan,
+                    "new_record_low": new_low,
+                    "new_record_high": new_high,
+                    "undetermined": one.why,
+                }
+            )
     return pd.DataFrame(rows)
 
 
 def efficiency_table(runs, states=STATES, intensity=None):
-    """Efficiency of intensities: a DataFrame with a row for each wall, State and intensity, best first.
+    """Efficiency of intensities: a DataFrame with a row for each wall, State and intensity, best
+    first.
 
-    dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN where the runs
-    determine none, undetermined: the reason.  scatter: standard deviation of ln(measure) about a straight line over
-    ln(intensity), of the runs that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007),
-    doi:10.1193/1.2723158, call an intensity efficient where it is small.  median: in `unit`.  intensity: one more than
+    dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN
+    where the runs determine none, undetermined: the reason.  scatter: standard deviation of
+    ln(measure) about a straight line over ln(intensity), of the runs that stand and have some
+    damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
+    intensity efficient where it is small.  median: in `unit`.  intensity: one more than
     INTENSITIES.
     """
     rows = []
     for wall, of_wall in runs.groupby("wall", sort=False):
-        for name, state in product(dict.fromkeys([*there(runs), *([intensity] if intensity else [])]), states):
-            one = fragility(of_wall, state.measure, state.level, name, replicates=0, name=state.name)
-            rows.append({"wall": wall, "state": one.state, "measure": one.measure, "level": one.level,
-                         "intensity": name, "dispersion": one.dispersion, "undetermined": one.why,
-                         "scatter": _scatter(of_wall, one.measure, name), "median": one.median,
-                         "unit": unit_of(name)[1], "runs": one.n_runs, "exceeding": one.n_exceeding,
-                         "records": one.n_records})
+        for name, state in product(
+            dict.fromkeys([*there(runs), *([intensity] if intensity else [])]), states
+        ):
+            one = fragility(
+                of_wall, state.measure, state.level, name, replicates=0, name=state.name
+            )
+            rows.append(
+                {
+                    "wall": wall,
+                    "state": one.state,
+                    "measure": one.measure,
+                    "level": one.level,
+                    "intensity": name,
+                    "dispersion": one.dispersion,
+                    "undetermined": one.why,
+                    "scatter": _scatter(of_wall, one.measure, name),
+                    "median": one.median,
+                    "unit": unit_of(name)[1],
+                    "runs": one.n_runs,
+                    "exceeding": one.n_exceeding,
+                    "records": one.n_records,
+                }
+            )
     measures = list(dict.fromkeys(state.measure for state in states))
     return pd.DataFrame(rows).sort_values(
-        ["wall", "measure", "level", "dispersion", "scatter"], kind="stable", ignore_index=True,
-        key=lambda column: column.map(measures.index) if column.name == "measure" else column)
+        ["wall", "measure", "level", "dispersion", "scatter"],
+        kind="stable",
+        ignore_index=True,
+        key=lambda column: column.map(measures.index) if column.name == "measure" else column,
+    )
 
 
 def _scatter(runs, measure, intensity):
-    """Standard deviation of ln(measure) about its line over ln(intensity), NaN of fewer than three runs."""
+    """Standard deviation of ln(measure) about its line over ln(intensity), NaN of fewer than three
+    runs."""
     x, y = (runs[name].astype(float) for name in (intensity, measure))
     chosen = (x > 0) & (y > 0) & runs["collapsed_at_s"].isna()
     x, y = np.log(x[chosen]), np.log(y[chosen])

@@ -1,4 +1,5 @@
-"""The picture of a wall's fragility: curves with confidence bounds, and the shares that they were fitted to."""
+"""The picture of a wall's fragility: curves with confidence bounds, and the shares that they were
+fitted to."""
 
 from itertools import cycle
 
@@ -8,55 +9,100 @@ from matplotlib.patches import Patch
 
 from damage.applications.studies.fragility import FEW_RECORDS, curve, exceeding
 from damage.applications.studies.new_record import CONFIDENCE
-from damage.applications.studies.states import LEVELS, State, in_picture, in_unit, label, leading, unit_of
+from damage.applications.studies.states import (
+    LEVELS,
+    State,
+    in_picture,
+    in_unit,
+    label,
+    leading,
+    unit_of,
+)
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, styled
 from damage.draw.words import record_label
 
 _MOST_PANELS = 3
 """In a row."""
-_BANDS = {"new record": (0.13, "interval of a new record's own curve"),
-          "both": (0.35, "interval of the mean curve, walls and records drawn anew"),
-          "walls": (0.35, "interval of the mean curve, walls drawn anew, records held")}
-"""What lies in a band: how dark, in words; the wider one first.  That over walls is drawn where there is one record."""
+_BANDS = {
+    "new record": (0.13, "interval of a new record's own curve"),
+    "both": (0.35, "interval of the mean curve, walls and records drawn anew"),
+    "walls": (0.35, "interval of the mean curve, walls drawn anew, records held"),
+}
+"""What lies in a band: how dark, in words; the wider one first.  That over walls is drawn where
+there is one record."""
 MOST_NAMED = 9
 """Records that a heading names one by one."""
 PSI = tuple(State("max_psi", level) for level in LEVELS["max_psi"])
 """The states that a figure of the damage before shows by default."""
-_STYLES = ((BLUE, "o", "-"), (GREEN, "s", "--"), (ORANGE, "^", "-."), (VERMILLION, "v", ":"), (BLACK, "x", "-"))
+_STYLES = (
+    (BLUE, "o", "-"),
+    (GREEN, "s", "--"),
+    (ORANGE, "^", "-."),
+    (VERMILLION, "v", ":"),
+    (BLACK, "x", "-"),
+)
 
 
 def fragility_pictures(runs, fits, intensity=None):
-    """(name, Figure) of every wall; runs, fits: of `damage.applications.studies.fragility`; intensity: that of the fits, None for
-    the first that the runs have."""
+    """(name, Figure) of every wall; runs, fits: of `damage.applications.studies.fragility`;
+    intensity: that of the fits, None for the first that the runs have."""
     intensity = intensity or leading(runs)
-    return [(f"fragility_{wall}_{intensity}", fragility_picture(wall, runs[runs["wall"] == wall], ones, intensity))
-            for wall, ones in fits.items()]
+    return [
+        (
+            f"fragility_{wall}_{intensity}",
+            fragility_picture(wall, runs[runs["wall"] == wall], ones, intensity),
+        )
+        for wall, ones in fits.items()
+    ]
 
 
 @styled
 def fragility_picture(wall, runs, fits, intensity=None):
-    """Panels by measure, a curve a damage state; runs: the rows of this wall; fits: its list of Fragility."""
+    """Panels by measure, a curve a damage state; runs: the rows of this wall; fits: its list of
+    Fragility."""
     intensity = intensity or leading(runs)
     measures = list(dict.fromkeys(one.measure for one in fits))
     columns = min(len(measures), _MOST_PANELS)
     figure, axes = grid(-(-len(measures) // columns), columns, 2.5)
-    for ax in axes.flat[len(measures):]:
+    for ax in axes.flat[len(measures) :]:
         ax.set_axis_off()
     x = np.linspace(0.005, 1.08, 120) * runs[intensity].max()
-    drawn = [_panel(ax, number, x, runs, [one for one in fits if one.measure == measure], intensity)
-             for number, (ax, measure) in enumerate(zip(axes.flat, measures))]
+    drawn = [
+        _panel(ax, number, x, runs, [one for one in fits if one.measure == measure], intensity)
+        for number, (ax, measure) in enumerate(zip(axes.flat, measures))
+    ]
     axes[0, 0].set_ylabel("probability of exceeding")
     n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
-    add_heading(figure, f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
-                f"variation {runs['strength_cov'].iloc[0]:g}", _named(records),
-                few_note(len(records)))
-    bands = [Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {words}")
-             for kind, (alpha, words) in _BANDS.items() if any(kind in kinds for kinds in drawn)]
-    return finish(figure, [
-        Line2D([], [], color="0.3", label="lognormal fit to all records"),
-        Line2D([], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity"),
-        *bands], columns=2)
+    add_heading(
+        figure,
+        f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
+        f"variation {runs['strength_cov'].iloc[0]:g}",
+        _named(records),
+        few_note(len(records)),
+    )
+    bands = [
+        Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {words}")
+        for kind, (alpha, words) in _BANDS.items()
+        if any(kind in kinds for kinds in drawn)
+    ]
+    return finish(
+        figure,
+        [
+            Line2D([], [], color="0.3", label="lognormal fit to all records"),
+            Line2D(
+                [],
+                [],
+                color="0.3",
+                marker="o",
+                ls="",
+                ms=3,
+                label="share of the runs at one intensity",
+            ),
+            *bands,
+        ],
+        columns=2,
+    )
 
 
 def _panel(ax, number, x, runs, fits, intensity):
@@ -72,25 +118,40 @@ def _panel(ax, number, x, runs, fits, intensity):
 
 def _named(records):
     """Records as a heading names them: each, or their number where they are many."""
-    return f"{len(records)} records" if len(records) > MOST_NAMED else "; ".join(map(record_label, records))
+    return (
+        f"{len(records)} records"
+        if len(records) > MOST_NAMED
+        else "; ".join(map(record_label, records))
+    )
 
 
 def few_note(n_records):
-    """A line of the heading where the records are too few to bound what others would do, else ""."""
-    return "" if n_records >= FEW_RECORDS else (
-        f"{n_records} {'records are' if n_records != 1 else 'record is'} few: the intervals are rough")
+    """A line of the heading where the records are too few to bound what others would do, else
+    ""."""
+    return (
+        ""
+        if n_records >= FEW_RECORDS
+        else (
+            f"{n_records} {'records are' if n_records != 1 else 'record is'} few: the intervals are"
+            " rough"
+        )
+    )
 
 
 def _bands(one, x):
     """{name of _BANDS: lower and upper bound (2, n)} of the bands that there are."""
     new, both = one.new_record, one.bounds(x, "both")
-    found = {"new record": new.bounds(x) if new else None, "both": both,
-             "walls": one.bounds(x) if one.n_records == 1 else None}
+    found = {
+        "new record": new.bounds(x) if new else None,
+        "both": both,
+        "walls": one.bounds(x) if one.n_records == 1 else None,
+    }
     return {kind: bounds for kind, bounds in found.items() if bounds is not None}
 
 
 def _draw(ax, x, runs, one, style, intensity):
-    """Shares, curve and bounds of one level; returns the legend's entry, and the names of the bands drawn."""
+    """Shares, curve and bounds of one level; returns the legend's entry, and the names of the bands
+    drawn."""
     colour, marker, line = style
     shares = exceeding(runs, one.measure, one.level).groupby(runs[intensity]).mean()
     ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
@@ -101,10 +162,15 @@ def _draw(ax, x, runs, one, style, intensity):
         for kind, bounds in bands.items():
             ax.fill_between(x, *bounds, color=colour, alpha=_BANDS[kind][0], lw=0)
         unit = unit_of(intensity)[1]
-        words += (f": between {one.step[0]:#.3g} and {one.step[1]:#.3g} {unit}" if one.step else
-                  f": median {one.median:#.3g} {unit}, dispersion {one.dispersion:.2f}")
+        words += (
+            f": between {one.step[0]:#.3g} and {one.step[1]:#.3g} {unit}"
+            if one.step
+            else f": median {one.median:#.3g} {unit}, dispersion {one.dispersion:.2f}"
+        )
         if one.new_record:
-            words += "\nof a new record {:#.2g} to {:#.2g} {}".format(*one.new_record.median_bounds(), unit)
+            words += "\nof a new record {:#.2g} to {:#.2g} {}".format(
+                *one.new_record.median_bounds(), unit
+            )
     else:
         words += f": no curve, {one.n_exceeding} of {one.n_runs} runs exceed it"
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=words), list(bands)
@@ -112,25 +178,47 @@ def _draw(ax, x, runs, one, style, intensity):
 
 @styled
 def picture_after_damage(wall, shocks, table, intensity, states=PSI):
-    """A panel for each State, a curve for each class of the damage before; shocks, table: of one wall, of
-    `damage.applications.studies.after_damage`."""
+    """A panel for each State, a curve for each class of the damage before; shocks, table: of one
+    wall, of `damage.applications.studies.after_damage`."""
     figure, axes = grid(1, len(states), 3.0)
     x = np.linspace(0.005, 1.08, 200) * shocks[intensity].max()
     for number, (ax, state) in enumerate(zip(axes[0], states)):
         rows = table[table["state"] == state.words]
-        handles = [_draw_after(ax, x, shocks, row, style, intensity)
-                   for (_, row), style in zip(rows.iterrows(), cycle(_STYLES))]
-        ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.1), ncols=1, borderaxespad=0)
+        handles = [
+            _draw_after(ax, x, shocks, row, style, intensity)
+            for (_, row), style in zip(rows.iterrows(), cycle(_STYLES))
+        ]
+        ax.legend(
+            handles=handles, loc="lower left", bbox_to_anchor=(0, 1.1), ncols=1, borderaxespad=0
+        )
         words, unit = in_picture(state.measure)
         words = words.removeprefix("maximum ") if state.measure in LEVELS else words
         letter(ax, number, state.name or f"{words} > {state.level:g} {unit.strip('-')}")
         ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     axes[0, 0].set_ylabel("probability of exceeding")
     records = shocks["record"].dropna().unique()
-    add_heading(figure, f"{wall} wall, {len(shocks)} shocks, by the damage before",
-                _named(records), few_note(len(records)))
-    return finish(figure, [Line2D([], [], color="0.3", label="lognormal fit"), Line2D(
-        [], [], color="0.3", marker="o", ls="", ms=3, label="share of the shocks at one intensity")], columns=2)
+    add_heading(
+        figure,
+        f"{wall} wall, {len(shocks)} shocks, by the damage before",
+        _named(records),
+        few_note(len(records)),
+    )
+    return finish(
+        figure,
+        [
+            Line2D([], [], color="0.3", label="lognormal fit"),
+            Line2D(
+                [],
+                [],
+                color="0.3",
+                marker="o",
+                ls="",
+                ms=3,
+                label="share of the shocks at one intensity",
+            ),
+        ],
+        columns=2,
+    )
 
 
 def _draw_after(ax, x, shocks, row, style, intensity):
@@ -144,6 +232,11 @@ def _draw_after(ax, x, shocks, row, style, intensity):
         ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)
         unit = unit_of(intensity)[1]
         low, high = (row[in_unit(f"median_walls_{end}", intensity)] for end in ("low", "high"))
-        text = f"{row['before']}: " + (f"median {median:#.3g} {unit}, dispersion {row['dispersion']:.2f}" if
-                                       row["dispersion"] > 0 else f"between {low:#.3g} and {high:#.3g} {unit}")
-    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=text.replace("Psi", r"$\Psi$"))
+        text = f"{row['before']}: " + (
+            f"median {median:#.3g} {unit}, dispersion {row['dispersion']:.2f}"
+            if row["dispersion"] > 0
+            else f"between {low:#.3g} and {high:#.3g} {unit}"
+        )
+    return Line2D(
+        [], [], color=colour, marker=marker, ls=line, ms=3, label=text.replace("Psi", r"$\Psi$")
+    )

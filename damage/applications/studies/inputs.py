@@ -1,12 +1,14 @@
-"""Inputs of the runs of a point: the wall as built, every option as parsed, every file that was read.
+"""Inputs of the runs of a point: the wall as built, every option as parsed, every file that was
+read.
 
-A study keeps them with its records (`damage.applications.studies.records`) and compares them before it continues.  The wall file
-counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
-values that a run gets, defaults included.  A history that runs continue counts by its content, lives by all
+A study keeps them with its records (`damage.applications.studies.records`) and compares them before
+it continues.  The wall file counts by the Wall that it makes, so that a module that it imports
+counts and a comment does not; options count by the values that a run gets, defaults included.  A
+history that runs continue counts by its content, lives by all
 that they are drawn from.
 
-A run is made only where its inputs, once it has read them, are still those that its study began with
-(`damage.applications.studies.worker`): files may change meanwhile.
+A run is made only where its inputs, once it has read them, are still those that its study began
+with (`damage.applications.studies.worker`): files may change meanwhile.
 """
 
 import hashlib
@@ -20,18 +22,30 @@ from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
 
-NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "console", "command", "checkpoint_s",
-                          "resumed"},
-            Record: {"acceleration_m_s2", "time_step_s", "start_utc", "source", "unit"}}
+NO_INPUT = {
+    RunSettings: {
+        "out",
+        "overwrite",
+        "pictures",
+        "quiet",
+        "view",
+        "console",
+        "command",
+        "checkpoint_s",
+        "resumed",
+    },
+    Record: {"acceleration_m_s2", "time_step_s", "start_utc", "source", "unit"},
+}
 """Fields that decide no value, or that follow from the files whose checksums stand beside them."""
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """The wall as built, and the settings of a point's first run; the others differ from it by their number alone.
+    """The wall as built, and the settings of a point's first run; the others differ from it by
+    their number alone.
 
-    continued: SHA-256 of the history that the runs continue; drawn_from: of what their lives are drawn from; or None.
-    """
+    continued: SHA-256 of the history that the runs continue; drawn_from: of what their lives are
+    drawn from; or None."""
 
     wall: Wall
     settings: RunSettings
@@ -40,11 +54,17 @@ class Inputs:
 
 
 def inputs_of(run, root, wall=None):
-    """The Inputs of a StudyRun; root: the repository; wall: as one of its runs has read it.  Raises InputError where
-    wall, options or a file are bad."""
+    """The Inputs of a StudyRun; root: the repository; wall: as one of its runs has read it.  Raises
+    InputError where wall, options or a file are bad."""
     settings = run.settings(root)
-    continued = settings.continued and hashlib.sha256(
-        check_file(settings.continued, "the history of the run that is continued (.h5)").read_bytes()).hexdigest()
+    continued = (
+        settings.continued
+        and hashlib.sha256(
+            check_file(
+                settings.continued, "the history of the run that is continued (.h5)"
+            ).read_bytes()
+        ).hexdigest()
+    )
     return Inputs(wall or load_wall(root / run.wall), settings, continued, _drawn_from(run, root))
 
 
@@ -62,9 +82,11 @@ def as_json(inputs):
 
 
 def differences(note, inputs):
-    """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty where they agree.
+    """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty
+    where they agree.
 
-    note: of `as_json`.  A field that the note lacks came with a later version and agrees at its default; one that
+    note: of `as_json`.  A field that the note lacks came with a later version and agrees at its
+    default; one that
     is no input any more does not count.
     """
     return list(_differing(note, inputs, ""))
@@ -78,7 +100,9 @@ def _fields(record):
 def _plain(value):
     """A value as JSON has it: a record is a table with its kind."""
     if is_dataclass(value):
-        return {"kind": type(value).__name__} | {one.name: _plain(getattr(value, one.name)) for one in _fields(value)}
+        return {"kind": type(value).__name__} | {
+            one.name: _plain(getattr(value, one.name)) for one in _fields(value)
+        }
     return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 

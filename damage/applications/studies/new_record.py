@@ -1,17 +1,20 @@
 """Fragility for a record that was not used: a wall's curve with a random effect of the record.
 
-Records of equal intensity differ in how much damage they do.  The model: in record r a run at intensity x exceeds the
-level with probability Phi((ln x - ln m_r) / beta).  Here m_r is the record's own median, and beta the scatter of the
-walls within one record.  The medians are lognormal: ln m_r ~ N(ln theta, tau^2).  A single lognormal curve through the
-runs of all records does not know tau and predicts no other record.
+Records of equal intensity differ in how much damage they do.  The model: in record r a run at
+intensity x exceeds the level with probability Phi((ln x - ln m_r) / beta).  Here m_r is the
+record's own median, and beta the scatter of the walls within one record.  The medians are
+lognormal: ln m_r ~ N(ln theta, tau^2).  A single lognormal curve through the runs of all records
+does not know tau and predicts no other record.
 
-Few records leave tau uncertain.  So theta, tau and beta are averaged over their posterior on a grid.  The prior is
-uniform in ln theta and in ln beta, and proportional to 1 / (tau + tau_0) in tau.  Where the median of each record is
-known exactly, tau_0 is 0, and the interval of a new median is Student's, mean +- t(n - 1) s sqrt(1 + 1 / n) of the n
-logarithms (A. Gelman and others, 2013, Bayesian Data Analysis, 3rd edition, section 3.2).  Otherwise two neighbouring
-intensities bound a record's median, and the likelihood holds no information on a tau that is much less than their
-distance in ln x.  So tau_0 is the standard deviation of a uniform distribution of that width, of the median record.
-The runs of a record count as independent.  `paper/fragility_coverage.py` measures how often the interval holds.
+Few records leave tau uncertain.  So theta, tau and beta are averaged over their posterior on a
+grid.  The prior is uniform in ln theta and in ln beta, and proportional to 1 / (tau + tau_0) in
+tau.  Where the median of each record is known exactly, tau_0 is 0, and the interval of a new median
+is Student's, mean +- t(n - 1) s sqrt(1 + 1 / n) of the n logarithms (A. Gelman and others, 2013,
+Bayesian Data Analysis, 3rd edition, section 3.2).  Otherwise two neighbouring intensities bound a
+record's median, and the likelihood holds no information on a tau that is much less than their
+distance in ln x.  So tau_0 is the standard deviation of a uniform distribution of that width, of
+the median record. The runs of a record count as independent.  `paper/fragility_coverage.py`
+measures how often the interval holds.
 """
 
 from dataclasses import dataclass
@@ -21,11 +24,13 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import bdtr, log_ndtr, ndtr
 
 LEAST_RECORDS = 3
-"""In which some runs exceed the level and some do not; fewer do not bound tau: Student's quantile of two is 6.3."""
+"""In which some runs exceed the level and some do not; fewer do not bound tau: Student's quantile
+of two is 6.3."""
 CONFIDENCE = 0.9
 _TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
 _STEP, _MARGIN = 0.02, 5.0
-"""Of the grid of ln m: its step, and by how much it is longer than the intensities at either end."""
+"""Of the grid of ln m: its step, and by how much it is longer than the intensities at either
+end."""
 _TAU, _BETA = np.geomspace(0.01, 3.0, 24), np.geomspace(0.02, 2.0, 12)
 _LEAST_WEIGHT = 1e-9
 """Of a curve, of the largest weight: those of less are left out."""
@@ -33,9 +38,11 @@ _LEAST_WEIGHT = 1e-9
 
 @dataclass(frozen=True)
 class NewRecord:
-    """The next record's own curve, Phi(ln(x / median) / dispersion), as a weighted set of such curves.
+    """The next record's own curve, Phi(ln(x / median) / dispersion), as a weighted set of such
+    curves.
 
-    medians (n,), in the unit of the intensity, ascending; dispersions (n_beta,) [-]; weights (n_beta, n), sum 1.
+    medians (n,), in the unit of the intensity, ascending; dispersions (n_beta,) [-]; weights
+    (n_beta, n), sum 1.
     """
 
     medians: np.ndarray
@@ -58,23 +65,30 @@ class NewRecord:
         return np.array([_percentiles(one, weights, _TAILS) for one in curves]).T
 
     def share_bounds(self, intensity, n_runs):
-        """Lower and upper bound (2,) of the share of n_runs that exceed at one intensity of a new record."""
+        """Lower and upper bound (2,) of the share of n_runs that exceed at one intensity of a new
+        record."""
         curves, weights = self._curves([intensity])
         chances = bdtr(np.arange(n_runs + 1.0)[:, None], n_runs, curves[0]) @ weights
         return np.searchsorted(chances, np.array(_TAILS) * (1 - 1e-12)) / n_runs
 
     def _curves(self, intensity):
-        """Probabilities (n, k) of all curves that count at intensities (n,), and their weights (k,)."""
+        """Probabilities (n, k) of all curves that count at intensities (n,), and their weights
+        (k,)."""
         counts = self.weights > _LEAST_WEIGHT * self.weights.max()
         beta, place = np.nonzero(counts)
-        z = np.log(np.asarray(intensity, float)[:, None] / self.medians[place]) / self.dispersions[beta]
+        z = (
+            np.log(np.asarray(intensity, float)[:, None] / self.medians[place])
+            / self.dispersions[beta]
+        )
         return ndtr(z), self.weights[counts] / self.weights[counts].sum()
 
 
 def new_record(intensity, exceeding, runs):
-    """The NewRecord after those of a study; None of fewer than LEAST_RECORDS that bound their own median.
+    """The NewRecord after those of a study; None of fewer than LEAST_RECORDS that bound their own
+    median.
 
-    intensity: (n,); exceeding, runs: (n_records, n), how many of how many runs exceed the level there.
+    intensity: (n,); exceeding, runs: (n_records, n), how many of how many runs exceed the level
+    there.
     """
     exceeding, runs = np.asarray(exceeding, float), np.asarray(runs, float)
     total = exceeding.sum(axis=1)
@@ -83,18 +97,27 @@ def new_record(intensity, exceeding, runs):
     x = np.log(np.asarray(intensity, float))
     m = np.arange(x.min() - _MARGIN, x.max() + _MARGIN, _STEP)
     z = (x[:, None, None] - m) / _BETA[:, None]
-    likelihood = (np.tensordot(exceeding, log_ndtr(z), 1) + np.tensordot(runs - exceeding, log_ndtr(-z), 1))
+    likelihood = np.tensordot(exceeding, log_ndtr(z), 1) + np.tensordot(
+        runs - exceeding, log_ndtr(-z), 1
+    )
     largest = likelihood.max(axis=2, keepdims=True)
-    scattered = _scatter(np.exp(likelihood - largest))  # (n_tau, n_records, n_beta, n): of a record, by theta
-    prior = _TAU / (_TAU + _resolution(x, exceeding, runs) / np.sqrt(12))  # of ln tau, in which the grid is uniform
-    posterior = np.log(np.maximum(scattered, 1e-300)).sum(axis=1) + largest.sum(axis=0) + np.log(prior)[:, None, None]
+    # (n_tau, n_records, n_beta, n): of a record, by theta
+    scattered = _scatter(np.exp(likelihood - largest))
+    # of ln tau, in which the grid is uniform
+    prior = _TAU / (_TAU + _resolution(x, exceeding, runs) / np.sqrt(12))
+    posterior = (
+        np.log(np.maximum(scattered, 1e-300)).sum(axis=1)
+        + largest.sum(axis=0)
+        + np.log(prior)[:, None, None]
+    )
     posterior = np.exp(posterior - posterior.max())
     weights = np.maximum(_scatter(posterior / posterior.sum(), each=True).sum(axis=0), 0.0)
     return NewRecord(np.exp(m), _BETA, weights / weights.sum())
 
 
 def _resolution(x, exceeding, runs):
-    """Median over the records of the distance in x (n,) between their neighbours where half of the runs exceed."""
+    """Median over the records of the distance in x (n,) between their neighbours where half of the
+    runs exceed."""
     gaps = []
     for y, n in zip(exceeding, runs):
         order = np.argsort(x)[n[np.argsort(x)] > 0]
@@ -105,12 +128,14 @@ def _resolution(x, exceeding, runs):
 
 
 def _scatter(values, each=False):
-    """Values over ln m, the last axis, smeared by every tau: (n_tau, ...); each: the first axis is tau's already."""
+    """Values over ln m, the last axis, smeared by every tau: (n_tau, ...); each: the first axis is
+    tau's already."""
     n = values.shape[-1]
     size = next_fast_len(2 * n, real=True)
     distance = _STEP * np.minimum(np.arange(size), size - np.arange(size))
     ends = (distance + _STEP * np.array([[-0.5], [0.5]]))[:, None, :] / _TAU[:, None]
-    kernel = rfft(ndtr(ends[1]) - ndtr(ends[0]))  # of cells, as tau may be less than the grid's step
+    # of cells, as tau may be less than the grid's step
+    kernel = rfft(ndtr(ends[1]) - ndtr(ends[0]))
     kernel = kernel.reshape(len(_TAU), *(1,) * (values.ndim - 1 - each), -1)
     return irfft(rfft(values, size) * kernel, size)[..., :n]
 
@@ -118,4 +143,6 @@ def _scatter(values, each=False):
 def _percentiles(values, weights, shares):
     """Weighted percentiles of values (n,)."""
     order = np.argsort(values)
-    return values[order][np.minimum(np.searchsorted(np.cumsum(weights[order]), shares), len(values) - 1)]
+    return values[order][
+        np.minimum(np.searchsorted(np.cumsum(weights[order]), shares), len(values) - 1)
+    ]

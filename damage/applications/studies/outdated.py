@@ -1,8 +1,10 @@
-"""Which results of a study are those of today: the one rule for done, made again and another version.
+"""Which results of a study are those of today: the one rule for done, made again and another
+version.
 
-A result is of today where its point has the inputs, its solver the model and the tables the measures that its record
-names.  Other inputs make the runs of a point again.  Another model keeps runs, and names them, unless they are to be
-made again.  Other measures are worked out of the history, or refused where it was not kept.
+A result is of today where its point has the inputs, its solver the model and the tables the
+measures that its record names.  Other inputs make the runs of a point again.  Another model keeps
+runs, and names them, unless they are to be made again.  Other measures are worked out of the
+history, or refused where it was not kept.
 """
 
 import re
@@ -14,7 +16,14 @@ from pathlib import Path
 from damage.applications.cracks.kept import ENDING, FOLDER
 from damage.applications.studies.folder import ROOT
 from damage.applications.studies.inputs import as_json, differences, inputs_of
-from damage.applications.studies.records import NAME, is_of_today, key_of, point_line, point_of, read_records
+from damage.applications.studies.records import (
+    NAME,
+    is_of_today,
+    key_of,
+    point_line,
+    point_of,
+    read_records,
+)
 from damage.applications.studies.tables import histories_in, refuse_other_measures
 from damage.errors import InputError, some_of
 from damage.files import write_text
@@ -33,9 +42,9 @@ _FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
 
 @dataclass
 class Verdict:
-    """inputs: {StudyRun: (key, its inputs as JSON)}; changed: {StudyRun of other inputs: how they differ, words};
-    unknown: single runs without a note of their inputs, which are kept; models: {name of a run: the other model that
-    made it}; measures: names of runs of other measures."""
+    """inputs: {StudyRun: (key, its inputs as JSON)}; changed: {StudyRun of other inputs: how they
+    differ, words}; unknown: single runs without a note of their inputs, which are kept; models:
+    {name of a run: the other model that made it}; measures: names of runs of other measures."""
 
     inputs: dict = field(default_factory=dict)
     changed: dict = field(default_factory=dict)
@@ -48,7 +57,11 @@ class Results:
     """What is there of a study in its folder: records, and {name: path} of whole histories."""
 
     def __init__(self, folder):
-        self.folder, self.records, self.histories = folder, read_records(folder), histories_in(folder)
+        self.folder, self.records, self.histories = (
+            folder,
+            read_records(folder),
+            histories_in(folder),
+        )
         self._files = defaultdict(list)  # {name of a run: its files}, unfinished ones included
         for path in (folder / "runs").glob("*.h5"):
             self._files[_FILE.fullmatch(path.name)[1]].append(path)
@@ -58,7 +71,8 @@ class Results:
         return self.records.names_of(run, self.histories)
 
     def judge(self, runs):
-        """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is bad."""
+        """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is
+        bad."""
         verdict, there = Verdict(), defaultdict(list)
         for name in sorted({*self.records.runs, *self.histories}):
             there[point_of(name)].append(name)
@@ -66,8 +80,13 @@ class Results:
             inputs, names = inputs_of(run, ROOT), there[run.id]
             content = as_json(inputs)
             verdict.inputs[run] = key_of(content), content
-            differing = list(dict.fromkeys(one for key in {self._key(name) for name in names}
-                                           for one in self.changes(run, inputs, key)))
+            differing = list(
+                dict.fromkeys(
+                    one
+                    for key in {self._key(name) for name in names}
+                    for one in self.changes(run, inputs, key)
+                )
+            )
             if differing == [_NO_NOTE] and not run.is_ensemble:
                 verdict.unknown.append(run)
             elif differing:
@@ -82,7 +101,8 @@ class Results:
         return self.records.points.get(point_of(name)) if record is None else record.get("inputs")
 
     def changes(self, run, inputs, key):
-        """How Inputs differ from those with this key, a list of words; empty where they are equal."""
+        """How Inputs differ from those with this key, a list of words; empty where they are
+        equal."""
         then = self.records.inputs.get(key)
         if then is None:
             return [_NO_NOTE]
@@ -99,12 +119,15 @@ class Results:
     def bring_up_to_date(self, verdict, remake=False):
         """Take away what is to be made again; returns warnings, a list of str.
 
-        remake: runs of another model, and of other measures without a history, too; otherwise the latter raise
-        InputError, before anything is done.
+        remake: runs of another model, and of other measures without a history, too; otherwise the
+        latter raise InputError, before anything is done.
         """
         if not remake:
-            refuse_other_measures({name: self.records.runs[name]["row"] for name in verdict.measures}, self.histories,
-                                  self.folder)
+            refuse_other_measures(
+                {name: self.records.runs[name]["row"] for name in verdict.measures},
+                self.histories,
+                self.folder,
+            )
         lost = [name for name in verdict.measures if name not in self.histories]
         changed = {run.id for run in verdict.changed}
         gone = [name for name in {*self.records.runs, *self._files} if point_of(name) in changed]
@@ -112,15 +135,19 @@ class Results:
             self._remove(name)
         for name in verdict.measures:
             self._forget(name)
-        if gone or verdict.measures or (remake and verdict.models):  # tables of the whole have rows that are gone
+        # tables of the whole have rows that are gone
+        if gone or verdict.measures or (remake and verdict.models):
             for name in ("summary.csv", "points.csv", "study.h5"):
                 (self.folder / "tables" / name).unlink(missing_ok=True)
         return [*self.records.faults, *_warnings(verdict, remake)]
 
     def _remove(self, name):
         """Take away all that was made of a run."""
-        for path in (*self._files.pop(name, []), *(self.folder / "tables").glob(f"{name}_*.csv"),
-                     *(self.folder / FOLDER).glob(f"{name}{ENDING}")):
+        for path in (
+            *self._files.pop(name, []),
+            *(self.folder / "tables").glob(f"{name}_*.csv"),
+            *(self.folder / FOLDER).glob(f"{name}{ENDING}"),
+        ):
             path.unlink()
         shutil.rmtree(self.folder / "pictures" / name, ignore_errors=True)
         self._forget(name)
@@ -132,12 +159,15 @@ class Results:
 
     def lines_of(self, verdict):
         """Today's inputs of points, as a slice writes them before its records."""
-        return "".join(point_line(run.id, key, inputs) for run, (key, inputs) in verdict.inputs.items()
-                       if self.records.points.get(run.id) != key)
+        return "".join(
+            point_line(run.id, key, inputs)
+            for run, (key, inputs) in verdict.inputs.items()
+            if self.records.points.get(run.id) != key
+        )
 
     def write(self, verdict):
-        """Write the one file of records, with today's inputs of all points, where it does not hold just this; files
-        of slices go."""
+        """Write the one file of records, with today's inputs of all points, where it does not hold
+        just this; files of slices go."""
         for run, (key, inputs) in verdict.inputs.items():
             self.records.orderly &= self.records.points.get(run.id) == key
             self.records.points[run.id], self.records.inputs[key] = key, inputs
@@ -150,38 +180,64 @@ class Results:
 
     def is_whole(self, task):
         """Whether all that a run leaves is there, its record included."""
-        if task.name not in self.records.runs or (task.kept and task.name not in self.histories) or (
-                task.patterns and not (task.pattern.is_file() and "patterns" in self.records.runs[task.name])):
+        if (
+            task.name not in self.records.runs
+            or (task.kept and task.name not in self.histories)
+            or (
+                task.patterns
+                and not (task.pattern.is_file() and "patterns" in self.records.runs[task.name])
+            )
+        ):
             return False
-        return task.number > 1 or all((self.folder / "tables" / f"{task.name}_{table}.csv").is_file()
-                                      for table in FIRST_TABLES)
+        return task.number > 1 or all(
+            (self.folder / "tables" / f"{task.name}_{table}.csv").is_file()
+            for table in FIRST_TABLES
+        )
 
 
 def _warnings(verdict, remake):
     """What a Verdict has to say: a list of str."""
     said = []
     if verdict.changed:
-        said.append(f"{len(verdict.changed)} points were made from other inputs and are made again: " + some_of(
-            [f"{run.id} ({', '.join(words[:_DIFFERENCES])})" for run, words in verdict.changed.items()], _DIFFERENCES))
+        said.append(
+            f"{len(verdict.changed)} points were made from other inputs and are made again: "
+            + some_of(
+                [
+                    f"{run.id} ({', '.join(words[:_DIFFERENCES])})"
+                    for run, words in verdict.changed.items()
+                ],
+                _DIFFERENCES,
+            )
+        )
     if verdict.unknown:
-        said.append(f"{len(verdict.unknown)} points have no note of their inputs and "
-                    "are kept without a comparison; delete a run's history to have it made again: "
-                    + some_of([run.id for run in verdict.unknown], _DIFFERENCES))
+        said.append(
+            f"{len(verdict.unknown)} points have no note of their inputs and "
+            "are kept without a comparison; delete a run's history to have it made again: "
+            + some_of([run.id for run in verdict.unknown], _DIFFERENCES)
+        )
     if verdict.models:
         what = "are made again" if remake else "are kept; --remake makes them again"
-        said.append(f"{len(verdict.models)} runs were made by another version of the model "
-                    f"({', '.join(sorted(set(verdict.models.values())))}) and {what}: {some_of(list(verdict.models))}")
+        said.append(
+            f"{len(verdict.models)} runs were made by another version of the model"
+            f" ({', '.join(sorted(set(verdict.models.values())))}) and {what}:"
+            f" {some_of(list(verdict.models))}"
+        )
     return said
 
 
 def _today(model):
     """Today's model of the solver that made a run; None where its code is not here."""
     solver = (model or "").partition(" ")[0]
-    return f"{solver} {model_digest(CODE[solver])}" if solver in CODE and CODE[solver].is_dir() else None
+    return (
+        f"{solver} {model_digest(CODE[solver])}"
+        if solver in CODE and CODE[solver].is_dir()
+        else None
+    )
 
 
 def _model_of(path):
-    """The solver and digest of the model's code that made a history; None of a file that is no history."""
+    """The solver and digest of the model's code that made a history; None of a file that is no
+    history."""
     try:
         head = read_head(path)
     except InputError:

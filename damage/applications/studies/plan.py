@@ -1,4 +1,5 @@
-"""Dry run of a study: runs that are there and runs to make; nothing is written in the study's folder."""
+"""Dry run of a study: runs that are there and runs to make; nothing is written in the study's
+folder."""
 
 from damage.applications.studies.outdated import Results
 
@@ -21,8 +22,11 @@ def print_plan(study, folder, remake=False):
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
     for run in study.runs:
         print(f"  {run.id:60s}  {_state(run, there[run])}")
-    print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; "
-          f"runs to make: {'up to ' if most != fewest else ''}{most}, into {folder}", flush=True)
+    print(
+        f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; "
+        f"runs to make: {'up to ' if most != fewest else ''}{most}, into {folder}",
+        flush=True,
+    )
 
 
 def _there(study, folder, remake):

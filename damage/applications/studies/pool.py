@@ -1,7 +1,7 @@
 """The processes of a study: tasks go to them, and what they leave goes into its records.
 
-A process that is lost, as the system ends one for want of memory, costs the runs that were in it: they begin again,
-each in a process of its own, and one that is lost a second time has failed.
+A process that is lost, as the system ends one for want of memory, costs the runs that were in it:
+they begin again, each in a process of its own, and one that is lost a second time has failed.
 """
 
 import math
@@ -29,14 +29,15 @@ from damage.wall.layout import lay_out
 
 LOOK_S = 2.0
 """Between two looks at the room on the disk [s]."""
-_FORK = multiprocessing.get_context("fork")  # processes begin with all libraries, compiled code and records
+# processes begin with all libraries, compiled code and records
+_FORK = multiprocessing.get_context("fork")
 
 
 class Worker:
     """A process, and the tasks that it has: in its connection, or under way.
 
-    It starts with POLITE_ENDS blocked and unblocks them once it has handlers of its own: those of the parent, which it
-    inherits, would end the other processes.
+    It starts with POLITE_ENDS blocked and unblocks them once it has handlers of its own: those of
+    the parent, which it inherits, would end the other processes.
     """
 
     def __init__(self, work, lock):
@@ -52,8 +53,10 @@ class Worker:
 
     def takes(self, task, share):
         """Whether a task can go to it; share: how many runs step together in a process."""
-        return not self.tasks or (len(self.tasks) < share and all(
-            one.steps and not one.alone for one in (task, *self.tasks)))
+        return not self.tasks or (
+            len(self.tasks) < share
+            and all(one.steps and not one.alone for one in (task, *self.tasks))
+        )
 
     def give(self, task):
         self.tasks.append(task)
@@ -84,8 +87,8 @@ class Pool:
     """So many processes that do tasks in the folder of a study."""
 
     def __init__(self, jobs, work, lock, folder, say):
-        """work: what each of them does, `damage.applications.studies.worker.work`; lock: descriptor that solvers hold as long as they
-        run; say(line): prints a line."""
+        """work: what each of them does, `damage.applications.studies.worker.work`; lock: descriptor
+        that solvers hold as long as they run; say(line): prints a line."""
         self.jobs, self.folder, self._work, self._lock, self._say = jobs, folder, work, lock, say
         self.interrupted = self.short = False  # ended by a signal; in want of room
         self.failed, self.n_lost = [], 0  # tasks; runs that an interrupt ended
@@ -99,10 +102,16 @@ class Pool:
         return self.interrupted or self.short
 
     def run(self, tasks, follow=lambda task, record: ()):
-        """Do tasks; follow(task, record): called when one is done, returns the tasks that follow from it."""
-        order = {company: place for place, company in enumerate(dict.fromkeys(
-            task.company for task in tasks if task.steps))}
-        # Those that can step together, one after the other; YADE's, which take longest, after results that come soon.
+        """Do tasks; follow(task, record): called when one is done, returns the tasks that follow
+        from it."""
+        order = {
+            company: place
+            for place, company in enumerate(
+                dict.fromkeys(task.company for task in tasks if task.steps)
+            )
+        }
+        # Those that can step together, one after the other; YADE's, which take longest, after
+        # results that come soon.
         self._add(sorted(tasks, key=lambda task: order.get(task.company, len(order))))
         if first := next((task for task in self._waiting if task.steps), None):
             load_compiled(first, self._say)
@@ -110,7 +119,8 @@ class Pool:
             try:
                 self._do(follow)
             finally:
-                for worker in filter(lambda one: one.tasks, self._workers):  # after an error of this process
+                # after an error of this process
+                for worker in filter(lambda one: one.tasks, self._workers):
                     worker.end_politely()
                 for worker in self._workers:
                     worker.close()
@@ -121,7 +131,9 @@ class Pool:
             if task.kind != RUN:
                 self._later.append(task)
             else:
-                place = next((k for k, one in enumerate(self._waiting) if not one.steps), len(self._waiting))
+                place = next(
+                    (k for k, one in enumerate(self._waiting) if not one.steps), len(self._waiting)
+                )
                 self._waiting.insert(place if task.steps else len(self._waiting), task)
 
     def _do(self, follow):
@@ -133,7 +145,10 @@ class Pool:
             busy = [worker for worker in self._workers if worker.tasks]
             if not busy:
                 return
-            wait([one for worker in busy for one in (worker.connection, worker.process.sentinel)], LOOK_S)
+            wait(
+                [one for worker in busy for one in (worker.connection, worker.process.sentinel)],
+                LOOK_S,
+            )
             for worker in busy:
                 self._listen(worker, follow)
             if time.monotonic() > looked + LOOK_S:
@@ -155,14 +170,20 @@ class Pool:
 
     def _hand_out(self):
         """Give tasks to processes that can take them."""
-        stepping = sum(task.steps for tasks in (self._waiting, *(worker.tasks for worker in self._workers))
-                       for task in tasks)
+        stepping = sum(
+            task.steps
+            for tasks in (self._waiting, *(worker.tasks for worker in self._workers))
+            for task in tasks
+        )
         share = max(1, min(MOST_LANES, math.ceil(stepping / self.jobs)))
         for queue in (self._waiting, self._later):
             while queue and (worker := self._worker_for(queue[0], share)):
                 if queue[0].steps and share > 1 and not self._announced:
                     self._announced = True
-                    self._say(f"up to {share} runs step together in a process: an interruption loses those under way")
+                    self._say(
+                        f"up to {share} runs step together in a process: an interruption loses"
+                        " those under way"
+                    )
                 worker.give(queue.pop(0))
 
     def _worker_for(self, task, share):
@@ -228,8 +249,8 @@ class Pool:
 
 
 def load_compiled(task, say):
-    """Compile the reference solver, or load it, before there are processes: once for all of them, as what else each
-    would load or work out."""
+    """Compile the reference solver, or load it, before there are processes: once for all of them,
+    as what else each would load or work out."""
     if not is_cached():
         say(COMPILING)
     wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)

@@ -1,11 +1,13 @@
 """Records of a study: the one table of what is known of its runs, DIR/records.jsonl.
 
-A line of a run is written as soon as the run has ended: {"run": its name, "inputs": key of what it was made from,
-"intact": whether no joint broke or reached its limit, "row": that of the summary, with the digests of the model and of
-the measures, "cycles" and "shocks": the rows of these tables, "patterns": SHA-256 of its patterns at rest, where these
-are kept, "sha256": a checksum of all this}.  A line of a point is
-{"point": its name with the solver, "inputs": key, "of": its inputs (`damage.applications.studies.inputs.as_json`), "sha256"}.  The
-last good line counts.  A line that a kill tore is none, and neither is one that was changed since.
+A line of a run is written as soon as the run has ended: {"run": its name, "inputs": key of what it
+was made from, "intact": whether no joint broke or reached its limit, "row": that of the summary,
+with the digests of the model and of the measures, "cycles" and "shocks": the rows of these tables,
+"patterns": SHA-256 of its patterns at rest, where these are kept, "sha256": a checksum of all
+this}.  A line of a point is
+{"point": its name with the solver, "inputs": key, "of": its inputs
+(`damage.applications.studies.inputs.as_json`), "sha256"}.  The last good line counts.  A line that
+a kill tore is none, and neither is one that was changed since.
 
 A slice of a study writes records-K-of-N.jsonl beside it.
 """
@@ -33,9 +35,9 @@ _NAMED = re.compile(r'"(?:run|point)": "([^"]+)"')
 class Records:
     """What the records of a folder say.
 
-    runs: {name: record}; inputs: {key: inputs as JSON}; points: {StudyRun.id: key}, which holds for histories without a
-    record; faults: one line for each record that was changed; orderly: whether NAME is the only source, with a good
-    line for each run.
+    runs: {name: record}; inputs: {key: inputs as JSON}; points: {StudyRun.id: key}, which holds for
+    histories without a record; faults: one line for each record that was changed; orderly: whether
+    NAME is the only source, with a good line for each run.
     """
 
     runs: dict = field(default_factory=dict)
@@ -45,8 +47,8 @@ class Records:
     orderly: bool = True
 
     def names_of(self, run, histories=frozenset()):
-        """Names of the runs of a StudyRun in their order, empty where it is not done; histories: names of those that
-        are whole, which count without a record, too."""
+        """Names of the runs of a StudyRun in their order, empty where it is not done; histories:
+        names of those that are whole, which count without a record, too."""
         if not run.is_ensemble:
             return [run.id] if run.id in self.runs or run.id in histories else []
         count = run.runs_needed(self.of_point(run))
@@ -60,20 +62,27 @@ class Records:
 
     def text(self):
         """The content of NAME that holds all of this."""
-        others = {record.get("inputs") for record in self.runs.values()} & self.inputs.keys() - {*self.points.values()}
+        others = {record.get("inputs") for record in self.runs.values()} & self.inputs.keys() - {
+            *self.points.values()
+        }
         lines = [point_line(point, key, self.inputs[key]) for point, key in self.points.items()]
         lines += [point_line("", key, self.inputs[key]) for key in sorted(others)]
         return "".join([*lines, *map(line_of, self.runs.values())])
 
 
 def record_of(history, name, point):
-    """The record of a run from its History, without the key of its inputs; point: that of the study.  Raises InputError
-    where a number is none that a run can have."""
+    """The record of a run from its History, without the key of its inputs; point: that of the
+    study.  Raises InputError where a number is none that a run can have."""
     sequence = history.series["shock"].iloc[-1] > 1 or "life" in history.parameters
-    record = {"run": name, "intact": history.is_intact,
-              "row": summary_row(history, run=name, point=point),
-              **{table: make(history).to_dict("records") if sequence or table != "shocks" else []
-                 for table, make in TABLES.items()}}
+    record = {
+        "run": name,
+        "intact": history.is_intact,
+        "row": summary_row(history, run=name, point=point),
+        **{
+            table: make(history).to_dict("records") if sequence or table != "shocks" else []
+            for table, make in TABLES.items()
+        },
+    }
     if (wrong := _wrong_number(record)) is not None:
         raise InputError(f"its {wrong}")
     return record
@@ -90,13 +99,17 @@ def point_line(point, key, inputs):
 
 
 def key_of(content):
-    """The key of inputs as JSON, and the checksum of a record: sixteen hexadecimal digits of the SHA-256."""
+    """The key of inputs as JSON, and the checksum of a record: sixteen hexadecimal digits of the
+    SHA-256."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def read_records(folder):
     """The Records of a study's folder."""
-    found, sources = Records(), sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns)
+    found, sources = (
+        Records(),
+        sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns),
+    )
     for path in sources:
         _read_file(path, found)
     found.orderly &= not found.faults and [path.name for path in sources] in ([], [NAME])
@@ -114,8 +127,10 @@ def _read_file(path, found):
             record = _believed(line)
         except ValueError as error:
             name = _NAMED.search(line)
-            found.faults.append(f"{path} line {number}: the record of {name[1] if name else 'a run'} was changed since "
-                                f"it was written ({error}): it counts as not made")
+            found.faults.append(
+                f"{path} line {number}: the record of {name[1] if name else 'a run'} was changed"
+                f" since it was written ({error}): it counts as not made"
+            )
             continue
         if "run" in record:
             found.runs[record["run"]] = {"inputs": None} | record
@@ -135,7 +150,8 @@ def is_of_today(row):
 
 
 def _believed(line):
-    """The record of a line without its checksum; ValueError, which says what is wrong, where it was changed."""
+    """The record of a line without its checksum; ValueError, which says what is wrong, where it was
+    changed."""
     try:
         record = json.loads(line)
     except ValueError:
@@ -146,11 +162,15 @@ def _believed(line):
 
 
 def _wrong_number(record):
-    """What number of a record no run can have, in words; None where there is none.  NaN is an empty cell."""
+    """What number of a record no run can have, in words; None where there is none.  NaN is an empty
+    cell."""
     for row in (record["row"], *(row for table in TABLES for row in record[table])):
         for name, value in row.items():
             least, most = bounds_of(name)
-            if isinstance(value, float | int) and not math.isnan(value) and not (
-                    math.isfinite(value) and least <= value <= most):
+            if (
+                isinstance(value, float | int)
+                and not math.isnan(value)
+                and not (math.isfinite(value) and least <= value <= most)
+            ):
                 return f"{name} = {value:g}: expected a number from {least:g} to {most:g}"
     return None

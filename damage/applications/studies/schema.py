@@ -1,9 +1,10 @@
-"""The JSON Schema of study files, made of their one definition: keys and limits of `damage.applications.studies.definition`, options
-of the parsers of a run.
+"""The JSON Schema of study files, made of their one definition: keys and limits of
+`damage.applications.studies.definition`, options of the parsers of a run.
 
-Editors with a TOML language server (Taplo, Even Better TOML) complete and check a study whose first line is
-`#:schema ./study.schema.json`.  The schema knows keys, types, choices and what goes together; whether files are there
-and values make sense is for `load_study` to say, which every command calls.
+Editors with a TOML language server (Taplo, Even Better TOML) complete and check a study whose first
+line is `#:schema ./study.schema.json`.  The schema knows keys, types, choices and what goes
+together; whether files are there and values make sense is for `load_study` to say, which every
+command calls.
 """
 
 from damage.applications.studies import definition
@@ -17,18 +18,32 @@ _NAMED = r"\{[A-Za-z_][A-Za-z0-9_]*\}"
 def study_schema():
     """The schema, a dictionary fit for JSON."""
     return {
-        "$schema": DRAFT, "title": "A study of masonry-damage", "type": "object", "additionalProperties": False,
-        "required": ["name"], "anyOf": [{"required": ["runs"]}, {"required": ["grid"]}],
-        "properties": _described(definition.KEYS, {
-            "name": _identifier(), "title": {"type": "string"}, "pictures": {"enum": list(definition.PICTURES)},
-            "conclusion": {"type": "string", "pattern": f"^{definition.CONCLUSION.pattern}$"},
-            "states": {"type": "array", "items": {"type": "string", "pattern": ">"}}, "intensity": {"type": "string"},
-            "runs": {"type": "array", "items": _entry(grid=False)},
-            "grid": {"type": "array", "items": _entry(grid=True)}})}
+        "$schema": DRAFT,
+        "title": "A study of masonry-damage",
+        "type": "object",
+        "additionalProperties": False,
+        "required": ["name"],
+        "anyOf": [{"required": ["runs"]}, {"required": ["grid"]}],
+        "properties": _described(
+            definition.KEYS,
+            {
+                "name": _identifier(),
+                "title": {"type": "string"},
+                "pictures": {"enum": list(definition.PICTURES)},
+                "conclusion": {"type": "string", "pattern": f"^{definition.CONCLUSION.pattern}$"},
+                "states": {"type": "array", "items": {"type": "string", "pattern": ">"}},
+                "intensity": {"type": "string"},
+                "runs": {"type": "array", "items": _entry(grid=False)},
+                "grid": {"type": "array", "items": _entry(grid=True)},
+            },
+        ),
+    }
 
 
 def _identifier(longest=None):
-    return {"type": "string", "pattern": f"^{definition.ID.pattern}$"} | ({"maxLength": longest} if longest else {})
+    return {"type": "string", "pattern": f"^{definition.ID.pattern}$"} | (
+        {"maxLength": longest} if longest else {}
+    )
 
 
 def _varied(schema, grid):
@@ -39,8 +54,11 @@ def _varied(schema, grid):
         return {"anyOf": [schema, {"type": "string", "pattern": _NAMED}]}
     types = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
     if "string" in types:
-        return schema | ({"pattern": f"{schema['pattern']}|{_NAMED}"} if "pattern" in schema else {})
-    return schema | {"type": [*types, "string"], "pattern": _NAMED}  # of strings, as all that follows is of its type
+        return schema | (
+            {"pattern": f"{schema['pattern']}|{_NAMED}"} if "pattern" in schema else {}
+        )
+    # of strings, as all that follows is of its type
+    return schema | {"type": [*types, "string"], "pattern": _NAMED}
 
 
 def _entry(grid):
@@ -48,38 +66,79 @@ def _entry(grid):
     whole = _varied({"type": "integer", "minimum": 1, "maximum": definition.MOST_MEMBERS}, grid)
     positive = _varied({"type": "number", "exclusiveMinimum": 0}, grid)
     entry = {
-        "type": "object", "additionalProperties": False, "required": ["wall"],
-        "properties": _described(definition.ENTRY_KEYS, {
-            "id": _varied(_identifier(definition.LONGEST_ID), grid), "wall": {"type": "string"},
-            "options": _options(grid),
-            "solvers": {"type": "array", "items": {"enum": list(definition.SOLVERS)}, "minItems": 1},
-            "members": whole, "scatter": positive, "samples": whole, "lives": whole}),
+        "type": "object",
+        "additionalProperties": False,
+        "required": ["wall"],
+        "properties": _described(
+            definition.ENTRY_KEYS,
+            {
+                "id": _varied(_identifier(definition.LONGEST_ID), grid),
+                "wall": {"type": "string"},
+                "options": _options(grid),
+                "solvers": {
+                    "type": "array",
+                    "items": {"enum": list(definition.SOLVERS)},
+                    "minItems": 1,
+                },
+                "members": whole,
+                "scatter": positive,
+                "samples": whole,
+                "lives": whole,
+            },
+        ),
         "dependencies": {"scatter": ["members"]},
-        "not": {"anyOf": [{"required": pair} for pair in (["members", "samples"], ["members", "lives"],
-                                                         ["samples", "lives"])]}}
+        "not": {
+            "anyOf": [
+                {"required": pair}
+                for pair in (["members", "samples"], ["members", "lives"], ["samples", "lives"])
+            ]
+        },
+    }
     if grid:
-        values = {"type": ["array", "object"], "minItems": 1, "required": ["from", "to"],
-                  "additionalProperties": False, "properties": {key: {"type": "integer"} for key in ("from", "to")}}
+        values = {
+            "type": ["array", "object"],
+            "minItems": 1,
+            "required": ["from", "to"],
+            "additionalProperties": False,
+            "properties": {key: {"type": "integer"} for key in ("from", "to")},
+        }
         entry["anyOf"] = [{"required": [name]} for name in definition.GRID_KEYS]
-        entry["properties"] |= _described(definition.GRID_KEYS, {
-            "vary": {"type": "object", "minProperties": 1, "additionalProperties": values},
-            "rows": {"type": "string"}})
+        entry["properties"] |= _described(
+            definition.GRID_KEYS,
+            {
+                "vary": {"type": "object", "minProperties": 1, "additionalProperties": values},
+                "rows": {"type": "string"},
+            },
+        )
     return entry
 
 
 def _described(meanings, schemas):
-    """Schemas with what each is for; one for each of the meanings, or it is a fault of this module."""
+    """Schemas with what each is for; one for each of the meanings, or it is a fault of this
+    module."""
     return {name: {"description": meaning, **schemas[name]} for name, meaning in meanings.items()}
 
 
 def _options(grid):
     """A table of a run's options, those of either solver, or a list of words."""
-    actions = {action.option_strings[0]: action for name, action in options_of_a_run().items()
-               if name not in definition.RESERVED_OPTIONS}
-    properties = {name.removeprefix("--"): {"description": action.help, **_varied(_option(action, grid), grid)}
-                  for name, action in actions.items()}
-    return {"type": ["object", "array"], "properties": properties, "additionalProperties": False,
-            "items": {"type": ["string", "number"]}}
+    actions = {
+        action.option_strings[0]: action
+        for name, action in options_of_a_run().items()
+        if name not in definition.RESERVED_OPTIONS
+    }
+    properties = {
+        name.removeprefix("--"): {
+            "description": action.help,
+            **_varied(_option(action, grid), grid),
+        }
+        for name, action in actions.items()
+    }
+    return {
+        "type": ["object", "array"],
+        "properties": properties,
+        "additionalProperties": False,
+        "items": {"type": ["string", "number"]},
+    }
 
 
 def _option(action, grid):
@@ -87,7 +146,12 @@ def _option(action, grid):
         return {"type": "boolean"}
     one = _word(action)
     if isinstance(action.nargs, int):
-        return {"type": "array", "items": _varied(one, grid), "minItems": action.nargs, "maxItems": action.nargs}
+        return {
+            "type": "array",
+            "items": _varied(one, grid),
+            "minItems": action.nargs,
+            "maxItems": action.nargs,
+        }
     if action.type is file_path:  # a list: the first of them that is there
         return {"type": ["string", "array"], "items": one, "minItems": 1}
     return one

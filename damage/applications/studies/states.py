@@ -1,7 +1,8 @@
-"""Damage states and intensities of fragility curves: those that ship, and a user's own, columns of summary.csv.
+"""Damage states and intensities of fragility curves: those that ship, and a user's own, columns of
+summary.csv.
 
-A damage state is a column and the level that it exceeds, as "moderate: max_psi > 2"; an intensity is a column with a
-number above zero in every run.
+A damage state is a column and the level that it exceeds, as "moderate: max_psi > 2"; an intensity
+is a column with a number above zero in every run.
 """
 
 import math
@@ -17,19 +18,27 @@ from damage.measure.summary import unit_in
 from damage.toml_file import read_toml
 
 LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
-"""Default levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
-INTENSITIES = {"sa_eigen_period_g": r"S$_\mathrm{a}$(T$_1$, 5 %) [g]", "avg_sa_g": "AvgSa [g]",
-               "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]", "pgv_m_s": "PGV [m/s]", "pga_g": "PGA [g]",
-               "pgv_rotd100_m_s": "PGV, largest of all directions [m/s]",
-               "arias_m_s": "Arias intensity [m/s]"}
-"""Intensities that are compared with one another; the first that a study has is the default.  What an axis says."""
+"""Default levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi
+[-]."""
+INTENSITIES = {
+    "sa_eigen_period_g": r"S$_\mathrm{a}$(T$_1$, 5 %) [g]",
+    "avg_sa_g": "AvgSa [g]",
+    "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]",
+    "pgv_m_s": "PGV [m/s]",
+    "pga_g": "PGA [g]",
+    "pgv_rotd100_m_s": "PGV, largest of all directions [m/s]",
+    "arias_m_s": "Arias intensity [m/s]",
+}
+"""Intensities that are compared with one another; the first that a study has is the default.  What
+an axis says."""
 STUDY_FILE = "a study file (.toml)", 10
 """What is expected of one, and its largest size [MB]."""
 _STATE = re.compile(r"(?:(?P<name>[^:<>]+):)?(?P<measure>[^:<>]+)>(?P<level>[^:<>]+)")
 
 
 class State(NamedTuple):
-    """A damage state: column of summary.csv, level that it exceeds in the column's unit, its name."""
+    """A damage state: column of summary.csv, level that it exceeds in the column's unit, its
+    name."""
 
     measure: str
     level: float
@@ -56,20 +65,25 @@ def parse_state(text):
     """
     found = _STATE.fullmatch(text.strip())
     if not found:
-        raise InputError(f"damage state {text!r}: expected COLUMN > LEVEL or NAME: COLUMN > LEVEL, as "
-                         '"moderate: max_psi > 2"; correct it')
+        raise InputError(
+            f"damage state {text!r}: expected COLUMN > LEVEL or NAME: COLUMN > LEVEL, as "
+            '"moderate: max_psi > 2"; correct it'
+        )
     name, measure, level = ((found[key] or "").strip() for key in ("name", "measure", "level"))
     try:
         number = float(level)
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise InputError(f"damage state {text!r}: level {level!r}; expected a finite number, as 2; correct it")
+        raise InputError(
+            f"damage state {text!r}: level {level!r}; expected a finite number, as 2; correct it"
+        )
     return State(measure, number, name)
 
 
 def study_choices(folder):
-    """{"states": list of str, "intensity": str or None} of the copy of the study file in a study's folder."""
+    """{"states": list of str, "intensity": str or None} of the copy of the study file in a study's
+    folder."""
     path = Path(folder) / "study.toml"
     table = read_toml(path, *STUDY_FILE) if path.is_file() else {}
     states, intensity = table.get("states", []), table.get("intensity")
@@ -78,70 +92,99 @@ def study_choices(folder):
 
 
 def check_choices(path, states, intensity):
-    """Raise InputError for keys `states` and `intensity` of a study file that are no text; conditions are parsed."""
+    """Raise InputError for keys `states` and `intensity` of a study file that are no text;
+    conditions are parsed."""
     if not isinstance(states, list) or not all(isinstance(state, str) for state in states):
-        raise InputError(f'{path}: states = {states!r}; expected a list of texts, as ["moderate: max_psi > 2"]; '
-                         "correct it")
+        raise InputError(
+            f'{path}: states = {states!r}; expected a list of texts, as ["moderate: max_psi > 2"]; '
+            "correct it"
+        )
     if not isinstance(intensity, str | None):
-        raise InputError(f"{path}: intensity = {intensity!r}; expected the name of a column of summary.csv, as "
-                         '"pgv_m_s"; correct it')
+        raise InputError(
+            f"{path}: intensity = {intensity!r}; expected the name of a column of summary.csv, as "
+            '"pgv_m_s"; correct it'
+        )
     for state in states:
         parse_state(state)
 
 
 def check_states(runs, states, table="summary.csv"):
-    """Raise InputError for a State whose column runs (rows of a table) lack, or have no numbers in, and for two of one
-    name."""
+    """Raise InputError for a State whose column runs (rows of a table) lack, or have no numbers in,
+    and for two of one name."""
     for state in states:
         where = f"damage state {state.words!r}"
         missing = _numbers(runs, state.measure, where, table).isna() & runs["collapsed_at_s"].isna()
         if missing.any():
-            raise InputError(f"{where}: {missing.sum()} of {len(runs)} runs have no {state.measure}; expected a number "
-                             "in each run that did not collapse; choose another column")
+            raise InputError(
+                f"{where}: {missing.sum()} of {len(runs)} runs have no {state.measure}; expected a"
+                " number in each run that did not collapse; choose another column"
+            )
     names = [state.words for state in states]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f"damage state {twice!r}: given twice; expected names that differ; name one otherwise")
+        raise InputError(
+            f"damage state {twice!r}: given twice; expected names that differ; name one otherwise"
+        )
 
 
 def check_intensity(runs, name):
-    """Raise InputError unless every run (row of summary.csv) has a number above zero in this column."""
+    """Raise InputError unless every run (row of summary.csv) has a number above zero in this
+    column."""
     where = f"--intensity {name}"
     values = _numbers(runs, name, where)
     for bad, what in ((values.isna(), "no value"), (values <= 0, "zero or less")):
         if bad.any():
-            raise InputError(f"{where}: {bad.sum()} of {len(runs)} runs have {what} there; expected a number above "
-                             f"zero in every run; choose another, as {' or '.join(there(runs) or INTENSITIES)}")
+            raise InputError(
+                f"{where}: {bad.sum()} of {len(runs)} runs have {what} there; expected a number"
+                " above zero in every run; choose another, as"
+                f" {' or '.join(there(runs) or INTENSITIES)}"
+            )
 
 
 def _numbers(runs, name, where, table="summary.csv"):
-    numeric = [column for column in runs if pd.api.types.is_numeric_dtype(runs[column]) and runs[column].notna().any()]
+    numeric = [
+        column
+        for column in runs
+        if pd.api.types.is_numeric_dtype(runs[column]) and runs[column].notna().any()
+    ]
     if name not in runs:
         near = get_close_matches(name, numeric, 3, 0.5)
-        raise InputError(f"{where}: {table} has no column {name}; expected one with numbers"
-                         + (f", perhaps {' or '.join(near)}" if near else "") + "; correct it")
+        raise InputError(
+            f"{where}: {table} has no column {name}; expected one with numbers"
+            + (f", perhaps {' or '.join(near)}" if near else "")
+            + "; correct it"
+        )
     if name not in numeric:
-        raise InputError(f"{where}: column {name} of {table} holds no numbers; expected a column with numbers, as "
-                         f"{next(iter(LEVELS))}; choose another")
+        raise InputError(
+            f"{where}: column {name} of {table} holds no numbers; expected a column with numbers,"
+            f" as {next(iter(LEVELS))}; choose another"
+        )
     return runs[name].astype(float)
 
 
 def there(runs):
     """Names of the INTENSITIES that every one of the runs has."""
-    return [name for name in INTENSITIES if name in runs and runs[name].notna().all()
-            and pd.api.types.is_numeric_dtype(runs[name])]
+    return [
+        name
+        for name in INTENSITIES
+        if name in runs and runs[name].notna().all() and pd.api.types.is_numeric_dtype(runs[name])
+    ]
 
 
 def leading(runs):
-    """The intensity that curves are fitted against by default: the first of INTENSITIES that every run has."""
+    """The intensity that curves are fitted against by default: the first of INTENSITIES that every
+    run has."""
     found = there(runs)
     if not found:
-        raise InputError(f"no intensity in every run; expected {' or '.join(INTENSITIES)} in the tables of a study of "
-                         "recorded motions; choose another study, or a column with --intensity")
+        raise InputError(
+            f"no intensity in every run; expected {' or '.join(INTENSITIES)} in the tables of a"
+            " study of recorded motions; choose another study, or a column with --intensity"
+        )
     return found[0]
 
 
 def unit_of(column):
-    """The unit of a column as it stands in other columns' names, "" of one without, and as one writes it.
+    """The unit of a column as it stands in other columns' names, "" of one without, and as one
+    writes it.
 
     >>> unit_of("pgv_m_s"), unit_of("max_DI")
     (('m_s', 'm/s'), ('', '1'))

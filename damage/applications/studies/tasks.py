@@ -1,4 +1,5 @@
-"""What a study has to do: a task for each run, and for the pictures of the first run of each point."""
+"""What a study has to do: a task for each run, and for the pictures of the first run of each
+point."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -12,16 +13,19 @@ RUN, PICTURES = "run", "pictures"
 CHANGED = -1
 """In place of an exit status: the run was not made, as its inputs changed since the study began."""
 KEEP = "all", "summary", "patterns"
-"""What stays of runs: all histories; those of each point's first run; these, and of each run its patterns at rest."""
+"""What stays of runs: all histories; those of each point's first run; these, and of each run its
+patterns at rest."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """The run with this number of a point, or its pictures; kept: whether its history stays; patterns: whether those
-    at rest do (`damage.applications.cracks.kept`); alone: whether its process does nothing else meanwhile.
+    """The run with this number of a point, or its pictures; kept: whether its history stays;
+    patterns: whether those at rest do (`damage.applications.cracks.kept`); alone: whether its
+    process does nothing else meanwhile.
 
-    Paths: history: where it is in the end; part: where it grows, as a file with the name of a history is a whole one;
-    pattern: of its patterns at rest; pictures: their folder; log: what a process that does this prints.
+    Paths: history: where it is in the end; part: where it grows, as a file with the name of a
+    history is a whole one; pattern: of its patterns at rest; pictures: their folder; log: what a
+    process that does this prints.
     """
 
     folder: Path
@@ -55,7 +59,9 @@ class Task:
     @property
     def log(self):
         ending = "_pictures" if self.kind == PICTURES else ""
-        return self.folder / "logs" / ("reference.log" if self.steps else f"{self.name}{ending}.log")
+        return (
+            self.folder / "logs" / ("reference.log" if self.steps else f"{self.name}{ending}.log")
+        )
 
     @property
     def steps(self):
@@ -74,38 +80,66 @@ def company_of(point):
     if point.solver != "reference":
         return None
     settings = point.settings(ROOT)
-    return (point.wall, replace(settings.model, strength_seed=0), settings.time_step_s, settings.alpha_1_s,
-            settings.beta_s)
+    return (
+        point.wall,
+        replace(settings.model, strength_seed=0),
+        settings.time_step_s,
+        settings.alpha_1_s,
+        settings.beta_s,
+    )
 
 
 class Point:
-    """A point on its way: records, {number: record} of its runs that are done, and which tasks were handed out."""
+    """A point on its way: records, {number: record} of its runs that are done, and which tasks were
+    handed out."""
 
     def __init__(self, run, results, keep, pictures):
-        """results: `damage.applications.studies.outdated.Results` of the folder; keep: one of KEEP; pictures: of the first run."""
+        """results: `damage.applications.studies.outdated.Results` of the folder; keep: one of KEEP;
+        pictures: of the first run."""
         self.run, self._folder, self._keep, self._pictures = run, results.folder, keep, pictures
         self._asked = set()
-        self.records = {number: record for number, record in results.records.of_point(run).items()
-                        if results.is_whole(self._task(number))}
+        self.records = {
+            number: record
+            for number, record in results.records.of_point(run).items()
+            if results.is_whole(self._task(number))
+        }
 
     def _task(self, number):
-        return Task(self._folder, self.run, number, self._keep == "all" or number == 1, self._keep == "patterns")
+        return Task(
+            self._folder,
+            self.run,
+            number,
+            self._keep == "all" or number == 1,
+            self._keep == "patterns",
+        )
 
     @property
     def done(self):
         """Whether all of its runs are done."""
-        return all(number in self.records for number in range(1, self.run.runs_needed(self.records) + 1))
+        return all(
+            number in self.records for number in range(1, self.run.runs_needed(self.records) + 1)
+        )
 
     def next_tasks(self):
         """The tasks that the results so far ask for and that were not handed out yet."""
-        numbers = set(range(1, self.run.runs_needed(self.records) + 1)) - self.records.keys() - self._asked
+        numbers = (
+            set(range(1, self.run.runs_needed(self.records) + 1))
+            - self.records.keys()
+            - self._asked
+        )
         self._asked |= numbers
         return [self._task(number) for number in sorted(numbers)]
 
     def next_pictures(self):
-        """The task of its pictures, in a list, where the first run is done and they are not there; once."""
+        """The task of its pictures, in a list, where the first run is done and they are not there;
+        once."""
         task = replace(self._task(1), kind=PICTURES)
-        if not self._pictures or 1 not in self.records or PICTURES in self._asked or task.pictures.is_dir():
+        if (
+            not self._pictures
+            or 1 not in self.records
+            or PICTURES in self._asked
+            or task.pictures.is_dir()
+        ):
             return []
         self._asked.add(PICTURES)
         return [task]

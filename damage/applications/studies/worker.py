@@ -1,7 +1,9 @@
-"""A process of a study: up to eight runs of the reference solver that step together, or one run in YADE, or pictures.
+"""A process of a study: up to eight runs of the reference solver that step together, or one run in
+YADE, or pictures.
 
-It takes tasks from a connection and sends what becomes of them: (task, exit status, record or None), (task, CHANGED,
-how its inputs changed, words), or a line for the person at the terminal, (None, line, None).
+It takes tasks from a connection and sends what becomes of them: (task, exit status, record or
+None), (task, CHANGED, how its inputs changed, words), or a line for the person at the terminal,
+(None, line, None).
 """
 
 import os
@@ -16,7 +18,13 @@ from functools import partial
 from types import MappingProxyType
 
 from damage.applications.cracks.kept import patterns_of, write_patterns
-from damage.applications.studies.folder import POLITE_ENDS, ROOT, end_with_parent, environment, open_log
+from damage.applications.studies.folder import (
+    POLITE_ENDS,
+    ROOT,
+    end_with_parent,
+    environment,
+    open_log,
+)
 from damage.applications.studies.inputs import differences, inputs_of
 from damage.applications.studies.records import record_of
 from damage.applications.studies.tasks import CHANGED, PICTURES
@@ -33,14 +41,17 @@ from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
-_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.session.Progress
+# of damage.run.session.Progress
+_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")
 
 
 def work(connection, parent, lock, inputs=MappingProxyType({})):
-    """Do tasks until None comes.  Runs end politely at SIGTERM; when the parent has died the system kills this process,
-    whose runs nobody would record, and its solver.  lock: descriptor that a solver holds as long as it runs; inputs:
-    {StudyRun.id: its inputs when the study began (`damage.applications.studies.inputs.as_json`)}."""
-    # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended leave their records.
+    """Do tasks until None comes.  Runs end politely at SIGTERM; when the parent has died the system
+    kills this process, whose runs nobody would record, and its solver.  lock: descriptor that a
+    solver holds as long as it runs; inputs: {StudyRun.id: its inputs when the study began
+    (`damage.applications.studies.inputs.as_json`)}."""
+    # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended
+    # leave their records.
     signal.signal(signal.SIGTERM, lambda *_: None)
     for name in (signal.SIGINT, signal.SIGHUP):  # of a terminal: the parent's to answer
         signal.signal(name, signal.SIG_IGN)
@@ -60,7 +71,9 @@ def work(connection, parent, lock, inputs=MappingProxyType({})):
         else:
             task.log.unlink(missing_ok=True)
             print_into(task.log)
-            status, record = _draw(task) if task.kind == PICTURES else _run_yade(task, connection, lock, inputs)
+            status, record = (
+                _draw(task) if task.kind == PICTURES else _run_yade(task, connection, lock, inputs)
+            )
             connection.send((task, status, record))
         if status == EXIT_INTERRUPTED:  # nothing more begins
             return
@@ -71,19 +84,22 @@ def print_into(path):
     with open_log(path, "ab") as log:
         for stream in (1, 2):
             os.dup2(log.fileno(), stream)
-    sys.stdout, sys.stderr = (open(stream, "w", buffering=1, errors="replace", closefd=False)  # noqa: SIM115
-                              for stream in (1, 2))
+    sys.stdout, sys.stderr = (
+        open(stream, "w", buffering=1, errors="replace", closefd=False)  # noqa: SIM115
+        for stream in (1, 2)
+    )
 
 
 def _do_runs(first, connection, waiting, settled, inputs):
-    """Simulate runs that are not there, the first one and those that come meanwhile; sends each as it ends.  Returns
-    EXIT_INTERRUPTED where they were interrupted."""
+    """Simulate runs that are not there, the first one and those that come meanwhile; sends each as
+    it ends.  Returns EXIT_INTERRUPTED where they were interrupted."""
     print_into(first.log)
     waiting.appendleft(first)
     tasks, histories, interrupted = {}, {}, EXIT_OK
 
     def lines():
-        """(name, run) of the next runs, as `run_references` takes them; (None, None) where there is none now."""
+        """(name, run) of the next runs, as `run_references` takes them; (None, None) where there is
+        none now."""
         while True:
             while connection.poll():
                 waiting.append(connection.recv())
@@ -95,7 +111,9 @@ def _do_runs(first, connection, waiting, settled, inputs):
                 connection.send((task, *conclude(task)))
                 continue
             tasks[task.name] = task
-            histories[task.name] = Begun(task, inputs, HistoryKept if task.kept else HistoryInMemory)
+            histories[task.name] = Begun(
+                task, inputs, HistoryKept if task.kept else HistoryInMemory
+            )
             print("---", task.name, flush=True)
             yield task.name, (task.point.wall, partial(_settings, task))
 
@@ -103,18 +121,22 @@ def _do_runs(first, connection, waiting, settled, inputs):
         interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
         task, history = tasks.pop(name), histories.pop(name)
         if isinstance(history, Begun):  # of a run that never had one
-            connection.send((task, CHANGED, history.changes) if history.changes else (task, status, None))
+            connection.send(
+                (task, CHANGED, history.changes) if history.changes else (task, status, None)
+            )
         else:
-            connection.send((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
+            connection.send(
+                (task, *(conclude(task, history) if status == EXIT_OK else (status, None)))
+            )
         del history
         return_freed()
     return interrupted
 
 
 class Begun:
-    """Makes the history of a run, of a kind, which has read all of its inputs by then, and refuses it where these are
-    others than the study began with; changes: how they differ, words; None before, and empty of a run that is repeated.
-    """
+    """Makes the history of a run, of a kind, which has read all of its inputs by then, and refuses
+    it where these are others than the study began with; changes: how they differ, words; None
+    before, and empty of a run that is repeated."""
 
     def __init__(self, task, inputs, kind):
         self._task, self._inputs, self._kind, self.changes = task, inputs, kind, None
@@ -123,13 +145,15 @@ class Begun:
         if self.changes is None:
             self.changes = changes(self._task, self._inputs, layout.wall)
         if self.changes:
-            raise InputError(f"not made, as its inputs changed since the study began: {some_of(self.changes)}")
+            raise InputError(
+                f"not made, as its inputs changed since the study began: {some_of(self.changes)}"
+            )
         return self._kind(path, layout, **more)
 
 
 def changes(task, inputs, wall=None):
-    """How the inputs of a task differ from those in `inputs` (as of `work`), a list of words; wall: as its run has it,
-    which may have imported modules that this process has of before."""
+    """How the inputs of a task differ from those in `inputs` (as of `work`), a list of words; wall:
+    as its run has it, which may have imported modules that this process has of before."""
     note = inputs.get(task.point.id)
     return differences(note, inputs_of(task.point, ROOT, wall)) if note else []
 
@@ -145,7 +169,8 @@ def _where(task):
 
 
 def conclude(task, kept=None):
-    """Give a history its name where it stays, and make of it what it leaves; returns (exit status, record or None).
+    """Give a history its name where it stays, and make of it what it leaves; returns (exit status,
+    record or None).
 
     kept: the HistoryInMemory, or HistoryKept, of a run that was done just now, else None.
     """
@@ -153,10 +178,16 @@ def conclude(task, kept=None):
         path = task.history if task.history.is_file() else task.part
         history = read_history(path) if kept is None else kept.history(path)
         if history.status != "complete":
-            raise InputError(f"the history is marked {history.status}; expected complete; run the study again")
+            raise InputError(
+                f"the history is marked {history.status}; expected complete; run the study again"
+            )
         if task.kept and path == task.part:
             os.replace(path, task.history)
-        seals = {"patterns": write_patterns(patterns_of(history), task.pattern)} if task.patterns else {}
+        seals = (
+            {"patterns": write_patterns(patterns_of(history), task.pattern)}
+            if task.patterns
+            else {}
+        )
         if task.number == 1:
             write_run_tables(history, task.folder / "tables" / task.name)
         return EXIT_OK, record_of(history, task.name, task.point.point) | seals
@@ -167,7 +198,8 @@ def conclude(task, kept=None):
 
 
 def _run_yade(task, connection, lock, inputs):
-    """Run YADE into the part of a history; returns (exit status, record or None), or as of CHANGED."""
+    """Run YADE into the part of a history; returns (exit status, record or None), or as of
+    CHANGED."""
     if task.history.is_file():
         return conclude(task)
     try:
@@ -182,9 +214,12 @@ def _run_yade_on(task, connection, lock, inputs):
     if found := changes(task, inputs):
         return CHANGED, found
     connection.send((None, f"{task.name}: started", None))
-    status = _run_solver([*YADE, task.point.wall, *words_of(
-        task.point.options_of(task.number) | _where(task))], task.folder, lock,
-                         lambda text: connection.send((None, f"{task.name}: {text}", None)))
+    status = _run_solver(
+        [*YADE, task.point.wall, *words_of(task.point.options_of(task.number) | _where(task))],
+        task.folder,
+        lock,
+        lambda text: connection.send((None, f"{task.name}: {text}", None)),
+    )
     if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
         task.part.unlink()
         return CHANGED, found
@@ -192,14 +227,23 @@ def _run_yade_on(task, connection, lock, inputs):
 
 
 def _run_solver(command, folder, lock, announce):
-    """Run a command with its output into this process's; returns its exit status.  SIGTERM ends it politely, an alarm
-    kills it if it lingers."""
+    """Run a command with its output into this process's; returns its exit status.  SIGTERM ends it
+    politely, an alarm kills it if it lingers."""
     came = []
     try:
         solver = subprocess.Popen(
-            command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            errors="replace", env=environment(folder), pass_fds=(lock,), process_group=0,
-            preexec_fn=partial(end_with_parent, os.getpid()))
+            command,
+            cwd=ROOT,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            env=environment(folder),
+            pass_fds=(lock,),
+            process_group=0,
+            preexec_fn=partial(end_with_parent, os.getpid()),
+        )
     except OSError as error:
         print(f"error: {command[0]} does not start: {error.strerror}")
         return EXIT_FAILED
@@ -237,7 +281,8 @@ def _follow(lines, announce):
 
 
 def _draw(task):
-    """Draw the pictures of a run, in a folder that gets its name when all are there; returns (exit status, None)."""
+    """Draw the pictures of a run, in a folder that gets its name when all are there; returns (exit
+    status, None)."""
     from damage.draw.run import save_all
 
     unfinished = task.pictures.with_name(f".{task.name}.part")

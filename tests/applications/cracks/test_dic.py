@@ -1,4 +1,5 @@
-"""Cracks from displacement fields: closed forms, then the reference solver's walls measured with noise."""
+"""Cracks from displacement fields: closed forms, then the reference solver's walls measured with
+noise."""
 
 import json
 
@@ -29,23 +30,31 @@ from paper.dic_field import sampled_field
 
 NOISE = 1e-5
 """Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""
-WALL = ("Wall('panel', 0.9, {height}, precompression=0.05e6, joint=Joint("
-        "tensile_strength=0.02e6, cohesion=0.03e6, friction_angle=math.radians({friction})))")
+WALL = (
+    "Wall('panel', 0.9, {height}, precompression=0.05e6, joint=Joint("
+    "tensile_strength=0.02e6, cohesion=0.03e6, friction_angle=math.radians({friction})))"
+)
 
 
 def write_field(path, fields):
-    rows = [f"{field.level},{x:.4f},{z:.4f},{ux:.7g},{uz:.7g}" for field in fields
-            for (x, z), (ux, uz) in zip(field.points, field.displacement)]
+    rows = [
+        f"{field.level},{x:.4f},{z:.4f},{ux:.7g},{uz:.7g}"
+        for field in fields
+        for (x, z), (ux, uz) in zip(field.points, field.displacement)
+    ]
     path.write_text("# synthetic\nload_level,x_m,z_m,ux_m,uz_m\n" + "\n".join(rows) + "\n")
 
 
 @pytest.fixture(scope="module")
 def panel(tmp_path_factory):
-    """A function that pushes a panel in the reference solver: its Layout, its History and its wall file."""
+    """A function that pushes a panel in the reference solver: its Layout, its History and its wall
+    file."""
+
     def push(height, friction, *words):
         folder = tmp_path_factory.mktemp("panel")
         wall = wall_file(folder / "panel.py", WALL.format(height=height, friction=friction))
         return lay_out(load_wall(wall)), run_here(folder / "panel.h5", wall, *words), wall
+
     return push
 
 
@@ -56,12 +65,18 @@ def rocking(panel):
 
 def fields_of(layout, history, chosen, noise=NOISE):
     """Fields of snapshots (indices) of a History, each with noise of its own, and their samples."""
-    samples = [int(np.argmin(np.abs(history.series["time_s"] - history.snapshot_time_s[k]))) for k in chosen]
-    return [sampled_field(layout, history.displacement[k].astype(float), number, noise=noise, seed=k)
-            for number, k in enumerate(chosen, start=1)], samples
+    samples = [
+        int(np.argmin(np.abs(history.series["time_s"] - history.snapshot_time_s[k])))
+        for k in chosen
+    ]
+    return [
+        sampled_field(layout, history.displacement[k].astype(float), number, noise=noise, seed=k)
+        for number, k in enumerate(chosen, start=1)
+    ], samples
 
 
 # --- closed forms ---------------------------------------------------------------------------------
+
 
 @pytest.mark.parametrize("turn", [1e-5, 0.3, -2.0])
 def test_a_rigid_motion_is_found_exactly(turn):
@@ -73,19 +88,26 @@ def test_a_rigid_motion_is_found_exactly(turn):
 
 @pytest.mark.parametrize("upwards", [True, False])
 def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
-    """The upper half moves 0.5 mm up, or along: the bed joint below it opens or slips over its whole length."""
+    """The upper half moves 0.5 mm up, or along: the bed joint below it opens or slips over its
+    whole length."""
     wall = wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32))
     layout = lay_out(load_wall(wall))
     motion = np.zeros((len(layout.bodies), 3))
     motion[layout.bodies.z > 0.225, int(upwards)] = 0.5e-3
-    (measured,) = fields = measure([sampled_field(layout, motion, noise=NOISE, drift_ratio=0.0)], layout)
+    (measured,) = fields = measure(
+        [sampled_field(layout, motion, noise=NOISE, drift_ratio=0.0)], layout
+    )
     part = measured.opening if upwards else measured.slip
-    joints = np.isclose(layout.contacts.z[:layout.n_joints], 0.225) & (layout.contacts.kind[:layout.n_joints] != HEAD)
+    joints = np.isclose(layout.contacts.z[: layout.n_joints], 0.225) & (
+        layout.contacts.kind[: layout.n_joints] != HEAD
+    )
     assert part[joints] == pytest.approx(0.5e-3, abs=2e-5)
     assert np.abs(part[~joints]).max() < 2e-5
     (pattern,) = patterns_of_fields([Field(1, 0.0, None, None)], fields, layout)
     level = describe_level(pattern, map_cracks(pattern, layout), layout)
-    assert level["DI_open" if upwards else "DI_slip"][1] == pytest.approx(0.9 / layout.total_joint_length)
+    assert level["DI_open" if upwards else "DI_slip"][1] == pytest.approx(
+        0.9 / layout.total_joint_length
+    )
     assert level["DI_slip" if upwards else "DI_open"] == (0, 0)
     assert (level["cracks"], level["crack_length_m"]) == (1, pytest.approx(0.9))
     assert set(pattern.stretches["mode"]) == {"tension" if upwards else "shear"}
@@ -93,7 +115,9 @@ def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
 
 def half_moved(tmp_path, noise=NOISE):
     """A wall whose upper half has moved 0.5 mm up: its Layout and a Field."""
-    layout = lay_out(load_wall(wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32))))
+    layout = lay_out(
+        load_wall(wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32)))
+    )
     motion = np.zeros((len(layout.bodies), 3))
     motion[layout.bodies.z > 0.225, 1] = 0.5e-3
     return layout, sampled_field(layout, motion, noise=noise, drift_ratio=0.0)
@@ -104,7 +128,10 @@ def test_a_field_whose_z_points_down_is_named(tmp_path):
     assert field_warnings([field], measure([field], layout), layout) == []
     down = Field(1, 0.0, field.points * (1, -1) + (0, 0.45), field.displacement * (1, -1))
     (said,) = field_warnings([down], measure([down], layout), layout)
-    assert "the lowest course moves by 0.5 mm, the top one by 0" in said and "z up from a base at rest" in said
+    assert (
+        "the lowest course moves by 0.5 mm, the top one by 0" in said
+        and "z up from a base at rest" in said
+    )
 
 
 @pytest.mark.parametrize("noise", [NOISE, 0.0])
@@ -115,11 +142,20 @@ def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsy
     stuck = Field(1, 0.0, field.points, np.where(lost[:, np.newaxis], 0.0, field.displacement))
     inside = [k for _, points in points_of_bricks(field.points, layout, 0.01) for k in points]
     moving = np.isin(np.arange(len(lost)), inside) & lost & (field.points[:, 1] > 0.225)
-    assert stuck_points(stuck, layout).tolist() == np.flatnonzero(moving).tolist() and moving.sum() > 10
+    assert (
+        stuck_points(stuck, layout).tolist() == np.flatnonzero(moving).tolist()
+        and moving.sum() > 10
+    )
     write_field(tmp_path / "field.csv", [stuck])
-    assert main(["cracks", "--dic", str(tmp_path / "field.csv"), "--wall", str(tmp_path / "panel.py")]) == 0
+    assert (
+        main(["cracks", "--dic", str(tmp_path / "field.csv"), "--wall", str(tmp_path / "panel.py")])
+        == 0
+    )
     said = capsys.readouterr().err
-    assert f"{moving.sum()} of {len(lost)} points, at x, z = (" in said and "where the correlation failed" in said
+    assert (
+        f"{moving.sum()} of {len(lost)} points, at x, z = (" in said
+        and "where the correlation failed" in said
+    )
     middle = field.points[inside[0]]  # of rotation
     turning = Field(1, 0.0, field.points, turned(field.points - middle, 1e-3))
     assert len(stuck_points(turning, layout)) == 0
@@ -127,8 +163,10 @@ def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsy
 
 # --- walls of the reference solver ----------------------------------------------------------------
 
+
 def test_openings_of_a_rocking_panel_are_those_of_the_simulation(rocking):
-    """Through noise, export and reading back: each joint's opening within five deviations (and the elastic
+    """Through noise, export and reading back: each joint's opening within five deviations (and the
+    elastic
     part of an intact joint), so that DI_open differs only by joints that near the threshold."""
     layout, history, _ = rocking
     chosen = range(0, len(history.snapshot_time_s), 3)
@@ -144,7 +182,9 @@ def test_openings_of_a_rocking_panel_are_those_of_the_simulation(rocking):
         assert np.all(np.abs(level.opening - true) < allowed)
         unsure = length[np.abs(true - 1e-4) < allowed].sum() / length.sum()
         found = describe_level(pattern, map_cracks(pattern, layout), layout)
-        assert found["DI_open"][0] == pytest.approx(index["DI_open"].iloc[sample], abs=unsure + 1e-6)
+        assert found["DI_open"][0] == pytest.approx(
+            index["DI_open"].iloc[sample], abs=unsure + 1e-6
+        )
         assert found["DI_drift"][0] == pytest.approx(index["DI_drift"].iloc[sample], abs=1e-3)
     assert index["DI_open"].iloc[samples[-1]] > 0.05
 
@@ -168,6 +208,7 @@ def test_slip_of_a_sliding_panel_is_that_of_the_simulation(panel):
 
 # --- file and command -----------------------------------------------------------------------------
 
+
 def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, output_of):
     layout, history, wall = rocking
     fields, samples = fields_of(layout, history, [0, len(history.snapshot_time_s) - 1])
@@ -175,40 +216,64 @@ def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, output_o
     words = ["cracks", "--dic", str(tmp_path / "field.csv"), "--wall", str(wall)]
     found = json.loads(output_of(*words, "--export", tmp_path / "cracks.csv", "--json"))
     assert found["levels"][0]["DI"] == [pytest.approx(0, abs=1e-3)] * 2
-    assert found["levels"][1]["DI_open"][0] == pytest.approx(history.index()["DI_open"].iloc[samples[1]], abs=0.01)
+    assert found["levels"][1]["DI_open"][0] == pytest.approx(
+        history.index()["DI_open"].iloc[samples[1]], abs=0.01
+    )
     assert found["dic"]["noise_m"] == pytest.approx(NOISE, rel=0.1)
-    assert [len(pattern.stretches) > 0 for pattern in read_cracks(tmp_path / "cracks.csv")] == [False, True]
+    assert [len(pattern.stretches) > 0 for pattern in read_cracks(tmp_path / "cracks.csv")] == [
+        False,
+        True,
+    ]
     again = json.loads(output_of("cracks", tmp_path / "cracks.csv", "--wall", wall, "--json"))
     assert again["max"]["DI"] == pytest.approx(found["max"]["DI"], abs=1e-6)
     assert "noise of a point" in output_of(*words)
 
 
 def test_lost_points_and_unseen_bricks(rocking, tmp_path):
-    """Empty displacements are left out; bricks without points leave their joints unmeasured, and it says so."""
+    """Empty displacements are left out; bricks without points leave their joints unmeasured, and it
+    says so."""
     layout, history, _ = rocking
     field = sampled_field(layout, history.displacement[-1].astype(float))
     path = tmp_path / "field.csv"
-    path.write_text("x_m,z_m,ux_m,uz_m\n" + "".join(
-        f"{x},{z},{'' if x < 0.1 else ux},{'' if x < 0.1 else uz}\n"
-        for (x, z), (ux, uz) in zip(field.points, field.displacement)))
+    path.write_text(
+        "x_m,z_m,ux_m,uz_m\n"
+        + "".join(
+            f"{x},{z},{'' if x < 0.1 else ux},{'' if x < 0.1 else uz}\n"
+            for (x, z), (ux, uz) in zip(field.points, field.displacement)
+        )
+    )
     (seen,) = read_field(path)
     assert len(seen.points) == np.sum(field.points[:, 0] > 0.1)
-    seen = Field(1, np.nan, *(part[seen.points[:, 0] > 0.2] for part in (seen.points, seen.displacement)))
+    seen = Field(
+        1, np.nan, *(part[seen.points[:, 0] > 0.2] for part in (seen.points, seen.displacement))
+    )
     levels = measure([seen], layout)
     hidden = np.isnan(levels[0].opening)
     assert 0 < hidden.mean() < 0.5
-    assert report(levels, layout)["unseen_m"] == pytest.approx(layout.contacts.length[:layout.n_joints][hidden].sum())
+    assert report(levels, layout)["unseen_m"] == pytest.approx(
+        layout.contacts.length[: layout.n_joints][hidden].sum()
+    )
 
 
-@pytest.mark.parametrize("text, complaint", [
-    ("x_m,z_m,ux_m\n0,0,0\n", "no column uz_m"), ("x_m,z_m,ux_m,uz_m\n0,,0,0\n", "line 2: no z_m"),
-    ("x_m,z_m,ux_m,uz_m\n0,0,0,\n", "line 2: one displacement of two"),
-    ("load_level,x_m,z_m,ux_m,uz_m\n,0,0,0,0\n", "line 2: no load_level"),
-    ("x_m,z_m,ux_m,uz_m\n1,1,0,up\n", "line 2: uz_m = 'up'"),
-    ("x_m,z_m,ux_m,uz_m\n0,0,0.2,0.1\n0,0.1,0.2,0.75\n", "line 3: uz_m = 0.75: expected -0.5 to 0.5; look at the unit"),
-    ("x_m,z_m,ux_m,uz_m\n10,10,0,0\n", "no brick of wall panel has 4 points"),
-    ("drift_pct,x_m,z_m,ux_m,uz_m\n0,0,0,0,0\n1,0,0,0,0\n", "load level 1 has 2 values of drift_pct"),
-])
+@pytest.mark.parametrize(
+    "text, complaint",
+    [
+        ("x_m,z_m,ux_m\n0,0,0\n", "no column uz_m"),
+        ("x_m,z_m,ux_m,uz_m\n0,,0,0\n", "line 2: no z_m"),
+        ("x_m,z_m,ux_m,uz_m\n0,0,0,\n", "line 2: one displacement of two"),
+        ("load_level,x_m,z_m,ux_m,uz_m\n,0,0,0,0\n", "line 2: no load_level"),
+        ("x_m,z_m,ux_m,uz_m\n1,1,0,up\n", "line 2: uz_m = 'up'"),
+        (
+            "x_m,z_m,ux_m,uz_m\n0,0,0.2,0.1\n0,0.1,0.2,0.75\n",
+            "line 3: uz_m = 0.75: expected -0.5 to 0.5; look at the unit",
+        ),
+        ("x_m,z_m,ux_m,uz_m\n10,10,0,0\n", "no brick of wall panel has 4 points"),
+        (
+            "drift_pct,x_m,z_m,ux_m,uz_m\n0,0,0,0,0\n1,0,0,0,0\n",
+            "load level 1 has 2 values of drift_pct",
+        ),
+    ],
+)
 def test_bad_fields_are_refused(text, complaint, rocking, tmp_path):
     path = written(tmp_path / "field.csv", text)
     refused_with(complaint, lambda: measure(read_field(path), rocking[0]))

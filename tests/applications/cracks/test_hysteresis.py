@@ -1,4 +1,5 @@
-"""Envelope, cycles and failure mode of pushed walls, against closed forms; the tests' measured figures."""
+"""Envelope, cycles and failure mode of pushed walls, against closed forms; the tests' measured
+figures."""
 
 from dataclasses import replace
 
@@ -10,7 +11,13 @@ from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
 from damage import Joint, brick_of_masonry
-from damage.applications.cracks.pushed import SPECIMENS, draws_report, figures, pushed_report, read_test
+from damage.applications.cracks.pushed import (
+    SPECIMENS,
+    draws_report,
+    figures,
+    pushed_report,
+    read_test,
+)
 from damage.history.contacts import Contacts
 from damage.measure.pushed import (
     backbone,
@@ -44,8 +51,14 @@ def plastic(tmp_path_factory):
     time_s = np.arange(0, CYCLIC.schedule(layout.pushed_height)[0][-1] + 0.002, 0.002)
     displacement = CYCLIC.top_displacement(time_s, layout.pushed_height)
     return make_history(
-        tmp_path_factory.mktemp("plastic") / "small.h5", layout, stages=("motion",) * len(time_s), step_s=0.002,
-        drift=displacement / layout.drift_height, row={"base_shear_n": plastic_force(displacement)}, loading="cyclic")
+        tmp_path_factory.mktemp("plastic") / "small.h5",
+        layout,
+        stages=("motion",) * len(time_s),
+        step_s=0.002,
+        drift=displacement / layout.drift_height,
+        row={"base_shear_n": plastic_force(displacement)},
+        loading="cyclic",
+    )
 
 
 class TestCycles:
@@ -58,7 +71,9 @@ class TestCycles:
         assert_allclose(steady.dissipated_j, 4 * YIELD * (amplitude - elastic), rtol=2e-3)
         assert_allclose(steady.equivalent_damping, 2 / np.pi * (1 - elastic / amplitude), rtol=2e-3)
         assert_allclose([steady.max_force_kn, steady.min_force_kn], [20, -20])
-        assert_allclose(steady.max_drift_pct, 100 * amplitude / small_layout().drift_height, rtol=5e-4)
+        assert_allclose(
+            steady.max_drift_pct, 100 * amplitude / small_layout().drift_height, rtol=5e-4
+        )
 
     def test_shaken_walls_have_none(self, still_history, error_of):
         refused_with("pushover", cycles_table, still_history)
@@ -70,38 +85,59 @@ class TestEnvelope:
         for sign in (1, -1):
             curve = envelope(plastic, sign)
             assert np.all(np.diff(curve.drift_ratio) > 0)
-            assert_allclose(curve.drift_ratio.iloc[-1], plastic.series.drift_ratio.abs().max(), rtol=5e-4)
+            assert_allclose(
+                curve.drift_ratio.iloc[-1], plastic.series.drift_ratio.abs().max(), rtol=5e-4
+            )
             assert_allclose(curve.force_n.iloc[-1], YIELD)
 
     def test_the_bilinear_line_of_a_bilinear_envelope_is_itself(self, plastic):
         line = bilinear(envelope(plastic), small_layout().drift_height)
         assert_allclose(line["stiffness_n_per_m"], STIFFNESS, rtol=1e-6)
         assert_allclose(line["force_n"], YIELD, rtol=2e-3)
-        assert_allclose(line["elastic_drift"], YIELD / STIFFNESS / small_layout().drift_height, rtol=2e-3)
+        assert_allclose(
+            line["elastic_drift"], YIELD / STIFFNESS / small_layout().drift_height, rtol=2e-3
+        )
 
     def test_of_a_triangle_by_hand(self):
-        """Up to 100 kN at 0.1 %, down to 50 kN at 0.2 %, a wall 2 m high: 80 kN are left at 0.14 %, where the area is
-        (50 + 36) N per unit drift times 2 m; K = 50 kN/mm, and F (d_u - F / 2 K) = 172 N m."""
+        """Up to 100 kN at 0.1 %, down to 50 kN at 0.2 %, a wall 2 m high: 80 kN are left at 0.14 %,
+        where the area is (50 + 36) N per unit drift times 2 m; K = 50 kN/mm, and F (d_u - F / 2 K)
+        = 172 N m."""
         curve = pd.DataFrame({"drift_ratio": [1e-3, 2e-3], "force_n": [100e3, 50e3]})
         line = bilinear(curve, 2.0)
-        assert_allclose([line["stiffness_n_per_m"], line["ultimate_drift"], line["energy_j"]], [50e6, 1.4e-3, 172.0])
+        assert_allclose(
+            [line["stiffness_n_per_m"], line["ultimate_drift"], line["energy_j"]],
+            [50e6, 1.4e-3, 172.0],
+        )
         force, ultimate = line["force_n"], 2.8e-3
         assert_allclose(force * (ultimate - force / 50e6 / 2), 172.0)
         assert_allclose(line["elastic_drift"], force / 50e6 / 2)
         assert_allclose([mean_force(curve, 1e-3), mean_force(curve, 2e-3)], [50e3, 62.5e3])
 
     def test_a_backbone_leaves_out_the_branch_between_two_cycles(self, plastic):
-        """The wall slides: in the negative direction its samples begin near zero drift with all of the force."""
+        """The wall slides: in the negative direction its samples begin near zero drift with all of
+        the force."""
         for sign in (1, -1):
             curve = backbone(plastic, sign)
-            assert curve["drift_ratio"].is_monotonic_increasing and (curve["force_n"] > 0.99 * YIELD).all()
+            assert (
+                curve["drift_ratio"].is_monotonic_increasing
+                and (curve["force_n"] > 0.99 * YIELD).all()
+            )
             assert capacity_curve(plastic, sign).equals(curve)
-        assert envelope(plastic, -1)["drift_ratio"].iloc[0] < 0.05 * backbone(plastic, -1)["drift_ratio"].iloc[0]
+        assert (
+            envelope(plastic, -1)["drift_ratio"].iloc[0]
+            < 0.05 * backbone(plastic, -1)["drift_ratio"].iloc[0]
+        )
 
 
 def crack(tmp_path, *, opening=None, slip=None):
-    return make_history(tmp_path / "cracked.h5", stages=("motion",) * 3, drift=[0, 1e-3, 5e-4], opening=opening,
-                        slip=slip, loading="cyclic")
+    return make_history(
+        tmp_path / "cracked.h5",
+        stages=("motion",) * 3,
+        drift=[0, 1e-3, 5e-4],
+        opening=opening,
+        slip=slip,
+        loading="cyclic",
+    )
 
 
 def stair(layout):
@@ -109,8 +145,11 @@ def stair(layout):
     contacts, brick = layout.contacts, layout.wall.brick
     heads = np.flatnonzero((contacts.kind == 1) & (np.abs(contacts.z - 2.5 * brick.height) < 0.01))
     head = heads[len(heads) // 2]
-    beside = np.flatnonzero((contacts.kind == 0) & (np.abs(contacts.x - contacts.x[head]) < brick.length / 2)
-                            & (np.abs(contacts.z - contacts.z[head]) < 0.51 * brick.height))
+    beside = np.flatnonzero(
+        (contacts.kind == 0)
+        & (np.abs(contacts.x - contacts.x[head]) < brick.length / 2)
+        & (np.abs(contacts.z - contacts.z[head]) < 0.51 * brick.height)
+    )
     return head, beside
 
 
@@ -127,8 +166,14 @@ def test_hand_formulas_of_a_panel(plastic):
 class TestMode:
     def test_slip_beside_an_opened_head_joint_is_a_stair(self, tmp_path):
         head, beside = stair(small_layout())
-        shares = mode_shares(crack(tmp_path, opening={head: 5e-4}, slip=dict.fromkeys(beside, -4e-4)))
-        assert shares["stair_share"] == 1 and shares["mode"] == "shear, diagonal" and shares["opened_m"] == 0
+        shares = mode_shares(
+            crack(tmp_path, opening={head: 5e-4}, slip=dict.fromkeys(beside, -4e-4))
+        )
+        assert (
+            shares["stair_share"] == 1
+            and shares["mode"] == "shear, diagonal"
+            and shares["opened_m"] == 0
+        )
 
     def test_slip_along_a_bed_joint_is_not(self, tmp_path):
         layout = small_layout()
@@ -138,7 +183,10 @@ class TestMode:
         assert_allclose([shares["slipped_m"], shares["slipped_m2"]], [0.9, 0.9 * 4e-4])
 
     def test_a_bed_joint_that_opens_is_flexure(self, tmp_path):
-        assert mode_shares(crack(tmp_path, opening={0: 2e-3, 1: 1e-3}, slip={7: 2e-4}))["mode"] == "flexure"
+        assert (
+            mode_shares(crack(tmp_path, opening={0: 2e-3, 1: 1e-3}, slip={7: 2e-4}))["mode"]
+            == "flexure"
+        )
 
     def test_it_is_that_of_the_largest_drift_up_to_a_limit(self, tmp_path):
         history = crack(tmp_path, opening={0: 2e-3})
@@ -152,8 +200,15 @@ class TestMode:
 
 def pushed_over(path, force, drift, *, seed=0, **more):
     """A push of the small wall, whose base shear and drift are as given."""
-    return make_history(path, stages=("motion",) * len(drift), drift=drift, loading="pushover",
-                        row={"base_shear_n": force}, model={"strength_cov": 0.35, "strength_seed": seed}, **more)
+    return make_history(
+        path,
+        stages=("motion",) * len(drift),
+        drift=drift,
+        loading="pushover",
+        row={"base_shear_n": force},
+        model={"strength_cov": 0.35, "strength_seed": seed},
+        **more,
+    )
 
 
 class TestFigures:
@@ -162,7 +217,8 @@ class TestFigures:
     DRIFT = np.linspace(0.0, 2e-3, 2001)
 
     def test_a_push_is_averaged_and_its_mode_is_that_at_the_ultimate_drift(self, tmp_path):
-        """20 kN to 0.1 %, with a shock of 30 kN in one sample; then 10 kN, while a joint opens wide."""
+        """20 kN to 0.1 %, with a shock of 30 kN in one sample; then 10 kN, while a joint opens
+        wide."""
         force = np.where(self.DRIFT <= 1e-3, 20e3, 10e3) * np.minimum(1.0, self.DRIFT / 1e-4)
         force[500] = 30e3
         history = pushed_over(tmp_path / "pushed.h5", force, self.DRIFT, slip={7: 2e-4})
@@ -170,30 +226,53 @@ class TestFigures:
         opening[1500:, 0] = 5e-3
         state = np.zeros(opening.shape, int)
         state[:, history.contacts.joints] = history.contacts.state
-        every = Contacts(np.arange(opening.shape[1]), opening, history.slip_m, history.offset_m, state)
+        every = Contacts(
+            np.arange(opening.shape[1]), opening, history.slip_m, history.offset_m, state
+        )
         history = replace(history, contacts=every)
         found = capacity(history)
-        assert_allclose(found["peak_force_n"], 21e3, rtol=0.01)  # ten samples a window, and a few of eleven
+        # ten samples a window, and a few of eleven
+        assert_allclose(found["peak_force_n"], 21e3, rtol=0.01)
         assert_allclose(found["ultimate_drift"], 1e-3, rtol=0.02)
         assert found["ended"] and found["failure"]["mode"] == "shear, sliding"
         assert mode_shares(history)["mode"] == "flexure"
-        assert_allclose(capacity(history, 2e-3)["mean_force_n"], (20e3 * 0.95e-3 + 10e3 * 1e-3) / 2e-3, rtol=0.02)
+        assert_allclose(
+            capacity(history, 2e-3)["mean_force_n"],
+            (20e3 * 0.95e-3 + 10e3 * 1e-3) / 2e-3,
+            rtol=0.02,
+        )
         assert capacity(history, 3e-3)["mean_force_n"] is None
         rows = {row["figure"]: row for row in pushed_report(history, 5e-4)["figures"]}
         assert_allclose(rows["mean force to 0.05 % drift"]["simulated"], 18, rtol=0.02)
         assert rows["peak force"]["measured"] is None
 
     def test_of_several_draws_medians_and_how_many_are_needed(self, tmp_path, output_of):
-        histories = [pushed_over(tmp_path / f"{seed}.h5", size * np.minimum(self.DRIFT, 1e-4) / 1e-4, self.DRIFT,
-                                 seed=seed) for seed, size in enumerate((18e3, 20e3, 25e3), start=1)]
+        histories = [
+            pushed_over(
+                tmp_path / f"{seed}.h5",
+                size * np.minimum(self.DRIFT, 1e-4) / 1e-4,
+                self.DRIFT,
+                seed=seed,
+            )
+            for seed, size in enumerate((18e3, 20e3, 25e3), start=1)
+        ]
         found = draws_report(histories)
-        peak, = [row for row in found["figures"] if row["figure"] == "peak force"]
-        assert_allclose([peak["median"], peak["quantile_05"], peak["quantile_95"]], [20, 18.2, 24.5])
+        (peak,) = [row for row in found["figures"] if row["figure"] == "peak force"]
+        assert_allclose(
+            [peak["median"], peak["quantile_05"], peak["quantile_95"]], [20, 18.2, 24.5]
+        )
         assert peak["draws_needed"] == draws_needed([18, 20, 25]) and found["not_ended"] == 3
-        assert "mean force to 0.1 % drift, kN" in output_of("cycles", *(one.path for one in histories), "--to", 0.1)
+        assert "mean force to 0.1 % drift, kN" in output_of(
+            "cycles", *(one.path for one in histories), "--to", 0.1
+        )
         assert "same draw" in one_line_error(draws_report, [histories[0], histories[0]])
-        other = pushed_over(tmp_path / "other.h5", 1e7 * self.DRIFT, self.DRIFT, seed=9,
-                            layout=small_layout(precompression=1e5))
+        other = pushed_over(
+            tmp_path / "other.h5",
+            1e7 * self.DRIFT,
+            self.DRIFT,
+            seed=9,
+            layout=small_layout(precompression=1e5),
+        )
         assert "another wall, push or model" in one_line_error(draws_report, [histories[0], other])
 
 
@@ -210,14 +289,15 @@ class TestMeasured:
 
 
 class TestLaboratoryWalls:
-
     def test_masonry_softer_than_its_bricks_can_make_it_is_refused(self):
         refused_with("softer", brick_of_masonry, 1e12, Joint())
 
     @pytest.mark.long
     def test_squat_wall_is_near_its_test(self, tmp_path):
         """Stiffness within 25 %, peak force within 15 % of the measured means."""
-        history = run_here(tmp_path / "squat.h5", "walls/squat.py", "--pushover", 0.1, "--speed", 2e-3)
+        history = run_here(
+            tmp_path / "squat.h5", "walls/squat.py", "--pushover", 0.1, "--speed", 2e-3
+        )
         rows = {name: (simulated, measured) for name, _, simulated, measured in figures(history)}
         simulated, measured = rows["stiffness, secant to 0.7 of the peak"]
         assert_allclose(simulated, measured, rtol=0.25)

@@ -1,4 +1,5 @@
-"""The page of a claim: who is refused, what an upload may be, where it writes, words of both languages."""
+"""The page of a claim: who is refused, what an upload may be, where it writes, words of both
+languages."""
 
 import io
 import json
@@ -42,7 +43,8 @@ HERE = f"127.0.0.1:{PORT}"
 
 
 def exif_photo(width=400, height=300, orientation=1):
-    """A photograph, bytes of JPEG: dark with a light upper left quarter, with a place and a camera in its metadata."""
+    """A photograph, bytes of JPEG: dark with a light upper left quarter, with a place and a camera
+    in its metadata."""
     picture = Image.new("RGB", (width, height), (40, 40, 40))
     picture.paste((230, 230, 230), (0, 0, width // 2, height // 2))
     exif = picture.getexif()
@@ -70,8 +72,11 @@ def call(client, name, given, **headers):
     """(status, answer) of what the page posts."""
     usual = {"Host": HERE, "Origin": f"http://{HERE}", HEADER: TOKEN}
     more = {"data": given} if isinstance(given, bytes) else {"json": given}
-    answer = client.post(f"{ROOT}/api/{name}", headers={key: value for key, value in (usual | headers).items()
-                                                  if value is not None}, **more)
+    answer = client.post(
+        f"{ROOT}/api/{name}",
+        headers={key: value for key, value in (usual | headers).items() if value is not None},
+        **more,
+    )
     return answer.status_code, answer.get_json(silent=True)
 
 
@@ -87,7 +92,8 @@ def refused(client, name, **given):
     return answer["error"]
 
 
-# --- who is refused ------------------------------------------------------------------------------------------
+# --- who is refused -------------------------------------------------------------------------------
+
 
 def test_the_token_leaves_the_address_and_becomes_a_strict_cookie(app):
     client = app.test_client()
@@ -97,34 +103,74 @@ def test_the_token_leaves_the_address_and_becomes_a_strict_cookie(app):
     assert all(word in cookie for word in ("HttpOnly", "SameSite=Strict", f"Path={ROOT}/"))
     answer = client.get(f"{ROOT}/", headers={"Host": HERE})
     assert answer.status_code == 200 and TOKEN in answer.text
-    for name, word in (("Content-Security-Policy", "default-src 'none'"), ("X-Content-Type-Options", "nosniff"),
-                       ("Referrer-Policy", "no-referrer"), ("Cache-Control", "no-store")):
+    for name, word in (
+        ("Content-Security-Policy", "default-src 'none'"),
+        ("X-Content-Type-Options", "nosniff"),
+        ("Referrer-Policy", "no-referrer"),
+        ("Cache-Control", "no-store"),
+    ):
         assert word in answer.headers[name]
 
 
-@pytest.mark.parametrize("path", ["/", f"/?token={TOKEN}", *(f"{ROOT}/{name}" for name in (
-    "", "?token=wrong", "api/state", "assets/app.js", "files/survey.csv"))])
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/",
+        f"/?token={TOKEN}",
+        *(
+            f"{ROOT}/{name}"
+            for name in ("", "?token=wrong", "api/state", "assets/app.js", "files/survey.csv")
+        ),
+    ],
+)
 def test_without_the_token_nothing_is_given(app, path):
     assert app.test_client().get(path, headers={"Host": HERE}).status_code == 403
 
 
-@pytest.mark.parametrize("headers", [
-    {"Host": "attacker.example"}, {"Host": f"attacker.example:{PORT}"}, {"Host": "127.0.0.1:80"},
-    {"Origin": "http://attacker.example"}, {"Origin": "null"}, {"Origin": f"http://{HERE}.attacker.example"},
-    {"Origin": None}, {HEADER: None}, {HEADER: "wrong"}, {"Sec-Fetch-Site": "cross-site"},
-    {"Sec-Fetch-Site": "same-site"}], ids=str)
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "attacker.example"},
+        {"Host": f"attacker.example:{PORT}"},
+        {"Host": "127.0.0.1:80"},
+        {"Origin": "http://attacker.example"},
+        {"Origin": "null"},
+        {"Origin": f"http://{HERE}.attacker.example"},
+        {"Origin": None},
+        {HEADER: None},
+        {HEADER: "wrong"},
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Sec-Fetch-Site": "same-site"},
+    ],
+    ids=str,
+)
 def test_strangers_requests_are_refused(client, headers):
-    """Another name for this machine, another page in the same browser, a page of another port, all with the cookie."""
+    """Another name for this machine, another page in the same browser, a page of another port, all
+    with the cookie."""
     assert call(client, "stop", {}, **headers)[0] == 403
     assert call(client, "stop", {})[0] == 200
 
 
-@pytest.mark.parametrize("body", [b'{"text": "\xff"}', b'{"text": ', b"[]", b"[" * 100_000, b'{"text": "x", "more": 1}',
-                                  b'{"text": ' + b"9" * 5000 + b"}"],
-                         ids=["not UTF-8", "cut", "list", "deep", "more", "digits"])
+@pytest.mark.parametrize(
+    "body",
+    [
+        b'{"text": "\xff"}',
+        b'{"text": ',
+        b"[]",
+        b"[" * 100_000,
+        b'{"text": "x", "more": 1}',
+        b'{"text": ' + b"9" * 5000 + b"}",
+    ],
+    ids=["not UTF-8", "cut", "list", "deep", "more", "digits"],
+)
 def test_a_body_that_no_page_sends_is_one_line(client, body):
     status, answer = call(client, "front", body, **{"Content-Type": "application/json"})
-    assert status == 400 and set(answer) == {"error"} and "expected" in answer["error"] and "\n" not in answer["error"]
+    assert (
+        status == 400
+        and set(answer) == {"error"}
+        and "expected" in answer["error"]
+        and "\n" not in answer["error"]
+    )
 
 
 def test_what_is_no_call_of_the_page_is_refused(client):
@@ -138,17 +184,27 @@ def test_what_is_no_call_of_the_page_is_refused(client):
 
 
 def test_it_listens_on_the_loopback_interface_alone(tmp_path):
-    """The command as a user starts it: its address answers with the token alone, and this machine's others do not."""
-    process = subprocess.Popen([sys.executable, "-m", "damage", "app", "--no-browser", "--out", str(tmp_path / "o")],
-                               cwd=REPOSITORY, stdout=subprocess.PIPE, text=True)
+    """The command as a user starts it: its address answers with the token alone, and this machine's
+    others do not."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "damage", "app", "--no-browser", "--out", str(tmp_path / "o")],
+        cwd=REPOSITORY,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     try:
-        address = re.search(r"http://127\.0\.0\.1:(\d+)(/\w{16}/)\?token=\S{40,}", process.stdout.readline())
+        address = re.search(
+            r"http://127\.0\.0\.1:(\d+)(/\w{16}/)\?token=\S{40,}", process.stdout.readline()
+        )
         port = int(address[1])
         with socket.create_connection(("127.0.0.1", port), 10) as caller:
             caller.sendall(f"GET {address[2]} HTTP/1.0\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
             assert b" 403 " in caller.recv(100)
         for host in {"127.0.0.2", socket.gethostbyname(socket.gethostname())} - {"127.0.0.1"}:
-            with pytest.raises((ConnectionError, TimeoutError)), socket.create_connection((host, port), 2):
+            with (
+                pytest.raises((ConnectionError, TimeoutError)),
+                socket.create_connection((host, port), 2),
+            ):
                 pass
     finally:
         process.terminate()
@@ -156,10 +212,12 @@ def test_it_listens_on_the_loopback_interface_alone(tmp_path):
         process.stdout.close()
 
 
-# --- photographs -------------------------------------------------------------------------------------------
+# --- photographs ----------------------------------------------------------------------------------
+
 
 def test_metadata_are_removed_and_the_picture_is_turned(client, tmp_path):
-    """Orientation 6: the camera lay on its side, the light quarter is above right when it is upright."""
+    """Orientation 6: the camera lay on its side, the light quarter is above right when it is
+    upright."""
     assert call(client, "photograph", exif_photo(orientation=6))[0] == 200
     data = (tmp_path / "out/photo.jpg").read_bytes()
     for word in (b"Exif", b"Camera", b"comment", b"ICC_PROFILE"):
@@ -177,37 +235,48 @@ def png_that_claims(width, height):
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     parts = [(b"IHDR", head), (b"IDAT", zlib.compress(b"\0" * 100)), (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in parts)
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+        for name, data in parts
+    )
 
 
 def with_scans(photo, more):
     """A JPEG with its last scan so many times more."""
-    last = photo[photo.rindex(b"\xff\xda"):-2]
+    last = photo[photo.rindex(b"\xff\xda") : -2]
     return photo[:-2] + more * last + photo[-2:]
 
 
 def test_a_photograph_of_many_scans_is_refused_and_their_bytes_elsewhere_are_not_counted():
     """Each takes time for all pixels: 200 of 50 million hold a processor for seconds."""
     file = io.BytesIO()
-    Image.new("RGB", (400, 300), (90, 120, 40)).save(file, "JPEG", progressive=True, comment=b"\xff\xda" * 100)
+    Image.new("RGB", (400, 300), (90, 120, 40)).save(
+        file, "JPEG", progressive=True, comment=b"\xff\xda" * 100
+    )
     photo = file.getvalue()
     assert cleaned(photo) == cleaned(photo + b"\xff\xda" * 100) == cleaned(with_scans(photo, 20))
     refused_with("more than 32 scans; expected fewer", cleaned, with_scans(photo, 30))
     refused_with("more than 32 scans; expected fewer", cleaned, with_scans(photo, 100_000))
 
 
-@pytest.mark.parametrize("data, said", [
-    (b"", "cannot be read; expected JPEG or PNG"), (b"<svg onload='x()'/>", "cannot be read"),
-    (exif_photo()[:900], "cannot be read"),
-    (png_that_claims(10_000, 10_000), "10000 x 10000 pixels; expected up to 50"),
-    (png_that_claims(2**31 - 1, 2**31 - 1), "too many pixels; expected up to 50"),
-    (b"\xff" * 20_000_001, "20 MB; expected up to 20")], ids=["empty", "svg", "cut", "bomb", "huge", "bytes"])
+@pytest.mark.parametrize(
+    "data, said",
+    [
+        (b"", "cannot be read; expected JPEG or PNG"),
+        (b"<svg onload='x()'/>", "cannot be read"),
+        (exif_photo()[:900], "cannot be read"),
+        (png_that_claims(10_000, 10_000), "10000 x 10000 pixels; expected up to 50"),
+        (png_that_claims(2**31 - 1, 2**31 - 1), "too many pixels; expected up to 50"),
+        (b"\xff" * 20_000_001, "20 MB; expected up to 20"),
+    ],
+    ids=["empty", "svg", "cut", "bomb", "huge", "bytes"],
+)
 def test_what_is_no_photograph_is_one_line(data, said):
     refused_with(said, cleaned, data)
 
 
 def test_four_points_straighten_a_photograph():
-    """A front of 2 x 1 m with a dark square of 0.4 m, seen from an angle, is there again in its own size and place."""
+    """A front of 2 x 1 m with a dark square of 0.4 m, seen from an angle, is there again in its own
+    size and place."""
     scene = np.full((600, 900), 230, np.uint8)
     places = np.array([[0, 0], [2, 0], [2, 1], [0, 1]], float)
     pixels = np.array([[100, 520], [820, 450], [780, 120], [130, 60]], float)
@@ -218,46 +287,97 @@ def test_four_points_straighten_a_photograph():
     scene.ravel()[on_wall] = 20
     file = io.BytesIO()
     Image.fromarray(scene).convert("RGB").save(file, "JPEG", quality=95)
-    straight = np.asarray(Image.open(io.BytesIO(rectified(file.getvalue(), pixels, places, 2.0, 1.0))).convert("L"))
+    straight = np.asarray(
+        Image.open(io.BytesIO(rectified(file.getvalue(), pixels, places, 2.0, 1.0))).convert("L")
+    )
     px_m = straight.shape[1] / (2 + 2 * MARGIN_M)
     rows, columns = np.nonzero(straight < 100)
-    inside = (np.abs(columns / px_m - MARGIN_M - 1.2) < 0.3) & (np.abs(1 + MARGIN_M - rows / px_m - 0.5) < 0.3)
+    inside = (np.abs(columns / px_m - MARGIN_M - 1.2) < 0.3) & (
+        np.abs(1 + MARGIN_M - rows / px_m - 0.5) < 0.3
+    )
     rows, columns = rows[inside], columns[inside]
-    assert [columns.min() / px_m - MARGIN_M, columns.max() / px_m - MARGIN_M] == pytest.approx([1.0, 1.4], abs=0.01)
-    assert [1 + MARGIN_M - rows.max() / px_m, 1 + MARGIN_M - rows.min() / px_m] == pytest.approx([0.3, 0.7], abs=0.01)
+    assert [columns.min() / px_m - MARGIN_M, columns.max() / px_m - MARGIN_M] == pytest.approx(
+        [1.0, 1.4], abs=0.01
+    )
+    assert [1 + MARGIN_M - rows.max() / px_m, 1 + MARGIN_M - rows.min() / px_m] == pytest.approx(
+        [0.3, 0.7], abs=0.01
+    )
 
 
-# --- the claim's parts --------------------------------------------------------------------------------------
+# --- the claim's parts ----------------------------------------------------------------------------
+
 
 def test_a_survey_that_was_drawn_is_on_the_joints_and_read_back(client, tmp_path):
     done(client, "front", text=FRONT)
-    found = done(client, "survey", cracks=[CRACK], areas=[[[0.8, 0.1], [1.1, 0.5]]], limit_mm=0.1, error_mm=0.05)
-    assert found["share_on_joints"] == 1.0 and len(found["joints"]) > 3 and found["psi"] == pytest.approx(2 * 0.4**0.3)
+    found = done(
+        client,
+        "survey",
+        cracks=[CRACK],
+        areas=[[[0.8, 0.1], [1.1, 0.5]]],
+        limit_mm=0.1,
+        error_mm=0.05,
+    )
+    assert (
+        found["share_on_joints"] == 1.0
+        and len(found["joints"]) > 3
+        and found["psi"] == pytest.approx(2 * 0.4**0.3)
+    )
     state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
-    assert state["drawn"] == {"cracks": [CRACK], "areas": [[0.8, 0.1, 1.1, 0.5]], "limit_mm": 0.1, "error_mm": 0.05}
-    assert main(["cracks", str(tmp_path / "out/survey.csv"), "--wall", str(tmp_path / "out/house.toml")]) == 0
+    assert state["drawn"] == {
+        "cracks": [CRACK],
+        "areas": [[0.8, 0.1, 1.1, 0.5]],
+        "limit_mm": 0.1,
+        "error_mm": 0.05,
+    }
+    assert (
+        main(
+            ["cracks", str(tmp_path / "out/survey.csv"), "--wall", str(tmp_path / "out/house.toml")]
+        )
+        == 0
+    )
 
 
 def drawn(*cracks):
     return {"cracks": list(cracks), "areas": [], "limit_mm": 0.1, "error_mm": 0}
 
 
-@pytest.mark.parametrize("name, given, said", [
-    ("survey", drawn(CRACK | {"width_mm": "1; rm"}), "width of crack"),
-    ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"), ("survey", drawn(1), "crack 1: expected"),
-    ("survey", drawn(CRACK | {"points": [[10**400, 0.1], [0.3, 0.3]]}), "crack 1"),
-    ("address", {"latitude": 53, "longitude": -10**400}, "longitude"),
-    ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),
-    ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"), ("front", {"text": 3}, "characters of TOML"),
-    ("front", {"text": "import os"}, "the front"), ("levels", {"text": "x,z\n1,1\n"}, "no column x_m"),
-    ("address", {"latitude": 52.0, "longitude": 5.0}, "km"),
-    ("start", {"latitude": 53.3, "longitude": 6.7, "settle": None, "distortion": None, "draws": None, "language": "en"},
-     "the survey is missing")])
+@pytest.mark.parametrize(
+    "name, given, said",
+    [
+        ("survey", drawn(CRACK | {"width_mm": "1; rm"}), "width of crack"),
+        ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"),
+        ("survey", drawn(1), "crack 1: expected"),
+        ("survey", drawn(CRACK | {"points": [[10**400, 0.1], [0.3, 0.3]]}), "crack 1"),
+        ("address", {"latitude": 53, "longitude": -(10**400)}, "longitude"),
+        ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),
+        ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"),
+        ("front", {"text": 3}, "characters of TOML"),
+        ("front", {"text": "import os"}, "the front"),
+        ("levels", {"text": "x,z\n1,1\n"}, "no column x_m"),
+        ("address", {"latitude": 52.0, "longitude": 5.0}, "km"),
+        (
+            "start",
+            {
+                "latitude": 53.3,
+                "longitude": 6.7,
+                "settle": None,
+                "distortion": None,
+                "draws": None,
+                "language": "en",
+            },
+            "the survey is missing",
+        ),
+    ],
+)
 def test_what_the_page_cannot_do_is_one_line(client, tmp_path, name, given, said):
     done(client, "front", text=FRONT)
     message = refused(client, name, **given)
     assert re.search(said, message) and "Traceback" not in message
-    assert {path.name for path in (tmp_path / "out").iterdir()} <= {"house.toml", "survey.csv", "levels.csv"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} <= {
+        "house.toml",
+        "survey.csv",
+        "levels.csv",
+    }
     assert (tmp_path / "out/house.toml").read_text() == FRONT
 
 
@@ -267,24 +387,37 @@ def test_what_is_refused_leaves_what_was_accepted(client, tmp_path):
     done(client, "levels", text="x_m,height_m\n0,0.5\n1.1,0.498\n")
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     assert "the survey" in refused(client, "survey", **drawn(CRACK | {"points": [[5, 5], [9, 9]]}))
-    assert "the file of levels" in refused(client, "levels", text="x_m,height_m\n0,0.5\n0.2,0.498\n")
+    assert "the file of levels" in refused(
+        client, "levels", text="x_m,height_m\n0,0.5\n0.2,0.498\n"
+    )
     assert "the front" in refused(client, "front", text="length = ")
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 
 @pytest.mark.parametrize("name", ["claim/patterns", "claim/tables/a.csv", "claim.log"])
-def test_runs_do_not_start_where_a_link_leads_out_of_the_folder(client, tmp_path, monkeypatch, name):
+def test_runs_do_not_start_where_a_link_leads_out_of_the_folder(
+    client, tmp_path, monkeypatch, name
+):
     """In a folder that was sent."""
     monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", None)
     ready_to_start(client)
     link = tmp_path / "out" / name
     link.parent.mkdir(parents=True, exist_ok=True)
     link.symlink_to(tmp_path)
-    assert refused(client, "start", **START) == (
-        f"{name} is a link, a pipe or a device; expected a file of this claim; delete it")
+    assert (
+        refused(client, "start", **START)
+        == f"{name} is a link, a pipe or a device; expected a file of this claim; delete it"
+    )
 
 
-START = {"latitude": 53.36786, "longitude": 6.71359, "settle": None, "distortion": None, "draws": 2, "language": "en"}
+START = {
+    "latitude": 53.36786,
+    "longitude": 6.71359,
+    "settle": None,
+    "distortion": None,
+    "draws": 2,
+    "language": "en",
+}
 
 
 def ready_to_start(client):
@@ -305,8 +438,8 @@ class Ended:
 
 
 def test_the_sheet_of_other_inputs_is_not_offered(client, tmp_path, monkeypatch):
-    """Another front or survey, a run that is refused, that fails or that is stopped: the former one has another name;
-    what is sent once more changes nothing."""
+    """Another front or survey, a run that is refused, that fails or that is stopped: the former one
+    has another name; what is sent once more changes nothing."""
     monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     ready_to_start(client)
     (folder := tmp_path / "out/claim").mkdir()
@@ -315,18 +448,26 @@ def test_the_sheet_of_other_inputs_is_not_offered(client, tmp_path, monkeypatch)
         for one in ("claim.html", "claim.json"):
             written(folder / one, "of the former house")
         call(client, name, given)
-        there = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()["sheet"] is not None
-        shown = client.get(f"{ROOT}/files/claim/claim.html", headers={"Host": HERE}).status_code == 200
+        there = (
+            client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()["sheet"] is not None
+        )
+        shown = (
+            client.get(f"{ROOT}/files/claim/claim.html", headers={"Host": HERE}).status_code == 200
+        )
         assert there == shown == (folder / "claim.json").exists()
         assert there or (folder / "former-claim.html").read_text() == "of the former house"
         return there
 
     assert offered("front", {"text": FRONT}) and offered("survey", drawn(CRACK))
-    assert offered("front", {"text": "length ="}) and offered("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}))
+    assert offered("front", {"text": "length ="}) and offered(
+        "survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]})
+    )
     assert not offered("front", {"text": FRONT + "\n"})
     assert not offered("survey", drawn(CRACK | {"width_mm": 0.5}))
     assert not offered("levels", {"text": "x_m,height_m\n0,0.5\n1.1,0.498\n"})
-    assert not offered("start", START) and not offered("start", START | {"latitude": 52.0, "longitude": 5.0})
+    assert not offered("start", START) and not offered(
+        "start", START | {"latitude": 52.0, "longitude": 5.0}
+    )
 
 
 def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypatch):
@@ -334,17 +475,25 @@ def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypat
     monkeypatch.setattr(Ended, "status", None)
     ready_to_start(client)
     done(client, "start", **START)
-    for name, given in (("front", {"text": FRONT + "\n"}), ("survey", drawn(CRACK | {"width_mm": 0.5})),
-                        ("levels", {"text": "x_m,height_m\n0,0.5\n1.1,0.498\n"})):
+    for name, given in (
+        ("front", {"text": FRONT + "\n"}),
+        ("survey", drawn(CRACK | {"width_mm": 0.5})),
+        ("levels", {"text": "x_m,height_m\n0,0.5\n1.1,0.498\n"}),
+    ):
         assert "cannot change while the computation runs" in refused(client, name, **given)
     assert (tmp_path / "out/house.toml").read_text() == FRONT
     monkeypatch.setattr(Ended, "status", 0)
 
 
-@pytest.mark.parametrize("change, said", [
-    ({"front": FRONT + "length = 2"}, "the front was changed since it was sent"),
-    ({"survey": drawn(CRACK, CRACK)}, "the survey that is drawn was changed since it was sent"),
-    ({"survey": []}, "expected cracks, areas"), ({"levels": "x_m,height_m\n"}, "the table of levels was changed")])
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        ({"front": FRONT + "length = 2"}, "the front was changed since it was sent"),
+        ({"survey": drawn(CRACK, CRACK)}, "the survey that is drawn was changed since it was sent"),
+        ({"survey": []}, "expected cracks, areas"),
+        ({"levels": "x_m,height_m\n"}, "the table of levels was changed"),
+    ],
+)
 def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, change, said):
     monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     ready_to_start(client)
@@ -361,8 +510,12 @@ def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
     monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     done(client, "front", text=FRONT)
     other = {"points": [[0.5, 0.1], [0.8, 0.3]], "offset": "yes"}
-    done(client, "survey", **drawn(CRACK | {"width_mm": 5}, CRACK | other) | {
-        "areas": [[[1.1, 0.1], [0.8, 0.5]]], "limit_mm": 1})
+    done(
+        client,
+        "survey",
+        **drawn(CRACK | {"width_mm": 5}, CRACK | other)
+        | {"areas": [[[1.1, 0.1], [0.8, 0.5]]], "limit_mm": 1},
+    )
     state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
     survey = state["drawn"] | {"areas": [[area[:2], area[2:]] for area in state["drawn"]["areas"]]}
     done(client, "start", **START, shown={"front": state["house"], "levels": "", "survey": survey})
@@ -382,7 +535,10 @@ def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatc
         serve(tmp_path / "out")
     [(address, file, text, mode)] = opened
     assert address.startswith("file:///") and "token" not in address and mode == 0o600
-    assert re.search(r'content="0; url=http://127\.0\.0\.1:\d+/\w{16}/\?token=[\w-]{40,}"', text) and not file.exists()
+    assert (
+        re.search(r'content="0; url=http://127\.0\.0\.1:\d+/\w{16}/\?token=[\w-]{40,}"', text)
+        and not file.exists()
+    )
 
 
 def test_a_pipe_is_not_opened(client, tmp_path):
@@ -392,15 +548,28 @@ def test_a_pipe_is_not_opened(client, tmp_path):
 
 
 def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path, monkeypatch):
-    """Whose command line is that of the claim; modules of the working folder, which may have been sent, are not run."""
+    """Whose command line is that of the claim; modules of the working folder, which may have been
+    sent, are not run."""
     written(tmp_path / "damage.py", f"open({str(tmp_path / 'ran')!r}, 'w')")
     monkeypatch.chdir(tmp_path)
     desk = Desk(tmp_path / "out")
     desk.front(FRONT)
     desk.survey([CRACK], [], 0.1, 0.05)
-    start = {"latitude": 53.36786, "longitude": 6.71359, "settle": "hogging", "distortion": 1 / 2000, "draws": 200,
-             "language": "nl"}
-    for wrong in ({"settle": "--help"}, {"distortion": None}, {"draws": 1}, {"language": "fr"}, {"latitude": "53"}):
+    start = {
+        "latitude": 53.36786,
+        "longitude": 6.71359,
+        "settle": "hogging",
+        "distortion": 1 / 2000,
+        "draws": 200,
+        "language": "nl",
+    }
+    for wrong in (
+        {"settle": "--help"},
+        {"distortion": None},
+        {"draws": 1},
+        {"language": "fr"},
+        {"latitude": "53"},
+    ):
         refused_with("", desk.start, **start | wrong)
     assert desk.start(**start)["running"]
     refused_with("running already", desk.start, **start)
@@ -417,11 +586,18 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
     desk = Desk(tmp_path / "out")
     desk.front(FRONT)
     desk.survey([CRACK], [], 0.1, 0.05)
-    program = ("import sys, threading, time; from damage.applications.groningen.app.desk import Desk; desk = Desk(sys.argv[1]); "
-               "one = threading.Thread(target=desk.start, args=(53.36786, 6.71359, None, None, 200, 'en')); "
-               "one.start(); one.join(); time.sleep(1); print(desk.job.pid, desk.running, flush=True); time.sleep(600)")
-    with subprocess.Popen([sys.executable, "-c", program, str(desk.out)], stdout=subprocess.PIPE, text=True,
-                          cwd=REPOSITORY) as page:
+    program = (
+        "import sys, threading, time; from damage.applications.groningen.app.desk import Desk; desk"
+        " = Desk(sys.argv[1]); one = threading.Thread(target=desk.start, args=(53.36786, 6.71359,"
+        " None, None, 200, 'en')); one.start(); one.join(); time.sleep(1); print(desk.job.pid,"
+        " desk.running, flush=True); time.sleep(600)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", program, str(desk.out)],
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=REPOSITORY,
+    ) as page:
         pid, running = page.stdout.readline().split()
         page.kill()
     assert running == "True"
@@ -432,14 +608,23 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
             os.killpg(int(pid), signal.SIGKILL)
 
 
-# --- words -------------------------------------------------------------------------------------------------
+# --- words ----------------------------------------------------------------------------------------
+
 
 def test_every_text_of_the_page_is_in_both_languages():
     """With the same places for numbers; the program names no word that is not there."""
     table = words()
     assert all(set(text) == {"en", "nl"} and all(text.values()) for text in table.values())
-    places = [set(re.findall(r"{\w+}", text[language])) for text in table.values() for language in ("en", "nl")]
+    places = [
+        set(re.findall(r"{\w+}", text[language]))
+        for text in table.values()
+        for language in ("en", "nl")
+    ]
     assert places[::2] == places[1::2]
-    template, program = ((PAGE / name).read_text(encoding="utf-8") for name in ("app.html", "app.js"))
-    named = set(re.findall(r"words\.(\w+)", template + program)) | set(re.findall(r'fill\("(\w+)"', program))
+    template, program = (
+        (PAGE / name).read_text(encoding="utf-8") for name in ("app.html", "app.js")
+    )
+    named = set(re.findall(r"words\.(\w+)", template + program)) | set(
+        re.findall(r'fill\("(\w+)"', program)
+    )
     assert named - {"get", "items"} <= set(table)

@@ -1,4 +1,5 @@
-"""The page of a claim in a real browser without a network: photograph, drawing, sheet; keys, narrow, dark, languages.
+"""The page of a claim in a real browser without a network: photograph, drawing, sheet; keys,
+narrow, dark, languages.
 
 `bash scripts/browser.sh` installs what these need and runs them.
 """
@@ -38,6 +39,7 @@ def page(driver, tmp_path):
         def begin(status, *more):
             app.answers.append((environ["PATH_INFO"], status[:3]))
             return start(status, *more)
+
         return inner(environ, begin)
 
     app.wsgi_app = watched
@@ -59,7 +61,9 @@ def open_page(driver, address):
 
 
 def ready(driver):
-    WebDriverWait(driver, 20).until(lambda driver: driver.execute_script("return document.body.dataset.ready") == "yes")
+    WebDriverWait(driver, 20).until(
+        lambda driver: driver.execute_script("return document.body.dataset.ready") == "yes"
+    )
 
 
 def by(driver, name):
@@ -89,13 +93,17 @@ def click_at(driver, name, across, up):
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
     size = canvas.size
     ActionChains(driver).move_to_element_with_offset(
-        canvas, round((across - 0.5) * size["width"]), round((0.5 - up) * size["height"])).click().perform()
+        canvas, round((across - 0.5) * size["width"]), round((0.5 - up) * size["height"])
+    ).click().perform()
 
 
 def silent(driver):
     """The console has nothing to say, and all requests went to the loopback interface."""
-    asked = {url for entry in driver.get_log("performance") for url in
-             re.findall(r'"url":"(https?://[^"]+)"', entry["message"])}
+    asked = {
+        url
+        for entry in driver.get_log("performance")
+        for url in re.findall(r'"url":"(https?://[^"]+)"', entry["message"])
+    }
     assert [entry for entry in driver.get_log("browser") if entry["level"] != "DEBUG"] == []
     assert {url for url in asked if not url.startswith("http://127.0.0.1:")} == set()
 
@@ -105,7 +113,12 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
     write(driver, "latitude", "53.36786")
     write(driver, "longitude", "6,71359")
     assert "ends on 2022-01-26" in press(driver, "show-earthquakes", "said-address")
-    assert by(driver, "said-address").find_element("tag name", "strong").value_of_css_property("font-weight") == "700"
+    assert (
+        by(driver, "said-address")
+        .find_element("tag name", "strong")
+        .value_of_css_property("font-weight")
+        == "700"
+    )
     assert len(driver.find_elements("css selector", "#earthquakes tbody tr")) == 8
     write(driver, "front-text", FRONT)
     assert "1.125 × 0.6 m" in press(driver, "use-front", "said-front")
@@ -125,20 +138,31 @@ def test_from_a_photograph_to_the_sheet(page, tmp_path):
     Select(by(driver, "settle")).select_by_value("hogging")
     write(driver, "draws", "2")
     by(driver, "start").click()
-    WebDriverWait(driver, 240).until(lambda driver: by(driver, "said-compute").text not in ("", WORDS["running"]["en"]))
+    WebDriverWait(driver, 240).until(
+        lambda driver: by(driver, "said-compute").text not in ("", WORDS["running"]["en"])
+    )
     assert by(driver, "said-compute").text == WORDS["done"]["en"], by(driver, "log").text
     silent(driver)
     by(driver, "sheet").click()
     driver.switch_to.window(driver.window_handles[-1])
-    assert "Cracks in a front" in driver.title and "mm" in driver.find_element("tag name", "body").text
+    assert (
+        "Cracks in a front" in driver.title and "mm" in driver.find_element("tag name", "body").text
+    )
     driver.close()
     driver.switch_to.window(driver.window_handles[0])
     assert {path.name for path in (tmp_path / "claim").iterdir()} == {
-        "house.toml", "photo.jpg", "straight.jpg", "survey.csv", "claim.log", "claim"}
+        "house.toml",
+        "photo.jpg",
+        "straight.jpg",
+        "survey.csv",
+        "claim.log",
+        "claim",
+    }
 
 
 def test_a_page_of_another_site_gets_nothing(page):
-    """What a stranger's page in the same browser asks for is refused by its Origin, whatever it knows."""
+    """What a stranger's page in the same browser asks for is refused by its Origin, whatever it
+    knows."""
     driver, app = page
     from http.server import BaseHTTPRequestHandler, HTTPServer
 
@@ -156,14 +180,21 @@ def test_a_page_of_another_site_gets_nothing(page):
     threading.Thread(target=server.serve_forever, daemon=True).start()
     driver.get(f"http://127.0.0.1:{server.server_port}/")
     root = app.address.partition("?")[0]
-    for options in ("{mode: 'no-cors', credentials: 'include'}",
-                    "{method: 'POST', mode: 'no-cors', credentials: 'include', body: '{}'}"):
+    for options in (
+        "{mode: 'no-cors', credentials: 'include'}",
+        "{method: 'POST', mode: 'no-cors', credentials: 'include', body: '{}'}",
+    ):
         driver.execute_async_script(
-            f"const done = arguments[0]; fetch('{root}api/stop', {options}).then(() => done(), () => done())")
+            f"const done = arguments[0]; fetch('{root}api/stop', {options}).then(() => done(), ()"
+            " => done())"
+        )
     seen = driver.execute_async_script(
         f"const done = arguments[0]; fetch('{root}api/state', {{credentials: 'include'}})"
-        ".then((answer) => done(answer.status), () => done('refused'))")
-    assert seen == "refused" and {status for path, status in app.answers if path == f"{ROOT}/api/stop"} == {"403"}
+        ".then((answer) => done(answer.status), () => done('refused'))"
+    )
+    assert seen == "refused" and {
+        status for path, status in app.answers if path == f"{ROOT}/api/stop"
+    } == {"403"}
     assert (f"{ROOT}/api/state", "403") in app.answers
     driver.get_log("browser")
     server.shutdown()

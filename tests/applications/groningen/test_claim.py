@@ -1,4 +1,5 @@
-"""Claims: twins are the bits of single runs, but-for by hand, weights, refusals, and the sheet in two languages."""
+"""Claims: twins are the bits of single runs, but-for by hand, weights, refusals, and the sheet in
+two languages."""
 
 import json
 import os
@@ -32,7 +33,14 @@ from damage.applications.groningen.claim.answer import (
 from damage.applications.groningen.claim.likeness import FARTHEST, KERNEL, kernel
 from damage.applications.groningen.claim.make import describe, layout_of
 from damage.applications.groningen.claim.sheet import sheet
-from damage.applications.groningen.claim.twins import BOTH, SHAKEN, STATES, Twins, read_twins, write_twins
+from damage.applications.groningen.claim.twins import (
+    BOTH,
+    SHAKEN,
+    STATES,
+    Twins,
+    read_twins,
+    write_twins,
+)
 from damage.applications.groningen.exposure.lives import read_address
 from damage.applications.report.words import LANGUAGES, all_words, number
 from damage.applications.studies import folder
@@ -45,10 +53,28 @@ from damage.run.options import parse_run
 from damage.run.scheme import schemes
 from damage.wall.file import load_wall
 
-CRACKS = ("crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
-          "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\nB,1,0.78,0.075,0.15,no,0.1,0.05\nB,2,0.9,0.075,,,,\n")
-WORDS = ("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--above", "12", "--strong", "0.2", "0.3",
-         "--rest", "0.1", "-j", "1")
+CRACKS = (
+    "crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
+    "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\nB,1,0.78,0.075,0.15,no,0.1,0.05\nB,2,0.9,0.075,,,,\n"
+)
+WORDS = (
+    "--at",
+    "53.36786",
+    "6.71359",
+    "--from",
+    "2012",
+    "--to",
+    "2014",
+    "--above",
+    "12",
+    "--strong",
+    "0.2",
+    "0.3",
+    "--rest",
+    "0.1",
+    "-j",
+    "1",
+)
 """Short motions of the narrow wall."""
 
 
@@ -63,47 +89,85 @@ def claimed(tmp_path_factory):
 
 
 def words(folder, *more, draws=3):
-    return ["claim", str(folder / "narrow.py"), *WORDS, "--cracks", str(folder / "survey.csv"), "--draws", str(draws),
-            "--out", str(folder / "out"), *more]
+    return [
+        "claim",
+        str(folder / "narrow.py"),
+        *WORDS,
+        "--cracks",
+        str(folder / "survey.csv"),
+        "--draws",
+        str(draws),
+        "--out",
+        str(folder / "out"),
+        *more,
+    ]
 
 
 def equal(one, other):
-    return all(np.array_equal(mine, theirs, equal_nan=True) for mine, theirs in zip(one, other, strict=True))
+    return all(
+        np.array_equal(mine, theirs, equal_nan=True)
+        for mine, theirs in zip(one, other, strict=True)
+    )
 
 
 def kept(folder, point, number):
     run = f"{point}_from1_reference_s{number}"
-    return read_patterns(folder / "patterns" / f"{run}.npz", read_records(folder).runs[run]["patterns"])
+    return read_patterns(
+        folder / "patterns" / f"{run}.npz", read_records(folder).runs[run]["patterns"]
+    )
 
 
 class TestTwins:
     def test_a_twin_is_the_single_run_bit_for_bit(self, claimed):
-        """With both causes, by the earthquakes alone and by the settlement alone, which no earthquake follows (the time
-        step is that of the twins: by default it follows the records')."""
+        """With both causes, by the earthquakes alone and by the settlement alone, which no
+        earthquake follows (the time step is that of the twins: by default it follows the
+        records')."""
         wall, out = claimed.parent / "narrow.py", claimed.parent / "alone"
         for point in (SHAKEN, BOTH):
-            history = damage.run(wall, address=claimed / f"{point}.address.toml", life=2, rest=0.1, strength_cov=0.3,
-                                 supports="bricks", settling="adaptive", out=out / f"{point}.h5")
+            history = damage.run(
+                wall,
+                address=claimed / f"{point}.address.toml",
+                life=2,
+                rest=0.1,
+                strength_cov=0.3,
+                supports="bricks",
+                settling="adaptive",
+                out=out / f"{point}.h5",
+            )
             assert equal(patterns_of(history), kept(claimed, point, 2))
         ground = read_address(claimed / f"{BOTH}.address.toml").settlement(2)
-        settled = patterns_of(damage.run(wall, settle=ground.profile, distortion=ground.distortion, strength_cov=0.3,
-                                         strength_seed=2, settling="adaptive", dt=history.time_step_s,
-                                         out=out / "settled.h5"))
+        settled = patterns_of(
+            damage.run(
+                wall,
+                settle=ground.profile,
+                distortion=ground.distortion,
+                strength_cov=0.3,
+                strength_seed=2,
+                settling="adaptive",
+                dt=history.time_step_s,
+                out=out / "settled.h5",
+            )
+        )
         twin = kept(claimed, BOTH, 2)
         whole = [one.at(SETTLED, 1000) for one in (settled, twin)]
         assert np.array_equal(*whole) and whole[0].any()
 
     @pytest.mark.parametrize("wall", ["terrace_end", "solid"])
     def test_twins_are_integrated_alike(self, tmp_path, wall):
-        """With one scheme and one damping of settling stages, which the residual cracks depend on."""
+        """With one scheme and one damping of settling stages, which the residual cracks depend
+        on."""
         address = {"latitude": 53.36786, "longitude": 6.71359, "above_mm_s": 12.0, "within_km": 3.5}
         study = load_study(write_twins(tmp_path, wall, address, {}, {}, 2), "reference")
         found = {}
         for point in study.runs:
             steps = schemes(point.settings(REPOSITORY), load_wall(point.wall), 5e-5, 0.1)
-            found[point.point.partition("_")[0]] = [(one.settles, one.mass_scaling, step) for one, step in steps]
+            found[point.point.partition("_")[0]] = [
+                (one.settles, one.mass_scaling, step) for one, step in steps
+            ]
         assert found[SHAKEN] == found[BOTH] and found[BOTH][0][:2] == (
-            "adaptive", {"terrace_end": "selective", "solid": "none"}[wall])
+            "adaptive",
+            {"terrace_end": "selective", "solid": "none"}[wall],
+        )
 
     def test_what_was_lost_is_made_again_and_more_draws_change_no_other(self, claimed):
         before = {path.name: path.read_bytes() for path in (claimed / "patterns").iterdir()}
@@ -113,20 +177,34 @@ class TestTwins:
         assert len(after) == 8 and {name: after[name] for name in before} == before
 
     def test_patterns_of_two_runs_that_were_exchanged_are_refused(self, claimed):
-        one, other = (claimed / "patterns" / f"{BOTH}_from1_reference_s{number}.npz" for number in (1, 2))
+        one, other = (
+            claimed / "patterns" / f"{BOTH}_from1_reference_s{number}.npz" for number in (1, 2)
+        )
         before = one.read_bytes()
         one.write_bytes(other.read_bytes())
         try:
             said = one_line_error(read_twins, claimed, layout_of(claimed.parent / "narrow.py"))
         finally:
             one.write_bytes(before)
-        assert f"{one} is not what its run wrote" in said and "delete it, and the same command makes it again" in said
+        assert (
+            f"{one} is not what its run wrote" in said
+            and "delete it, and the same command makes it again" in said
+        )
 
     def test_patterns_that_a_record_does_not_name_are_made_again(self, claimed):
         """As where a kill came between them."""
-        lines, path = (claimed / "records.jsonl").read_text().splitlines(), claimed / "records.jsonl"
-        kept_lines = [line for line in lines if '"run"' not in line or f"{BOTH}_from1_reference_s3" not in line]
-        record = next(json.loads(line) for line in lines if f'"run": "{BOTH}_from1_reference_s3"' in line)
+        lines, path = (
+            (claimed / "records.jsonl").read_text().splitlines(),
+            claimed / "records.jsonl",
+        )
+        kept_lines = [
+            line
+            for line in lines
+            if '"run"' not in line or f"{BOTH}_from1_reference_s3" not in line
+        ]
+        record = next(
+            json.loads(line) for line in lines if f'"run": "{BOTH}_from1_reference_s3"' in line
+        )
         seal = record.pop("patterns")
         del record["sha256"]
         path.write_text("\n".join(kept_lines) + "\n" + line_of(record))
@@ -155,19 +233,32 @@ class TestGround:
         self.draws(tmp_path, "settle = ['tilt']\ndistortion = [0.001, 0.002]\n")
         line = ["--address", str(tmp_path / "a.toml"), "--life", "1"]
         assert parse_run(line, "t", "reference").settlement.profile == "tilt"
-        assert "lives draw the settlement" in one_line_error(parse_run, [*line, "--settle", "knick"], "t", "reference")
+        assert "lives draw the settlement" in one_line_error(
+            parse_run, [*line, "--settle", "knick"], "t", "reference"
+        )
 
 
 def made(**width_mm):
     """Twins of draws whose only contact point has these widths [mm] by what acted."""
     n = len(width_mm["both"])
     opening = {name: np.reshape(width_mm.get(name, [0.0] * n), (n, 1)) * 1e-3 for name in STATES}
-    return Twins(np.arange(1, n + 1), opening, {name: np.zeros((n, 1)) for name in opening},
-                 {name: np.isinf(values[:, 0]) for name, values in opening.items()}, np.zeros((1, 2, 2)), np.ones(1),
-                 {}, pd.DataFrame())
+    return Twins(
+        np.arange(1, n + 1),
+        opening,
+        {name: np.zeros((n, 1)) for name in opening},
+        {name: np.isinf(values[:, 0]) for name, values in opening.items()},
+        np.zeros((1, 2, 2)),
+        np.ones(1),
+        {},
+        pd.DataFrame(),
+    )
 
 
-FOUR = made(both=[0.5, 0.5, 0.05, 0.3], earthquakes=[0.2, 0.05, 0.05, 0.2], settlement=[0.05, 0.05, 0.01, 0.3])
+FOUR = made(
+    both=[0.5, 0.5, 0.05, 0.3],
+    earthquakes=[0.2, 0.05, 0.05, 0.2],
+    settlement=[0.05, 0.05, 0.01, 0.3],
+)
 """Draws: earthquakes alone do it; neither alone; nothing; each does."""
 
 
@@ -175,9 +266,17 @@ class TestButFor:
     def test_shares_by_hand(self):
         """By a prior of 0.5 all eight worlds weigh the same; where the ground rested, E stands."""
         found = table(worlds_of(FOUR, 0.5))
-        assert {name: row["share"] for name, row in found.items()} == pytest.approx({
-            "both": 5 / 8, "earthquakes": 2 / 4, "settlement": 1 / 8, "none": 0.0,
-            "not_without_earthquakes": 4 / 5, "not_without_settlement": 1 / 5, "neither_alone": 1 / 5})
+        assert {name: row["share"] for name, row in found.items()} == pytest.approx(
+            {
+                "both": 5 / 8,
+                "earthquakes": 2 / 4,
+                "settlement": 1 / 8,
+                "none": 0.0,
+                "not_without_earthquakes": 4 / 5,
+                "not_without_settlement": 1 / 5,
+                "neither_alone": 1 / 5,
+            }
+        )
 
     def test_weights_take_the_place_of_draws(self):
         like = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]])
@@ -187,7 +286,10 @@ class TestButFor:
     def test_both_worlds_of_a_draw_are_one_draw(self):
         assert effective(worlds_of(FOUR, 0.3).weight) == pytest.approx(4)
         assert effective(np.array([[1.0, 3.0], [0.0, 0.0]])) == pytest.approx(16 / 10)
-        assert effective(np.zeros((2, 3))) == 0 and share(np.ones((2, 3)), np.zeros((2, 3)))["share"] is None
+        assert (
+            effective(np.zeros((2, 3))) == 0
+            and share(np.ones((2, 3)), np.zeros((2, 3)))["share"] is None
+        )
 
     def test_wilson(self):
         """Of 10 of 10: Brown, Cai and DasGupta (2001), 0.722 to 1."""
@@ -195,11 +297,16 @@ class TestButFor:
         assert wilson(0.5, 20) == pytest.approx((0.2993, 0.7007), abs=1e-4)
 
     def test_widths_of_a_survey(self):
-        """What is left is measured: the earthquakes added what the draws do not have without them."""
+        """What is left is measured: the earthquakes added what the draws do not have without
+        them."""
         found = widths(worlds_of(FOUR, 1.0), surveyed_mm=0.8, error_mm=0.05)
-        assert found["left"] == pytest.approx([0.75, 0.8, 0.85]) and found["before"] == pytest.approx([0.01, 0.05, 0.3])
+        assert found["left"] == pytest.approx([0.75, 0.8, 0.85]) and found[
+            "before"
+        ] == pytest.approx([0.01, 0.05, 0.3])
         assert found["added"] == pytest.approx([0.75 - 0.3, 0.8 - 0.05, 0.85 - 0.01])
-        assert widths(worlds_of(FOUR, 0.5, np.zeros((2, 4))), 0.8) == dict.fromkeys(("before", "added", "left"))
+        assert widths(worlds_of(FOUR, 0.5, np.zeros((2, 4))), 0.8) == dict.fromkeys(
+            ("before", "added", "left")
+        )
 
     def test_a_wall_that_fell_counts_as_visible_and_has_no_width(self):
         fell = made(both=[np.inf, 0.5], earthquakes=[0.05, 0.05], settlement=[0.05, 0.05])
@@ -210,19 +317,34 @@ class TestButFor:
 
 class TestAnswer:
     def tables(self, *bounds):
-        return {str(k): {name: {"share": (low + high) / 2, "low": low, "high": high} for name in BUT_FOR}
-                for k, (low, high) in enumerate(bounds)}
+        return {
+            str(k): {
+                name: {"share": (low + high) / 2, "low": low, "high": high} for name in BUT_FOR
+            }
+            for k, (low, high) in enumerate(bounds)
+        }
 
     def test_all_priors_have_to_agree_by_their_whole_intervals(self):
         name = BUT_FOR[0]
         assert verdict(self.tables((0.9, 1.0), (0.95, 1.0)))[name] == "yes"
         assert verdict(self.tables((0.0, 0.1), (0.0, 0.05)))[name] == "no"
-        for bounds in (((0.9, 1.0), (0.89, 1.0)), ((0.0, 0.1), (0.9, 1.0)), ((0.0, 0.11), (0.0, 0.1))):
+        for bounds in (
+            ((0.9, 1.0), (0.89, 1.0)),
+            ((0.0, 0.1), (0.9, 1.0)),
+            ((0.0, 0.11), (0.0, 0.1)),
+        ):
             assert verdict(self.tables(*bounds))[name] == "open"
 
-    @pytest.mark.parametrize("change, draws, strange, why", [
-        ({}, 50.0, 0.95, []), ({}, 49.9, 0.0, ["draws"]), ({}, 60.0, 0.951, ["strange"]),
-        ({"share_on_joints": 0.79}, 60.0, 0.0, ["off_joints"]), ({"max_width_mm": 0.09}, 60.0, 0.0, ["small"])])
+    @pytest.mark.parametrize(
+        "change, draws, strange, why",
+        [
+            ({}, 50.0, 0.95, []),
+            ({}, 49.9, 0.0, ["draws"]),
+            ({}, 60.0, 0.951, ["strange"]),
+            ({"share_on_joints": 0.79}, 60.0, 0.0, ["off_joints"]),
+            ({"max_width_mm": 0.09}, 60.0, 0.0, ["small"]),
+        ],
+    )
     def test_no_answer(self, change, draws, strange, why):
         survey = {"max_width_mm": 0.1, "share_on_joints": 0.8} | change
         assert [code for code, _ in reasons(survey, draws, strange)] == why
@@ -231,43 +353,71 @@ class TestAnswer:
 class TestLikeness:
     def test_distances_are_those_of_the_survey(self, claimed):
         layout = layout_of(claimed.parent / "narrow.py")
-        twins, survey = read_twins(claimed, layout), read_survey(claimed.parent / "survey.csv", layout)
+        twins, survey = (
+            read_twins(claimed, layout),
+            read_survey(claimed.parent / "survey.csv", layout),
+        )
         mine, known = surveyed(survey, layout)
         seen = seen_of(survey, twins.opening_m["both"], twins.offset_m["both"], layout)
         found = distances(mine, seen, survey.width_error_m, known)
-        assert known.any() and found == pytest.approx([
-            distance(survey, twins.opening_m["both"][k], twins.offset_m["both"][k], layout) for k in range(len(twins))])
+        assert known.any() and found == pytest.approx(
+            [
+                distance(survey, twins.opening_m["both"][k], twins.offset_m["both"][k], layout)
+                for k in range(len(twins))
+            ]
+        )
 
     def test_kernel(self):
-        assert kernel(np.array([0.0, KERNEL]), np.ones(2, bool)) == pytest.approx([1.0, np.exp(-0.5)])
+        assert kernel(np.array([0.0, KERNEL]), np.ones(2, bool)) == pytest.approx(
+            [1.0, np.exp(-0.5)]
+        )
         away = np.full(100, FARTHEST + 1e-9)
-        assert effective(kernel(away, np.ones(100, bool))) == 0, "draws equally far away do not resemble the survey"
-        assert effective(np.exp(-(away / KERNEL)**2 / 2)) == pytest.approx(100)
+        assert effective(kernel(away, np.ones(100, bool))) == 0, (
+            "draws equally far away do not resemble the survey"
+        )
+        assert effective(np.exp(-((away / KERNEL) ** 2) / 2)) == pytest.approx(100)
 
 
 class TestSheet:
     def test_every_share_of_the_sheet_is_in_the_json(self, claimed):
-        page, numbers = (claimed / "claim.html").read_text(), json.loads((claimed / "claim.json").read_text())
+        page, numbers = (
+            (claimed / "claim.html").read_text(),
+            json.loads((claimed / "claim.json").read_text()),
+        )
         for row in numbers["all_draws"]["0.5"].values():
             if row["share"] is not None:
-                assert f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})" in page
+                assert (
+                    f"{round(100 * row['share'])}"
+                    f" ({round(100 * row['low'])}-{round(100 * row['high'])})" in page
+                )
         assert numbers["shaking"]["catalogue_ends"] == "2014-12-30"
         assert "<strong>The list of earthquakes ends on 2014-12-30." in page
         assert "from 20 to 70 % of its Arias intensity is used" in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
         like = number("en", min(numbers["effective_draws"].values()))
-        assert like != "0" and f"no answer: only {like} of the computed walls resemble" in describe(numbers)
+        assert like != "0" and f"no answer: only {like} of the computed walls resemble" in describe(
+            numbers
+        )
 
     def test_an_answer_says_what_the_earthquakes_added(self, claimed):
         """Cracks of other causes may have become wider."""
         layout = layout_of(claimed.parent / "narrow.py")
-        twins, survey = read_twins(claimed, layout), read_survey(claimed.parent / "survey.csv", layout)
+        twins, survey = (
+            read_twins(claimed, layout),
+            read_survey(claimed.parent / "survey.csv", layout),
+        )
         numbers = json.loads((claimed / "claim.json").read_text()) | {"no_answer": []}
         for k, one in enumerate(numbers["crack_width_mm"].values()):
             one["like_survey"]["added"] = [0.03 - 0.01 * k, 0.1, 0.2 + 0.01 * k]
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
-        assert "No answer" not in page and ("The earthquakes added 0.01 to 0.22 mm to the widest crack, which is "
-                                            "0.15 mm wide in the survey.") in page
+        assert (
+            "No answer" not in page
+            and (
+                "The earthquakes added 0.01 to 0.22 mm to the widest crack, which is "
+                "0.15 mm wide in the survey."
+            )
+            in page
+        )
         one["like_survey"]["added"][0] = -0.1
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
         assert "The earthquakes changed the widest crack by -0.1 to 0.22 mm" in page
@@ -275,11 +425,17 @@ class TestSheet:
     def test_both_languages_are_whole(self):
         for key, texts in all_words().items():
             assert texts.keys() == set(LANGUAGES), key
-            fields = [{name for _, name, *_ in string.Formatter().parse(text) if name} for text in texts.values()]
+            fields = [
+                {name for _, name, *_ in string.Formatter().parse(text) if name}
+                for text in texts.values()
+            ]
             assert fields[0] == fields[1], key
-        wanted = [*(f"quantity {one.name}" for one in QUANTITIES if one.value), *(f"profile_{one}" for one in PROFILES),
-                  *(f"{name}_{said}" for name in BUT_FOR for said in ("yes", "no", "open")),
-                  *(f"why_{why}" for why in ("draws", "strange", "off_joints", "small"))]
+        wanted = [
+            *(f"quantity {one.name}" for one in QUANTITIES if one.value),
+            *(f"profile_{one}" for one in PROFILES),
+            *(f"{name}_{said}" for name in BUT_FOR for said in ("yes", "no", "open")),
+            *(f"why_{why}" for why in ("draws", "strange", "off_joints", "small")),
+        ]
         assert [key for key in wanted if key not in all_words()] == []
 
     def test_a_dutch_sheet_has_no_english_text(self, claimed, capsys):
@@ -287,15 +443,21 @@ class TestSheet:
         assert "--draws 4: the sheet will have no answer" in capsys.readouterr().err
         page = re.sub(r"\s+", " ", (claimed / "claim.html").read_text())
         assert '<html lang="nl">' in page and "Geen antwoord" in page
-        parts = [part.strip() for texts in all_words().values() for part in re.split(r"\{\w+\}", texts["en"])
-                 if texts["en"] != texts["nl"]]
+        parts = [
+            part.strip()
+            for texts in all_words().values()
+            for part in re.split(r"\{\w+\}", texts["en"])
+            if texts["en"] != texts["nl"]
+        ]
         assert [part for part in parts if len(part) > 12 and part in page] == []
 
 
 class TestOneFolder:
     """What other claims, edited files and other versions do to a claim."""
 
-    def test_a_second_claim_is_refused_before_it_writes_anything(self, claimed, capsys, monkeypatch):
+    def test_a_second_claim_is_refused_before_it_writes_anything(
+        self, claimed, capsys, monkeypatch
+    ):
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
         before = {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}
         with folder.held(claimed, "claim"):
@@ -303,7 +465,9 @@ class TestOneFolder:
         assert "another batch is at work" in capsys.readouterr().err
         assert before == {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}
 
-    def test_a_wall_that_was_edited_meanwhile_makes_no_sheet(self, claimed, tmp_path, capsys, monkeypatch):
+    def test_a_wall_that_was_edited_meanwhile_makes_no_sheet(
+        self, claimed, tmp_path, capsys, monkeypatch
+    ):
         """The survey was put on the joints of another one than those of the runs."""
         out = shutil.copytree(claimed, tmp_path / "out")
         (out / "claim.html").unlink()
@@ -315,47 +479,88 @@ class TestOneFolder:
         assert not (out / "claim.html").exists()
 
     def test_draws_of_another_version_are_refused_or_made_again(self, claimed, tmp_path, capsys):
-        out, (new,) = shutil.copytree(claimed, tmp_path / "out"), {
-            one["row"]["model_digest"] for one in read_records(claimed).runs.values()}
+        out, (new,) = (
+            shutil.copytree(claimed, tmp_path / "out"),
+            {one["row"]["model_digest"] for one in read_records(claimed).runs.values()},
+        )
         records = read_records(out)
         records.runs["both_from1_reference_s1"]["row"]["model_digest"] = "of before"
-        (out / "records.jsonl").write_text("".join(map(line_of, records.runs.values())) + "".join(
-            point_line(point, key, records.inputs[key]) for point, key in records.points.items()))
+        (out / "records.jsonl").write_text(
+            "".join(map(line_of, records.runs.values()))
+            + "".join(
+                point_line(point, key, records.inputs[key]) for point, key in records.points.items()
+            )
+        )
         assert "draws of 2 versions, model_digest" in one_line_error(
-            read_twins, out, layout_of(claimed.parent / "narrow.py"))
+            read_twins, out, layout_of(claimed.parent / "narrow.py")
+        )
         line, before = [*words(claimed.parent)[:-1], str(out)], (out / "claim.html").read_bytes()
         assert main(line) == 2 and (out / "former-claim.html").read_bytes() == before
         assert not (out / "claim.html").exists()
         said = capsys.readouterr().err
-        assert "another version of the model (reference of before) made 1 runs: both_from1_reference_s1" in said
+        assert (
+            "another version of the model (reference of before) made 1 runs:"
+            " both_from1_reference_s1" in said
+        )
         assert "give --remake to make these again, or another --out" in said
         assert main([*line, "--remake"]) == 0
         made_by = json.loads((out / "claim.json").read_text())["made_by"]
-        assert made_by["draws"]["model_digest"] == new and made_by["draws"]["measures_digest"] == measures_digest()
+        assert (
+            made_by["draws"]["model_digest"] == new
+            and made_by["draws"]["measures_digest"] == measures_digest()
+        )
         assert made_by["commit"] == commit() and len(made_by["draws"]["commit"]) > 6
         assert f"model {new}, measures {measures_digest()}" in (out / "claim.html").read_text()
 
 
 class TestBadInput:
-    @pytest.mark.parametrize("more, said", [
-        (["--levels", "l.csv", "--settle", "knick"], "expected one of them"),
-        (["--distortion", "1/500"], "--distortion belongs to --settle"), (["--settle", "dome"], "--settle dome"),
-        (["--at", "52.09", "5.12"], "from the nearest epicentre"), (["--language", "fr"], "invalid choice")])
-    def test_what_is_wrong_is_said_before_anything_runs(self, claimed, tmp_path, error_of, more, said):
+    @pytest.mark.parametrize(
+        "more, said",
+        [
+            (["--levels", "l.csv", "--settle", "knick"], "expected one of them"),
+            (["--distortion", "1/500"], "--distortion belongs to --settle"),
+            (["--settle", "dome"], "--settle dome"),
+            (["--at", "52.09", "5.12"], "from the nearest epicentre"),
+            (["--language", "fr"], "invalid choice"),
+        ],
+    )
+    def test_what_is_wrong_is_said_before_anything_runs(
+        self, claimed, tmp_path, error_of, more, said
+    ):
         assert said in error_of(*words(claimed.parent), *more, "--out", tmp_path / "new")
         assert not (tmp_path / "new" / "runs").exists()
 
-    @pytest.mark.parametrize("more, status", [
-        (["--distortion", "1/500"], 2), (["--at", "52.09", "5.12"], 2), (["--cracks", "far.csv"], 2), ([], -15)])
+    @pytest.mark.parametrize(
+        "more, status",
+        [
+            (["--distortion", "1/500"], 2),
+            (["--at", "52.09", "5.12"], 2),
+            (["--cracks", "far.csv"], 2),
+            ([], -15),
+        ],
+    )
     def test_a_sheet_of_former_inputs_does_not_stay(self, claimed, tmp_path, more, status):
         """Of a command that is refused, or that is stopped as soon as it begins."""
         (out := tmp_path / "out").mkdir()
         for name in ("claim.html", "claim.json"):
             written(out / name, "of the former house")
         written(tmp_path / "far.csv", CRACKS.replace("0.16,0.075,", "9,0,"))
-        process = subprocess.Popen([sys.executable, "-m", "damage", *words(claimed.parent, draws=200), "--out", out,
-                                    *more], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
-                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        process = subprocess.Popen(
+            [
+                sys.executable,
+                "-m",
+                "damage",
+                *words(claimed.parent, draws=200),
+                "--out",
+                out,
+                *more,
+            ],
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
         with process:
             if status < 0:
                 process.stdout.readline()
@@ -363,4 +568,6 @@ class TestBadInput:
             process.stdout.read()
         assert process.returncode in ((status,) if status > 0 else (status, 130, 143))
         assert not (out / "claim.html").exists() and not (out / "claim.json").exists()
-        assert {(out / f"former-claim.{end}").read_text() for end in ("html", "json")} == {"of the former house"}
+        assert {(out / f"former-claim.{end}").read_text() for end in ("html", "json")} == {
+            "of the former house"
+        }

@@ -1,4 +1,5 @@
-"""Lives of a wall: what is drawn, that a life is a sequence in lanes and studies, that it continues, probabilities."""
+"""Lives of a wall: what is drawn, that a life is a sequence in lanes and studies, that it
+continues, probabilities."""
 
 import os
 from dataclasses import replace
@@ -6,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, contents, one_line_error, refused_with, run_command, wall_file, written
+from conftest import (
+    BATCH,
+    BATCH_ENVIRONMENT,
+    contents,
+    one_line_error,
+    refused_with,
+    run_command,
+    wall_file,
+    written,
+)
 from scipy import stats
 
 import damage
@@ -55,7 +65,10 @@ def draws(exposure, **choices):
 
 class TestDraws:
     def test_the_same_seed_gives_the_same_life(self, exposure):
-        one, other = draws(exposure, above_mm_s=1.0, seed=3), draws(exposure, above_mm_s=1.0, seed=3)
+        one, other = (
+            draws(exposure, above_mm_s=1.0, seed=3),
+            draws(exposure, above_mm_s=1.0, seed=3),
+        )
         other.life(1)
         assert one.life(7).equals(other.life(7))
         assert not one.life(7).equals(one.life(8))
@@ -68,15 +81,20 @@ class TestDraws:
 
     def test_records_obey_the_rule_and_have_the_drawn_pgv(self, exposure):
         table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
-        lives = pd.concat([draws(exposure, above_mm_s=1.0, within_km=4.0).life(number) for number in range(1, 31)])
+        lives = pd.concat(
+            [draws(exposure, above_mm_s=1.0, within_km=4.0).life(number) for number in range(1, 31)]
+        )
         of = table.loc[lives["record"]]
         assert (of["epicentral_km"] <= 4).all() and set(np.sign(lives["scale"])) == {-1.0, 1.0}
         assert np.abs(lives["scale"]).between(0.1, 10).all()
-        assert np.abs(lives["scale"]).to_numpy() * of["pgv_mm_s"].to_numpy() == pytest.approx(lives["pgv_mm_s"])
+        assert np.abs(lives["scale"]).to_numpy() * of["pgv_mm_s"].to_numpy() == pytest.approx(
+            lives["pgv_mm_s"]
+        )
         assert list(lives["start_s"]) == list(of["start_s"]) and lives["record"].nunique() == 10
 
     def test_pgv_follows_the_model(self, exposure):
-        """ln PGV of one event over 400 lives: mean and deviation within four standard errors, shape by Kolmogorov."""
+        """ln PGV of one event over 400 lives: mean and deviation within four standard errors, shape
+        by Kolmogorov."""
         largest = int(np.argmax(exposure.median_mm_s))
         sigma, median = exposure.model.deviations.sigma, exposure.median_mm_s[largest]
         drawn = np.array([draws(exposure).pgv(number)[0][largest] for number in range(400)])
@@ -84,36 +102,62 @@ class TestDraws:
         assert abs(z.mean()) < 4 / np.sqrt(400) and abs(z.std() - 1) < 4 / np.sqrt(800)
         assert stats.kstest(z, "norm").pvalue > 0.001
 
-    @pytest.mark.parametrize("scale_to, scales", [
-        ("pgv", ["-0x1.992de88000000p-1", "-0x1.e76bc48000000p-3", "-0x1.f5b2118000000p-2"]),
-        ("sa", ["-0x1.cb5e968000000p-1", "-0x1.119aa90000000p-2", "-0x1.293cbc8000000p-1"])])
+    @pytest.mark.parametrize(
+        "scale_to, scales",
+        [
+            ("pgv", ["-0x1.992de88000000p-1", "-0x1.e76bc48000000p-3", "-0x1.f5b2118000000p-2"]),
+            ("sa", ["-0x1.cb5e968000000p-1", "-0x1.119aa90000000p-2", "-0x1.293cbc8000000p-1"]),
+        ],
+    )
     def test_a_life_has_the_same_bits_on_every_machine(self, exposure, scale_to, scales):
-        lives = draws(exposure, above_mm_s=3.0, within_km=3.5, strong=(0.05, 0.1), scale_to=scale_to,
-                      settle=("hogging", "sagging"), distortion=(0.0002, 0.002))
+        lives = draws(
+            exposure,
+            above_mm_s=3.0,
+            within_km=3.5,
+            strong=(0.05, 0.1),
+            scale_to=scale_to,
+            settle=("hogging", "sagging"),
+            distortion=(0.0002, 0.002),
+        )
         life, ground = lives.life(1), lives.settlement(1)
         assert life["record"].tolist() == ["BLOP_HGE", "BLOP_HGE", "BWSE_HGE"]
         assert [one.hex() for one in life["pgv_mm_s"]] == [
-            "0x1.8ef3d08000000p+3", "0x1.db3d0d8000000p+1", "0x1.4b7acc0000000p+2"]
+            "0x1.8ef3d08000000p+3",
+            "0x1.db3d0d8000000p+1",
+            "0x1.4b7acc0000000p+2",
+        ]
         assert [one.hex() for one in life["scale"]] == scales
-        assert [*life["start_s"], *life["end_s"]] == pytest.approx([18.7, 18.7, 20.7, 20.9, 20.9, 23.8])
+        assert [*life["start_s"], *life["end_s"]] == pytest.approx(
+            [18.7, 18.7, 20.7, 20.9, 20.9, 23.8]
+        )
         assert (ground.profile, ground.distortion.hex()) == ("sagging", "0x1.789b3f8000000p-12")
 
     def test_events_are_those_of_the_sequence_file(self, exposure, tmp_path):
         life = draws(exposure, above_mm_s=3.0).life(1)
         life[["record", "scale", "start_s", "end_s"]].to_csv(tmp_path / "life.csv", index=False)
         of_file = read_sequence(tmp_path / "life.csv", 0.5)
-        assert [(one.factor, one.rest_s, one.loading.as_dict()) for one in events_of(life, 0.5)] == [
-            (one.factor, one.rest_s, one.loading.as_dict()) for one in of_file]
+        assert [
+            (one.factor, one.rest_s, one.loading.as_dict()) for one in events_of(life, 0.5)
+        ] == [(one.factor, one.rest_s, one.loading.as_dict()) for one in of_file]
 
 
 class TestAddress:
-    @pytest.mark.parametrize("text, message", [
-        ("longitude = 6.7\n", "no address"), ("", "no address"), (ADDRESS + "above = 2\n", "unknown key 'above'"),
-        ("latitude = 52.09\nlongitude = 5.12\n", "from the nearest epicentre"),
-        (ADDRESS.replace("2012", "1980"), "the first event"), (ADDRESS + "strong = [0.6, 0.1]\n", "strong"),
-        (ADDRESS + "scale_to = 'pga'\n", "scale_to"), (ADDRESS + "seed = 1.5\n", "seed"), ("latitude = [\n", "no TOML"),
-        ("a." * 100_000 + "a = 1\n", "a key of more than 20 parts"),
-        (ADDRESS + "catalogue = 'nowhere.csv'\n", "nowhere.csv")])
+    @pytest.mark.parametrize(
+        "text, message",
+        [
+            ("longitude = 6.7\n", "no address"),
+            ("", "no address"),
+            (ADDRESS + "above = 2\n", "unknown key 'above'"),
+            ("latitude = 52.09\nlongitude = 5.12\n", "from the nearest epicentre"),
+            (ADDRESS.replace("2012", "1980"), "the first event"),
+            (ADDRESS + "strong = [0.6, 0.1]\n", "strong"),
+            (ADDRESS + "scale_to = 'pga'\n", "scale_to"),
+            (ADDRESS + "seed = 1.5\n", "seed"),
+            ("latitude = [\n", "no TOML"),
+            ("a." * 100_000 + "a = 1\n", "a key of more than 20 parts"),
+            (ADDRESS + "catalogue = 'nowhere.csv'\n", "nowhere.csv"),
+        ],
+    )
     def test_what_is_wrong_is_said_in_one_line(self, tmp_path, text, message):
         assert message in one_line_error(read_address, written(tmp_path / "a.toml", text))
 
@@ -130,36 +174,76 @@ class TestAddress:
         life = draws.life(3)
         (drawn,) = draws.event("2012-08-16T20:30", 3).itertuples(index=False)
         assert tuple(drawn) == next(life[life["id"] == median.id].itertuples(index=False))
-        refused_with("--event 2023-01-01: no event then in .* whose last is of 2014-12-30", draws.event, "2023-01-01")
+        refused_with(
+            "--event 2023-01-01: no event then in .* whose last is of 2014-12-30",
+            draws.event,
+            "2023-01-01",
+        )
         refused_with("--event 2006: no event then", draws.event, "2006")
 
     def test_a_run_of_one_event_is_that_of_its_record(self, tmp_path):
         path = written(tmp_path / "here.toml", "latitude = 53.36786\nlongitude = 6.71359\n")
         settings = parse_run(["--address", str(path), "--event", "2006-08-08"], "", "reference")
         event = settings.event
-        same = parse_run(["--record", event["record"], "--scale", repr(event["scale"]), "--window",
-                          str(event["start_s"]), str(event["end_s"])], "", "reference")
+        same = parse_run(
+            [
+                "--record",
+                event["record"],
+                "--scale",
+                repr(event["scale"]),
+                "--window",
+                str(event["start_s"]),
+                str(event["end_s"]),
+            ],
+            "",
+            "reference",
+        )
         assert settings.loading.as_dict() == same.loading.as_dict() and settings.sequence == (1.0,)
-        assert settings.as_dict()["event"]["time_utc"] == "2006-08-08T05:04:00" and "life" not in settings.as_dict()
+        assert (
+            settings.as_dict()["event"]["time_utc"] == "2006-08-08T05:04:00"
+            and "life" not in settings.as_dict()
+        )
         (said,) = event_lines(settings)
-        assert said.startswith("event of 2006-08-08T05:04:00 UTC, M 3.5 at Westeremden: PGV of 19.6 mm/s, its median")
-        for words in (["--event", "2006-08-08"], ["--address", str(path)],
-                      ["--address", str(path), "--event", "2006-08-08", "--scale", "2"]):
+        assert said.startswith(
+            "event of 2006-08-08T05:04:00 UTC, M 3.5 at Westeremden: PGV of 19.6 mm/s, its median"
+        )
+        for words in (
+            ["--event", "2006-08-08"],
+            ["--address", str(path)],
+            ["--address", str(path), "--event", "2006-08-08", "--scale", "2"],
+        ):
             refused_with("--event", parse_run, words, "", "reference")
 
 
 @pytest.fixture(scope="module")
 def lived(tmp_path_factory):
-    """(folder, study, {number: contents of the history}) of six lives of a narrow wall that stepped together."""
+    """(folder, study, {number: contents of the history}) of six lives of a narrow wall that stepped
+    together."""
     folder = tmp_path_factory.mktemp("life")
     wall_file(folder / "narrow.py", WALL)
     (folder / "a.toml").write_text(ADDRESS + FEW)
     (folder / "study.toml").write_text(
         'name = "s"\npictures = "none"\n[[runs]]\nid = "n"\nwall = "narrow.py"\n'
-        'options = { address = "a.toml", rest = 0.1, strength-cov = 0.3 }\nlives = 6\n')
+        'options = { address = "a.toml", rest = 0.1, strength-cov = 0.3 }\nlives = 6\n'
+    )
     (point,) = load_study(folder / "study.toml", "reference").runs
-    lines = [(str(number), [point.wall, *words_of(point.options_of(number) | {
-        "out": folder / f"{number}.h5", "pictures": False, "quiet": True})]) for number in range(1, 7)]
+    lines = [
+        (
+            str(number),
+            [
+                point.wall,
+                *words_of(
+                    point.options_of(number)
+                    | {
+                        "out": folder / f"{number}.h5",
+                        "pictures": False,
+                        "quiet": True,
+                    }
+                ),
+            ],
+        )
+        for number in range(1, 7)
+    ]
     assert [status for _, status in run_references(iter(lines))] == [0] * 6
     return folder, point, {number: contents(folder / f"{number}.h5") for number in range(1, 7)}
 
@@ -171,31 +255,63 @@ def differing(one, other):
 class TestRuns:
     def test_a_life_alone_equals_the_same_in_lanes_bit_for_bit(self, lived):
         folder, _point, together = lived
-        damage.run(folder / "narrow.py", address=folder / "a.toml", life=3, rest=0.1, strength_cov=0.3,
-                   out=folder / "alone.h5")
+        damage.run(
+            folder / "narrow.py",
+            address=folder / "a.toml",
+            life=3,
+            rest=0.1,
+            strength_cov=0.3,
+            out=folder / "alone.h5",
+        )
         assert together[3].keys() == contents(folder / "alone.h5").keys()
         assert differing(together[3], contents(folder / "alone.h5")) == []
         assert differing(together[3], together[4]) != []
 
-    def test_a_life_of_equal_events_equals_the_list_of_factors_bit_for_bit(self, tmp_path, monkeypatch):
+    def test_a_life_of_equal_events_equals_the_list_of_factors_bit_for_bit(
+        self, tmp_path, monkeypatch
+    ):
         """A life whose three events are one record: --sequence 2,2,2 of it."""
         wall_file(tmp_path / "narrow.py", WALL)
         (tmp_path / "a.toml").write_text(ADDRESS)
-        rows = pd.DataFrame({"record": ["BGAR_HGE"] * 3, "scale": 2.0, "start_s": 18.7, "end_s": 19.1})
+        rows = pd.DataFrame(
+            {"record": ["BGAR_HGE"] * 3, "scale": 2.0, "start_s": 18.7, "end_s": 19.1}
+        )
         monkeypatch.setattr(Draws, "life", lambda self, number: rows)
-        damage.run(tmp_path / "narrow.py", address=tmp_path / "a.toml", life=1, rest=0.1, out=tmp_path / "life.h5")
-        damage.run(tmp_path / "narrow.py", "BGAR_HGE", window=(18.7, 19.1), sequence=(2, 2, 2), rest=0.1,
-                   out=tmp_path / "list.h5")
+        damage.run(
+            tmp_path / "narrow.py",
+            address=tmp_path / "a.toml",
+            life=1,
+            rest=0.1,
+            out=tmp_path / "life.h5",
+        )
+        damage.run(
+            tmp_path / "narrow.py",
+            "BGAR_HGE",
+            window=(18.7, 19.1),
+            sequence=(2, 2, 2),
+            rest=0.1,
+            out=tmp_path / "list.h5",
+        )
         life, listed = contents(tmp_path / "life.h5"), contents(tmp_path / "list.h5")
         assert len(life) > 20 and life.keys() == listed.keys() and differing(life, listed) == []
 
     def test_a_killed_study_that_continues_has_the_same_lives(self, lived):
-        """Lives 1 to 6 by a study, which is then left as after a kill in the middle of a line, and continues."""
+        """Lives 1 to 6 by a study, which is then left as after a kill in the middle of a line, and
+        continues."""
         folder, _point, _together = lived
 
         def batch():
-            run_command(*BATCH, folder / "study.toml", "--keep", "summary", "--out", folder, "-j1",
-                        env=os.environ | BATCH_ENVIRONMENT, status=0)
+            run_command(
+                *BATCH,
+                folder / "study.toml",
+                "--keep",
+                "summary",
+                "--out",
+                folder,
+                "-j1",
+                env=os.environ | BATCH_ENVIRONMENT,
+                status=0,
+            )
             return read_records(folder).runs
 
         whole = batch()
@@ -204,9 +320,11 @@ class TestRuns:
         assert 0 < len(read_records(folder).runs) < 6
         again = batch()
         assert {name: (one["shocks"], one["cycles"]) for name, one in again.items()} == {
-            name: (one["shocks"], one["cycles"]) for name, one in whole.items()}
+            name: (one["shocks"], one["cycles"]) for name, one in whole.items()
+        }
         assert [damage.read_history(folder / "3.h5").series["shock"].iloc[-1]] == [
-            len(whole["n_from1_reference_s3"]["shocks"])]
+            len(whole["n_from1_reference_s3"]["shocks"])
+        ]
 
     def test_the_tables_of_the_study_are_those_of_the_histories(self, lived):
         """Runs after the study above."""
@@ -224,7 +342,9 @@ class TestRuns:
     def test_a_folder_without_lives_is_refused(self, lived, tmp_path):
         folder, *_ = lived
         for name in ("study.toml", "a.toml", "narrow.py"):
-            (tmp_path / name).write_text((folder / name).read_text().replace(str(folder), str(tmp_path)))
+            (tmp_path / name).write_text(
+                (folder / name).read_text().replace(str(folder), str(tmp_path))
+            )
         assert "no life in it" in one_line_error(lives_of, tmp_path)
 
 
@@ -234,43 +354,63 @@ class TestStudy:
         text = (folder / "study.toml").read_text().replace("lives = 6", "lives = 100")
         points = load_study(written(folder / "many.toml", text), "both").runs
         assert [(one.point, one.members, one.options_of(1)["life"]) for one in points] == [
-            ("n_from1", 48, 1), ("n_from49", 48, 49), ("n_from97", 4, 97)]
+            ("n_from1", 48, 1),
+            ("n_from49", 48, 49),
+            ("n_from97", 4, 97),
+        ]
         assert {one.solver for one in points} == {"reference"}
         (folder / "both.toml").write_text(text + "samples = 3\n")
         assert "samples and lives" in one_line_error(load_study, folder / "both.toml", "reference")
 
     def test_the_command_s_study(self, tmp_path):
         """All events, and the largest alone; what the address's file says."""
-        address = {"latitude": 53.33, "longitude": 6.918, "above_mm_s": 2.0, "component": None, "strong": [0.05, 0.1]}
+        address = {
+            "latitude": 53.33,
+            "longitude": 6.918,
+            "above_mm_s": 2.0,
+            "component": None,
+            "strong": [0.05, 0.1],
+        }
         path = write_study(tmp_path, "symmetric", address, {"rest": 0.2, "settle": "tilt"}, 60)
         study = load_study(path, "reference")
-        assert [one.point for one in study.runs] == ["life_from1", "life_from49", "life_largest_from1",
-                                                     "life_largest_from49"]
+        assert [one.point for one in study.runs] == [
+            "life_from1",
+            "life_from49",
+            "life_largest_from1",
+            "life_largest_from49",
+        ]
         settings = [one.settings(tmp_path) for one in study.runs]
         assert [one.life["largest_alone"] for one in settings] == [False, False, True, True]
         assert settings[0].settlement.name.startswith("tilt") and settings[1].life["number"] == 49
         assert len(settings[2].events) == 1 and settings[0].life["strong"] == [0.05, 0.1]
 
-    def test_a_second_command_is_refused_before_it_writes_anything(self, tmp_path, error_of, monkeypatch):
+    def test_a_second_command_is_refused_before_it_writes_anything(
+        self, tmp_path, error_of, monkeypatch
+    ):
         monkeypatch.setattr(batch_folder, "LOCK_PATIENCE_S", 0.0)
         with batch_folder.held(tmp_path / "out", "lives"):
             assert "another batch is at work" in error_of(
-                "life", "symmetric", "--at", "53.36786", "6.71359", "--out", tmp_path / "out")
+                "life", "symmetric", "--at", "53.36786", "6.71359", "--out", tmp_path / "out"
+            )
         assert list((tmp_path / "out").iterdir()) == []
 
 
 class TestEstimate:
-
     def test_strata_count_by_their_probability(self):
-        """Two strata of 1/2; 5 lives in the lower one, none damaged, 15 in the upper one, 9 damaged: 0.5 * 0.6."""
+        """Two strata of 1/2; 5 lives in the lower one, none damaged, 15 in the upper one, 9
+        damaged: 0.5 * 0.6."""
         population = np.arange(1000.0)
-        largest, hits = np.r_[np.full(5, 100.0), np.full(15, 900.0)], np.r_[np.zeros(11), np.ones(9)]
+        largest, hits = (
+            np.r_[np.full(5, 100.0), np.full(15, 900.0)],
+            np.r_[np.zeros(11), np.ones(9)],
+        )
         assert list(strata(largest, population)) == [499.5]
         assert probability(hits, largest, population).p == pytest.approx(0.3)
 
     def test_intervals_cover_and_are_narrower_than_those_of_the_share(self):
-        """Damage by a lognormal fragility, 300 surveys of 100 lives: the interval holds the truth at least 93 times in
-        a hundred, and the error is what estimates scatter by, within a fifth."""
+        """Damage by a lognormal fragility, 300 surveys of 100 lives: the interval holds the truth
+        at least 93 times in a hundred, and the error is what estimates scatter by, within a
+        fifth."""
         rng = np.random.default_rng(1)
         population = np.exp(rng.normal(3.2, 0.5, 20000))
         truth = stats.norm.cdf(np.log(population / 30) / 0.4).mean()
@@ -281,13 +421,17 @@ class TestEstimate:
             found.append(probability(hits, largest, population))
         inside = np.mean([low <= truth <= high for low, high in (one.interval for one in found)])
         scatter, error = np.std([one.p for one in found]), np.mean([one.error for one in found])
-        assert inside > 0.93 and abs(np.mean([one.p for one in found]) - truth) < 4 * scatter / np.sqrt(300)
+        assert inside > 0.93 and abs(
+            np.mean([one.p for one in found]) - truth
+        ) < 4 * scatter / np.sqrt(300)
         assert scatter == pytest.approx(error, rel=0.2)
         assert max(error, scatter) < 0.9 * np.sqrt(truth * (1 - truth) / 100)
 
     def test_pairs(self):
         mean, low, high = paired([2.0, 3.0, 4.0, 5.0], [1.0, 1.0, 1.0, 1.0])
-        assert (mean, high - mean) == pytest.approx((2.5, 1.959964 * np.sqrt(5 / 3) / 2)) and low < mean
+        assert (mean, high - mean) == pytest.approx(
+            (2.5, 1.959964 * np.sqrt(5 / 3) / 2)
+        ) and low < mean
 
 
 class TestResults:
@@ -299,19 +443,35 @@ class TestResults:
     @pytest.fixture
     def lives(self, exposure):
         """Four lives: Psi 0.5, 1.2 in 2012 and 2013; falls in 2014; stays whole; 0.3."""
-        rows = [(1, "2012-05-01", 0.5, 0.6, False), (1, "2013-05-01", 1.2, 2.1, False),
-                (2, "2014-01-01", 1.5, 1.5, True), (3, "2012-05-01", 0.0, 0.0, False),
-                (4, "2012-05-01", 0.3, 1.0, False)]
+        rows = [
+            (1, "2012-05-01", 0.5, 0.6, False),
+            (1, "2013-05-01", 1.2, 2.1, False),
+            (2, "2014-01-01", 1.5, 1.5, True),
+            (3, "2012-05-01", 0.0, 0.0, False),
+            (4, "2012-05-01", 0.3, 1.0, False),
+        ]
         table = pd.DataFrame(rows, columns=["life", "time_utc", "psi", "max_psi", "fell"]).assign(
-            point="p", seed=0, event=1, DI=0.01, crack_width_mm=0.1, largest_mm_s=10.0, pgv_mm_s=9.0, magnitude=3.0,
-            place="here")
+            point="p",
+            seed=0,
+            event=1,
+            DI=0.01,
+            crack_width_mm=0.1,
+            largest_mm_s=10.0,
+            pgv_mm_s=9.0,
+            magnitude=3.0,
+            place="here",
+        )
         return Lives("p", draws(exposure), table.assign(id=table["time_utc"]))
 
     def test_years(self, lives):
         found = over_time(lives)
         assert list(found["year"]) == [2012, 2013, 2014]
         assert list(found["p_psi_1"]) == [0, 0.25, 0.5] and list(found["p_psi_2"]) == [0, 0, 0.25]
-        assert list(found["p_max_psi_1"]) == [0.25, 0.5, 0.75] and list(found["p_max_psi_2"]) == [0, 0.25, 0.5]
+        assert list(found["p_max_psi_1"]) == [0.25, 0.5, 0.75] and list(found["p_max_psi_2"]) == [
+            0,
+            0.25,
+            0.5,
+        ]
         assert list(found["median_psi"]) == pytest.approx([0.15, 0.15, 0.75])
         assert "4 lives, 2012 to 2014" in describe([lives])
 
@@ -323,14 +483,32 @@ class TestResults:
         assert list(found["largest"]) == [0.25, 0.25, 0.25]
 
     def test_the_settlement_is_an_event_before_the_others(self, exposure):
-        """Psi 0.7 by the settlement, 1.1 after the first of two events, 1.2 after the second: gains 0.7, 0.4, 0.1."""
+        """Psi 0.7 by the settlement, 1.1 after the first of two events, 1.2 after the second: gains
+        0.7, 0.4, 0.1."""
         of = draws(exposure, above_mm_s=8.0)
         number = next(number for number in range(1, 99) if len(of.life(number)) == 2)
-        events = [{"factor": factor, "max_psi": psi + 0.3, "residual_psi": psi, "max_DI": 0.1, "residual_DI": 0.05,
-                   "max_crack_width_mm": 0.4, "residual_crack_width_mm": 0.2, "offset_after_mm": 0.3, "newly_failed": 4}
-                  for factor, psi in zip(of.life(number)["scale"], (1.1, 1.2))]
-        row = {"collapsed_at_s": None, "settlement": "hogging", "distortion": None, "settled_psi": 0.7,
-               "settled_DI": 0.01, "settled_crack_width_mm": 0.1}
+        events = [
+            {
+                "factor": factor,
+                "max_psi": psi + 0.3,
+                "residual_psi": psi,
+                "max_DI": 0.1,
+                "residual_DI": 0.05,
+                "max_crack_width_mm": 0.4,
+                "residual_crack_width_mm": 0.2,
+                "offset_after_mm": 0.3,
+                "newly_failed": 4,
+            }
+            for factor, psi in zip(of.life(number)["scale"], (1.1, 1.2))
+        ]
+        row = {
+            "collapsed_at_s": None,
+            "settlement": "hogging",
+            "distortion": None,
+            "settled_psi": 0.7,
+            "settled_DI": 0.01,
+            "settled_crack_width_mm": 0.1,
+        }
         table = life_of({"run": "r", "shocks": events, "row": row}, of, number).assign(point="p")
         assert list(table["event"]) == [0, 1, 2] and list(table["psi"]) == [0.7, 1.1, 1.2]
         life = Lives("p", of, pd.concat([table, table.assign(life=0)]))  # two equal lives
@@ -338,13 +516,21 @@ class TestResults:
         found = contributions(life).set_index("id")
         assert found.loc["settlement", "mean_psi"] == pytest.approx(0.7)
         assert found["mean_psi"].sum() == pytest.approx(1.2) and found["largest"].sum() == 1
-        assert "2 events in the median life" in (said := describe([life])) and "after the settlement" in said
-        without = life_of({"run": "r", "shocks": events, "row": row | {"settled_psi": None}}, of, number)
+        assert (
+            "2 events in the median life" in (said := describe([life]))
+            and "after the settlement" in said
+        )
+        without = life_of(
+            {"run": "r", "shocks": events, "row": row | {"settled_psi": None}}, of, number
+        )
         assert list(without["event"]) == [1, 2]
 
     def test_the_largest_alone_beside_all(self, lives):
-        alone = Lives("p_largest", replace(lives.draws, choices=replace(lives.draws.choices, largest_alone=True)),
-                      lives.table.drop(index=0))
+        alone = Lives(
+            "p_largest",
+            replace(lives.draws, choices=replace(lives.draws.choices, largest_alone=True)),
+            lives.table.drop(index=0),
+        )
         (pair,) = largest_alone([lives, alone]).values()
         assert list(pair[0].index) == list(pair[1].index) == [(0, 1), (0, 2), (0, 3), (0, 4)]
         said = describe([lives, alone])
@@ -354,6 +540,11 @@ class TestResults:
 
 class TestReadings:
     def test_one_event_by_hand(self):
-        """At PGV = exp(3.370) a wall has reached 1.0 with 50 %: shares 0.4 and 0.6; no table from Psi = 2 on."""
+        """At PGV = exp(3.370) a wall has reached 1.0 with 50 %: shares 0.4 and 0.6; no table from
+        Psi = 2 on."""
         pgv = np.full(3, np.exp(3.370))
-        assert list(after(np.array([0.0, 0.0, 2.0]), pgv, np.array([0.4, 0.6, 0.0]))) == [1.0, 0.5, 2.0]
+        assert list(after(np.array([0.0, 0.0, 2.0]), pgv, np.array([0.4, 0.6, 0.0]))) == [
+            1.0,
+            0.5,
+            2.0,
+        ]

@@ -1,4 +1,5 @@
-"""Fragility curves for other tools: what the files say gives back the probabilities; OpenQuake reads them (long)."""
+"""Fragility curves for other tools: what the files say gives back the probabilities; OpenQuake
+reads them (long)."""
 
 import json
 from xml.etree import ElementTree
@@ -24,13 +25,40 @@ from damage.applications.studies.fragility import Fragility, fit_all
 from damage.measure.tables import write_table
 
 OPENQUAKE = "openquake.engine==3.26.2"
-OPENQUAKE_NEEDS = ("numpy", "scipy", "pandas", "h5py", "toml", "decorator", "shapely", "psutil", "numba", "h3",
-                   "alpha_shapes", "pyzmq", "fiona")  # what reading a fragility model imports, and no more
+OPENQUAKE_NEEDS = (
+    "numpy",
+    "scipy",
+    "pandas",
+    "h5py",
+    "toml",
+    "decorator",
+    "shapely",
+    "psutil",
+    "numba",
+    "h3",
+    # what reading a fragility model imports, and no more
+    "alpha_shapes",
+    "pyzmq",
+    "fiona",
+)
 
 
 def made(level, median, dispersion, intensity="pga_g", step=None, why=""):
-    return Fragility("max_DI", level, median, dispersion, n_runs=100, n_exceeding=50, replicates={}, n_replicates=0,
-                     n_records=5, n_walls=20, intensity=intensity, step=step, why=why)
+    return Fragility(
+        "max_DI",
+        level,
+        median,
+        dispersion,
+        n_runs=100,
+        n_exceeding=50,
+        replicates={},
+        n_replicates=0,
+        n_records=5,
+        n_walls=20,
+        intensity=intensity,
+        step=step,
+        why=why,
+    )
 
 
 MILD, GRAVE = made(0.02, 0.15, 0.3), made(0.05, 0.3, 0.5)
@@ -44,7 +72,8 @@ def written(tmp_path, kind, fits=(MILD, GRAVE), **more):
 
 
 def test_a_continuous_model_has_moments_of_the_intensity_itself(tmp_path):
-    """The lognormal distribution of that mean and standard deviation has our median and dispersion."""
+    """The lognormal distribution of that mean and standard deviation has our median and
+    dispersion."""
     _, model = written(tmp_path, "continuous")
     assert model.find(STATES).text.split() == ["max_DI_over_0p02", "max_DI_over_0p05"]
     for one, node in zip((MILD, GRAVE), model[2][1:]):
@@ -69,7 +98,10 @@ def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
     assert_allclose(np.interp((0.35, 0.40, 0.45), x, poes), (0, 0.5, 1), atol=1e-6)
     assert "A step for 0.1: the data bound its median" in model[0].text
     _, model = written(tmp_path, "continuous", (MILD, STEP))
-    assert model.find(STATES).text == "max_DI_over_0p02" and "left out, see the discrete" in model[0].text
+    assert (
+        model.find(STATES).text == "max_DI_over_0p02"
+        and "left out, see the discrete" in model[0].text
+    )
     assert write_nrml("solid", [STEP], tmp_path / "none.xml", "continuous") is None
     arrays = np.load(write_arrays([MILD, STEP], tmp_path / "a.npz"))
     assert_allclose(arrays["betas_total"], (0.3, np.nan))
@@ -78,15 +110,22 @@ def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
     assert row["distribution"] == "step" and np.isnan([row["median"], row["dispersion"]]).all()
     assert (row["step_low"], row["step_high"]) == (0.35, 0.45)
     assert left_out({"w": [MILD, STEP, NEVER]}) == [
-        "w, max_DI > 0.1: a step, no lognormal curve: no run exceeds it up to 0.35 g, all do from 0.45 on; exported "
-        "as these bounds of the median", "w, max_DI > 0.1: no curve: 50 of 100 runs exceed it, for a reason"]
+        (
+            "w, max_DI > 0.1: a step, no lognormal curve: no run exceeds it up to 0.35 g, all do"
+            " from 0.45 on; exported as these bounds of the median"
+        ),
+        "w, max_DI > 0.1: no curve: 50 of 100 runs exceed it, for a reason",
+    ]
 
 
 def test_all_formats_of_a_study(tmp_path):
     runs = walls(40, seed=4).assign(eigen_period_s=0.2)
     fits = fit_all(runs, replicates=0)
     paths = {path.name: path for path in write_curves(fits, tmp_path, {"w": 0.2})}
-    assert "fragility_w_max_DI_pga_g_continuous.xml" in paths and "fragility_w_max_DI_pga_g_discrete.xml" in paths
+    assert (
+        "fragility_w_max_DI_pga_g_continuous.xml" in paths
+        and "fragility_w_max_DI_pga_g_discrete.xml" in paths
+    )
     table = pd.read_csv(paths["fragility_coefficients.csv"])
     assert list(table) == list(coefficients(fits))
     assert set(table.loc[table.measure == "max_crack_width_mm", "level_unit"]) == {"mm"}
@@ -94,9 +133,15 @@ def test_all_formats_of_a_study(tmp_path):
     assert arrays["poes"].shape == (len(arrays["intensities"]), len(arrays["medians"]))
     row = table[(table.measure == "max_DI") & (table.level == 0.05)].iloc[0]
     column = list(arrays["damage_thresholds"]).index(0.05)
-    assert_allclose((arrays["medians"][column], arrays["betas_total"][column]), (row["median"], row["dispersion"]))
-    assert_allclose(arrays["poes"][:, column],
-                    lognorm.cdf(arrays["intensities"], row["dispersion"], scale=row["median"]), atol=1e-8)
+    assert_allclose(
+        (arrays["medians"][column], arrays["betas_total"][column]),
+        (row["median"], row["dispersion"]),
+    )
+    assert_allclose(
+        arrays["poes"][:, column],
+        lognorm.cdf(arrays["intensities"], row["dispersion"], scale=row["median"]),
+        atol=1e-8,
+    )
 
 
 class TestMissingColumns:
@@ -106,19 +151,36 @@ class TestMissingColumns:
     def export(runs, folder):
         """Words of the command for a study of these runs."""
         write_table(runs, folder / "study/tables/summary.csv")
-        return ["fragility", folder / "study", "--replicates", 0, "--state", "max_DI > 0.05", "--out", folder / "out",
-                "--export", folder / "curves"]
+        return [
+            "fragility",
+            folder / "study",
+            "--replicates",
+            0,
+            "--state",
+            "max_DI > 0.05",
+            "--out",
+            folder / "out",
+            "--export",
+            folder / "curves",
+        ]
 
-    def test_the_period_is_needed_by_the_acceleration_there_alone(self, tmp_path, output_of, error_of):
+    def test_the_period_is_needed_by_the_acceleration_there_alone(
+        self, tmp_path, output_of, error_of
+    ):
         runs = walls(20, seed=5).assign(sa_eigen_period_g=lambda table: table["pga_g"])
         output_of(*self.export(runs, tmp_path), "--intensity", "pga_g")
         assert (tmp_path / "curves/fragility_w_max_DI_pga_g_continuous.xml").is_file()
-        for wrong in (runs, runs.assign(eigen_period_s=np.nan), runs.assign(eigen_period_s="short")):
+        for wrong in (
+            runs,
+            runs.assign(eigen_period_s=np.nan),
+            runs.assign(eigen_period_s="short"),
+        ):
             said = error_of(*self.export(wrong, tmp_path / "other"))
             assert said.startswith("error: --export by sa_eigen_period_g: ")
         assert not (tmp_path / "other/out").exists()
 
-# --- OpenQuake's own reading ------------------------------------------------------------------------
+
+# --- OpenQuake's own reading ----------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -135,9 +197,14 @@ def test_openquake_works_out_the_same_probabilities(openquake_python, tmp_path, 
     path, model = written(tmp_path, kind, fits, eigen_period_s=0.2003)
     factor = 100 if intensity == "pgv_m_s" else 1
     levels = model[2][0]
-    x = np.array(levels.text.split(), float)[1:] if kind == "discrete" else \
-        np.geomspace(float(levels.get("minIML")), float(levels.get("maxIML")), 50)
-    found = json.loads(run_in(openquake_python, "read_nrml.py", path, ",".join(map(repr, map(float, x)))))
+    x = (
+        np.array(levels.text.split(), float)[1:]
+        if kind == "discrete"
+        else np.geomspace(float(levels.get("minIML")), float(levels.get("maxIML")), 50)
+    )
+    found = json.loads(
+        run_in(openquake_python, "read_nrml.py", path, ",".join(map(repr, map(float, x))))
+    )
     assert (found["imt"], found["id"]) == (levels.get("imt"), "solid")
     for fit in fits:
         # Nine digits are written of a discrete curve.

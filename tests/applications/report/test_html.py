@@ -1,4 +1,5 @@
-"""The report as one HTML file: what is in it is what the histories and tables hold, nothing else is fetched or run."""
+"""The report as one HTML file: what is in it is what the histories and tables hold, nothing else is
+fetched or run."""
 
 import base64
 import gzip
@@ -36,15 +37,18 @@ MIB = 2**20
 
 
 def unpack_arrays(content):
-    """Flat arrays {name: array} from the result of `pack_arrays`, as the page's program makes them."""
+    """Flat arrays {name: array} from the result of `pack_arrays`, as the page's program makes
+    them."""
     data = gzip.decompress(base64.b64decode(content["packed"]))
-    return {name: np.frombuffer(data, f"<{kind}", length, first)
-            for name, (kind, first, length) in content["arrays"].items()}
+    return {
+        name: np.frombuffer(data, f"<{kind}", length, first)
+        for name, (kind, first, length) in content["arrays"].items()
+    }
 
 
 class Page(HTMLParser):
-    """A page taken apart: its elements with their attributes, words of its text, its scripts; and whether it is closed
-    as it is opened."""
+    """A page taken apart: its elements with their attributes, words of its text, its scripts; and
+    whether it is closed as it is opened."""
 
     def __init__(self, text):
         super().__init__()
@@ -78,14 +82,23 @@ class Page(HTMLParser):
 
 
 def damaged(path, **options):
-    """A history in which one joint opens to 0.5 mm, another slips by 0.3 mm, and the top drifts to 0.1 %."""
+    """A history in which one joint opens to 0.5 mm, another slips by 0.3 mm, and the top drifts to
+    0.1 %."""
     layout = small_layout()
     motion = np.zeros((len(layout.bodies), 3))
     motion[0] = 0.01, -0.002, 0.003
-    return make_history(path, layout, **{
-        "drift": 1e-3 * np.sin(2 * np.pi * RAMP), "opening": {2: 5e-4 * RAMP}, "slip": {3: -3e-4 * RAMP},
-        "broken": (4,),
-        "snapshots": {0.0: 0 * motion, 0.1: motion, 0.2: 2 * motion}} | options)
+    return make_history(
+        path,
+        layout,
+        **{
+            "drift": 1e-3 * np.sin(2 * np.pi * RAMP),
+            "opening": {2: 5e-4 * RAMP},
+            "slip": {3: -3e-4 * RAMP},
+            "broken": (4,),
+            "snapshots": {0.0: 0 * motion, 0.1: motion, 0.2: 2 * motion},
+        }
+        | options,
+    )
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -94,7 +107,10 @@ def _quick():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("damage.applications.report.run_part.still", lambda history: "")
         patch.setattr("damage.applications.report.run_part.preview", lambda history: "")
-        patch.setattr("damage.applications.report.report.plotly_code", lambda: "plotly.js (basic - minified) v0")
+        patch.setattr(
+            "damage.applications.report.report.plotly_code",
+            lambda: "plotly.js (basic - minified) v0",
+        )
         yield
 
 
@@ -129,40 +145,62 @@ class TestInShort:
     def test_what_is_left_what_was_added_and_the_velocity(self):
         found = self.plain()
         assert [(value, unit) for _, value, _, unit, _ in found["cards"]] == [
-            (0.5, "mm"), (pytest.approx(0.3), "mm"), (pytest.approx(40), "mm/s")]
-        assert len(found["lines"]) == 5 and "0.5 mm is left, of which 0.3 mm came with the motion" in found["lines"][3]
+            (0.5, "mm"),
+            (pytest.approx(0.3), "mm"),
+            (pytest.approx(40), "mm/s"),
+        ]
+        assert (
+            len(found["lines"]) == 5
+            and "0.5 mm is left, of which 0.3 mm came with the motion" in found["lines"][3]
+        )
 
     def test_in_dutch(self):
         found = self.plain("nl")
-        assert found["lines"][0].startswith("De muur is 3 keer geschud; de sterkste beweging had een trillingssnelheid")
+        assert found["lines"][0].startswith(
+            "De muur is 3 keer geschud; de sterkste beweging had een trillingssnelheid"
+        )
         assert [shown for _, _, shown, *_ in found["cards"]] == ["0,5", "0,3", "40"]
 
     def test_it_is_in_the_page(self, one, page_of_one):
         assert "In short" in page_of_one.text and "The technical part follows." in page_of_one.text
         dutch = Page(page([one.path], [], Words(language="nl")))
-        assert "In het kort" in dutch.text and {"class": "plain", "lang": "nl", "aria-label": "In het kort"} in \
-            dutch.all("section")
+        assert "In het kort" in dutch.text and {
+            "class": "plain",
+            "lang": "nl",
+            "aria-label": "In het kort",
+        } in dutch.all("section")
 
 
 class TestOneRun:
     def test_lines_over_time_are_those_of_the_history(self, one, page_of_one):
         drawn = page_of_one.data["runs"][0]
         arrays, series = unpack_arrays(drawn), one.series
-        expected = {"time_s": series["time_s"], "drift_ratio": series["drift_ratio"],
-                    "base_shear_kn": series["base_shear_n"] / 1e3,
-                    **{name: one.index()[name] for name in ("DI", "DI_drift", "DI_open", "DI_slip")}}
+        expected = {
+            "time_s": series["time_s"],
+            "drift_ratio": series["drift_ratio"],
+            "base_shear_kn": series["base_shear_n"] / 1e3,
+            **{name: one.index()[name] for name in ("DI", "DI_drift", "DI_open", "DI_slip")},
+        }
         for name, values in (expected | energy_groups(series)).items():
-            assert np.array_equal(arrays[name], np.asarray(values).astype("f4"), equal_nan=True), name
-        assert {line["series"]: line["name"] for line in page_of_one.data["states"]["energies"]} == {
-            name: label for name, (label, *_) in ENERGIES.items()}
+            assert np.array_equal(arrays[name], np.asarray(values).astype("f4"), equal_nan=True), (
+                name
+            )
+        assert {
+            line["series"]: line["name"] for line in page_of_one.data["states"]["energies"]
+        } == {name: label for name, (label, *_) in ENERGIES.items()}
         assert drawn["settling"] == [[series["time_s"].iloc[16], series["time_s"].iloc[20]]]
-        assert np.flatnonzero(arrays["settles"]).tolist() == [16, 17, 18, 19, 20] and drawn["settlement"] == []
+        assert (
+            np.flatnonzero(arrays["settles"]).tolist() == [16, 17, 18, 19, 20]
+            and drawn["settlement"] == []
+        )
 
     def test_joints_are_in_the_states_of_the_history(self, one, page_of_one):
         arrays = unpack_arrays(page_of_one.data["runs"][0])
         states = arrays["state"].reshape(len(arrays["instant"]), -1)
         ever = [2, 3, 4]  # all others stay whole
-        assert np.array_equal(states, [joint_states(one, sample)[ever] for sample in arrays["instant"]])
+        assert np.array_equal(
+            states, [joint_states(one, sample)[ever] for sample in arrays["instant"]]
+        )
         widths = arrays["width_um"].reshape(states.shape)
         assert widths[-1].tolist() == [500, 300, 0]
         assert np.array_equal(arrays["first"], one.joints["first_body"].iloc[ever])
@@ -178,15 +216,32 @@ class TestOneRun:
     def test_where_anything_is_largest_is_among_the_instants(self, one, page_of_one):
         instants = set(unpack_arrays(page_of_one.data["runs"][0])["instant"])
         drift = one.series["drift_ratio"]
-        assert {0, 20, int(one.index()["DI"].idxmax()), int(drift.idxmax()), int(drift.idxmin())} <= instants
+        assert {
+            0,
+            20,
+            int(one.index()["DI"].idxmax()),
+            int(drift.idxmax()),
+            int(drift.idxmin()),
+        } <= instants
 
     def test_measures_are_those_of_the_summary_with_unit_and_meaning(self, one, page_of_one):
         parsed = [float(data["value"]) for data in page_of_one.all("data")]
         summary = summarise(one)
-        for value in (summary["max"]["DI"], summary["residual"]["DI_slip"], summary["max_drift_ratio"],
-                      summary["max_psi"], summary["peak_base_shear_n"], summary["input_energy_j"]):
+        for value in (
+            summary["max"]["DI"],
+            summary["residual"]["DI_slip"],
+            summary["max_drift_ratio"],
+            summary["max_psi"],
+            summary["peak_base_shear_n"],
+            summary["input_energy_j"],
+        ):
             assert value in parsed
-        for words in ("max_crack_width_mm", "Korswagen's damage parameter", "largest absolute drift ratio", "supplied"):
+        for words in (
+            "max_crack_width_mm",
+            "Korswagen's damage parameter",
+            "largest absolute drift ratio",
+            "supplied",
+        ):
             assert words in page_of_one.text
 
     def test_pictures_of_the_wall_built_and_damaged_are_there_without_scripts(self, one):
@@ -194,14 +249,18 @@ class TestOneRun:
 
 
 class TestNothingElse:
-    FETCHED = re.compile(r"""(?:src|href|action|data|poster)\s*=\s*["']?\s*(?!data:|#)[^"'\s>]|url\(|@import|fetch\(|"""
-                         r"XMLHttpRequest|import\(|sendBeacon|WebSocket", re.IGNORECASE)
+    FETCHED = re.compile(
+        r"""(?:src|href|action|data|poster)\s*=\s*["']?\s*(?!data:|#)[^"'\s>]|url\(|@import|fetch\(|"""
+        r"XMLHttpRequest|import\(|sendBeacon|WebSocket",
+        re.IGNORECASE,
+    )
 
     def test_nothing_is_fetched(self, one):
         text = page([one.path], [])
         assert [found[0] for found in self.FETCHED.finditer(text)] == []
         policy = Page(text).all("meta")[2]["content"]
-        assert "default-src 'none'" in policy and "connect-src" not in policy  # the browser holds the library to it
+        # the browser holds the library to it
+        assert "default-src 'none'" in policy and "connect-src" not in policy
 
     def test_it_stays_small_though_every_joint_is_always_broken(self, tmp_path, monkeypatch):
         monkeypatch.setattr("damage.applications.report.report.plotly_code", plotly_code)
@@ -212,8 +271,13 @@ class TestNothingElse:
         opening = random.uniform(0, 2e-3, (n_times, layout.n_joints))
         places = random.normal(0, 1e-2, (n_times, len(layout.bodies), 3))
         history = make_history(
-            tmp_path / "large.h5", layout, stages=("motion",) * n_times, drift=random.normal(0, 1e-3, n_times),
-            opening=dict(enumerate(opening.T)), snapshots={0.01 * k: places[k] for k in range(n_times)})
+            tmp_path / "large.h5",
+            layout,
+            stages=("motion",) * n_times,
+            drift=random.normal(0, 1e-3, n_times),
+            opening=dict(enumerate(opening.T)),
+            snapshots={0.01 * k: places[k] for k in range(n_times)},
+        )
         assert layout.n_joints > 2000
         path = write_report([history.path])
         assert path == tmp_path / "large.html"
@@ -223,11 +287,16 @@ class TestNothingElse:
 
 
 class TestSaidFirst:
-    @pytest.mark.parametrize(("options", "words"), [
-        ({"status": "interrupted"}, "interrupted at 0.200 s"), ({"status": "failed"}, "do not rely"),
-        ({"status": "unfinished"}, "without an end"), ({"collapsed_at_s": 0.15}, "collapsed at 0.150 s"),
-        ({"row": {"input_energy_j": np.linspace(0, 9, 21)}}, "energy balance error"),
-    ])
+    @pytest.mark.parametrize(
+        ("options", "words"),
+        [
+            ({"status": "interrupted"}, "interrupted at 0.200 s"),
+            ({"status": "failed"}, "do not rely"),
+            ({"status": "unfinished"}, "without an end"),
+            ({"collapsed_at_s": 0.15}, "collapsed at 0.150 s"),
+            ({"row": {"input_energy_j": np.linspace(0, 9, 21)}}, "energy balance error"),
+        ],
+    )
     def test_a_run_that_is_not_whole_or_odd_says_so_at_the_top(self, tmp_path, options, words):
         history = damaged(tmp_path / "odd.h5", **options)
         text = page([history.path], [])
@@ -243,7 +312,12 @@ class TestSideBySide:
         difference = summarise(other)["max"]["DI"] - summarise(one)["max"]["DI"]
         assert difference > 0
         assert repr(difference) in [data["value"] for data in parsed.all("data")]
-        assert [panel["title"] for panel in parsed.data["charts"]][2:] == ["DI", "DI drift", "DI open", "DI slip"]
+        assert [panel["title"] for panel in parsed.data["charts"]][2:] == [
+            "DI",
+            "DI drift",
+            "DI open",
+            "DI slip",
+        ]
         assert {panel["lines"][1]["dash"] for panel in parsed.data["charts"]} == {"dash"}
 
 
@@ -251,8 +325,11 @@ class TestStudy:
     @pytest.fixture
     def study(self, tmp_path):
         folder = tmp_path / "mine"
-        return make_study(folder, damaged(folder / "runs" / "a.h5"),
-                          damaged(folder / "runs" / "b.h5", opening={2: 2e-4 * RAMP}))
+        return make_study(
+            folder,
+            damaged(folder / "runs" / "a.h5"),
+            damaged(folder / "runs" / "b.h5", opening={2: 2e-4 * RAMP}),
+        )
 
     def test_points_are_in_a_table_that_sorts_by_their_numbers(self, study):
         parsed = Page(page([], [study]))
@@ -284,9 +361,13 @@ class TestEscaping:
         folder = make_study(tmp_path / "<i>study", damaged(path))
         for name in ("points.csv", "summary.csv"):
             table = read_table(folder / "tables" / name)
-            write_table(table.assign(point=self.EVIL, motion=self.EVIL, status=self.EVIL, wall=self.EVIL),
-                        folder / "tables" / name)
-        (folder / "study.toml").write_text(f"name = '''{self.EVIL[:-3]}'''\ntitle = '''{self.EVIL[:-2]}'''\n")
+            write_table(
+                table.assign(point=self.EVIL, motion=self.EVIL, status=self.EVIL, wall=self.EVIL),
+                folder / "tables" / name,
+            )
+        (folder / "study.toml").write_text(
+            f"name = '''{self.EVIL[:-3]}'''\ntitle = '''{self.EVIL[:-2]}'''\n"
+        )
         parsed = Page(page([path], [folder]))
         assert len(parsed.scripts) == 3
         assert not [one for one in parsed.all("img") if "onerror" in one]
@@ -306,23 +387,48 @@ class TestFile:
         assert "up to 6" in one_line_error(write_report, [one.path] * 7)
         assert "summary.csv" in one_line_error(write_report, [tmp_path])
         assert "check the path" in one_line_error(write_report, [tmp_path / "none.h5"])
-        empty = make_history(tmp_path / "empty.h5", stages=(), status="unfinished", snapshots={}).path
+        empty = make_history(
+            tmp_path / "empty.h5", stages=(), status="unfinished", snapshots={}
+        ).path
         refused_with("no sample", write_report, [empty])
 
 
-def test_a_history_s_numbers_are_equal_in_json_table_point_report_and_verdict(one, tmp_path, output_of):
+def test_a_history_s_numbers_are_equal_in_json_table_point_report_and_verdict(
+    one, tmp_path, output_of
+):
     parsed = json.loads(output_of("index", one.path, "--json"))
-    flat = {f"{kind}_{name}": value for kind, values in parsed.items() if isinstance(values, dict)
-            for name, value in values.items()} | parsed
+    flat = {
+        f"{kind}_{name}": value
+        for kind, values in parsed.items()
+        if isinstance(values, dict)
+        for name, value in values.items()
+    } | parsed
     folder = make_study(tmp_path, one)
-    row, point = (read_table(folder / "tables" / f"{name}.csv").iloc[0] for name in ("summary", "points"))
+    row, point = (
+        read_table(folder / "tables" / f"{name}.csv").iloc[0] for name in ("summary", "points")
+    )
     as_evidence = Point(load_runs(folder), "the run")
-    cell = r'<th scope="row"><code>(.*?)</code></th><td>[^<]*</td><td class="number"><data value="(.*?)">'
-    shown = {name.replace("<wbr>", ""): float(value) for name, value in re.findall(cell, page([one.path], []))}
+    cell = (
+        r'<th scope="row"><code>(.*?)</code></th><td>[^<]*</td><td class="number"><data'
+        r' value="(.*?)">'
+    )
+    shown = {
+        name.replace("<wbr>", ""): float(value)
+        for name, value in re.findall(cell, page([one.path], []))
+    }
     numbers = {name: value for name, value in flat.items() if isinstance(value, float)}
-    assert {"max_DI", "residual_shear_limit_DI", "max_drift_ratio", "residual_drift_ratio", "pgv_m_s",
-            "max_crack_width_mm", "residual_psi", "elastic_joint_share"} <= set(numbers)
+    assert {
+        "max_DI",
+        "residual_shear_limit_DI",
+        "max_drift_ratio",
+        "residual_drift_ratio",
+        "pgv_m_s",
+        "max_crack_width_mm",
+        "residual_psi",
+        "elastic_joint_share",
+    } <= set(numbers)
     for name, value in numbers.items():
         assert shown[name] == value, name
         for other in (row[name], point[name], as_evidence.plain(name)):
-            assert other == pytest.approx(value, rel=1e-8, abs=1e-12), name  # tables have nine digits
+            # tables have nine digits
+            assert other == pytest.approx(value, rel=1e-8, abs=1e-12), name

@@ -1,4 +1,5 @@
-"""The report in a real browser without a network: drawn without an error, moved by mouse and keys, printed.
+"""The report in a real browser without a network: drawn without an error, moved by mouse and keys,
+printed.
 
 `bash scripts/browser.sh` installs what these need and runs them.
 """
@@ -26,11 +27,17 @@ def reports(tmp_path_factory):
     folder = tmp_path_factory.mktemp("browser")
     many = np.linspace(0, 1, 21)
     one = damaged(folder / "study" / "runs" / "one.h5", drift=1e-3 * many)
-    two = damaged(folder / "study" / "runs" / "two.h5", opening={2: 2e-3 * many, 5: 1e-3 * many},
-                  slip={3: 3e-4 * many, 5: 1e-3 * many})
+    two = damaged(
+        folder / "study" / "runs" / "two.h5",
+        opening={2: 2e-3 * many, 5: 1e-3 * many},
+        slip={3: 3e-4 * many, 5: 1e-3 * many},
+    )
     study = make_study(folder / "study", one, two)
-    return {"one": write_report([one.path], folder / "one.html"),
-            "two": write_report([one.path, two.path], folder / "two.html"), "study": write_report([study])}
+    return {
+        "one": write_report([one.path], folder / "one.html"),
+        "two": write_report([one.path, two.path], folder / "two.html"),
+        "study": write_report([study]),
+    }
 
 
 @pytest.fixture
@@ -53,23 +60,34 @@ def by_id(driver, name):
 def paths(driver, letter="A"):
     """What the wall's lines are drawn along."""
     return driver.execute_script(
-        f"return Array.from(document.querySelectorAll('#wall-{letter} .scatterlayer path.js-line'), "
-        "(line) => line.getAttribute('d'))")
+        f"return Array.from(document.querySelectorAll('#wall-{letter} .scatterlayer path.js-line'),"
+        " (line) => line.getAttribute('d'))"
+    )
 
 
 def shown(driver):
-    """(time in words, lines of the wall, place of the cursor over the lines in time, of the ring of the hysteresis)."""
+    """(time in words, lines of the wall, place of the cursor over the lines in time, of the ring of
+    the hysteresis)."""
     place = "const at = document.querySelector('{}').style; return [at.left, at.top]"
-    return (by_id(driver, "time-shown").text, paths(driver),
-            *(driver.execute_script(place.format(where)) for where in ("#over-time .cursor", "#hysteresis-A .ring")))
+    return (
+        by_id(driver, "time-shown").text,
+        paths(driver),
+        *(
+            driver.execute_script(place.format(where))
+            for where in ("#over-time .cursor", "#hysteresis-A .ring")
+        ),
+    )
 
 
 @of("one", "two", "study")
 def test_it_is_drawn_without_an_error_and_asks_for_nothing(opened):
     assert opened.get_log("browser") == []
     asked = [json.loads(entry["message"])["message"] for entry in opened.get_log("performance")]
-    urls = {one["params"]["request"]["url"].partition(":")[0] for one in asked
-            if one["method"] == "Network.requestWillBeSent"}
+    urls = {
+        one["params"]["request"]["url"].partition(":")[0]
+        for one in asked
+        if one["method"] == "Network.requestWillBeSent"
+    }
     assert urls <= {"file", "data", "blob"}
     assert by_id(opened, "failed").get_attribute("hidden")
     assert any(paths(opened))
@@ -93,8 +111,12 @@ def test_the_slider_moves_wall_cursor_and_ring_by_keys(opened):
 @of("study")
 def test_the_table_of_points_sorts(opened):
     def column(number):
-        return [float(cell.get_attribute("data-sort")) for cell in opened.find_elements(
-            "css selector", f"table.sortable tbody tr td:nth-child({number})")]
+        return [
+            float(cell.get_attribute("data-sort"))
+            for cell in opened.find_elements(
+                "css selector", f"table.sortable tbody tr td:nth-child({number})"
+            )
+        ]
 
     heads = opened.find_elements("css selector", "table.sortable thead th")
     number = next(k for k, head in enumerate(heads, start=1) if head.text == "max_DI")

@@ -1,4 +1,5 @@
-"""Histories as VTKHDF: the layout, of one made by hand; what VTK's readers make of both solvers' (long)."""
+"""Histories as VTKHDF: the layout, of one made by hand; what VTK's readers make of both solvers'
+(long)."""
 
 import json
 import sys
@@ -27,9 +28,15 @@ def history(tmp_path_factory):
     moved = np.zeros((len(layout.bodies), 3))
     moved[layout.n_bricks - 1] = 2e-3, 0.0, TURN
     opening = np.where(np.arange(21) >= 12, 5e-4, 0.0)
-    return make_history(tmp_path_factory.mktemp("paraview") / "small.h5", layout, opening={3: opening},
-                        slip={5: 3e-4}, drift=np.linspace(0, 1e-3, 21), loading="record",
-                        snapshots={0.0: 0 * moved, 0.1: moved, 0.2: moved})
+    return make_history(
+        tmp_path_factory.mktemp("paraview") / "small.h5",
+        layout,
+        opening={3: opening},
+        slip={5: 3e-4},
+        drift=np.linspace(0, 1e-3, 21),
+        loading="record",
+        snapshots={0.0: 0 * moved, 0.1: moved, 0.2: moved},
+    )
 
 
 class TestCells:
@@ -38,21 +45,23 @@ class TestCells:
         bodies = history.bodies
         assert list(cells.types) == [HEXAHEDRON] * len(bodies) + [LINE] * len(history.joints)
         corners = cells.points[:8]
-        assert_allclose(np.ptp(corners, axis=0), (bodies.length_m[0], brick.thickness, bodies.height_m[0]))
+        assert_allclose(
+            np.ptp(corners, axis=0), (bodies.length_m[0], brick.thickness, bodies.height_m[0])
+        )
         a, b, d, e = (corners[k] for k in (0, 1, 3, 4))
         volume = np.dot(np.cross(b - a, d - a), e - a)  # positive: in the order that VTK asks for
         assert_allclose(volume, bodies.length_m[0] * brick.thickness * bodies.height_m[0])
 
     def test_a_joint_is_a_line_of_its_tributary_length_on_the_front_face(self, history):
         cells, joints = WallCells(history), history.joints
-        ends = cells.points[8 * len(history.bodies):].reshape(-1, 2, 3)
+        ends = cells.points[8 * len(history.bodies) :].reshape(-1, 2, 3)
         assert_allclose(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), joints.length_m)
         assert np.all(ends[..., 1] == -history.masonry_wall.brick.thickness / 2)
 
     def test_corners_turn_with_their_brick(self, history):
         cells, last = WallCells(history), int(np.flatnonzero(history.bodies.course >= 0)[-1])
-        moved = cells.displacement(1)[8 * last:8 * last + 8]
-        corner = cells.points[8 * last + 2] - np.mean(cells.points[8 * last:8 * last + 8], axis=0)
+        moved = cells.displacement(1)[8 * last : 8 * last + 8]
+        corner = cells.points[8 * last + 2] - np.mean(cells.points[8 * last : 8 * last + 8], axis=0)
         x, z = corner[0], corner[2]
         there = (2e-3 + np.cos(TURN) * x - np.sin(TURN) * z, np.sin(TURN) * x + np.cos(TURN) * z)
         assert_allclose(moved[2], (there[0] - x, 0.0, there[1] - z), rtol=1e-5)
@@ -78,14 +87,19 @@ class TestVtkhdf:
             assert_array_equal(steps["Values"], history.series.time_s)
             for step in (0, 11, 12, 20):
                 at = steps["CellDataOffsets/opening_m"][step]
-                assert_array_equal(root["CellData/opening_m"][at:at + len(cells.types)],
-                                   cells.joint_fields(step)["opening_m"])
+                assert_array_equal(
+                    root["CellData/opening_m"][at : at + len(cells.types)],
+                    cells.joint_fields(step)["opening_m"],
+                )
                 at = steps["PointDataOffsets/displacement_m"][step]
-                assert_array_equal(root["PointData/displacement_m"][at:at + len(cells.points)],
-                                   cells.displacement(cells.snapshot_of[step]))
+                assert_array_equal(
+                    root["PointData/displacement_m"][at : at + len(cells.points)],
+                    cells.displacement(cells.snapshot_of[step]),
+                )
             assert_array_equal(root["FieldData/DI"], history.index().DI)
 
-# --- VTK's own readers ------------------------------------------------------------------------------
+
+# --- VTK's own readers ----------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -101,11 +115,32 @@ def shaken(request, tmp_path_factory):
     wall_file(folder / "small.py", PIER)
     if request.param == "yade":
         request.getfixturevalue("yade_command")
-    first = {"reference": (sys.executable, "-m", "damage", "reference"), "yade": COMMAND}[request.param]
-    run_command(*first, folder / "small.py", "--harmonic", 0.03, 1.5, "--rest", 0.1, "--no-pictures", "--out",
-                folder / "small.h5", status=0)
-    run_command(sys.executable, "-m", "damage", "export", folder / "small.h5", "--vtkhdf", folder / "small.vtkhdf",
-                status=0)
+    first = {"reference": (sys.executable, "-m", "damage", "reference"), "yade": COMMAND}[
+        request.param
+    ]
+    run_command(
+        *first,
+        folder / "small.py",
+        "--harmonic",
+        0.03,
+        1.5,
+        "--rest",
+        0.1,
+        "--no-pictures",
+        "--out",
+        folder / "small.h5",
+        status=0,
+    )
+    run_command(
+        sys.executable,
+        "-m",
+        "damage",
+        "export",
+        folder / "small.h5",
+        "--vtkhdf",
+        folder / "small.vtkhdf",
+        status=0,
+    )
     return read_history(folder / "small.h5"), folder
 
 
@@ -123,9 +158,13 @@ def test_vtk_reads_what_the_history_holds(vtk_python, shaken):
     assert_array_equal(np.array(found["cell"]["opening_m"])[n_bodies:], history.opening_m[sample])
     assert_array_equal(np.array(found["cell"]["offset_m"])[n_bodies:], history.offset_m[sample])
     assert found["field"]["DI"] == [history.index().DI[sample]]
-    moved = np.array(found["point"]["displacement_m"])[:8 * n_bodies].reshape(n_bodies, 8, 3)
+    moved = np.array(found["point"]["displacement_m"])[: 8 * n_bodies].reshape(n_bodies, 8, 3)
     rotation = history.displacement[snapshot, :, 2]
     centres = history.displacement[snapshot, :, :2]
     # The mean over a brick's corners is its centre's, but for float32.
-    assert_allclose(moved.mean(axis=1)[:, [0, 2]], centres, atol=1e-9 + 1e-6 * np.abs(centres).max())
-    assert_allclose(np.array(found["cell"]["rotation_rad"])[:n_bodies], rotation, rtol=1e-6, atol=1e-12)
+    assert_allclose(
+        moved.mean(axis=1)[:, [0, 2]], centres, atol=1e-9 + 1e-6 * np.abs(centres).max()
+    )
+    assert_allclose(
+        np.array(found["cell"]["rotation_rad"])[:n_bodies], rotation, rtol=1e-6, atol=1e-12
+    )

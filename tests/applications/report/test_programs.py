@@ -1,4 +1,5 @@
-"""Walls for OpenSees: what is written is read back and compared with the layout; OpenSeesPy runs it (long)."""
+"""Walls for OpenSees: what is written is read back and compared with the layout; OpenSeesPy runs it
+(long)."""
 
 import json
 import math
@@ -29,7 +30,8 @@ SCATTERED = ModelOptions(contacts="corners", strength_cov=0.3, strength_seed=4)
 
 
 class Recorder(types.ModuleType):
-    """In the place of openseespy.opensees: keeps every command, (name, arguments), and gives displacements."""
+    """In the place of openseespy.opensees: keeps every command, (name, arguments), and gives
+    displacements."""
 
     def __init__(self):
         super().__init__("openseespy.opensees")
@@ -75,11 +77,16 @@ def assembled(ops):
         row = np.zeros(len(stiffness))
         if node not in fixed:
             arm, at = places[node] - places[body_of[node]], 3 * order[body_of[node]]
-            row[at:at + 3] = axis[0], axis[1], axis[1] * arm[0] - axis[0] * arm[1]
+            row[at : at + 3] = axis[0], axis[1], axis[1] * arm[0] - axis[0] * arm[1]
         return row
 
     for kind, _, first, second, *words in ops.all_of("element"):
-        assert kind == "zeroLength" and words[0] == "-mat" and words[3:6] == ["-dir", 1, 2] and words[6] == "-orient"
+        assert (
+            kind == "zeroLength"
+            and words[0] == "-mat"
+            and words[3:6] == ["-dir", 1, 2]
+            and words[6] == "-orient"
+        )
         assert np.all(places[first] == places[second])
         axes = np.array(words[7:10]), np.array(words[10:13])
         assert_allclose([axes[0] @ axes[0], axes[1] @ axes[1], axes[0] @ axes[1]], [1, 1, 0])
@@ -89,10 +96,18 @@ def assembled(ops):
     return stiffness, np.array(list(masses.values())).ravel()
 
 
-@pytest.mark.parametrize(("wall", "options"), [
-    (DOOR, SCATTERED), (DOOR, ModelOptions(top="uniform", supports="bricks")),
-    (DOOR, ModelOptions(bricks="deformable", brick_cells=4, soil="1e8")),
-    (Wall("split", 0.9, 0.6, brick=Brick(tensile_strength=1e6, cohesion=2e6)), ModelOptions(lintel="concrete"))])
+@pytest.mark.parametrize(
+    ("wall", "options"),
+    [
+        (DOOR, SCATTERED),
+        (DOOR, ModelOptions(top="uniform", supports="bricks")),
+        (DOOR, ModelOptions(bricks="deformable", brick_cells=4, soil="1e8")),
+        (
+            Wall("split", 0.9, 0.6, brick=Brick(tensile_strength=1e6, cohesion=2e6)),
+            ModelOptions(lintel="concrete"),
+        ),
+    ],
+)
 def test_opensees_has_the_mass_the_joints_and_their_sums(wall, options, tmp_path, monkeypatch):
     layout = lay_out(wall, options)
     names, ops = script_of(layout, tmp_path, monkeypatch)
@@ -100,23 +115,30 @@ def test_opensees_has_the_mass_the_joints_and_their_sums(wall, options, tmp_path
     assert_allclose(sum(one[1] for one in ops.all_of("mass")), layout.total_mass, rtol=1e-13)
     assert len(ops.all_of("element")) == len(contacts) == len(names["INTACT"])
     sums = joints[:, 2:].sum(axis=0)
-    for found, name in zip(sums, ("normal_stiffness", "shear_stiffness", "tensile_strength", "cohesion")):
+    for found, name in zip(
+        sums, ("normal_stiffness", "shear_stiffness", "tensile_strength", "cohesion")
+    ):
         assert_allclose(found, np.sum(getattr(contacts, name) * contacts.area), rtol=1e-13)
     breakable = np.isfinite(joints[:, 5])
-    assert_allclose(joints[breakable, 5].sum(), np.sum((contacts.cohesion * contacts.area)[~contacts.elastic]))
+    assert_allclose(
+        joints[breakable, 5].sum(), np.sum((contacts.cohesion * contacts.area)[~contacts.elastic])
+    )
     assert_allclose(names["FRICTION"], math.tan(wall.joint.friction_angle), rtol=1e-15)
 
 
 def test_opensees_settles_as_the_reference_solver_does(tmp_path, monkeypatch):
-    """A linear solution of the commands by numpy; the reference solver's static stage is a damped motion."""
+    """A linear solution of the commands by numpy; the reference solver's static stage is a damped
+    motion."""
     layout = lay_out(DOOR, SCATTERED)
     stiffness, mass = assembled(script_of(layout, tmp_path, monkeypatch)[1])
-    moved = np.linalg.solve(stiffness, np.where(np.arange(len(mass)) % 3 == 1, -GRAVITY * mass, 0.0)).reshape(-1, 3)
+    moved = np.linalg.solve(
+        stiffness, np.where(np.arange(len(mass)) % 3 == 1, -GRAVITY * mass, 0.0)
+    ).reshape(-1, 3)
     assert_allclose(moved, static_displacement(layout), rtol=1e-7, atol=1e-12)
     solver = ReferenceSolver(layout, 0.35 * natural_modes(layout).critical_time_step_s)
     settle(solver, 0.5)
     largest = np.abs(moved[:, 1]).max()
-    assert_allclose(solver.displacement[:len(moved), 1], moved[:, 1], atol=2e-4 * largest)
+    assert_allclose(solver.displacement[: len(moved), 1], moved[:, 1], atol=2e-4 * largest)
     values = np.linalg.eigvals(stiffness / mass[:, None]).real.min()
     assert_allclose(2 * np.pi / math.sqrt(values), natural_modes(layout).period_s[0], rtol=1e-6)
 
@@ -124,32 +146,46 @@ def test_opensees_settles_as_the_reference_solver_does(tmp_path, monkeypatch):
 @pytest.mark.parametrize("beyond", [False, True])
 @pytest.mark.parametrize("mode", ["tension", "shear", "shear under pressure"])
 def test_opensees_breaks_a_joint_at_its_strength(mode, beyond, tmp_path, monkeypatch):
-    """Just below its strength none fails, just beyond it the one does, and a slider of its stiffness follows."""
+    """Just below its strength none fails, just beyond it the one does, and a slider of its
+    stiffness follows."""
     layout = lay_out(DOOR, ModelOptions())
     names, ops = script_of(layout, tmp_path, monkeypatch)
-    joint = next(one for one in names["JOINTS"] if one[5] == 1.0)  # a head joint, its normal along x
+    # a head joint, its normal along x
+    joint = next(one for one in names["JOINTS"] if one[5] == 1.0)
     tag, _, _, _, _, _, _, kn, ks, tension, cohesion = joint
     pressure = 5e3 if mode == "shear under pressure" else 0.0
     force = tension if mode == "tension" else cohesion + names["FRICTION"] * pressure
     share = 1 + 1e-9 if beyond else 1 - 1e-9
     ends = names["INTACT"][tag][0]
-    ops.moved[ends[1]] = (force * share / kn, 0.0, 0.0) if mode == "tension" else (
-        -pressure / kn, -force * share / ks, 0.0)
+    ops.moved[ends[1]] = (
+        (force * share / kn, 0.0, 0.0)
+        if mode == "tension"
+        else (-pressure / kn, -force * share / ks, 0.0)
+    )
     before = len(ops.all_of("element"))
     assert names["break_joints"]() == beyond
     sliders = ops.all_of("element")[before:]
     assert [one[:6] for one in sliders] == [("flatSliderBearing", tag, *ends, 1, ks)] * beyond
-    assert (("element", tag) in ops.all_of("remove")) is beyond and (tag not in names["INTACT"]) is beyond
+    assert (("element", tag) in ops.all_of("remove")) is beyond and (
+        tag not in names["INTACT"]
+    ) is beyond
     assert ops.all_of("frictionModel") == [("Coulomb", 1, names["FRICTION"])]
     if beyond:  # its spring along the normal is the bond's; moments are none
         words = sliders[0][6:]
         springs = {number: k for kind, number, k in ops.all_of("uniaxialMaterial")}
-        assert (springs[words[words.index("-P") + 1]], springs[words[words.index("-Mz") + 1]]) == (kn, 0.0)
+        assert (springs[words[words.index("-P") + 1]], springs[words[words.index("-Mz") + 1]]) == (
+            kn,
+            0.0,
+        )
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (("--bricks", "deformable"), "with deformable bricks"),
-    (("--soil", "1e8", "--soil-velocity", "150"), "radiation damping")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--bricks", "deformable"), "with deformable bricks"),
+        (("--soil", "1e8", "--soil-velocity", "150"), "radiation damping"),
+    ],
+)
 def test_what_opensees_cannot_have_is_refused(words, said, tmp_path, error_of):
     assert said in error_of("export", "symmetric", *words, "--opensees", tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -157,45 +193,82 @@ def test_what_opensees_cannot_have_is_refused(words, said, tmp_path, error_of):
 
 def test_walls_that_soften_are_refused_and_others_written(tmp_path, output_of):
     soft = Joint(mode_i_fracture_energy=10.0, mode_ii_fracture_energy=100.0)
-    assert "soften" in one_line_error(write_opensees, lay_out(Wall("soft", 0.9, 0.45, joint=soft)), tmp_path / "out")
-    assert output_of("export", "squat", "--opensees", tmp_path / "squat.py").split() == [str(tmp_path / "squat.py")]
+    assert "soften" in one_line_error(
+        write_opensees, lay_out(Wall("soft", 0.9, 0.45, joint=soft)), tmp_path / "out"
+    )
+    assert output_of("export", "squat", "--opensees", tmp_path / "squat.py").split() == [
+        str(tmp_path / "squat.py")
+    ]
 
 
 @pytest.mark.long
 def test_openseespy_settles_slides_rocks_and_shakes_as_this_project_does(tmp_path):
-    """In OpenSeesPy itself: settlement and period of a wall, and the wall shaken; a brick along a path that breaks,
-    slides, reverses, opens and closes, against the joint law; a pier that is pushed over, against statics."""
+    """In OpenSeesPy itself: settlement and period of a wall, and the wall shaken; a brick along a
+    path that breaks, slides, reverses, opens and closes, against the joint law; a pier that is
+    pushed over, against statics."""
     door, pier = lay_out(DOOR), lay_out(Wall("pier", 0.45, 0.3))
     brick = lay_out(Wall("brick", 0.225, 0.075, precompression=0.0))
-    scripts = [str(write_opensees(layout, tmp_path / f"{layout.wall.name}.py")) for layout in (door, brick, pier)]
+    scripts = [
+        str(write_opensees(layout, tmp_path / f"{layout.wall.name}.py"))
+        for layout in (door, brick, pier)
+    ]
     path, forces = path_of_a_brick(brick)
     (tmp_path / "path.json").write_text(json.dumps(path), encoding="utf-8")
     with environment("openseespy", "openseespylinux") as python:
-        rest, along, shaken, pushed = (json.loads(run_in(python, "run_opensees.py", *words)) for words in (
-            ("weight", scripts[0]), ("path", scripts[1], str(tmp_path / "path.json")),
-            ("shake", scripts[0], "0.06", "0.1", "3", "2e-4", "1100"),
-            ("push", scripts[2], str(len(pier.bodies)), "2e-6", "300")))
+        rest, along, shaken, pushed = (
+            json.loads(run_in(python, "run_opensees.py", *words))
+            for words in (
+                ("weight", scripts[0]),
+                ("path", scripts[1], str(tmp_path / "path.json")),
+                ("shake", scripts[0], "0.06", "0.1", "3", "2e-4", "1100"),
+                ("push", scripts[2], str(len(pier.bodies)), "2e-6", "300"),
+            )
+        )
     settled = -static_displacement(door)[door.drift_bodies, 1].mean()
-    assert_allclose([rest["settlement_m"], rest["period_s"]], [settled, natural_modes(door).period_s[0]], rtol=1e-6)
+    assert_allclose(
+        [rest["settlement_m"], rest["period_s"]],
+        [settled, natural_modes(door).period_s[0]],
+        rtol=1e-6,
+    )
     assert_allclose(along["forces_n"], forces, atol=1e-8 * np.abs(forces).max())
     assert pushed["found"] and pushed["failed"] > 4
-    outermost = pier.contacts.x[pier.contacts.first < 0].max() - 0.225  # the last contact point at the base
+    # the last contact point at the base
+    outermost = pier.contacts.x[pier.contacts.first < 0].max() - 0.225
     height = pier.bodies.z[-1]
-    assert_allclose(pushed["shear_n"][-1], -pushed["weight_n"] * outermost / height, rtol=1e-3)  # on the ground
+    # on the ground
+    assert_allclose(pushed["shear_n"][-1], -pushed["weight_n"] * outermost / height, rtol=1e-3)
     with pytest.warns(RunWarning, match="elastic"):
         history = damage.run(DOOR, harmonic=(0.06, 0.1), cycles=3, rest=0.05)
-    assert_allclose(np.abs(shaken["top_m"]).max(), history.moving["top_displacement_m"].abs().max(), rtol=0.02)
+    assert_allclose(
+        np.abs(shaken["top_m"]).max(), history.moving["top_displacement_m"].abs().max(), rtol=0.02
+    )
     assert_allclose(shaken["failed"], history.broken[-1].sum(), rtol=0.2)
 
 
 def path_of_a_brick(layout):
-    """Places (x, z) [m] of the only brick, 40 a leg, and its forces on the ground by the joint law (n, 2) [N]."""
+    """Places (x, z) [m] of the only brick, 40 a leg, and its forces on the ground by the joint law
+    (n, 2) [N]."""
     contacts, joint = layout.contacts, layout.wall.joint
     kn, ks = contacts.normal_stiffness[0], contacts.shear_stiffness[0]
     down, along = 0.3e6 / kn, 0.6e6 / ks
-    legs = [(0, 0), (0, -1), (1, -1), (2, -2), (2, -0.5), (-1, -0.5), (-1, 0.5), (0, 0.5), (0, -1), (0.1, -1), (3, -1)]
-    path = [((a[0] + (b[0] - a[0]) * k / 40) * along, (a[1] + (b[1] - a[1]) * k / 40) * down)
-            for a, b in pairwise(legs) for k in range(1, 41)]
+    legs = [
+        (0, 0),
+        (0, -1),
+        (1, -1),
+        (2, -2),
+        (2, -0.5),
+        (-1, -0.5),
+        (-1, 0.5),
+        (0, 0.5),
+        (0, -1),
+        (0.1, -1),
+        (3, -1),
+    ]
+    path = [
+        ((a[0] + (b[0] - a[0]) * k / 40) * along, (a[1] + (b[1] - a[1]) * k / 40) * down)
+        for a, b in pairwise(legs)
+        for k in range(1, 41)
+    ]
     law = LawParameters(kn, ks, joint.tensile_strength, joint.cohesion, material_of(joint))
     state, forces, before = ContactState(), [], 0.0
     for x, z in path:

@@ -1,4 +1,5 @@
-"""Studies on their way: what they leave, interrupted, killed, without a process, with a deleted lock, twice at once."""
+"""Studies on their way: what they leave, interrupted, killed, without a process, with a deleted
+lock, twice at once."""
 
 import errno
 import fcntl
@@ -39,9 +40,11 @@ from damage.applications.studies.tasks import CHANGED, Task
 from damage.errors import InputError
 from damage.history.reader import read_history
 
-POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
-          'members = 3\nvary = { g = [%s], rest = [0.5] }\n')
-DRAWN = '''[[runs]]
+POINTS = (
+    '[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}"'
+    " }\nmembers = 3\nvary = { g = [%s], rest = [0.5] }\n"
+)
+DRAWN = """[[runs]]
 id = "drawn"
 wall = "tiny.py"
 options = { harmonic = [0.1, 0.5], cycles = 1, rest = 0, strength-cov = 0.3 }
@@ -50,7 +53,7 @@ samples = %d
 id = "alone"
 wall = "tiny.py"
 options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
-'''
+"""
 
 
 class Batches:
@@ -64,9 +67,14 @@ class Batches:
         return written(self.folder / f"{name}.toml", f'name = "{name}"\npictures = "none"\n{text}')
 
     def start(self, study, *words, out=None):
-        return subprocess.Popen([*BATCH, str(study), "-j2", "--out", str(out or self.out), *words], cwd=REPOSITORY,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                env={**os.environ, **BATCH_ENVIRONMENT})
+        return subprocess.Popen(
+            [*BATCH, str(study), "-j2", "--out", str(out or self.out), *words],
+            cwd=REPOSITORY,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **BATCH_ENVIRONMENT},
+        )
 
     def run(self, study, *words, out=None):
         process = self.start(study, *words, out=out)
@@ -80,7 +88,9 @@ class Batches:
         return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in self.members()}
 
     def tables(self, out=None):
-        return {path.name: path.read_bytes() for path in ((out or self.out) / "tables").glob("*.csv")}
+        return {
+            path.name: path.read_bytes() for path in ((out or self.out) / "tables").glob("*.csv")
+        }
 
 
 @pytest.fixture
@@ -111,34 +121,48 @@ class TestBatch:
         assert "study s: 3 of 3 points done" in whole.done.stdout
         histories = [read_history(path) for path in whole.members()]
         assert [path.stem for path in whole.members()] == [
-            f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.5_reference_s{k}" for g, k in
-            ((0.01, 1), (0.4, 1), (0.4, 2), (0.4, 3), (0.5, 1), (0.5, 2), (0.5, 3))]
+            f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.5_reference_s{k}"
+            for g, k in ((0.01, 1), (0.4, 1), (0.4, 2), (0.4, 3), (0.5, 1), (0.5, 2), (0.5, 3))
+        ]
         assert [history.parameters["seed"] for history in histories] == [1, 1, 2, 3, 1, 2, 3]
         assert {history.parameters["scatter"] for history in histories} == {0.001}
 
     def test_tables_have_a_row_a_run_and_a_row_a_point(self, whole):
         tables = whole.out / "tables"
         summary = pd.read_csv(tables / "summary.csv")
-        assert list(summary["members"]) == [3] * 6 + [1] and list(summary["pga_g"]) == [0.5] * 3 + [0.4] * 3 + [0.01]
+        assert list(summary["members"]) == [3] * 6 + [1] and list(summary["pga_g"]) == [0.5] * 3 + [
+            0.4
+        ] * 3 + [0.01]
         points = pd.read_csv(tables / "points.csv").set_index("amplitude_g")
         cracked = summary[summary["amplitude_g"] == 0.5]["max_DI"]
-        assert_allclose(points.loc[0.5, ["max_DI", "max_DI_min", "max_DI_max"]].astype(float),
-                        [cracked.median(), cracked.min(), cracked.max()])
+        assert_allclose(
+            points.loc[0.5, ["max_DI", "max_DI_min", "max_DI_max"]].astype(float),
+            [cracked.median(), cracked.min(), cracked.max()],
+        )
         with h5py.File(tables / "study.h5", "r") as file:
             stored = file["runs"]
-            assert list(stored["run"].asstr()) == list(summary["run"]) and list(stored) == list(summary.columns)
+            assert list(stored["run"].asstr()) == list(summary["run"]) and list(stored) == list(
+                summary.columns
+            )
             assert_allclose(stored["max_DI"], summary["max_DI"], rtol=1e-8)
-        assert len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
+        assert (
+            len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
+        )
         cycles = pd.read_csv(tables / "cycles.csv")  # the verdict takes medians of them
         assert list(cycles["run"].unique()) == list(summary["run"])
         alone = pd.read_csv(tables / f"{summary['run'][0]}_cycles.csv")
-        pd.testing.assert_frame_equal(cycles[cycles["run"] == summary["run"][0]].drop(columns="run"), alone)
+        pd.testing.assert_frame_equal(
+            cycles[cycles["run"] == summary["run"][0]].drop(columns="run"), alone
+        )
 
-    def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(self, batches, whole):
+    def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(
+        self, batches, whole
+    ):
         study = batches.study(POINTS % "0.5, 0.4, 0.01")
         batch = batches.start(study)
         old = growing = set()
-        while len(batches.members()) < 3 or not growing - old:  # one just begun still grows when it is killed
+        # one just begun still grows when it is killed
+        while len(batches.members()) < 3 or not growing - old:
             assert batch.poll() is None, "it ended before it could be killed"
             time.sleep(0.005)
             old, growing = growing, set((batches.out / "runs").glob("*.part.h5"))
@@ -157,14 +181,18 @@ class TestBatch:
 
         more = batches.study((POINTS % "0.5").replace("members = 3", "members = 4"))
         assert batches.run(more).returncode == 0
-        assert len(batches.members()) == 8 and after == {name: batches.checksums()[name] for name in after}
+        assert len(batches.members()) == 8 and after == {
+            name: batches.checksums()[name] for name in after
+        }
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["members"]) == [4] * 4
 
     def test_a_lost_process_costs_its_runs_alone_which_begin_again(self, batches, whole):
         study = batches.study(POINTS % "0.5, 0.4, 0.01")
         batch = batches.start(study)
-        wait_until(lambda: list((batches.out / "runs").glob("*.part.h5")) or batch.poll() is not None)
-        (victim, *_) = children(batch.pid)
+        wait_until(
+            lambda: list((batches.out / "runs").glob("*.part.h5")) or batch.poll() is not None
+        )
+        victim, *_ = children(batch.pid)
         os.kill(victim, signal.SIGKILL)
         printed, errors = batch.communicate(timeout=300)
         assert batch.returncode == 0 and "3 of 3 points done" in printed, errors
@@ -185,7 +213,8 @@ class TestBatch:
         assert batches.run(more, "--keep", "summary", out=summary).returncode == 0
         assert before == {path: path.stat().st_mtime_ns for path in before}
         assert len(pd.read_csv(summary / "tables" / "summary.csv")) == 6
-        assert (summary / "logs" / "reference.log").read_text().count("--- ") == 6  # five, and one more
+        # five, and one more
+        assert (summary / "logs" / "reference.log").read_text().count("--- ") == 6
 
     def test_slices_by_themselves_then_the_whole(self, batches, drawn):
         """As an array of jobs of a cluster: two at once, then a call that makes the tables."""
@@ -196,20 +225,30 @@ class TestBatch:
             assert one.returncode == 0, errors
             assert "1 of 1 points done" in printed and "tables:" not in printed
         assert sorted(path.name for path in batches.out.glob("records*")) == [
-            "records-1-of-2.jsonl", "records-2-of-2.jsonl"]
+            "records-1-of-2.jsonl",
+            "records-2-of-2.jsonl",
+        ]
         histories = batches.checksums()
         done = batches.run(study)
         assert done.returncode == 0 and "started" not in done.stdout, done.stderr
-        assert [path.name for path in batches.out.glob("records*")] == [NAME] and batches.checksums() == histories
+        assert [path.name for path in batches.out.glob("records*")] == [
+            NAME
+        ] and batches.checksums() == histories
         assert batches.tables() == drawn.tables()
 
     def test_a_failing_member_stops_no_other_point_and_is_named(self, batches):
         # A step above the stable one is refused when the member starts.
-        bad = '[[runs]]\nid = "bad"\nwall = "tiny.py"\noptions = { rest = 0, dt = 0.1 }\nmembers = 2\n'
+        bad = (
+            '[[runs]]\nid = "bad"\nwall = "tiny.py"\noptions = { rest = 0, dt = 0.1 }\nmembers'
+            " = 2\n"
+        )
         done = batches.run(batches.study(POINTS % "0.01" + bad))
         assert done.returncode == 1
         log = batches.out / "logs" / "reference.log"
-        assert f"failed: bad_reference; see {log} (error: bad_reference_s1: --dt 0.1 s is above" in done.stderr
+        assert (
+            f"failed: bad_reference; see {log} (error: bad_reference_s1: --dt 0.1 s is above"
+            in done.stderr
+        )
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
 
 
@@ -227,14 +266,20 @@ class TestPool:
         def make(work, jobs=2):
             (tmp_path / "logs").mkdir(exist_ok=True)
             monkeypatch.setattr("damage.applications.studies.pool.load_compiled", lambda *_: None)
-            monkeypatch.setattr("damage.applications.studies.tasks.company_of", lambda point: point.options)
+            monkeypatch.setattr(
+                "damage.applications.studies.tasks.company_of", lambda point: point.options
+            )
             lines = []
             return Pool(jobs, work, -1, tmp_path, lines.append), lines
+
         return make
 
     @staticmethod
     def tasks(folder, n=5, solver="reference"):
-        return [Task(folder, StudyRun(f"p{k}", "w.py", (("seed", k % 2),), solver), 1, True) for k in range(n)]
+        return [
+            Task(folder, StudyRun(f"p{k}", "w.py", (("seed", k % 2),), solver), 1, True)
+            for k in range(n)
+        ]
 
     def test_every_task_is_done_once_those_that_are_alike_one_after_the_other(self, pool, tmp_path):
         def work(connection, *_):
@@ -250,10 +295,15 @@ class TestPool:
 
         one.run(self.tasks(tmp_path), follow)
         assert sorted(done) == [f"p{k}_reference" for k in range(7)] and one.failed == []
-        assert [name for name in done if name in ("p0_reference", "p2_reference", "p4_reference")] == done[:3]
+        assert [
+            name for name in done if name in ("p0_reference", "p2_reference", "p4_reference")
+        ] == done[:3]
 
-    def test_a_task_whose_process_is_lost_twice_has_failed_and_the_others_are_done(self, pool, tmp_path):
+    def test_a_task_whose_process_is_lost_twice_has_failed_and_the_others_are_done(
+        self, pool, tmp_path
+    ):
         """The third ends whatever process it is in, together with what is in it."""
+
         def work(connection, *_):
             taken = []
             while True:
@@ -271,16 +321,21 @@ class TestPool:
         done = []
         one.run(self.tasks(tmp_path), lambda task, record: done.append(task.name) or ())
         assert sorted(done) == [f"p{k}_reference" for k in (0, 1, 3, 4)]
-        assert [task.name for task in one.failed] == ["p2_reference"] and "p2_reference: FAILED" in lines
+        assert [task.name for task in one.failed] == [
+            "p2_reference"
+        ] and "p2_reference: FAILED" in lines
         assert "its process was ended twice (SIGKILL)" in one.failed[0].log.read_text()
 
-    def test_a_process_ends_with_the_batch_that_is_killed_while_it_concludes(self, pool, tmp_path, monkeypatch):
+    def test_a_process_ends_with_the_batch_that_is_killed_while_it_concludes(
+        self, pool, tmp_path, monkeypatch
+    ):
         """A polite signal would be noted for runs that have ended, and dropped."""
         (tmp_path / "runs").mkdir()
         (task,) = self.tasks(tmp_path, 1)
         make_history(task.history)
         batch = os.fork()
         if not batch:
+
             def conclude(*_):
                 (tmp_path / "pid").write_text(str(os.getpid()))
                 parent = os.getppid()
@@ -325,7 +380,9 @@ class TestFolder:
         flock = fcntl.flock
 
         def of_files(descriptor, how):
-            if os.path.isdir(f"/proc/self/fd/{getattr(descriptor, 'fileno', lambda: descriptor)()}"):
+            if os.path.isdir(
+                f"/proc/self/fd/{getattr(descriptor, 'fileno', lambda: descriptor)()}"
+            ):
                 raise OSError(errno.EBADF, "Bad file descriptor")
             return flock(descriptor, how)
 
@@ -335,7 +392,9 @@ class TestFolder:
         results = Results(tmp_path / "out")
         results.records.orderly = False
         results.write(results.judge([]))  # which deletes what earlier versions kept
-        refused_with("another batch is at work", folder.claim, tmp_path / "out", self.study(tmp_path))
+        refused_with(
+            "another batch is at work", folder.claim, tmp_path / "out", self.study(tmp_path)
+        )
         os.close(lock)
         os.close(folder.claim(tmp_path / "out", self.study(tmp_path), shared=True))
 
@@ -357,6 +416,7 @@ class TestInputsThatChange:
     @staticmethod
     def edited(monkeypatch, edit):
         """Let a study's files be edited once it has read them, before its processes do."""
+
         class Late(Pool):
             def run(self, *arguments):
                 edit()
@@ -365,7 +425,9 @@ class TestInputsThatChange:
         monkeypatch.setattr(command, "Pool", Late)
 
     @pytest.mark.slow
-    def test_a_run_of_other_inputs_is_not_made_and_said_in_a_line(self, batches, monkeypatch, capfd):
+    def test_a_run_of_other_inputs_is_not_made_and_said_in_a_line(
+        self, batches, monkeypatch, capfd
+    ):
         study, wall = batches.study(DRAWN % 3), batches.folder / "tiny.py"
         words = [str(study), "-j1", "--keep", "summary", "--out", str(batches.out)]
         with monkeypatch.context() as patch:
@@ -373,15 +435,19 @@ class TestInputsThatChange:
             assert command.run_study(words) == 1
         said = [line for line in capfd.readouterr().err.splitlines() if "changed" in line]
         assert said == [
-            "error: 4 runs were not made, as inputs changed since the study began: drawn_reference (wall.height 0.6 -> "
-            "0.45), alone_reference (wall.height 0.6 -> 0.45); restore these and give the same command, or give it "
-            "with the new ones: it makes all runs of these points again"]
+            "error: 4 runs were not made, as inputs changed since the study began: drawn_reference"
+            " (wall.height 0.6 -> 0.45), alone_reference (wall.height 0.6 -> 0.45); restore these"
+            " and give the same command, or give it with the new ones: it makes all runs of these"
+            " points again"
+        ]
         assert not read_records(batches.out).runs and not list((batches.out / "runs").iterdir())
         wall_file(wall, TINY)
         assert command.run_study(words) == 0 and len(read_records(batches.out).runs) == 4
 
     @pytest.mark.slow
-    def test_slices_of_other_inputs_do_not_become_part_of_a_study(self, batches, monkeypatch, capfd):
+    def test_slices_of_other_inputs_do_not_become_part_of_a_study(
+        self, batches, monkeypatch, capfd
+    ):
         """Whose jobs begin when the cluster has room."""
         study, wall = batches.study(DRAWN % 3), batches.folder / "tiny.py"
 
@@ -396,27 +462,44 @@ class TestInputsThatChange:
         monkeypatch.setattr(command.cluster, "run_slices", run_slices)
         assert command.run_study([str(study), "--slurm", "--out", str(batches.out)]) == 1
         assert "2 points were made from other inputs" in capfd.readouterr().err
-        assert not read_records(batches.out).runs and not list((batches.out / "tables").glob("summary.csv"))
+        assert not read_records(batches.out).runs and not list(
+            (batches.out / "tables").glob("summary.csv")
+        )
 
-    def test_yade_reads_by_itself_and_is_compared_by_the_wall_of_its_history(self, tmp_path, monkeypatch):
+    def test_yade_reads_by_itself_and_is_compared_by_the_wall_of_its_history(
+        self, tmp_path, monkeypatch
+    ):
         wall_file(tmp_path / "tiny.py", TINY)
         run = StudyRun("p", str(tmp_path / "tiny.py"), (("harmonic", (0.1, 0.5)),), "yade")
         task, sent = Task(tmp_path, run, 1, True), []
         note = {run.id: as_json(inputs_of(run, REPOSITORY))}
         task.part.parent.mkdir()
-        monkeypatch.setattr(worker, "_run_solver", lambda *_: sent.append("ran") or (make_history(task.part) and 0))
+        monkeypatch.setattr(
+            worker, "_run_solver", lambda *_: sent.append("ran") or (make_history(task.part) and 0)
+        )
         status, words = worker._run_yade(task, SimpleNamespace(send=lambda _: None), -1, note)
-        assert sent == ["ran"] and status == CHANGED and any(word.startswith("wall.") for word in words)
+        assert (
+            sent == ["ran"]
+            and status == CHANGED
+            and any(word.startswith("wall.") for word in words)
+        )
         assert not task.part.exists() and not task.history.exists()
         wall_file(tmp_path / "tiny.py", TINY.replace("0.6", "0.45"))
-        assert worker._run_yade(task, None, -1, note) == (CHANGED, ["wall.height 0.6 -> 0.45"]) and sent == ["ran"]
+        assert worker._run_yade(task, None, -1, note) == (
+            CHANGED,
+            ["wall.height 0.6 -> 0.45"],
+        ) and sent == ["ran"]
 
 
 @pytest.mark.slow
 def test_all_studies_one_after_the_other_then_figures_and_verdict(batches, monkeypatch, capfd):
-    points = {"good": POINTS % "0.01" + 'solvers = ["reference"]\n',
-              "other": POINTS % "0.01" + 'solvers = ["yade"]\n',
-              "bad": '[[runs]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, 0.5], dt = 0.1, rest = 0 }\n'}
+    points = {
+        "good": POINTS % "0.01" + 'solvers = ["reference"]\n',
+        "other": POINTS % "0.01" + 'solvers = ["yade"]\n',
+        "bad": (
+            '[[runs]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, 0.5], dt = 0.1, rest = 0 }\n'
+        ),
+    }
     paths = {name: batches.study(text, name) for name, text in points.items()}
     monkeypatch.setattr(command, "shipped_files", lambda *_: paths)
     from paper.__main__ import main
@@ -425,6 +508,8 @@ def test_all_studies_one_after_the_other_then_figures_and_verdict(batches, monke
     printed, errors = capfd.readouterr()
     assert "study bad: FAILED, status 1" in errors and "study good" not in errors
     assert "passed over" in printed and "expected --solver yade" in printed
-    assert (batches.out / "good/tables/points.csv").is_file() and not (batches.out / "other").exists()
+    assert (batches.out / "good/tables/points.csv").is_file() and not (
+        batches.out / "other"
+    ).exists()
     assert (batches.out / "figures/fig06_motions.png").is_file()
     assert "P1" in printed

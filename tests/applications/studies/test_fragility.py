@@ -1,4 +1,5 @@
-"""Fragility curves: known medians and dispersions come back, bounds hold what they say, bad studies are refused."""
+"""Fragility curves: known medians and dispersions come back, bounds hold what they say, bad studies
+are refused."""
 
 from itertools import product
 
@@ -40,36 +41,64 @@ def fit(intensity, exceed, runs):
 
 
 def walls(n_walls, seed, level=0.05):
-    """Runs of walls whose capacity is lognormal: each exceeds the level in all motions stronger than it."""
+    """Runs of walls whose capacity is lognormal: each exceeds the level in all motions stronger
+    than it."""
     random = np.random.default_rng(seed)
     capacity_g = MEDIAN_G * np.exp(DISPERSION * random.standard_normal(n_walls))
     pga_g, wall = (column.ravel() for column in np.meshgrid(INTENSITIES_G, np.arange(n_walls)))
     exceeds = pga_g > capacity_g[wall]
-    return pd.DataFrame({"wall": "w", "status": "complete", "record": "r", "pga_g": pga_g, "strength_seed": wall,
-                         "strength_cov": 0.3, "collapsed_at_s": np.nan, "max_DI": np.where(exceeds, 2, 0.5) * level,
-                         "max_crack_width_mm": 10 * pga_g / capacity_g[wall], "max_psi": 0.0})
+    return pd.DataFrame(
+        {
+            "wall": "w",
+            "status": "complete",
+            "record": "r",
+            "pga_g": pga_g,
+            "strength_seed": wall,
+            "strength_cov": 0.3,
+            "collapsed_at_s": np.nan,
+            "max_DI": np.where(exceeds, 2, 0.5) * level,
+            "max_crack_width_mm": 10 * pga_g / capacity_g[wall],
+            "max_psi": 0.0,
+        }
+    )
 
 
 class TestFit:
     def test_exact_shares_give_back_the_curve(self):
         x = np.geomspace(0.05, 0.8, 9)
-        assert_allclose(fit(x, 1e3 * curve(x, MEDIAN_G, DISPERSION), np.full(9, 1e3)), (MEDIAN_G, DISPERSION),
-                        rtol=1e-4)
+        assert_allclose(
+            fit(x, 1e3 * curve(x, MEDIAN_G, DISPERSION), np.full(9, 1e3)),
+            (MEDIAN_G, DISPERSION),
+            rtol=1e-4,
+        )
 
-    @pytest.mark.parametrize(("intensity", "exceed", "runs", "expected"), [
-        ([0.05, 0.1, 0.2, 0.4, 0.8], [1, 3, 9, 17, 20], [20] * 5, (0.1967399282, 0.6889519606)),
-        ([0.02, 0.07, 0.15, 0.31, 0.6], [0, 2, 3, 9, 4], [5, 12, 7, 11, 4], (0.1543910703, 0.7412603618)),
-        ([0.03, 0.05, 0.08, 0.11, 0.16, 0.2, 0.27, 0.35, 0.5, 0.7], [0, 0, 1, 0, 0, 1, 0, 1, 1, 1], [1] * 10,
-         (0.1655572040, 0.9675116797)),
-        ([0.1, 0.2, 0.4], [4, 3, 7], [10] * 3, (0.2330692756, 1.8013867377))])
+    @pytest.mark.parametrize(
+        ("intensity", "exceed", "runs", "expected"),
+        [
+            ([0.05, 0.1, 0.2, 0.4, 0.8], [1, 3, 9, 17, 20], [20] * 5, (0.1967399282, 0.6889519606)),
+            (
+                [0.02, 0.07, 0.15, 0.31, 0.6],
+                [0, 2, 3, 9, 4],
+                [5, 12, 7, 11, 4],
+                (0.1543910703, 0.7412603618),
+            ),
+            (
+                [0.03, 0.05, 0.08, 0.11, 0.16, 0.2, 0.27, 0.35, 0.5, 0.7],
+                [0, 0, 1, 0, 0, 1, 0, 1, 1, 1],
+                [1] * 10,
+                (0.1655572040, 0.9675116797),
+            ),
+            ([0.1, 0.2, 0.4], [4, 3, 7], [10] * 3, (0.2330692756, 1.8013867377)),
+        ],
+    )
     def test_it_is_the_probit_regression_of_statsmodels(self, intensity, exceed, runs, expected):
         """Of version 0.15.0, on ln x, where a + b ln x = ln(x / median) / dispersion:
 
-            y, n, x = map(np.array, (exceed, runs, intensity))
-            family = sm.families.Binomial(link=sm.families.links.Probit())
-            model = sm.GLM(np.column_stack([y, n - y]), sm.add_constant(np.log(x)), family=family)
-            a, b = model.fit(tol=1e-14, maxiter=200).params
-            print(np.exp(-a / b), 1 / b)
+        y, n, x = map(np.array, (exceed, runs, intensity))
+        family = sm.families.Binomial(link=sm.families.links.Probit())
+        model = sm.GLM(np.column_stack([y, n - y]), sm.add_constant(np.log(x)), family=family)
+        a, b = model.fit(tol=1e-14, maxiter=200).params
+        print(np.exp(-a / b), 1 / b)
         """
         assert_allclose(fit(intensity, exceed, runs), expected, rtol=1e-5)
 
@@ -83,16 +112,25 @@ class TestFit:
         runs["max_psi"] = np.where(runs["pga_g"] > 0.22, 3.0, 0.0)
         found = fragility(runs, "max_psi", 2.0, replicates=20)
         row = found.row()
-        assert_allclose([row["median_walls_low_g"], row["median_walls_high_g"], row["dispersion"]], [0.2, 0.25, 0])
+        assert_allclose(
+            [row["median_walls_low_g"], row["median_walls_high_g"], row["dispersion"]],
+            [0.2, 0.25, 0],
+        )
         assert_allclose(found.bounds([0.19, 0.21, 0.3]), [[0, 0, 1], [0, 1, 1]])
 
-    @pytest.mark.parametrize(("exceed", "why", "side"), [
-        ([8, 6, 4, 2], "at its bound of 3: no rising curve", 0),
-        ([5, 5, 5, 5], "at its bound of 3: no rising curve", 0),
-        ([0, 0, 0, 1], "one intensity only has runs of both kinds", 1),
-        ([9, 10, 10, 10], "one intensity only has runs of both kinds", -1), ([0, 0, 0, 0], "no run exceeds it", 1),
-        ([10, 10, 10, 10], "every run exceeds it", -1), ([0, 0, 1, 3], "median would lie above all intensities", 1),
-        ([6, 8, 9, 10], "median would lie below all intensities", -1)])
+    @pytest.mark.parametrize(
+        ("exceed", "why", "side"),
+        [
+            ([8, 6, 4, 2], "at its bound of 3: no rising curve", 0),
+            ([5, 5, 5, 5], "at its bound of 3: no rising curve", 0),
+            ([0, 0, 0, 1], "one intensity only has runs of both kinds", 1),
+            ([9, 10, 10, 10], "one intensity only has runs of both kinds", -1),
+            ([0, 0, 0, 0], "no run exceeds it", 1),
+            ([10, 10, 10, 10], "every run exceeds it", -1),
+            ([0, 0, 1, 3], "median would lie above all intensities", 1),
+            ([6, 8, 9, 10], "median would lie below all intensities", -1),
+        ],
+    )
     def test_runs_that_determine_no_curve(self, exceed, why, side):
         """Of 10 runs at each of four intensities."""
         one = solve([0.05, 0.1, 0.2, 0.4], exceed, [10] * 4)
@@ -104,18 +142,28 @@ class TestFit:
         assert fragility(runs, "max_psi", 2.0, replicates=0).n_exceeding == len(runs)
 
 
-@pytest.mark.parametrize(("over", "study"), [
-    ("walls", lambda seed: walls(25, seed).assign(max_DI=lambda runs: runs["max_DI"] * 2)),
-    ("records", lambda seed: recorded(10, 0.4, seed, n_walls=6, levels=8)),
-    ("both", lambda seed: recorded(8, 0.4, seed, n_walls=3, levels=8))])
+@pytest.mark.parametrize(
+    ("over", "study"),
+    [
+        ("walls", lambda seed: walls(25, seed).assign(max_DI=lambda runs: runs["max_DI"] * 2)),
+        ("records", lambda seed: recorded(10, 0.4, seed, n_walls=6, levels=8)),
+        ("both", lambda seed: recorded(8, 0.4, seed, n_walls=3, levels=8)),
+    ],
+)
 def test_intervals_of_the_median_cover_the_known_one(over, study):
-    """Over 40 studies with a median of 0.2 g; numbers outside occur in one of 500 such tests.  Percentiles of few
-    samples lie further in than those of many: between 40, at ranks 2.95 and 38.05, are 0.856 of a distribution, and not
-    0.90."""
+    """Over 40 studies with a median of 0.2 g; numbers outside occur in one of 500 such tests.
+    Percentiles of few samples lie further in than those of many: between 40, at ranks 2.95 and
+    38.05, are 0.856 of a distribution, and not 0.90."""
     studies, samples = 40, 40
     outside = 2 * (1 + 0.05 * (samples - 1)) / (samples + 1)
-    bounds = np.array([fragility(study(seed), "max_DI", 0.1, "pga_g", samples, over=(over,)).median_bounds(over)[:, 0]
-                       for seed in range(studies)])
+    bounds = np.array(
+        [
+            fragility(study(seed), "max_DI", 0.1, "pga_g", samples, over=(over,)).median_bounds(
+                over
+            )[:, 0]
+            for seed in range(studies)
+        ]
+    )
     above, below = np.sum(bounds[:, 0] > 0.2), np.sum(bounds[:, 1] < 0.2)
     least, most = binom.ppf((0.001, 0.999), studies, outside)
     assert least <= above + below <= most
@@ -123,32 +171,66 @@ def test_intervals_of_the_median_cover_the_known_one(over, study):
 
 
 class TestUndetermined:
-    """Runs, and bootstrap samples, that determine no curve: "-" with the reason, and nothing exported."""
+    """Runs, and bootstrap samples, that determine no curve: "-" with the reason, and nothing
+    exported."""
 
     @pytest.fixture(params=[(8, 6, 4, 2), (5, 5, 5, 5), (0, 0, 0, 1)])
     def runs(self, request):
-        x, k = (grid.ravel() for grid in np.meshgrid([0.05, 0.1, 0.2, 0.4], np.arange(10), indexing="ij"))
+        x, k = (
+            grid.ravel()
+            for grid in np.meshgrid([0.05, 0.1, 0.2, 0.4], np.arange(10), indexing="ij")
+        )
         exceeds = k < np.repeat(request.param, 10)
-        return pd.DataFrame({"wall": "w", "status": "complete", "record": "r", "pga_g": x, "strength_seed": k,
-                             "strength_cov": 0.3, "collapsed_at_s": np.nan, "eigen_period_s": 0.2, "max_DI": 0.0,
-                             "max_crack_width_mm": 0.0, "max_psi": np.where(exceeds, 1.5, 0.5)})
+        return pd.DataFrame(
+            {
+                "wall": "w",
+                "status": "complete",
+                "record": "r",
+                "pga_g": x,
+                "strength_seed": k,
+                "strength_cov": 0.3,
+                "collapsed_at_s": np.nan,
+                "eigen_period_s": 0.2,
+                "max_DI": 0.0,
+                "max_crack_width_mm": 0.0,
+                "max_psi": np.where(exceeds, 1.5, 0.5),
+            }
+        )
 
     def test_tables_have_a_reason_and_exports_no_curve(self, runs, tmp_path, output_of):
         write_table(runs, tmp_path / "tables" / "summary.csv")
-        printed = output_of("fragility", tmp_path, "--out", tmp_path / "f", "--state", "max_psi > 1", "--at", "0.1",
-                            "--replicates", "20", "--export", tmp_path / "e")
+        printed = output_of(
+            "fragility",
+            tmp_path,
+            "--out",
+            tmp_path / "f",
+            "--state",
+            "max_psi > 1",
+            "--at",
+            "0.1",
+            "--replicates",
+            "20",
+            "--export",
+            tmp_path / "e",
+        )
         assert "max_psi > 1: no curve, " in printed and "of 40 runs exceed it, " in printed
         assert [path.name for path in (tmp_path / "e").iterdir()] == ["fragility_coefficients.csv"]
-        for table in ("f/fragility_pga_g.csv", "f/efficiency.csv", "f/fragility_pga_g_at.csv",
-                      "e/fragility_coefficients.csv"):
+        for table in (
+            "f/fragility_pga_g.csv",
+            "f/efficiency.csv",
+            "f/fragility_pga_g_at.csv",
+            "e/fragility_coefficients.csv",
+        ):
             row = pd.read_csv(tmp_path / table).iloc[0]
             assert row["undetermined"], table
-            assert row.filter(regex="^(median|dispersion|mean|new_record|probability)").isna().all(), table
+            assert (
+                row.filter(regex="^(median|dispersion|mean|new_record|probability)").isna().all()
+            ), table
         assert row["distribution"] == "none"
 
     def test_samples_without_a_curve_open_the_bound_on_their_side(self):
-        """Of three records one harms nothing: samples with many of it have their median above all runs.  An interval of
-        the others would end at a finite one."""
+        """Of three records one harms nothing: samples with many of it have their median above all
+        runs.  An interval of the others would end at a finite one."""
         runs = recorded(3, 0.1, seed=1)
         runs["pga_g"] = (runs["pga_g"] / (1 + 0.01 * runs["record"].str[1:].astype(int))).round(9)
         runs.loc[runs["record"] == "r2", "max_DI"] = 0.0
@@ -161,21 +243,36 @@ class TestUndetermined:
 
 
 def recorded(n_records, between, seed, n_walls=12, levels=6):
-    """Runs in records that are more or less harmful than their PGA says, by a lognormal factor that PGV sees and PGA
-    does not; walls scatter by 0.1."""
+    """Runs in records that are more or less harmful than their PGA says, by a lognormal factor that
+    PGV sees and PGA does not; walls scatter by 0.1."""
     random = np.random.default_rng(seed)
     factor = np.exp(between * random.standard_normal(n_records))
     capacity = np.exp(0.1 * random.standard_normal(n_walls))
-    wall, record, step = (grid.ravel() for grid in np.meshgrid(*map(np.arange, (n_walls, n_records, levels))))
+    wall, record, step = (
+        grid.ravel() for grid in np.meshgrid(*map(np.arange, (n_walls, n_records, levels)))
+    )
     pga_g = np.geomspace(0.05, 0.8, levels)[step] * (1 + 0.01 * record)
     harm = pga_g * factor[record]
-    return pd.DataFrame({"wall": "w", "record": [f"r{k}" for k in record], "pga_g": pga_g, "pgv_m_s": 0.3 * harm,
-                         "strength_seed": wall, "strength_cov": 0.3, "status": "complete", "collapsed_at_s": np.nan,
-                         "max_DI": harm / capacity[wall] / 2, "max_crack_width_mm": 0.0, "max_psi": 0.0})
+    return pd.DataFrame(
+        {
+            "wall": "w",
+            "record": [f"r{k}" for k in record],
+            "pga_g": pga_g,
+            "pgv_m_s": 0.3 * harm,
+            "strength_seed": wall,
+            "strength_cov": 0.3,
+            "status": "complete",
+            "collapsed_at_s": np.nan,
+            "max_DI": harm / capacity[wall] / 2,
+            "max_crack_width_mm": 0.0,
+            "max_psi": 0.0,
+        }
+    )
 
 
 def study_of(medians, x, n_runs, dispersion):
-    """What `new_record` takes of runs whose shares are exact: records of these medians, each at all intensities."""
+    """What `new_record` takes of runs whose shares are exact: records of these medians, each at all
+    intensities."""
     shares = curve(x, np.asarray(medians)[:, None], dispersion)
     return x, n_runs * shares, np.full(shares.shape, float(n_runs))
 
@@ -186,17 +283,21 @@ class TestNewRecord:
         one = new_record(*study_of(medians, np.geomspace(0.05, 0.8, 25), 2000, 0.1))
         logs = np.log(medians)
         half = student.ppf(0.95, 4) * logs.std(ddof=1) * np.sqrt(1 + 1 / 5)
-        assert_allclose(np.log(one.median_bounds()), (logs.mean() - half, logs.mean() + half), atol=0.02)
+        assert_allclose(
+            np.log(one.median_bounds()), (logs.mean() - half, logs.mean() + half), atol=0.02
+        )
 
     def test_nine_in_ten_new_records_lie_in_their_interval_and_few_in_that_of_the_mean(self):
-        """Over 30 studies of five records whose medians scatter by 0.3: the share of new records is known for each
-        interval, 0.90 expected of the first, with a standard deviation of 0.02."""
+        """Over 30 studies of five records whose medians scatter by 0.3: the share of new records is
+        known for each interval, 0.90 expected of the first, with a standard deviation of 0.02."""
         held = {"new record": [], "mean": []}
         for seed in range(30):
             runs = recorded(5, 0.3, seed, n_walls=5)
             one = fragility(runs, "max_DI", 0.1, "pga_g", replicates=20, over=("records",))
-            for name, (low, high) in (("new record", one.new_record.median_bounds()),
-                                      ("mean", one.median_bounds("records")[:, 0])):
+            for name, (low, high) in (
+                ("new record", one.new_record.median_bounds()),
+                ("mean", one.median_bounds("records")[:, 0]),
+            ):
                 z = np.log(np.array([low, high]) / 0.2) / 0.3  # DI = 0.1 at a harm of 0.2 g
                 held[name].append(np.diff(ndtr(z))[0])
         assert 0.85 < np.mean(held["new record"]) < 0.95
@@ -230,43 +331,79 @@ class TestLeftOut:
 
 
 class TestOwnStates:
-    @pytest.mark.parametrize(("text", "expected"), [
-        ("moderate: max_psi > 2", ("max_psi", 2.0, "moderate")), ("residual_DI>0.05", ("residual_DI", 0.05, "")),
-        (" visible crack :max_psi > 1e0 ", ("max_psi", 1.0, "visible crack"))])
+    @pytest.mark.parametrize(
+        ("text", "expected"),
+        [
+            ("moderate: max_psi > 2", ("max_psi", 2.0, "moderate")),
+            ("residual_DI>0.05", ("residual_DI", 0.05, "")),
+            (" visible crack :max_psi > 1e0 ", ("max_psi", 1.0, "visible crack")),
+        ],
+    )
     def test_what_is_read(self, text, expected):
         assert parse_state(text) == expected
 
-    @pytest.mark.parametrize(("text", "complaint"), [
-        ("max_psi 2", "expected COLUMN > LEVEL"), ("max_psi < 2", "expected COLUMN > LEVEL"), ("", "expected COLUMN"),
-        ("max_psi > two", "level 'two'; expected a finite number"), ("max_psi > nan", "expected a finite number"),
-        ("a: b: max_psi > 2", "expected COLUMN > LEVEL")])
+    @pytest.mark.parametrize(
+        ("text", "complaint"),
+        [
+            ("max_psi 2", "expected COLUMN > LEVEL"),
+            ("max_psi < 2", "expected COLUMN > LEVEL"),
+            ("", "expected COLUMN"),
+            ("max_psi > two", "level 'two'; expected a finite number"),
+            ("max_psi > nan", "expected a finite number"),
+            ("a: b: max_psi > 2", "expected COLUMN > LEVEL"),
+        ],
+    )
     def test_what_is_refused(self, text, complaint):
         refused_with(complaint, parse_state, text)
 
     def test_columns_that_cannot_be_levels_are_refused(self):
         runs = walls(3, seed=1)
-        for measure, complaint in (("max_pzi", "no column max_pzi; .* perhaps max_psi"),
-                                   ("status", "column status .* holds no numbers"),
-                                   ("collapsed_at_s", "holds no numbers")):
+        for measure, complaint in (
+            ("max_pzi", "no column max_pzi; .* perhaps max_psi"),
+            ("status", "column status .* holds no numbers"),
+            ("collapsed_at_s", "holds no numbers"),
+        ):
             refused_with(complaint, check_states, runs, [State(measure, 1.0)])
-        refused_with("given twice", check_states, runs, [State("max_psi", 1.0, "a"), State("max_DI", 1.0, "a")])
+        refused_with(
+            "given twice",
+            check_states,
+            runs,
+            [State("max_psi", 1.0, "a"), State("max_DI", 1.0, "a")],
+        )
         runs.loc[4, "max_psi"] = np.nan
         refused_with("1 of 24 runs have no max_psi", check_states, runs, [State("max_psi", 1.0)])
 
-    def test_the_command_takes_them_from_its_words_or_from_the_study_file(self, tmp_path, output_of, error_of):
+    def test_the_command_takes_them_from_its_words_or_from_the_study_file(
+        self, tmp_path, output_of, error_of
+    ):
         runs = walls(12, seed=1).assign(peak_force_n=lambda table: 1e4 * table["pga_g"])
         write_table(runs, tmp_path / "tables" / "summary.csv")
         words = ["fragility", tmp_path, "--out", tmp_path / "f", "--replicates", 5]
-        output_of(*words, "--state", "wide: max_crack_width_mm > 8", "--state", "max_DI > 0.05", "--intensity",
-                  "peak_force_n", "--at", 1000, 2000)
+        output_of(
+            *words,
+            "--state",
+            "wide: max_crack_width_mm > 8",
+            "--state",
+            "max_DI > 0.05",
+            "--intensity",
+            "peak_force_n",
+            "--at",
+            1000,
+            2000,
+        )
         table = pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")
         assert list(table["state"]) == ["wide", "max_DI > 0.05"]
         assert table["median_N"].between(500, 4000).all()
         assert len(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n_at.csv")) == 4
-        (tmp_path / "study.toml").write_text('states = ["a: max_DI > 0.06"]\nintensity = "peak_force_n"\n')
+        (tmp_path / "study.toml").write_text(
+            'states = ["a: max_DI > 0.06"]\nintensity = "peak_force_n"\n'
+        )
         output_of(*words)
         assert list(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")["state"]) == ["a"]
-        for bad, complaint in ((["--state", "max_DI > x"], "level 'x'"), (["--intensity", "pga"], "perhaps pga_g")):
+        for bad, complaint in (
+            (["--state", "max_DI > x"], "level 'x'"),
+            (["--intensity", "pga"], "perhaps pga_g"),
+        ):
             assert complaint in error_of(*words, *bad)
 
 
@@ -284,11 +421,16 @@ class TestEfficiency:
 
 def test_the_command_writes_table_and_picture(tmp_path, output_of, error_of):
     write_table(walls(12, seed=1), tmp_path / "tables" / "summary.csv")
-    assert "dispersion" in output_of("fragility", tmp_path, "--out", tmp_path / "f", "--replicates", 20)
+    assert "dispersion" in output_of(
+        "fragility", tmp_path, "--out", tmp_path / "f", "--replicates", 20
+    )
     table = pd.read_csv(tmp_path / "f" / "fragility_pga_g.csv")
     assert len(table) == sum(map(len, LEVELS.values())) and set(table["runs"]) == {96}
     assert table.set_index("measure").loc["max_psi", "median_g"].isna().all()
-    assert {path.suffix for path in (tmp_path / "f").glob("fragility_w_pga_g.*")} == {".png", ".pdf"}
+    assert {path.suffix for path in (tmp_path / "f").glob("fragility_w_pga_g.*")} == {
+        ".png",
+        ".pdf",
+    }
     assert set(pd.read_csv(tmp_path / "f" / "efficiency.csv")["intensity"]) == {"pga_g"}
     error_of("fragility", tmp_path, "--out", tmp_path, "--intensity", "sa_0.2_s_g")
 
@@ -312,12 +454,37 @@ class TestAfterDamage:
             strongest = max(first, second)
             left = 1.0 if first == 0.5 else 0.0
             psi = [1.5 * first / capacity, 1.5 * second * (1 + left) / capacity]
-            shocks.append(pd.DataFrame({
-                "run": name, "shock": [1, 2], "factor": [first, -second], "end_s": [1.0, 2.0], "max_DI": 0.0,
-                "max_crack_width_mm": 0.0, "max_psi": psi, "residual_psi": [left, 0.0]}))
-            rows.append({"run": name, "wall": "w", "record": "r", "pga_g": 0.2 * strongest, "arias_m_s": strongest**2,
-                         "strength_seed": wall, "strength_cov": 0.3, "status": "complete", "collapsed_at_s": np.nan,
-                         "shocks": 2, "max_DI": 0.0, "max_crack_width_mm": 0.0, "max_psi": max(psi)})
+            shocks.append(
+                pd.DataFrame(
+                    {
+                        "run": name,
+                        "shock": [1, 2],
+                        "factor": [first, -second],
+                        "end_s": [1.0, 2.0],
+                        "max_DI": 0.0,
+                        "max_crack_width_mm": 0.0,
+                        "max_psi": psi,
+                        "residual_psi": [left, 0.0],
+                    }
+                )
+            )
+            rows.append(
+                {
+                    "run": name,
+                    "wall": "w",
+                    "record": "r",
+                    "pga_g": 0.2 * strongest,
+                    "arias_m_s": strongest**2,
+                    "strength_seed": wall,
+                    "strength_cov": 0.3,
+                    "status": "complete",
+                    "collapsed_at_s": np.nan,
+                    "shocks": 2,
+                    "max_DI": 0.0,
+                    "max_crack_width_mm": 0.0,
+                    "max_psi": max(psi),
+                }
+            )
         write_table(pd.concat(shocks), tmp_path / "tables" / "shocks.csv")
         write_table(pd.DataFrame(rows), tmp_path / "tables" / "summary.csv")
         return tmp_path
@@ -334,7 +501,10 @@ class TestAfterDamage:
     def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, output_of):
         output_of("fragility", study, "--out", tmp_path / "f", "--after-damage", "--replicates", 5)
         table = pd.read_csv(tmp_path / "f" / "fragility_after_damage_pga_g.csv")
-        median = table[(table["measure"] == "max_psi") & (table["level"] == 1.0)].set_index("before")["median_g"]
-        # Psi is 1.5 f / c, or twice that: it reaches 1 at f = c / 1.5, c about 1, between the factors that were run.
+        median = table[(table["measure"] == "max_psi") & (table["level"] == 1.0)].set_index(
+            "before"
+        )["median_g"]
+        # Psi is 1.5 f / c, or twice that: it reaches 1 at f = c / 1.5, c about 1, between the
+        # factors that were run.
         assert 0.05 <= median["Psi about 1"] <= 0.1 <= median["undamaged"] <= 0.2
         assert (tmp_path / "f" / "fragility_after_damage_w_pga_g.png").stat().st_size > 10_000

@@ -1,4 +1,5 @@
-"""Members of a single run: how many, what is kept, what is printed; and the digits of what is printed."""
+"""Members of a single run: how many, what is kept, what is printed; and the digits of what is
+printed."""
 
 import io
 import json
@@ -15,7 +16,15 @@ from damage.applications.report.run_part import run_part
 from damage.applications.studies import members
 from damage.history.reader import read_history
 from damage.measure.summary import summarise
-from damage.measure.tables import SHOWN, member_row, members_of, members_path, spread, summary_row, write_table
+from damage.measure.tables import (
+    SHOWN,
+    member_row,
+    members_of,
+    members_path,
+    spread,
+    summary_row,
+    write_table,
+)
 from damage.reference import session
 from damage.reference.session import run_reference
 from damage.run.options import parse_run
@@ -32,18 +41,35 @@ def tiny(tmp_path):
     return str(wall_file(tmp_path / "tiny.py", TINY))
 
 
-def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_path, capsys, output_of):
+def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(
+    tiny, tmp_path, capsys, output_of
+):
     out = tmp_path / "run.h5"
-    assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--members", "3", "--out", str(out)]) == 0
+    assert (
+        run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--members", "3", "--out", str(out)])
+        == 0
+    )
     printed = capsys.readouterr().out
     table = pd.read_csv(tmp_path / "run_members.csv")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run_members.csv", "tiny.py"]
-    assert table["run"].to_list() == ["run_s1", "run_s2", "run_s3"] and (table["scatter"] == 0.05).all()
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "run.h5",
+        "run_members.csv",
+        "tiny.py",
+    ]
+    assert (
+        table["run"].to_list() == ["run_s1", "run_s2", "run_s3"]
+        and (table["scatter"] == 0.05).all()
+    )
     for seed in (1, 3):
-        row = summary_row(run_here(tmp_path / f"{seed}.h5", tiny, *SHAKEN, "--scatter", 0.05, "--seed", seed))
+        row = summary_row(
+            run_here(tmp_path / f"{seed}.h5", tiny, *SHAKEN, "--scatter", 0.05, "--seed", seed)
+        )
         assert all(table[name][seed - 1] == pytest.approx(row[name], rel=1e-8) for name in SHOWN)
     assert contents(out) == contents(tmp_path / "1.h5")
-    assert f"members: {tmp_path / 'run_members.csv'}" in printed and "3 members: median (min to max)" in printed
+    assert (
+        f"members: {tmp_path / 'run_members.csv'}" in printed
+        and "3 members: median (min to max)" in printed
+    )
     drift = table["max_drift_ratio"]
     assert drift.nunique() == 3
     words = " to ".join(rounded(100 * one, 3) for one in (drift.min(), drift.max()))
@@ -53,7 +79,8 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     assert found["count"] == 3 and found["max_drift_ratio"]["median"] == drift.median()
     key = {name: rest for name, *rest in run_part(read_history(out), "A")["key"]}
     assert f"3 members: {rounded(100 * drift.median(), 3)} ({words}) %" in key["Largest drift"][-1]
-    assert key["Largest drift"][1] == rounded(key["Largest drift"][0], 3)  # no more digits than on the screen
+    # no more digits than on the screen
+    assert key["Largest drift"][1] == rounded(key["Largest drift"][0], 3)
     assert key["Maximum DI"][1] == f"{key['Maximum DI'][0]:.3f}"
 
 
@@ -71,16 +98,25 @@ def test_an_interruption_keeps_the_members_that_had_ended(tiny, tmp_path, capsys
     printed = capsys.readouterr()
     assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == ["run_s1", "run_s2"]
     assert read_history(out).complete and "interrupted: 2 of 3 members had ended" in printed.err
-    assert "2 members: median (min to max)" in printed.out and "median and range are of these" in printed.out
+    assert (
+        "2 members: median (min to max)" in printed.out
+        and "median and range are of these" in printed.out
+    )
 
 
 def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
     """As where the history is replaced by a single run."""
     out = tmp_path / "run.h5"
-    first, second = (make_history(tmp_path / name, drift=drift) for name, drift in (("run.h5", 1e-3), ("b.h5", 2e-3)))
+    first, second = (
+        make_history(tmp_path / name, drift=drift)
+        for name, drift in (("run.h5", 1e-3), ("b.h5", 2e-3))
+    )
     for one, seed in ((first, 1), (second, 2)):
         one.parameters["seed"], one.parameters["scatter"] = seed, 0.001
-    write_table(pd.DataFrame([member_row(summary_row(one), out) for one in (first, second)]), members_path(out))
+    write_table(
+        pd.DataFrame([member_row(summary_row(one), out) for one in (first, second)]),
+        members_path(out),
+    )
     table = members_of(first)
     assert table["run"].to_list() == ["run_s1", "run_s2"]
     assert spread(table)["max_drift_ratio"] == {"median": 1.5e-3, "min": 1e-3, "max": 2e-3}
@@ -88,8 +124,10 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
     assert members_of(second) is None  # beside which there is none
 
 
-@pytest.mark.parametrize(("words", "scatter", "seeds"), [
-    ((), 0.001, [1, 2]), (("--scatter", "0.01", "--seed", "7"), 0.01, [7, 8])])
+@pytest.mark.parametrize(
+    ("words", "scatter", "seeds"),
+    [((), 0.001, [1, 2]), (("--scatter", "0.01", "--seed", "7"), 0.01, [7, 8])],
+)
 def test_members_have_a_scatter_and_seeds(tiny, words, scatter, seeds):
     words = [*words, "--members", "2", "--settle", "hogging", "--quiet"]
     point = members._point(tiny, parse_run(words, "p", "reference"), words)
@@ -105,13 +143,22 @@ def test_a_wrong_number_of_members_is_refused_in_one_line(count, tiny, error_of)
 
 def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_path, capsys):
     yade = Backend("yade", {}, make=None, code=tmp_path)
-    assert run_session(yade, tmp_path / "w.py", make_wall=None, arguments=["--members", "3"], prog="yade w.py") == 2
+    assert (
+        run_session(
+            yade, tmp_path / "w.py", make_wall=None, arguments=["--members", "3"], prog="yade w.py"
+        )
+        == 2
+    )
     printed = capsys.readouterr().err
-    assert "expected the reference solver, python3 -m damage reference WALL.py --members N" in printed
+    assert (
+        "expected the reference solver, python3 -m damage reference WALL.py --members N" in printed
+    )
     assert printed.count("\n") == 1
 
 
-def test_a_member_that_fails_is_named_and_the_others_are_reported(tiny, tmp_path, capsys, monkeypatch):
+def test_a_member_that_fails_is_named_and_the_others_are_reported(
+    tiny, tmp_path, capsys, monkeypatch
+):
     def simulate(prepared, *more):
         if prepared.settings.seed == 2:
             raise MemoryError
@@ -149,10 +196,16 @@ class Run:
 
 
 def test_the_screen_shows_no_more_digits_than_are_known(tmp_path):
-    """Of what a scatter of the strengths by 0.1 % changes in its third digit; the JSON has all of them."""
+    """Of what a scatter of the strengths by 0.1 % changes in its third digit; the JSON has all of
+    them."""
     ramp = np.linspace(0, 1, 21)
-    history = make_history(tmp_path / "a.h5", drift=1.23456e-3 * ramp, opening={2: 1.0037e-2 * ramp},
-                           offset={3: 1.23456e-3 * ramp}, slip={3: 2.34567e-3 * ramp})
+    history = make_history(
+        tmp_path / "a.h5",
+        drift=1.23456e-3 * ramp,
+        opening={2: 1.0037e-2 * ramp},
+        offset={3: 1.23456e-3 * ramp},
+        slip={3: 2.34567e-3 * ramp},
+    )
     summary = summarise(history)
     assert summary["max_opening_mm"] == pytest.approx(10.037, rel=1e-6)
     lines = describe(summary).splitlines()

@@ -1,5 +1,6 @@
-"""What is there of a study and is not of today: other inputs, another model, other measures, changed records, and the
-folders of earlier versions.  One rule finds all of it (`damage.applications.studies.outdated`)."""
+"""What is there of a study and is not of today: other inputs, another model, other measures,
+changed records, and the folders of earlier versions.  One rule finds all of it
+(`damage.applications.studies.outdated`)."""
 
 import json
 import os
@@ -24,7 +25,9 @@ from damage.motion.formats import shipped_records
 from damage.provenance import measures_digest, model_digest
 
 WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('w', 0.9, 0.45)\n"
-RECORD = "# start 2018-01-08T14:00:52Z\ntime_s,acc_m_s2\n" + "".join(f"{k / 100:.2f},{k % 3}\n" for k in range(50))
+RECORD = "# start 2018-01-08T14:00:52Z\ntime_s,acc_m_s2\n" + "".join(
+    f"{k / 100:.2f},{k % 3}\n" for k in range(50)
+)
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nabove_mm_s = 20\n"
 SETTLEMENT = "x_m,uz_m\n0,0\n0.9,-0.001\n"
 CRACKS = "crack,point,x_m,z_m,width_mm\na,1,0.0,0.15,0.1\na,2,0.4,0.15,0.1\n"
@@ -33,7 +36,7 @@ CRACKS = "crack,point,x_m,z_m,width_mm\na,1,0.0,0.15,0.1\na,2,0.4,0.15,0.1\n"
 class Folder:
     """A study of one point, and its results: a record, and the history of its first run."""
 
-    def __init__(self, folder, options='harmonic = [0.2, 0.1]', ensemble="", **files):
+    def __init__(self, folder, options="harmonic = [0.2, 0.1]", ensemble="", **files):
         self.folder, self.out = folder, folder / "out"
         for name, text in {"w_py": WALL, **files}.items():
             self.write(name.replace("_", "."), text)
@@ -44,8 +47,11 @@ class Folder:
 
     def study(self, options, ensemble=""):
         self.options, self.ensemble = options, ensemble
-        self.write("study.toml", f'name = "s"\n[[runs]]\nid = "p"\nwall = "w.py"\nsolvers = ["reference"]\n'
-                                 f"options = {{ {options} }}\n{ensemble}\n")
+        self.write(
+            "study.toml",
+            'name = "s"\n[[runs]]\nid = "p"\nwall = "w.py"\nsolvers = ["reference"]\n'
+            f"options = {{ {options} }}\n{ensemble}\n",
+        )
 
     def load(self):
         return load_study(self.folder / "study.toml", "reference", REPOSITORY)
@@ -83,37 +89,83 @@ class Folder:
 # What a study, a life and a sequence are made from, and what each alteration is called.
 ALTERED = {
     "height of the wall": ({}, {"w.py": WALL.replace("0.45", "0.6")}, "wall.height 0.45 -> 0.6"),
-    "joint of the wall": ({}, {"w.py": WALL.replace("0.45)", "0.45, joint=Joint(tensile_strength=2e5))").replace(
-        "import Wall", "import Joint, Wall")}, "wall.joint.tensile_strength"),
+    "joint of the wall": (
+        {},
+        {
+            "w.py": (
+                WALL.replace("0.45)", "0.45, joint=Joint(tensile_strength=2e5))").replace(
+                    "import Wall", "import Joint, Wall"
+                )
+            )
+        },
+        "wall.joint.tensile_strength",
+    ),
     "amplitude": ({}, {"options": "harmonic = [0.2, 0.2]"}, "settings.loading"),
     "period": ({}, {"options": "harmonic = [0.1, 0.1]"}, "settings.loading"),
     "rest": ({}, {"options": "harmonic = [0.2, 0.1], rest = 1"}, "settings.rest_s 2.0 -> 1.0"),
     "time step": ({}, {"options": "harmonic = [0.2, 0.1], dt = 1e-5"}, "settings.time_step_s"),
     "damping": ({}, {"options": "harmonic = [0.2, 0.1], beta = 1e-6"}, "settings.beta_s"),
-    "contact points": ({}, {"options": "harmonic = [0.2, 0.1], cells = 4"}, "settings.model.cells 2 -> 4"),
+    "contact points": (
+        {},
+        {"options": "harmonic = [0.2, 0.1], cells = 4"},
+        "settings.model.cells 2 -> 4",
+    ),
     "seed": ({}, {"options": "harmonic = [0.2, 0.1], scatter = 0.01, seed = 2"}, "settings.s"),
-    "kind of ensemble": ({"options": "harmonic = [0.2, 0.1], strength-cov = 0.3", "ensemble": "samples = 2"},
-                         {"options": "harmonic = [0.2, 0.1], strength-cov = 0.2", "ensemble": "samples = 2"},
-                         "settings.model.strength_cov 0.3 -> 0.2"),
-    "record": ({"options": 'record = "a.csv"', "a_csv": RECORD}, {"a.csv": RECORD.replace("0.10,1", "0.10,2")},
-               "sha256"),
-    "scale": ({"options": 'record = "a.csv"', "a_csv": RECORD}, {"options": 'record = "a.csv", scale = 2'}, "scale"),
-    "window": ({"options": 'record = "a.csv"', "a_csv": RECORD}, {"options": 'record = "a.csv", window = [0, 0.3]'},
-               "window"),
-    "vertical record": ({"options": 'record = "a.csv"', "a_csv": RECORD, "b_csv": RECORD},
-                        {"options": 'record = "a.csv", vertical = "b.csv"'}, "vertical"),
-    "record of a sequence": ({"options": 'sequence = "e.csv"', "a_csv": RECORD, "e_csv": "record,scale\na.csv,2\n"},
-                             {"a.csv": RECORD.replace("0.10,1", "0.10,2")}, "sha256"),
-    "scale of a sequence": ({"options": 'sequence = "e.csv"', "a_csv": RECORD, "e_csv": "record,scale\na.csv,2\n"},
-                            {"e.csv": "record,scale\na.csv,3\n"}, "sequence"),
-    "settlement": ({"options": 'settle = "d.csv", rest = 1', "d_csv": SETTLEMENT},
-                   {"d.csv": SETTLEMENT.replace("-0.001", "-0.002")}, "settlement"),
-    "cracks": ({"options": 'harmonic = [0.2, 0.1], cracked = "c.csv"', "c_csv": CRACKS},
-               {"c.csv": CRACKS.replace("0.1\n", "0.2\n", 1)}, "joints_without_bond"),
-    "history that is continued": ({"options": 'harmonic = [0.2, 0.1], continue = "x.h5"', "x_h5": "one"},
-                                  {"x.h5": "two"}, "continued"),
-    "seed of an address": ({"options": 'address = "h.toml"', "ensemble": "lives = 3", "h_toml": ADDRESS},
-                           {"h.toml": f"{ADDRESS}seed = 7\n"}, "settings.loading.record"),
+    "kind of ensemble": (
+        {"options": "harmonic = [0.2, 0.1], strength-cov = 0.3", "ensemble": "samples = 2"},
+        {"options": "harmonic = [0.2, 0.1], strength-cov = 0.2", "ensemble": "samples = 2"},
+        "settings.model.strength_cov 0.3 -> 0.2",
+    ),
+    "record": (
+        {"options": 'record = "a.csv"', "a_csv": RECORD},
+        {"a.csv": RECORD.replace("0.10,1", "0.10,2")},
+        "sha256",
+    ),
+    "scale": (
+        {"options": 'record = "a.csv"', "a_csv": RECORD},
+        {"options": 'record = "a.csv", scale = 2'},
+        "scale",
+    ),
+    "window": (
+        {"options": 'record = "a.csv"', "a_csv": RECORD},
+        {"options": 'record = "a.csv", window = [0, 0.3]'},
+        "window",
+    ),
+    "vertical record": (
+        {"options": 'record = "a.csv"', "a_csv": RECORD, "b_csv": RECORD},
+        {"options": 'record = "a.csv", vertical = "b.csv"'},
+        "vertical",
+    ),
+    "record of a sequence": (
+        {"options": 'sequence = "e.csv"', "a_csv": RECORD, "e_csv": "record,scale\na.csv,2\n"},
+        {"a.csv": RECORD.replace("0.10,1", "0.10,2")},
+        "sha256",
+    ),
+    "scale of a sequence": (
+        {"options": 'sequence = "e.csv"', "a_csv": RECORD, "e_csv": "record,scale\na.csv,2\n"},
+        {"e.csv": "record,scale\na.csv,3\n"},
+        "sequence",
+    ),
+    "settlement": (
+        {"options": 'settle = "d.csv", rest = 1', "d_csv": SETTLEMENT},
+        {"d.csv": SETTLEMENT.replace("-0.001", "-0.002")},
+        "settlement",
+    ),
+    "cracks": (
+        {"options": 'harmonic = [0.2, 0.1], cracked = "c.csv"', "c_csv": CRACKS},
+        {"c.csv": CRACKS.replace("0.1\n", "0.2\n", 1)},
+        "joints_without_bond",
+    ),
+    "history that is continued": (
+        {"options": 'harmonic = [0.2, 0.1], continue = "x.h5"', "x_h5": "one"},
+        {"x.h5": "two"},
+        "continued",
+    ),
+    "seed of an address": (
+        {"options": 'address = "h.toml"', "ensemble": "lives = 3", "h_toml": ADDRESS},
+        {"h.toml": f"{ADDRESS}seed = 7\n"},
+        "settings.loading.record",
+    ),
 }
 
 
@@ -132,12 +184,20 @@ class TestInputs:
         (words,) = there.judge().changed.values()
         assert any(said in word for word in words), words
         (warning,) = there.settle()
-        assert warning.startswith(f"1 points were made from other inputs and are made again: {run.id} ({words[0]}")
-        assert not list((there.out / "runs").iterdir()) and not list((there.out / "tables").iterdir())
+        assert warning.startswith(
+            f"1 points were made from other inputs and are made again: {run.id} ({words[0]}"
+        )
+        assert not list((there.out / "runs").iterdir()) and not list(
+            (there.out / "tables").iterdir()
+        )
         assert there.settle() == [] and read_records(there.out).runs == {}  # said once
 
-    @pytest.mark.parametrize("name", ["height of the wall", "record of a sequence", "settlement", "seed of an address"])
-    def test_a_file_that_changes_while_a_study_runs_is_named_by_the_process_that_reads_it(self, name, tmp_path):
+    @pytest.mark.parametrize(
+        "name", ["height of the wall", "record of a sequence", "settlement", "seed of an address"]
+    )
+    def test_a_file_that_changes_while_a_study_runs_is_named_by_the_process_that_reads_it(
+        self, name, tmp_path
+    ):
         """Which refuses the run then (`test_batch`)."""
         first, then, said = ALTERED[name]
         there = Folder(tmp_path, **first)
@@ -156,16 +216,24 @@ class TestInputs:
         draws = lives.read_address(tmp_path / "h.toml")
         first = set(draws.life(1)["record"])
         other = next(name for name in draws.components["record"] if name not in first)
-        other_file = written(tmp_path / shipped_records()[other].name, f"{shipped_records()[other].read_text()}\n")
+        other_file = written(
+            tmp_path / shipped_records()[other].name, f"{shipped_records()[other].read_text()}\n"
+        )
         for module in (lives, options):
-            monkeypatch.setattr(module, "shipped_records", lambda: shipped_records() | {other: other_file})
+            monkeypatch.setattr(
+                module, "shipped_records", lambda: shipped_records() | {other: other_file}
+            )
         (words,) = there.judge().changed.values()
         assert [word.partition(" ")[0] for word in words] == ["drawn_from"]
 
 
 def record(name, folder, **row):
     """What a small run leaves."""
-    made = json.loads(json.dumps(record_of(make_history(folder / "one.h5", broken=[0], overwrite=True), name, "p")))
+    made = json.loads(
+        json.dumps(
+            record_of(make_history(folder / "one.h5", broken=[0], overwrite=True), name, "p")
+        )
+    )
     return made | {"row": made["row"] | row}
 
 
@@ -174,34 +242,45 @@ class TestRecords:
         one = record("a", tmp_path)
         assert one["row"]["point"] == "p" and not one["intact"]
         path = written(tmp_path / NAME, text := line_of(one | {"run": "b"}) + line_of(one))
-        assert read_records(tmp_path).runs == {name: {"inputs": None} | one | {"run": name} for name in ("b", "a")}
+        assert read_records(tmp_path).runs == {
+            name: {"inputs": None} | one | {"run": name} for name in ("b", "a")
+        }
         path.write_text(text[:-20])
         torn = read_records(tmp_path)
         assert list(torn.runs) == ["b"] and not torn.orderly and not torn.faults
         path.write_text(f"{text[:-20]}\n{line_of(one)}")
         assert list(read_records(tmp_path).runs) == ["b", "a"]
 
-    @pytest.mark.parametrize(("old", "new", "what"), [
-        ('"max_DI": 0.', '"max_DI": 7.', "its checksum is wrong"),
-        ('"intact": false', '"intact": true', "its checksum is wrong"),
-        ('"run": "b"', '"run": "c"', "its checksum is wrong"),
-        ('"sha256": ', '"was": ', "its checksum is wrong"),
-        ('{"run"', '{{"run"', "it is no JSON"),
-        ('"row": {', '"other": {', "its checksum is wrong"),
-    ])
+    @pytest.mark.parametrize(
+        ("old", "new", "what"),
+        [
+            ('"max_DI": 0.', '"max_DI": 7.', "its checksum is wrong"),
+            ('"intact": false', '"intact": true', "its checksum is wrong"),
+            ('"run": "b"', '"run": "c"', "its checksum is wrong"),
+            ('"sha256": ', '"was": ', "its checksum is wrong"),
+            ('{"run"', '{{"run"', "it is no JSON"),
+            ('"row": {', '"other": {', "its checksum is wrong"),
+        ],
+    )
     def test_a_changed_line_is_found_and_counts_as_not_made(self, old, new, what, tmp_path):
-        lines = [line_of(record("a", tmp_path)), line_of(record("b", tmp_path)).replace(old, new, 1)]
+        lines = [
+            line_of(record("a", tmp_path)),
+            line_of(record("b", tmp_path)).replace(old, new, 1),
+        ]
         assert new in lines[1]
         (tmp_path / NAME).write_text("".join(lines))
         results = Results(tmp_path)
         name = "c" if new.endswith('"c"') else "b"
-        said = [f"{tmp_path / NAME} line 2: the record of {name} was changed since it was written ({what}): it counts "
-                "as not made"]
+        said = [
+            f"{tmp_path / NAME} line 2: the record of {name} was changed since it was written"
+            f" ({what}): it counts as not made"
+        ]
         assert list(results.records.runs) == ["a"] and results.records.faults == said
         verdict = results.judge([])
         assert results.bring_up_to_date(verdict) == said
         results.write(verdict)
-        assert (tmp_path / NAME).read_text() == line_of({"inputs": None} | record("a", tmp_path))  # reported once
+        # reported once
+        assert (tmp_path / NAME).read_text() == line_of({"inputs": None} | record("a", tmp_path))
 
     def test_slices_add_to_the_records_and_a_batch_makes_one_file_of_them(self, tmp_path):
         there = Folder(tmp_path, "harmonic = [0.2, 0.1], strength-cov = 0.3", "samples = 2")
@@ -209,8 +288,12 @@ class TestRecords:
         (run,) = there.load().runs
         key = read_records(there.out).points[run.id]
         part = there.out / "records-1-of-2.jsonl"
-        part.write_text(line_of({"inputs": key} | record(run.name(2), tmp_path, model_digest=model_digest(
-            CODE["reference"]))))
+        part.write_text(
+            line_of(
+                {"inputs": key}
+                | record(run.name(2), tmp_path, model_digest=model_digest(CODE["reference"]))
+            )
+        )
         assert Results(there.out).names_of(run) == [run.name(1), run.name(2)]
         assert there.settle() == [] and not part.exists()
         assert list(read_records(there.out).runs) == [run.name(1), run.name(2)]
@@ -221,12 +304,16 @@ class TestVersions:
         there = Folder(tmp_path)
         there.make(measures_digest="of before")
         (run,) = there.load().runs
-        assert there.settle() == [] and read_records(there.out).runs == {}  # the history gives others
+        # the history gives others
+        assert there.settle() == [] and read_records(there.out).runs == {}
         assert set(summary_of(there.load(), there.out)["measures_digest"]) == {measures_digest()}
         shutil.rmtree(there.out)
         there.make(measures_digest="of before")
         (there.out / "runs" / f"{run.first}.h5").unlink()
-        message = f"the index or measures of 1 runs are .*: {run.first}; expected one definition .* give --remake"
+        message = (
+            f"the index or measures of 1 runs are .*: {run.first}; expected one definition .* give"
+            " --remake"
+        )
         for refused in (there.settle, lambda: summary_of(there.load(), there.out)):
             refused_with(message, refused)
         assert there.settle(remake=True) == [] and read_records(there.out).runs == {}
@@ -236,8 +323,11 @@ class TestVersions:
         there.make(model_digest="of before")
         (run,) = there.load().runs
         (kept,) = there.settle()
-        assert kept == ("1 runs were made by another version of the model (reference of before) and are kept; "
-                        f"--remake makes them again: {run.first}")
+        assert (
+            kept == "1 runs were made by another version of the model (reference of before) and are"
+            " kept; "
+            f"--remake makes them again: {run.first}"
+        )
         assert list(read_records(there.out).runs) == [run.first]
         (again,) = there.settle(remake=True)
         assert "are made again" in again and not list((there.out / "runs").iterdir())
@@ -268,23 +358,38 @@ def test_a_study_whose_model_changed_between_its_runs(tmp_path):
 
     def batch(*words):
         """What a batch says to standard error."""
-        done = run_command(*BATCH, "study.toml", "-j2", "--out", "out", *words, cwd=repository, timeout=300,
-                           env=os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"}, status=0)
+        done = run_command(
+            *BATCH,
+            "study.toml",
+            "-j2",
+            "--out",
+            "out",
+            *words,
+            cwd=repository,
+            timeout=300,
+            env=os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"},
+            status=0,
+        )
         return done.stderr, {path.stem: path.read_bytes() for path in runs.glob("*.h5")}
 
-    study.write_text(STUDY.replace(", 0.3] }", "] }").replace("samples = 2", "samples = 1"))  # as far as it came
+    # as far as it came
+    study.write_text(STUDY.replace(", 0.3] }", "] }").replace("samples = 2", "samples = 1"))
     _, old = batch()
     assert len(old) == 3
     study.write_text(STUDY)
     changed = repository / "damage" / "run" / "schedule.py"  # nothing that has to be compiled again
     changed.write_text(changed.read_text() + "\n\nSIGN = 1.0\n")
     printed, kept = batch()
-    assert f"warning: {len(old)} runs were made by another version of the model (reference " in printed
+    assert (
+        f"warning: {len(old)} runs were made by another version of the model (reference " in printed
+    )
     assert "are kept; --remake makes them again" in printed and all(name in printed for name in old)
     assert len(kept) == 5 and all(kept[name] == content for name, content in old.items())
     summary = pd.read_csv(repository / "out" / "tables" / "summary.csv").set_index("run")
     assert len(set(summary["model_digest"])) == 2
-    assert set(summary.loc[list(old), "model_digest"]) == {read_head(runs / f"{next(iter(old))}.h5").model.split()[1]}
+    assert set(summary.loc[list(old), "model_digest"]) == {
+        read_head(runs / f"{next(iter(old))}.h5").model.split()[1]
+    }
 
     printed, new = batch("--remake")
     assert "are made again" in printed

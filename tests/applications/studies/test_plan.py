@@ -1,4 +1,5 @@
-"""What `./run_all.sh STUDY --dry-run` tells: the runs that are there and those to make; nothing is made."""
+"""What `./run_all.sh STUDY --dry-run` tells: the runs that are there and those to make; nothing is
+made."""
 
 import pytest
 from conftest import REPOSITORY, run_command, wall_file, written
@@ -9,7 +10,7 @@ from damage.applications.studies.outdated import Results
 from damage.applications.studies.plan import print_plan
 from damage.applications.studies.records import NAME, line_of, record_of
 
-STUDY = '''
+STUDY = """
 name = "s"
 [[grid]]
 wall = "small.py"
@@ -17,7 +18,7 @@ options = { harmonic = [0.1, "{amplitude}"], cycles = 2, rest = 0.3 }
 solvers = ["reference"]
 members = 5
 vary = { amplitude = [0.01, 0.02] }
-'''
+"""
 
 
 @pytest.fixture
@@ -28,8 +29,16 @@ def study(tmp_path):
 
 def test_the_dry_run_lists_all_runs_and_makes_nothing(study, tmp_path):
     before = sorted(path.name for path in tmp_path.iterdir())
-    done = run_command("./run_all.sh", study.path, "--dry-run", "--solver", "reference", "--out",
-                       tmp_path / "out", status=0)
+    done = run_command(
+        "./run_all.sh",
+        study.path,
+        "--dry-run",
+        "--solver",
+        "reference",
+        "--out",
+        tmp_path / "out",
+        status=0,
+    )
     assert "points: 2, 0 there; runs to make: up to 20" in done.stdout
     for amplitude in (0.01, 0.02):
         (line,) = (line for line in done.stdout.splitlines() if f"harmonic-0.1-{amplitude}" in line)
@@ -56,5 +65,7 @@ def test_what_is_there_is_not_to_be_made(study, tmp_path, capsys):
 
 
 def test_a_wrong_study_is_refused(tmp_path):
-    done = run_command("./run_all.sh", written(tmp_path / "s.toml", "name = 1\n"), "--dry-run", status=2)
+    done = run_command(
+        "./run_all.sh", written(tmp_path / "s.toml", "name = 1\n"), "--dry-run", status=2
+    )
     assert "error: " in done.stderr

@@ -35,7 +35,7 @@ from damage.measure.tables import (
 )
 from damage.run.options import words_of
 
-HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
+HARMONIC = "options = { harmonic = [0.2, 0.05] }\n"
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
 WALL = 'wall = "walls/symmetric.py"\n'
 
@@ -45,7 +45,6 @@ def write_study(folder, text, name="study.toml"):
 
 
 class TestLoading:
-
     @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
     def test_shipped_studies_are_named_like_their_files(self, path):
         study = load_study(path, "both")
@@ -60,27 +59,59 @@ class TestLoading:
 
     def test_long_names_are_cut_and_stay_different(self):
         drifts = [k / 1000 for k in range(1, 60)]
-        one, other = (run_name("walls/a.py", {"cyclic": values}) for values in (drifts, [*drifts, 0.06]))
+        one, other = (
+            run_name("walls/a.py", {"cyclic": values}) for values in (drifts, [*drifts, 0.06])
+        )
         assert one != other and max(len(one), len(other)) <= 108
 
-    @pytest.mark.parametrize(("text", "message"), [
-        ("", "name = None"),
-        ('name = "s"', "no runs"),
-        ('name = "s', "is no TOML"),
-        ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs, "
-         "states, title"),
-        ('name = "s"\nstates = "max_psi > 2"', "expected a list of texts"),
-        (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
-        (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
-        (f'name = "s"\n[[runs]]\nwall = "walls/no.py"\n{HARMONIC}', "run 1: no file walls/no.py"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = {{ record = "no.csv" }}', "run 1: no file no.csv"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = {{ scale = 2 }}', "--scale belongs to --record"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonic = [0.2] }}', "expected 2 arguments"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonics = [0.2, 1] }}', "no option harmonics: expected one of"),
-        (f'name = "s"\n[[runs]]\n{WALL}options = {{ out = "a.h5" }}', "--out is set by the batch"),
-        (f'name = "s"\n[[runs]]\nid = "a b"\n{WALL}{HARMONIC}', "run 1: run id 'a b_yade'"),
-        (f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}', "runs 1 and 2 are both"),
-    ], ids=str)
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("", "name = None"),
+            ('name = "s"', "no runs"),
+            ('name = "s', "is no TOML"),
+            (
+                'name = "s"\nrun = []',
+                (
+                    "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs,"
+                    " states, title"
+                ),
+            ),
+            ('name = "s"\nstates = "max_psi > 2"', "expected a list of texts"),
+            (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
+            (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
+            (
+                f'name = "s"\n[[runs]]\nwall = "walls/no.py"\n{HARMONIC}',
+                "run 1: no file walls/no.py",
+            ),
+            (
+                f'name = "s"\n[[runs]]\n{WALL}options = {{ record = "no.csv" }}',
+                "run 1: no file no.csv",
+            ),
+            (
+                f'name = "s"\n[[runs]]\n{WALL}options = {{ scale = 2 }}',
+                "--scale belongs to --record",
+            ),
+            (
+                f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonic = [0.2] }}',
+                "expected 2 arguments",
+            ),
+            (
+                f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonics = [0.2, 1] }}',
+                "no option harmonics: expected one of",
+            ),
+            (
+                f'name = "s"\n[[runs]]\n{WALL}options = {{ out = "a.h5" }}',
+                "--out is set by the batch",
+            ),
+            (f'name = "s"\n[[runs]]\nid = "a b"\n{WALL}{HARMONIC}', "run 1: run id 'a b_yade'"),
+            (
+                f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}',
+                "runs 1 and 2 are both",
+            ),
+        ],
+        ids=str,
+    )
     def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, message):
         assert message in refused_with("", load_study, write_study(tmp_path, text))
 
@@ -88,13 +119,18 @@ class TestLoading:
 class TestTables:
     @pytest.fixture
     def history(self, tmp_path):
-        """One joint opens by 0.2 mm at once and stays so, another slips by -0.3 mm and half back."""
+        """One joint opens by 0.2 mm at once and stays so, another slips by -0.3 mm and half
+        back."""
         slip = np.concatenate([np.full(10, -3e-4), np.full(11, -1.5e-4)])
         return make_history(tmp_path / "one.h5", opening={2: 2e-4}, slip={5: slip}, drift=1e-4)
 
     def test_a_row_a_run_with_the_figures_of_the_summary(self, history):
         row = summary_row(history)
-        assert row["run"] == "one" and row["motion"] == "harmonic_0.2s_0.05g" and row["status"] == "complete"
+        assert (
+            row["run"] == "one"
+            and row["motion"] == "harmonic_0.2s_0.05g"
+            and row["status"] == "complete"
+        )
         assert_allclose(row["max_slip_mm"], 0.3, rtol=1e-6)
         length = history.joints["length_m"]
         assert_allclose(row["max_DI_open"], length[2] / length.sum())
@@ -114,11 +150,13 @@ class TestTables:
         single = {"rtol": 1e-6}  # the file's precision
         assert_allclose(table["final_slip_m"][5], -1.5e-4, **single)
         assert_allclose(table["max_abs_slip_m"][5], 3e-4, **single)
-        assert_allclose(table.loc[2, ["final_opening_m", "max_opening_m"]].astype(float), 2e-4, **single)
+        assert_allclose(
+            table.loc[2, ["final_opening_m", "max_opening_m"]].astype(float), 2e-4, **single
+        )
         assert table["broken"].sum() == 2
 
 
-FAKE_YADE = '''
+FAKE_YADE = """
 import shutil, sys, time
 launched, words = sys.argv[1:3], sys.argv[3:]
 assert launched == ["-L", "without_servers"] and words[:2] == ["-n", "-j1"], sys.argv
@@ -131,23 +169,25 @@ shutil.copyfile({folder!r} + f"/{{status}}.h5", words[words.index("--out") + 1])
 print("wall w  motion   t =   1.00 of 2.00 s  DI = 0.012  0:07 left", flush=True)
 time.sleep(60 if rest == 4 else 0)
 sys.exit(3 if rest == 2 else 0)
-'''
+"""
 
 
-ONE_PICTURE = '''
+ONE_PICTURE = """
 import sys
 if sys.orig_argv[1:4] == ["-m", "damage", "plot"]:
     from damage.draw import run
     run.PICTURES = {"drift": run.PICTURES["drift"]}
-'''
-"""Each Python that a batch starts runs this first: what a run's other pictures show is tested elsewhere."""
+"""
+"""Each Python that a batch starts runs this first: what a run's other pictures show is tested
+elsewhere."""
 
 
 class Batches:
     """Runs batches of studies in a folder, with a yade that copies small histories, made once.
 
     The length of the rest tells it what to do: 2 fails, 3 leaves an unfinished history, 4 takes a
-    minute, anything else is done at once.  Modules of the results folder end every Python that imports them.
+    minute, anything else is done at once.  Modules of the results folder end every Python that
+    imports them.
     """
 
     def __init__(self, folder):
@@ -156,16 +196,22 @@ class Batches:
         (folder / "bin" / "sitecustomize.py").write_text(ONE_PICTURE)
         self.out.mkdir()
         for module in ("numpy", "pandas", "damage"):
-            (self.out / f"{module}.py").write_text("raise SystemExit('a module of the results folder was executed')\n")
+            (self.out / f"{module}.py").write_text(
+                "raise SystemExit('a module of the results folder was executed')\n"
+            )
         wall_file(folder / "small.py", "Wall('small', 0.9, 0.45)")  # of the histories
         for status in ("complete", "unfinished"):
             make_history(folder / "bin" / f"{status}.h5", status=status)
-        (folder / "yade.py").write_text(FAKE_YADE.format(calls=str(self.calls), folder=str(folder / "bin")))
+        (folder / "yade.py").write_text(
+            FAKE_YADE.format(calls=str(self.calls), folder=str(folder / "bin"))
+        )
         script_file(folder / "bin" / "yade", f'exec {sys.executable} "{folder / "yade.py"}" "$@"')
 
     def study(self, pictures="none", **rests):  # pictures take longer than all else
-        runs = [f'[[runs]]\nid = "{name}"\nwall = "small.py"\noptions = {{ rest = {rest} }}\n'
-                for name, rest in rests.items()]
+        runs = [
+            f'[[runs]]\nid = "{name}"\nwall = "small.py"\noptions = {{ rest = {rest} }}\n'
+            for name, rest in rests.items()
+        ]
         return write_study(self.folder, f'name = "s"\npictures = "{pictures}"\n' + "".join(runs))
 
     def command(self, study, *words):
@@ -173,21 +219,34 @@ class Batches:
 
     def options(self):
         path = f"{self.folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
-        return {"cwd": self.folder, "text": True, "env": {
-            **os.environ, **BATCH_ENVIRONMENT, "PATH": path,
-            "PYTHONPATH": os.pathsep.join((BATCH_ENVIRONMENT["PYTHONPATH"], str(self.folder / "bin")))}}
+        return {
+            "cwd": self.folder,
+            "text": True,
+            "env": {
+                **os.environ,
+                **BATCH_ENVIRONMENT,
+                "PATH": path,
+                "PYTHONPATH": os.pathsep.join(
+                    (BATCH_ENVIRONMENT["PYTHONPATH"], str(self.folder / "bin"))
+                ),
+            },
+        }
 
     def run(self, study, *words):
-        """Run a batch to its end; returns the completed process and the rests that yade was run with."""
+        """Run a batch to its end; returns the completed process and the rests that yade was run
+        with."""
         self.calls.write_text("")
-        done = subprocess.run(self.command(study, *words), capture_output=True, timeout=300, **self.options())
+        done = subprocess.run(
+            self.command(study, *words), capture_output=True, timeout=300, **self.options()
+        )
         return done, sorted(line.split()[-1] for line in self.calls.read_text().splitlines())
 
     def start(self, study):
         """Start a batch and wait until yade runs."""
         self.calls.write_text("")
-        process = subprocess.Popen(self.command(study), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   **self.options())
+        process = subprocess.Popen(
+            self.command(study), stdout=subprocess.PIPE, stderr=subprocess.PIPE, **self.options()
+        )
         wait_until(self.calls.read_text)
         return process
 
@@ -206,14 +265,23 @@ class TestBatch:
         study = batches.study("all", a=1, b=1.5)
         done, calls = batches.run(study)
         assert (done.returncode, calls) == (0, ["1", "1.5"]), done.stderr
-        assert "study s: 2 of 2 runs done" in done.stdout and str(batches.out / "pictures") in done.stdout
+        assert (
+            "study s: 2 of 2 runs done" in done.stdout
+            and str(batches.out / "pictures") in done.stdout
+        )
         assert "a_yade: 50 %, 0:07 left" in done.stdout
         summary = pd.read_csv(batches.out / "tables" / "summary.csv")
         assert list(summary["run"]) == ["a_yade", "b_yade"]
         pictures = (batches.out / "pictures" / "a_yade").glob("[!.]*")
         assert {path.suffix for path in pictures} == {".png", ".pdf"}
         assert sorted(path.name for path in batches.folder.iterdir()) == [
-            "bin", "calls", "out of {it}", "small.py", "study.toml", "yade.py"]
+            "bin",
+            "calls",
+            "out of {it}",
+            "small.py",
+            "study.toml",
+            "yade.py",
+        ]
         untouched = (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns
         done, calls = batches.run(batches.study("all", a=1, b=1.7))
         assert (done.returncode, calls) == (0, ["1.7"]), done.stderr
@@ -224,13 +292,16 @@ class TestBatch:
         assert (done.returncode, calls) == (1, ["1", "2", "3"])
         logs = batches.out / "logs"
         assert f"failed: fails_yade; see {logs / 'fails_yade.log'}" in done.stderr
-        line = (f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: unfinished_yade: the history is "
-                "marked unfinished")
+        line = (
+            f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: unfinished_yade:"
+            " the history is marked unfinished"
+        )
         assert line in done.stderr
         assert "good" not in done.stderr
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["run"]) == ["good_yade"]
-        assert [path.name for path in (batches.out / "runs").glob("*.h5") if ".part." not in path.name] == [
-            "good_yade.h5"]
+        assert [
+            path.name for path in (batches.out / "runs").glob("*.h5") if ".part." not in path.name
+        ] == ["good_yade.h5"]
         corrected, calls = batches.run(batches.study(good=1, fails=1.5, unfinished=1.6))
         assert (corrected.returncode, calls) == (0, ["1.5", "1.6"]), corrected.stderr
         assert len(pd.read_csv(batches.out / "tables" / "summary.csv")) == 3
@@ -248,10 +319,13 @@ class TestBatch:
             done, calls = batches.run(batches.study(a=1.2, b=1))
             assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
 
-    def test_a_second_batch_in_the_same_folder_is_refused_and_after_a_kill_the_next_call_goes_on(self, batches):
+    def test_a_second_batch_in_the_same_folder_is_refused_and_after_a_kill_the_next_call_goes_on(
+        self, batches
+    ):
         process = batches.start(batches.study(a=4))
-        second = subprocess.run(batches.command(batches.folder / "study.toml"), capture_output=True,
-                                **batches.options())
+        second = subprocess.run(
+            batches.command(batches.folder / "study.toml"), capture_output=True, **batches.options()
+        )
         process.kill()
         process.communicate(timeout=300)
         done, calls = batches.run(batches.study(a=1.2))
@@ -265,14 +339,28 @@ class TestBatch:
 @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
 def test_a_study_with_both_solvers(tmp_path):
     wall_file(tmp_path / "t{in}y.py", "Wall('tiny', 0.45, 0.15)")
-    study = write_study(tmp_path, 'name = "tiny"\npictures = "none"\n[[runs]]\nwall = "t{in}y.py"\n'
-                        'options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n')
-    run_command(REPOSITORY / "run_all.sh", study, "--solver", "both", "--out", tmp_path / "out", timeout=900,
-                env={**os.environ, "PYTHON": sys.executable}, status=0)
+    study = write_study(
+        tmp_path,
+        'name = "tiny"\npictures = "none"\n[[runs]]\nwall = "t{in}y.py"\n'
+        "options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n",
+    )
+    run_command(
+        REPOSITORY / "run_all.sh",
+        study,
+        "--solver",
+        "both",
+        "--out",
+        tmp_path / "out",
+        timeout=900,
+        env={**os.environ, "PYTHON": sys.executable},
+        status=0,
+    )
     summary = pd.read_csv(tmp_path / "out" / "tables" / "summary.csv")
     name = "t-in-y_harmonic-0.05-0.05_cycles-1_rest-0.05"
     assert list(summary["run"]) == [f"{name}_yade", f"{name}_reference"]
-    assert list(summary["solver"]) == ["yade", "reference"] and set(summary["status"]) == {"complete"}
+    assert list(summary["solver"]) == ["yade", "reference"] and set(summary["status"]) == {
+        "complete"
+    }
     drifts = summary["max_drift_ratio"]
     # Elastic: the two sample at slightly different instants, 2 ms apart.
     assert drifts[1] == pytest.approx(drifts[0], rel=0.02)

@@ -2,8 +2,8 @@
 
     yade tests/yade/checks/briefly.py SETTLE_S=0.02 WALL [OPTIONS]
 
-The first words set constants of damage.run.settings [s].  KILLED_AT=0.05 or INTERRUPTED_AT=0.05 ends the run after a
-checkpoint of this time of the run or later [s]; one is written at every look.
+The first words set constants of damage.run.settings [s].  KILLED_AT=0.05 or INTERRUPTED_AT=0.05
+ends the run after a checkpoint of this time of the run or later [s]; one is written at every look.
 """
 
 import os
@@ -25,7 +25,8 @@ SIGNALS = {"KILLED_AT": signal.SIGKILL, "INTERRUPTED_AT": signal.SIGINT}
 
 
 def end_at(time_s, sign):
-    """Have the run send itself a signal one look after its first checkpoint of a time of the run [s] or later."""
+    """Have the run send itself a signal one look after its first checkpoint of a time of the run
+    [s] or later."""
     times, write = [], Checkpoints.write
 
     def written(checkpoints, tables):
@@ -46,4 +47,5 @@ while "=" in sys.argv[0]:
         setattr(settings, name, float(value))
     else:
         sys.exit(f"error: {name}: expected RAMP_S, HOLD_S, SETTLE_S, KILLED_AT or INTERRUPTED_AT")
-exec(compile(Path(sys.argv[0]).read_text(), sys.argv[0], "exec"))  # as YADE runs a script: in its own __main__
+# as YADE runs a script: in its own __main__
+exec(compile(Path(sys.argv[0]).read_text(), sys.argv[0], "exec"))

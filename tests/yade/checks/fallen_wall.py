@@ -2,9 +2,10 @@
 
     yade -n fallen_wall.py CONTACTS SECONDS RESULTS.npz
 
-The wall is `spandrel` of tests/core/test_new_contacts.py, here under its weight from the first step.  RESULTS holds every
-0.01 s: time_s (n,); place (n, n_bodies, 3) [m, m, rad]; energy_j (n,), elastic, kinetic and of gravity.  Impacts are
-damped once a brick has fallen by half its height, as in a run.
+The wall is `spandrel` of tests/core/test_new_contacts.py, here under its weight from the first
+step.  RESULTS holds every 0.01 s: time_s (n,); place (n, n_bodies, 3) [m, m, rad]; energy_j (n,),
+elastic, kinetic and of gravity.  Impacts are damped once a brick has fallen by half its height, as
+in a run.
 """
 
 import sys
@@ -29,8 +30,10 @@ INTERVAL_S = 0.01
 
 def main():
     joint = Joint(tensile_strength=0.0, cohesion=0.0)
-    layout = lay_out(Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=joint),
-                     ModelOptions(lintel="none", contacts=sys.argv[1]))
+    layout = lay_out(
+        Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=joint),
+        ModelOptions(lintel="none", contacts=sys.argv[1]),
+    )
     solver = YadeSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True)
     solver.start(NO_MOTION, np.array([GRAVITY]))
     rows = {name: [] for name in ("time_s", "place", "energy_j")}
@@ -38,8 +41,11 @@ def main():
     def keep(now):
         rows["time_s"].append(now.clock[0] * solver.time_step)
         rows["place"].append(now.displacement[0])
-        rows["energy_j"].append(now.kinetic_j[0] + now.elastic_j[0]
-                                + GRAVITY * layout.bodies.mass @ now.displacement[0, :, 1])
+        rows["energy_j"].append(
+            now.kinetic_j[0]
+            + now.elastic_j[0]
+            + GRAVITY * layout.bodies.mass @ now.displacement[0, :, 1]
+        )
         return True
 
     steps = FOLLOW_STEPS * round(INTERVAL_S / solver.time_step / FOLLOW_STEPS)

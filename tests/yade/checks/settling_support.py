@@ -1,6 +1,6 @@
 """A pier whose left support settles and rotates, in either solver: `settle`, or inside YADE
 
-    yade -n settling_support.py RESULTS.npz
+yade -n settling_support.py RESULTS.npz
 """
 
 import sys
@@ -26,14 +26,20 @@ MOTION = 2e-4, -1e-3, 2e-3
 
 
 def pier():
-    """(Layout, time step [s]) of a pier on two supports, one below each brick of its base, that cannot crack."""
-    layout = lay_out(Wall("pier", 0.45, 0.6, precompression=0.1e6, joint=Joint(tensile_strength=1e9, cohesion=1e9)),
-                     ModelOptions(supports="bricks"))
+    """(Layout, time step [s]) of a pier on two supports, one below each brick of its base, that
+    cannot crack."""
+    layout = lay_out(
+        Wall(
+            "pier", 0.45, 0.6, precompression=0.1e6, joint=Joint(tensile_strength=1e9, cohesion=1e9)
+        ),
+        ModelOptions(supports="bricks"),
+    )
     return layout, 0.4 * natural_modes(layout).critical_time_step_s
 
 
 def settle(solver):
-    """Let the left support settle and the pier come to rest; {name: values}, energies and motion since it began."""
+    """Let the left support settle and the pier come to rest; {name: values}, energies and motion
+    since it began."""
     dt = solver.time_step
     every = sample_steps(dt)
     solver.damp(local=0.7)
@@ -49,11 +55,14 @@ def settle(solver):
     solver.move_supports(0.0 * velocities)
     advance(solver, every * round(RESTS_S / dt / every), every)
     now = solver.instants()
-    return {"moved": now.displacement[0] - before.displacement[0],
-            "supports": now.support_displacement[0] - before.support_displacement[0],
-            "reactions": now.support_force[0], "input_j": now.input_j - before.input_j,
-            "elastic_j": now.elastic_j - before.elastic_j,
-            "damping_j": np.nan if now.damping_j is None else now.damping_j - before.damping_j}
+    return {
+        "moved": now.displacement[0] - before.displacement[0],
+        "supports": now.support_displacement[0] - before.support_displacement[0],
+        "reactions": now.support_force[0],
+        "input_j": now.input_j - before.input_j,
+        "elastic_j": now.elastic_j - before.elastic_j,
+        "damping_j": np.nan if now.damping_j is None else now.damping_j - before.damping_j,
+    }
 
 
 def advance(solver, n_steps, every=None):

@@ -2,9 +2,10 @@
 
     yade -n slide_and_tilt.py RESULTS.npz
 
-RESULTS holds, of two bricks under a brick that is pressed on them and slid by 10 mm: `slid` (n,) [m], `pressure`,
-`shear` (n,) [Pa] and `couple` (n,), the sum of all moments about one point [N m]; of a block of 0.8 m that was tilted
-about its outermost contact point: `tilt` (m,) [rad] and `overlap` (m,) [m].
+RESULTS holds, of two bricks under a brick that is pressed on them and slid by 10 mm: `slid` (n,)
+[m], `pressure`, `shear` (n,) [Pa] and `couple` (n,), the sum of all moments about one point [N m];
+of a block of 0.8 m that was tilted about its outermost contact point: `tilt` (m,) [rad] and
+`overlap` (m,) [m].
 """
 
 import math
@@ -63,11 +64,19 @@ def slide():
     rows = []
     for slid in np.linspace(0, 0.0104, 27)[1:]:
         scene.move(upper, 0.0004, 0.0, 200)
-        force = sum((scene.model.signs[j] * (scene.reader.physics[j].normalForce + scene.reader.physics[j].shearForce)
-                     for j in joint), Vector3.Zero)
+        force = sum(
+            (
+                scene.model.signs[j]
+                * (scene.reader.physics[j].normalForce + scene.reader.physics[j].shearForce)
+                for j in joint
+            ),
+            Vector3.Zero,
+        )
         on_bodies = scene.reader.resultants()
-        couple = sum(moment + state.pos[0] * fz - state.pos[2] * fx
-                     for (fx, fz, moment), state in zip(on_bodies, scene.reader.states))
+        couple = sum(
+            moment + state.pos[0] * fz - state.pos[2] * fx
+            for (fx, fz, moment), state in zip(on_bodies, scene.reader.states)
+        )
         rows.append((slid, force[2] / area, -force[0] / area, couple))
     return np.array(rows).T
 
@@ -85,7 +94,9 @@ def tilt():
     rows = []
     for angle in (0.006, 0.025, 0.062):
         cos, sin = math.cos(angle), math.sin(angle)
-        state.pos = Vector3(contacts.x[outermost] + cos * arm[0] + sin * arm[1], 0, cos * arm[1] - sin * arm[0])
+        state.pos = Vector3(
+            contacts.x[outermost] + cos * arm[0] + sin * arm[1], 0, cos * arm[1] - sin * arm[0]
+        )
         state.ori = Quaternion(Vector3(0, 1, 0), angle) * upright
         scene.step()  # the members follow ...
         scene.step()  # ... and are felt
@@ -96,7 +107,15 @@ def tilt():
 def main():
     slid, pressure, shear, couple = slide()
     angle, overlap = tilt()
-    np.savez(sys.argv[1], slid=slid, pressure=pressure, shear=shear, couple=couple, tilt=angle, overlap=overlap)
+    np.savez(
+        sys.argv[1],
+        slid=slid,
+        pressure=pressure,
+        shear=shear,
+        couple=couple,
+        tilt=angle,
+        overlap=overlap,
+    )
 
 
 run_and_leave(main)

@@ -44,8 +44,13 @@ def drive(path):
         O.step()  # ... and feels it in the next
         for broken in scene.newly_broken():
             model.loosen(broken)
-        force = sum((model.signs[j] * (scene.physics[j].normalForce + scene.physics[j].shearForce) for j in joint),
-                    Vector3.Zero)
+        force = sum(
+            (
+                model.signs[j] * (scene.physics[j].normalForce + scene.physics[j].shearForce)
+                for j in joint
+            ),
+            Vector3.Zero,
+        )
         stresses.append((-force[2] / area, -force[0] / area))
     return np.array(stresses)
 

@@ -1,4 +1,5 @@
-"""What the page of a claim asks for: front, address, photograph, survey, levels, runs; all in the folder --out."""
+"""What the page of a claim asks for: front, address, photograph, survey, levels, runs; all in the
+folder --out."""
 
 import contextlib
 import csv
@@ -34,11 +35,22 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
 HOUSE, PHOTO, STRAIGHT, SURVEY, LEVELS, LOG = (
-    "house.toml", "photo.jpg", "straight.jpg", "survey.csv", "levels.csv", "claim.log")
+    "house.toml",
+    "photo.jpg",
+    "straight.jpg",
+    "survey.csv",
+    "levels.csv",
+    "claim.log",
+)
 RESULTS = "claim"
 """Folder of the runs, below --out."""
-SHOWN = {PHOTO: "image/jpeg", STRAIGHT: "image/jpeg", f"{RESULTS}/{SHEET}": "text/html; charset=utf-8",
-         f"{RESULTS}/{NUMBERS}": "application/json", SURVEY: "text/csv; charset=utf-8"}
+SHOWN = {
+    PHOTO: "image/jpeg",
+    STRAIGHT: "image/jpeg",
+    f"{RESULTS}/{SHEET}": "text/html; charset=utf-8",
+    f"{RESULTS}/{NUMBERS}": "application/json",
+    SURVEY: "text/csv; charset=utf-8",
+}
 """{file that the page may show: its type}."""
 MOST_TEXT, MOST_LINES, MOST_POINTS = 200_000, 500, 500
 """Characters of a text that is typed; cracks and areas of a survey; points of each."""
@@ -48,29 +60,37 @@ TAIL = 12  # lines of the log that the page shows
 
 
 class Desk:
-    """The work on one claim in a folder; every method takes what the page sent and returns what it shows, fit for JSON,
-    or raises InputError."""
+    """The work on one claim in a folder; every method takes what the page sent and returns what it
+    shows, fit for JSON, or raises InputError."""
 
     def __init__(self, out):
         self.out = Path(out).resolve()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"--out {out}: cannot make this folder ({error.strerror}); expected a folder, or a name "
-                             "that nothing has yet; choose another") from error
+            raise InputError(
+                f"--out {out}: cannot make this folder ({error.strerror}); expected a folder, or a"
+                " name that nothing has yet; choose another"
+            ) from error
         self.job = None
-        self._starter = ThreadPoolExecutor(1)  # whose thread lives as long as this program: a job ends with both
+        # whose thread lives as long as this program: a job ends with both
+        self._starter = ThreadPoolExecutor(1)
 
     def path(self, name):
-        """The path of a file or folder of the claim; InputError where a link leads out of it, or a pipe would keep who
-        opens it waiting."""
+        """The path of a file or folder of the claim; InputError where a link leads out of it, or a
+        pipe would keep who opens it waiting."""
         path = self.out / name
-        if path.is_symlink() or not path.resolve().is_relative_to(self.out) or (
-                path.exists() and not path.is_file() and not path.is_dir()):
-            raise InputError(f"{name} is a link, a pipe or a device; expected a file of this claim; delete it")
+        if (
+            path.is_symlink()
+            or not path.resolve().is_relative_to(self.out)
+            or (path.exists() and not path.is_file() and not path.is_dir())
+        ):
+            raise InputError(
+                f"{name} is a link, a pipe or a device; expected a file of this claim; delete it"
+            )
         return path
 
-    # --- address and front -----------------------------------------------------------------------------
+    # --- address and front ------------------------------------------------------------------------
 
     def address(self, latitude, longitude):
         """The earthquakes at an address."""
@@ -82,20 +102,28 @@ class Desk:
 
     def fronts(self):
         """{name: text} of the fronts that ship as data, to begin with."""
-        return {name: path.read_text(encoding="utf-8") for name, path in sorted(shipped_walls().items())
-                if path.suffix == ".toml"}
+        return {
+            name: path.read_text(encoding="utf-8")
+            for name, path in sorted(shipped_walls().items())
+            if path.suffix == ".toml"
+        }
 
     def front(self, text):
         """The front that a text in TOML describes: its size, bricks and joints, to be drawn."""
         if not isinstance(text, str) or len(text) > MOST_TEXT:
-            raise InputError(f"the front: expected up to {MOST_TEXT} characters of TOML; shorten it")
+            raise InputError(
+                f"the front: expected up to {MOST_TEXT} characters of TOML; shorten it"
+            )
         return _drawn(self._keep(HOUSE, "the front", text, _laid_out))
 
     def _keep(self, name, what, text, read):
-        """What read(path) makes of a text, which is kept in a file of the claim if it is accepted; of another text than
-        the one before the sheet is set aside."""
+        """What read(path) makes of a text, which is kept in a file of the claim if it is accepted;
+        of another text than the one before the sheet is set aside."""
         if self.running:
-            raise InputError(f"{what} cannot change while the computation runs; expected it before; stop it first")
+            raise InputError(
+                f"{what} cannot change while the computation runs; expected it before; stop it"
+                " first"
+            )
         path = self.path(name)
         trial = self.path(name.replace(".", ".new."))
         try:
@@ -105,7 +133,9 @@ class Desk:
                 set_aside(self.path(RESULTS))
             os.replace(trial, path)
         except InputError as error:
-            raise InputError(str(error).replace(str(trial), what).replace(trial.name, what)) from error
+            raise InputError(
+                str(error).replace(str(trial), what).replace(trial.name, what)
+            ) from error
         finally:
             trial.unlink(missing_ok=True)
         return found
@@ -120,7 +150,7 @@ class Desk:
             raise InputError(f"{what} is missing; expected it before this step; give it first")
         return path
 
-    # --- photograph ------------------------------------------------------------------------------------
+    # --- photograph -------------------------------------------------------------------------------
 
     def photograph(self, data):
         """Keep a photograph (bytes) without its metadata."""
@@ -133,21 +163,30 @@ class Desk:
         wall = self.layout().wall
         pixels, places = (_points("the four points", points, 4, 4) for points in (pixels, places))
         jpeg = self._given(PHOTO, "the photograph").read_bytes()
-        self.path(STRAIGHT).write_bytes(rectified(jpeg, pixels, places, wall.length, wall.built_height))
+        self.path(STRAIGHT).write_bytes(
+            rectified(jpeg, pixels, places, wall.length, wall.built_height)
+        )
         return {"file": STRAIGHT}
 
-    # --- survey, levels --------------------------------------------------------------------------------
+    # --- survey, levels ---------------------------------------------------------------------------
 
     def survey(self, cracks, areas, limit_mm, error_mm):
         """Write the survey that was drawn and put it on the joints.
 
-        cracks: [{"points": [[x, z], ...], "width_mm", "offset"}]; areas: [[x, z, x, z], ...] without a crack [m].
-        """
+        cracks: [{"points": [[x, z], ...], "width_mm", "offset"}]; areas: [[x, z, x, z], ...]
+        without a crack [m]."""
         layout = self.layout()
-        found = self._keep(SURVEY, "the survey", _as_csv(cracks, areas, limit_mm, error_mm),
-                           lambda path: read_survey(path, layout))
+        found = self._keep(
+            SURVEY,
+            "the survey",
+            _as_csv(cracks, areas, limit_mm, error_mm),
+            lambda path: read_survey(path, layout),
+        )
         ends = tributary_ends(joint_table(layout))[found.table["joint"]]
-        return found.as_dict() | {"file": SURVEY, "joints": np.round(ends.reshape(-1, 4), 4).tolist()}
+        return found.as_dict() | {
+            "file": SURVEY,
+            "joints": np.round(ends.reshape(-1, 4), 4).tolist(),
+        }
 
     def levels(self, text):
         """Keep levels of a course, text in CSV; their profile."""
@@ -162,15 +201,20 @@ class Desk:
 
         with heard() as notes:
             profile = self._keep(LEVELS, "the file of levels", text, read)
-        return {"x_m": list(profile.x_m), "uz_m": list(profile.uz_m), "notes": list(map(str, notes))}
+        return {
+            "x_m": list(profile.x_m),
+            "uz_m": list(profile.uz_m),
+            "notes": list(map(str, notes)),
+        }
 
-    # --- runs ------------------------------------------------------------------------------------------
+    # --- runs -------------------------------------------------------------------------------------
 
     def start(self, latitude, longitude, settle, distortion, draws, language, shown=None):
-        """Begin, or continue, the runs of the claim: `python3 -m damage claim` in a process of its own.
+        """Begin, or continue, the runs of the claim: `python3 -m damage claim` in a process of its
+        own.
 
-        shown: what the page shows now, {"front", "levels": texts, "survey": arguments of `survey`}; None where nothing
-        is to be compared with what was sent.
+        shown: what the page shows now, {"front", "levels": texts, "survey": arguments of `survey`};
+        None where nothing is to be compared with what was sent.
         """
         if self.running:
             raise InputError("the computation is running already; stop it first")
@@ -178,9 +222,20 @@ class Desk:
         self._check_no_links()
         self.address(latitude, longitude)
         check_choice("language", language, LANGUAGES)
-        words = [str(self._given(HOUSE, "the front")), "--at", repr(float(latitude)), repr(float(longitude)),
-                 "--cracks", str(self._given(SURVEY, "the survey")), "--language", language,
-                 "--out", str(self.path(RESULTS)), "--remake", *self._settled(settle, distortion)]
+        words = [
+            str(self._given(HOUSE, "the front")),
+            "--at",
+            repr(float(latitude)),
+            repr(float(longitude)),
+            "--cracks",
+            str(self._given(SURVEY, "the survey")),
+            "--language",
+            language,
+            "--out",
+            str(self.path(RESULTS)),
+            "--remake",
+            *self._settled(settle, distortion),
+        ]
         if draws is not None:
             check_whole("draws", draws, 2, 10000)
             words += ["--draws", str(draws)]
@@ -188,29 +243,42 @@ class Desk:
             self._check_sent(shown, settle)
         with open_log(self.path(LOG)) as log:
             self.job = self._starter.submit(
-                subprocess.Popen, [sys.executable, "-m", "damage", "claim", *words], stdin=subprocess.DEVNULL,
-                stdout=log, stderr=subprocess.STDOUT, start_new_session=True, env=environment(),
-                preexec_fn=partial(end_with_parent, os.getpid(), signal.SIGTERM)).result()
+                subprocess.Popen,
+                [sys.executable, "-m", "damage", "claim", *words],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                env=environment(),
+                preexec_fn=partial(end_with_parent, os.getpid(), signal.SIGTERM),
+            ).result()
         return self.progress()
 
     def _check_no_links(self):
-        """InputError where a link lies in the folder, which may have been sent: runs would write elsewhere through
-        it."""
+        """InputError where a link lies in the folder, which may have been sent: runs would write
+        elsewhere through it."""
         for folder, folders, files in os.walk(self.out):
             for path in (Path(folder, name) for name in (*folders, *files)):
                 self.path(path.relative_to(self.out))
 
     def _check_sent(self, shown, settle):
-        """InputError where the page shows another front, survey or levels than it sent: they would not be in the
-        run."""
+        """InputError where the page shows another front, survey or levels than it sent: they would
+        not be in the run."""
         if not isinstance(shown, dict) or set(shown) != {"front", "survey", "levels"}:
-            raise InputError("what the page shows: expected front, survey and levels; load the page again")
-        parts = [(HOUSE, "the front", shown["front"]), (SURVEY, "the survey that is drawn", _as_csv(**_parts(shown)))]
+            raise InputError(
+                "what the page shows: expected front, survey and levels; load the page again"
+            )
+        parts = [
+            (HOUSE, "the front", shown["front"]),
+            (SURVEY, "the survey that is drawn", _as_csv(**_parts(shown))),
+        ]
         parts += [(LEVELS, "the table of levels", shown["levels"])] * (settle == "levels")
         for name, what, text in parts:
             if self.path(name).read_text(encoding="utf-8") != text:
-                raise InputError(f"{what} was changed since it was sent and would not be in the run; expected it as it "
-                                 "was sent; send it by its button, or take the change back")
+                raise InputError(
+                    f"{what} was changed since it was sent and would not be in the run; expected it"
+                    " as it was sent; send it by its button, or take the change back"
+                )
 
     def _settled(self, settle, distortion):
         if settle == "levels":
@@ -230,9 +298,14 @@ class Desk:
         log, status = self.path(LOG), self.job and self.job.poll()
         text = log.read_text(encoding="utf-8", errors="replace") if log.exists() else ""
         lines = text.replace("\r", "\n").split("\n")
-        return {"running": self.running, "status": status,
-                "lines": [line.replace(str(self.out) + os.sep, "") for line in lines if line.strip()][-TAIL:],
-                "sheet": f"{RESULTS}/{SHEET}" if self.path(f"{RESULTS}/{SHEET}").exists() else None}
+        return {
+            "running": self.running,
+            "status": status,
+            "lines": [line.replace(str(self.out) + os.sep, "") for line in lines if line.strip()][
+                -TAIL:
+            ],
+            "sheet": f"{RESULTS}/{SHEET}" if self.path(f"{RESULTS}/{SHEET}").exists() else None,
+        }
 
     def stop(self):
         """Interrupt the runs; they continue from there when they are started again."""
@@ -246,11 +319,15 @@ class Desk:
     def state(self):
         """What there is already of the claim: after a restart the page continues with it."""
         house, survey = self.path(HOUSE), self.path(SURVEY)
-        return {"house": house.read_text(encoding="utf-8") if house.exists() else None,
-                "front": _drawn(self.layout()) if house.exists() else None,
-                "drawn": _redrawn(read_cracks(survey)[-1]) if survey.exists() else None,
-                "photo": self.path(PHOTO).exists(), "straight": self.path(STRAIGHT).exists(),
-                "fronts": self.fronts(), **self.progress()}
+        return {
+            "house": house.read_text(encoding="utf-8") if house.exists() else None,
+            "front": _drawn(self.layout()) if house.exists() else None,
+            "drawn": _redrawn(read_cracks(survey)[-1]) if survey.exists() else None,
+            "photo": self.path(PHOTO).exists(),
+            "straight": self.path(STRAIGHT).exists(),
+            "fronts": self.fronts(),
+            **self.progress(),
+        }
 
 
 def _laid_out(path):
@@ -261,8 +338,13 @@ def _drawn(layout):
     """Size, bricks (x, z, length, height) and joints (both ends) of a Layout, fit for JSON [m]."""
     bodies, n, wall = layout.bodies, layout.n_below_caps, layout.wall
     bricks = np.column_stack([bodies.x, bodies.z, bodies.length, bodies.height])[:n]
-    return {"name": wall.name, "length": wall.length, "height": wall.built_height,
-            "bricks": np.round(bricks, 4).tolist(), "contact_points": layout.n_joints}
+    return {
+        "name": wall.name,
+        "length": wall.length,
+        "height": wall.built_height,
+        "bricks": np.round(bricks, 4).tolist(),
+        "contact_points": layout.n_joints,
+    }
 
 
 def _redrawn(pattern):
@@ -271,11 +353,19 @@ def _redrawn(pattern):
     cracks = []
     for _, line in parts.groupby("line"):
         ends = line[list(ENDS)].to_numpy(float)
-        cracks.append({"points": [*ends[:, :2].tolist(), ends[-1, 2:].tolist()],
-                       "width_mm": round(1e3 * float(line["width_m"].iloc[0]), 6),
-                       "offset": seen.get(line["seen"].iloc[0], "unknown")})
-    return {"cracks": cracks, "areas": pattern.clear.tolist(), "limit_mm": round(1e3 * pattern.detection_limit_m, 6),
-            "error_mm": round(1e3 * pattern.width_error_m, 6)}
+        cracks.append(
+            {
+                "points": [*ends[:, :2].tolist(), ends[-1, 2:].tolist()],
+                "width_mm": round(1e3 * float(line["width_m"].iloc[0]), 6),
+                "offset": seen.get(line["seen"].iloc[0], "unknown"),
+            }
+        )
+    return {
+        "cracks": cracks,
+        "areas": pattern.clear.tolist(),
+        "limit_mm": round(1e3 * pattern.detection_limit_m, 6),
+        "error_mm": round(1e3 * pattern.width_error_m, 6),
+    }
 
 
 def _parts(shown):
@@ -283,7 +373,9 @@ def _parts(shown):
     names = "cracks", "areas", "limit_mm", "error_mm"
     survey = shown["survey"]
     if not isinstance(survey, dict) or set(survey) != set(names):
-        raise InputError(f"the survey that is drawn: expected {', '.join(names)}; load the page again")
+        raise InputError(
+            f"the survey that is drawn: expected {', '.join(names)}; load the page again"
+        )
     return survey
 
 
@@ -303,7 +395,11 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
     """The text of a crack file of what was drawn."""
     check_range("detection limit [mm]", limit_mm, 0.001, 100)
     check_range("error of widths [mm]", error_mm, 0, 100)
-    if not isinstance(cracks, list) or not isinstance(areas, list) or len(cracks) + len(areas) > MOST_LINES:
+    if (
+        not isinstance(cracks, list)
+        or not isinstance(areas, list)
+        or len(cracks) + len(areas) > MOST_LINES
+    ):
         raise InputError(f"the survey: expected up to {MOST_LINES} cracks and areas; take some out")
     names = [*REQUIRED, "width_mm", "mode", *OF_SURVEY]
     file = io.StringIO()
@@ -311,17 +407,43 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
     writer.writeheader()
     accuracy = {"detection_limit_mm": float(limit_mm), "width_error_mm": float(error_mm)}
     for number, crack in enumerate(cracks, start=1):
-        points = _points(f"crack {number}", crack.get("points") if isinstance(crack, dict) else None, 2, MOST_POINTS)
+        points = _points(
+            f"crack {number}",
+            crack.get("points") if isinstance(crack, dict) else None,
+            2,
+            MOST_POINTS,
+        )
         check_range(f"width of crack {number} [mm]", crack.get("width_mm"), 0.001, 1000)
         check_choice(f"offset of crack {number}", crack.get("offset"), ("yes", "no", "unknown"))
         for k, (x, z) in enumerate(points, start=1):
-            sizes = {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]} if k < len(points) else {}
-            writer.writerow({"crack": number, "point": k, "x_m": round(x, 4), "z_m": round(z, 4), **sizes, **accuracy})
+            sizes = (
+                {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]}
+                if k < len(points)
+                else {}
+            )
+            writer.writerow(
+                {
+                    "crack": number,
+                    "point": k,
+                    "x_m": round(x, 4),
+                    "z_m": round(z, 4),
+                    **sizes,
+                    **accuracy,
+                }
+            )
     for number, area in enumerate(areas, start=1):
         corners = np.sort(_points(f"area {number}", area, 2, 2), axis=0)
         for k, (x, z) in enumerate(corners, start=1):
-            writer.writerow({"crack": f"area{number}", "point": k, "x_m": round(x, 4), "z_m": round(z, 4),
-                             "mode": "none", **accuracy})
+            writer.writerow(
+                {
+                    "crack": f"area{number}",
+                    "point": k,
+                    "x_m": round(x, 4),
+                    "z_m": round(z, 4),
+                    "mode": "none",
+                    **accuracy,
+                }
+            )
     return file.getvalue()
 
 

@@ -1,4 +1,5 @@
-"""Photographs that someone uploads: checked, without their metadata, and seen straight from the front."""
+"""Photographs that someone uploads: checked, without their metadata, and seen straight from the
+front."""
 
 import io
 import re
@@ -27,25 +28,36 @@ def cleaned(data):
     from PIL import Image, ImageOps
 
     if len(data) > MOST_BYTES:
-        raise InputError(f"the photograph has {len(data) / 1e6:.3g} MB; expected up to {MOST_BYTES / 1e6:g}; make it "
-                         "smaller")
+        raise InputError(
+            f"the photograph has {len(data) / 1e6:.3g} MB; expected up to {MOST_BYTES / 1e6:g};"
+            " make it smaller"
+        )
     if _scans(data) > MOST_SCANS:
-        raise InputError(f"the photograph has more than {MOST_SCANS} scans; expected fewer; save it as another JPEG")
+        raise InputError(
+            f"the photograph has more than {MOST_SCANS} scans; expected fewer; save it as another"
+            " JPEG"
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             picture = Image.open(io.BytesIO(data), formats=FORMATS)
             if picture.width * picture.height > MOST_PIXELS:
-                raise InputError(f"the photograph has {picture.width} x {picture.height} pixels; expected up to "
-                                 f"{MOST_PIXELS / 1e6:g} million; make it smaller")
+                raise InputError(
+                    f"the photograph has {picture.width} x {picture.height} pixels; expected up to "
+                    f"{MOST_PIXELS / 1e6:g} million; make it smaller"
+                )
             upright = ImageOps.exif_transpose(picture).convert("RGB")
     except InputError:
         raise
     except Image.DecompressionBombError as error:
-        raise InputError(f"the photograph has too many pixels; expected up to {MOST_PIXELS / 1e6:g} million; make it "
-                         "smaller") from error
+        raise InputError(
+            f"the photograph has too many pixels; expected up to {MOST_PIXELS / 1e6:g} million;"
+            " make it smaller"
+        ) from error
     except Exception as error:  # of a damaged file Pillow raises many kinds
-        raise InputError(f"the photograph cannot be read; expected {' or '.join(FORMATS)}; save it as such") from error
+        raise InputError(
+            f"the photograph cannot be read; expected {' or '.join(FORMATS)}; save it as such"
+        ) from error
     upright.thumbnail((LONGEST_PX, LONGEST_PX))
     return _as_jpeg(Image.frombytes("RGB", upright.size, upright.tobytes()))  # pixels alone
 
@@ -55,12 +67,12 @@ _END, _SCAN = 0xD9, 0xDA
 
 
 def _scans(data):
-    """Number of scans in the bytes of a JPEG, up to the end of the picture; further ones than MOST_SCANS are not
-    counted."""
+    """Number of scans in the bytes of a JPEG, up to the end of the picture; further ones than
+    MOST_SCANS are not counted."""
     place, scans = 0, 0
     while scans <= MOST_SCANS and (found := _MARKER.search(data, place)) and found[1][0] != _END:
         scans += found[1][0] == _SCAN
-        place = found.end() + max(2, int.from_bytes(data[found.end():found.end() + 2], "big"))
+        place = found.end() + max(2, int.from_bytes(data[found.end() : found.end() + 2], "big"))
     return scans
 
 
@@ -71,15 +83,18 @@ def _as_jpeg(picture):
 
 
 def homography(here, there):
-    """The (3, 3) matrix that maps four points here (4, 2) onto four points there (4, 2) of two planes.
+    """The (3, 3) matrix that maps four points here (4, 2) onto four points there (4, 2) of two
+    planes.
 
     Raises InputError where three of either lie on a line, or their order turns round.
     """
     for points in (here, there):
         turns = _turns(points)
         if not (np.all(turns > 0) or np.all(turns < 0)):
-            raise InputError("four points that make no convex quadrilateral; expected its corners one after the other; "
-                             "mark them again")
+            raise InputError(
+                "four points that make no convex quadrilateral; expected its corners one after the"
+                " other; mark them again"
+            )
     rows = []
     for (x, y), (u, v) in zip(here, there):
         rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
@@ -89,25 +104,35 @@ def homography(here, there):
 def _turns(points):
     """Twice the signed area at each corner of a quadrilateral (4, 2)."""
     points = np.asarray(points, float)
-    one, two = np.roll(points, -1, axis=0) - points, np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0)
+    one, two = (
+        np.roll(points, -1, axis=0) - points,
+        np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0),
+    )
     return one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
 
 
 def rectified(jpeg, pixels, places, length, height):
-    """A photograph (bytes) as JPEG of the plane of a wall of this length and height [m], with MARGIN_M around it.
+    """A photograph (bytes) as JPEG of the plane of a wall of this length and height [m], with
+    MARGIN_M around it.
 
-    pixels: four points (4, 2), x and y down from the upper left; places: the same on the wall, x and z up (4, 2) [m].
-    """
+    pixels: four points (4, 2), x and y down from the upper left; places: the same on the wall, x
+    and z up (4, 2) [m]."""
     from PIL import Image
 
     picture = Image.open(io.BytesIO(jpeg))
     pixels = np.asarray(pixels, float)
     if np.abs(_turns(pixels)).min() < _LEAST_SHARE * picture.width * picture.height:
-        raise InputError("the four points lie too near each other; expected corners as far apart as can be; mark them "
-                         "again")
+        raise InputError(
+            "the four points lie too near each other; expected corners as far apart as can be; mark"
+            " them again"
+        )
     wide, high = length + 2 * MARGIN_M, height + 2 * MARGIN_M
     px_m = min(_MOST_PX_M, _MOST_PX / max(wide, high))
     size = round(wide * px_m), round(high * px_m)
     here = [((x + MARGIN_M) * px_m, (height + MARGIN_M - z) * px_m) for x, z in places]
     matrix = homography(here, pixels)
-    return _as_jpeg(picture.transform(size, Image.Transform.PERSPECTIVE, matrix.ravel()[:8], Image.Resampling.BICUBIC))
+    return _as_jpeg(
+        picture.transform(
+            size, Image.Transform.PERSPECTIVE, matrix.ravel()[:8], Image.Resampling.BICUBIC
+        )
+    )

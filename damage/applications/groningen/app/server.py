@@ -1,11 +1,12 @@
 """The page's server: Flask, on the loopback interface alone.
 
-A request is answered only with the host name of the loopback interface in its Host (other sites that point their name
-here are refused), with an Origin of this page or none, and with the token that the program printed: in the address at
-the first visit, then in a cookie that no script reads and, of what changes anything, in a header besides.  The browser
-is given a file that leads to this address, as everybody can read its command line.  All addresses lie below a random
-one, the cookie's path: browsers send cookies to every port of a machine.  The page asks for nothing of another machine;
-its Content-Security-Policy forbids it.
+A request is answered only with the host name of the loopback interface in its Host (other sites
+that point their name here are refused), with an Origin of this page or none, and with the token
+that the program printed: in the address at the first visit, then in a cookie that no script reads
+and, of what changes anything, in a header besides.  The browser is given a file that leads to this
+address, as everybody can read its command line.  All addresses lie below a random one, the cookie's
+path: browsers send cookies to every port of a machine.  The page asks for nothing of another
+machine; its Content-Security-Policy forbids it.
 """
 
 import json
@@ -25,11 +26,21 @@ from damage.errors import InputError, RunError, one_line
 from damage.files import json_text
 
 PAGE = Path(__file__).parent / "page"
-ASSETS = {"icon.svg": "image/svg+xml", "app.js": "text/javascript; charset=utf-8", "app.css": "text/css; charset=utf-8"}
-HEADERS = {"Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
-           "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-           "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
-           "Cross-Origin-Resource-Policy": "same-origin"}
+ASSETS = {
+    "icon.svg": "image/svg+xml",
+    "app.js": "text/javascript; charset=utf-8",
+    "app.css": "text/css; charset=utf-8",
+}
+HEADERS = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
 SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Of the sheet, which has its style and pictures in itself; it can be printed."""
 MOST_JSON = 2_000_000
@@ -37,21 +48,27 @@ MOST_JSON = 2_000_000
 COOKIE, HEADER = "damage_app", "X-Damage-Token"
 WITHOUT_PORT = 80
 """The port that browsers leave out of Host and Origin."""
-DOOR = '<!DOCTYPE html><meta charset="utf-8"><title>damage</title><meta http-equiv="refresh" content="0; url={0}">'
+DOOR = (
+    '<!DOCTYPE html><meta charset="utf-8"><title>damage</title><meta http-equiv="refresh"'
+    ' content="0; url={0}">'
+)
 """Of a file that leads to the page."""
 PASSING = '<!DOCTYPE html><title>damage</title><link rel="icon" href="assets/icon.svg">'
 """Of the first answer, which leads on from an address that has the token."""
 
 
 def make_app(out, port, token, root):
-    """The Flask application for a claim in the folder `out`, reached at a port; token: what a request has to know;
-    root: what all its addresses begin with, such as "/a3Bd"."""
+    """The Flask application for a claim in the folder `out`, reached at a port; token: what a
+    request has to know; root: what all its addresses begin with, such as "/a3Bd"."""
     from flask import Flask
 
     app = Flask("damage.applications.groningen.app", static_folder=None, template_folder=str(PAGE))
     app.desk = Desk(out)
-    hosts = {f"{name}{end}" for name in ("127.0.0.1", "localhost")
-             for end in (f":{port}", *([""] if port == WITHOUT_PORT else []))}
+    hosts = {
+        f"{name}{end}"
+        for name in ("127.0.0.1", "localhost")
+        for end in (f":{port}", *([""] if port == WITHOUT_PORT else []))
+    }
     _guard(app, hosts, token, f"{root}/")
     _pages(app, token, root)
     _calls(app, root)
@@ -70,14 +87,19 @@ def _guard(app, hosts, token, page):
         origin = request.headers.get("Origin")
         here = origin is None or origin in {f"http://{host}" for host in hosts}
         elsewhere = request.headers.get("Sec-Fetch-Site") in ("cross-site", "same-site")
-        first = request.path == page and request.method == "GET" and known(request.args.get("token"))
-        if request.headers.get("Host") not in hosts or not here or (elsewhere and not first):  # first: from a file
+        first = (
+            request.path == page and request.method == "GET" and known(request.args.get("token"))
+        )
+        # first: from a file
+        if request.headers.get("Host") not in hosts or not here or (elsewhere and not first):
             abort(403)
         if not first and not known(request.cookies.get(COOKIE)):
             abort(403)
         if request.method != "GET" and not (origin and known(request.headers.get(HEADER))):
             abort(403)
-        if request.method != "GET" and (request.content_length is None or request.content_length > MOST_BYTES):
+        if request.method != "GET" and (
+            request.content_length is None or request.content_length > MOST_BYTES
+        ):
             abort(413)
 
     @app.after_request
@@ -101,7 +123,9 @@ def _pages(app, token, root):
             response.set_cookie(COOKIE, token, path=f"{root}/", httponly=True, samesite="Strict")
             return response
         texts = {key: text[language] for key, text in words().items()}
-        return render_template("app.html", language=language, token=token, words=texts, languages=LANGUAGES)
+        return render_template(
+            "app.html", language=language, token=token, words=texts, languages=LANGUAGES
+        )
 
     @app.get(f"{root}/assets/<name>")
     def asset(name):
@@ -118,12 +142,19 @@ def _pages(app, token, root):
 
 
 def _calls(app, root):
-    """What the page asks for: POST /api/NAME with a JSON object of the arguments of a method of Desk."""
+    """What the page asks for: POST /api/NAME with a JSON object of the arguments of a method of
+    Desk."""
     from flask import Response, abort, request
 
-    methods = {"address": ("latitude", "longitude"), "front": ("text",), "straighten": ("pixels", "places"),
-               "survey": ("cracks", "areas", "limit_mm", "error_mm"), "levels": ("text",),
-               "start": ("latitude", "longitude", "settle", "distortion", "draws", "language"), "stop": ()}
+    methods = {
+        "address": ("latitude", "longitude"),
+        "front": ("text",),
+        "straighten": ("pixels", "places"),
+        "survey": ("cracks", "areas", "limit_mm", "error_mm"),
+        "levels": ("text",),
+        "start": ("latitude", "longitude", "settle", "distortion", "draws", "language"),
+        "stop": (),
+    }
     optional = {"start": ("shown",)}
     lock = threading.Lock()
 
@@ -132,7 +163,8 @@ def _calls(app, root):
             with lock:
                 return Response(json_text(work()), content_type="application/json")
         except (InputError, RunError, OSError) as error:
-            return Response(json_text({"error": str(error)}), content_type="application/json")  # no fault of the page
+            # no fault of the page
+            return Response(json_text({"error": str(error)}), content_type="application/json")
 
     @app.get(f"{root}/api/<name>")
     def look(name):
@@ -150,8 +182,12 @@ def _calls(app, root):
             abort(404)
         given = _object(request)
         if not set(methods[name]) <= set(given) <= {*methods[name], *optional.get(name, ())}:
-            abort(_bad_request(f"{name} with {', '.join(given) or 'nothing'}: expected "
-                               f"{', '.join(methods[name]) or 'nothing'}; correct it"))
+            abort(
+                _bad_request(
+                    f"{name} with {', '.join(given) or 'nothing'}: expected "
+                    f"{', '.join(methods[name]) or 'nothing'}; correct it"
+                )
+            )
         return answer(lambda: getattr(app.desk, name)(**given))
 
 
@@ -168,9 +204,19 @@ def _object(request):
         json.dumps(given, ensure_ascii=False).encode()  # half a surrogate is no text
     except (ValueError, RecursionError) as error:
         why = "nested too deeply" if isinstance(error, RecursionError) else str(error)
-        abort(_bad_request(f"the request is no JSON in UTF-8 ({why}); expected an object; correct it"))
-    return given if isinstance(given, dict) else abort(_bad_request(
-        "the request is JSON but no object; expected an object of the call's arguments; correct it"))
+        abort(
+            _bad_request(f"the request is no JSON in UTF-8 ({why}); expected an object; correct it")
+        )
+    return (
+        given
+        if isinstance(given, dict)
+        else abort(
+            _bad_request(
+                "the request is JSON but no object; expected an object of the call's arguments;"
+                " correct it"
+            )
+        )
+    )
 
 
 def _bad_request(text):
@@ -181,13 +227,15 @@ def _bad_request(text):
 
 
 def serve(out, port=0, opened=True):
-    """Serve the page of a claim in the folder `out` until it is interrupted; port 0: a free one; opened: in the
-    browser."""
+    """Serve the page of a claim in the folder `out` until it is interrupted; port 0: a free one;
+    opened: in the browser."""
     try:
         from werkzeug.serving import WSGIRequestHandler, make_server
     except ImportError as error:
-        raise InputError("the page needs Flask; install Debian's package python3-flask, or pip install "
-                         "'masonry-damage[app]'") from error
+        raise InputError(
+            "the page needs Flask; install Debian's package python3-flask, or pip install "
+            "'masonry-damage[app]'"
+        ) from error
 
     class Quiet(WSGIRequestHandler):
         def log_request(self, *_):  # the address of the first one has the token
@@ -198,8 +246,11 @@ def serve(out, port=0, opened=True):
     server = make_server("127.0.0.1", port, None, threaded=True, request_handler=Quiet)
     server.app = app = make_app(out, server.server_port, token, root)
     address = f"http://127.0.0.1:{server.server_port}{root}/?token={token}"
-    print(f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C ends it",
-          flush=True)
+    print(
+        f"the page of this claim, for this machine alone: {address}\nfiles: {app.desk.out}; Ctrl-C"
+        " ends it",
+        flush=True,
+    )
     try:
         with _door(address, app.desk.out) if opened else nullcontext():
             server.serve_forever()
@@ -213,14 +264,20 @@ def _check_port(port):
     try:
         socket.create_server(("127.0.0.1", port)).close()
     except OSError as error:
-        raise InputError(f"--port {port}: {os.strerror(error.errno)}; expected a port that nothing else has and that "
-                         "this user may take (below 1024 often root alone); choose another, or leave it out") from error
+        raise InputError(
+            f"--port {port}: {os.strerror(error.errno)}; expected a port that nothing else has and"
+            " that this user may take (below 1024 often root alone); choose another, or leave"
+            " it out"
+        ) from error
 
 
 @contextmanager
 def _door(address, folder):
-    """Open an address in the browser by a file that only this user can read; it is there as long as this lasts."""
-    with NamedTemporaryFile("w", dir=folder, prefix="open-", suffix=".html", encoding="utf-8") as file:
+    """Open an address in the browser by a file that only this user can read; it is there as long as
+    this lasts."""
+    with NamedTemporaryFile(
+        "w", dir=folder, prefix="open-", suffix=".html", encoding="utf-8"
+    ) as file:
         file.write(DOOR.format(address))
         file.flush()
         webbrowser.open(Path(file.name).as_uri())

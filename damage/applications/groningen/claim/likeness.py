@@ -4,9 +4,9 @@ A draw has the weight
 
     exp(-(d / KERNEL)^2 / 2)
 
-by its distance d from the survey (`damage.applications.cracks.survey`), up to FARTHEST.  A wall that fell, or that has no visible
-crack, has none: the surveyed one stands, with cracks.  Within the error of widths a wall without cracks would be at 0.5
-from a survey of the narrowest ones.
+by its distance d from the survey (`damage.applications.cracks.survey`), up to FARTHEST.  A wall
+that fell, or that has no visible crack, has none: the surveyed one stands, with cracks.  Within the
+error of widths a wall without cracks would be at 0.5 from a survey of the narrowest ones.
 """
 
 import numpy as np
@@ -16,8 +16,8 @@ from damage.applications.cracks.survey import distances
 KERNEL = 0.25
 """Width of the kernel [-]."""
 FARTHEST = 2 * KERNEL
-"""Distance [-] beyond which a draw has no weight.  Weights alone would count many draws that are equally far away as
-many that resemble the survey."""
+"""Distance [-] beyond which a draw has no weight.  Weights alone would count many draws that are
+equally far away as many that resemble the survey."""
 NEAREST = 10
 """Draws whose mean distance says how strange a survey is."""
 STATES = "both", "earthquakes"
@@ -26,7 +26,7 @@ STATES = "both", "earthquakes"
 
 def kernel(distance, claimed):
     """Weights (n,) by distances, of walls that stand with visible cracks."""
-    return np.where(claimed & (distance <= FARTHEST), np.exp(-(distance / KERNEL)**2 / 2), 0.0)
+    return np.where(claimed & (distance <= FARTHEST), np.exp(-((distance / KERNEL) ** 2) / 2), 0.0)
 
 
 def strangeness(distance):
@@ -35,7 +35,8 @@ def strangeness(distance):
 
 
 def pairwise(seen, error_m, known_m):
-    """Distances (n, n) [-] of all rows of Seen from one another, each once as the survey; infinite from itself."""
+    """Distances (n, n) [-] of all rows of Seen from one another, each once as the survey; infinite
+    from itself."""
     found = np.empty((len(seen.area), len(seen.area)))
     for k, row in enumerate(found):
         row[:] = distances(seen.at([k]), seen, error_m, known_m)
@@ -44,7 +45,7 @@ def pairwise(seen, error_m, known_m):
 
 
 def strange_share(away, pairs):
-    """Share of patterns [-] that are less strange among the others than a survey is among all; away: (n,) distances of
-    the survey; pairs: of `pairwise`."""
+    """Share of patterns [-] that are less strange among the others than a survey is among all;
+    away: (n,) distances of the survey; pairs: of `pairwise`."""
     own = np.array([strangeness(row) for row in pairs])
     return float(np.mean(own < strangeness(away))) if len(away) > NEAREST else 1.0

@@ -7,9 +7,21 @@ import numpy as np
 
 from damage.applications.cracks.survey import on_joints, read_survey
 from damage.applications.groningen.claim.answer import LEAST_DRAWS, reasons
-from damage.applications.groningen.claim.numbers import draws_needed, enough, lacks_draws, numbers_of
+from damage.applications.groningen.claim.numbers import (
+    draws_needed,
+    enough,
+    lacks_draws,
+    numbers_of,
+)
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, in_words, sheet
-from damage.applications.groningen.claim.twins import BOTH, DRAWN, NAME, SHAKEN, read_twins, write_twins
+from damage.applications.groningen.claim.twins import (
+    BOTH,
+    DRAWN,
+    NAME,
+    SHAKEN,
+    read_twins,
+    write_twins,
+)
 from damage.applications.groningen.exposure.exposure import Exposure
 from damage.applications.groningen.exposure.lives import Choices, Draws, read_address
 from damage.applications.report.words import number
@@ -26,15 +38,17 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
 STEPS = 96, 192, 400
-"""Numbers of draws after which the intervals are looked at: the first is what an interval of ±10 of 100 takes."""
+"""Numbers of draws after which the intervals are looked at: the first is what an interval of ±10 of
+100 takes."""
 
 
 @dataclass(frozen=True)
 class Claim:
     """What a claim is about: wall: its file, or the name of one that ships; address: {key of
-    `damage.applications.groningen.exposure.lives.KEYS`: value}; exposure: at it; survey: the file of cracks; options: of each run; settlement:
-    options of a settlement of known shape and size, {} for none that is known; draws: their number, None for as many as
-    the intervals or an answer need; language: of the sheet."""
+    `damage.applications.groningen.exposure.lives.KEYS`: value}; exposure: at it; survey: the file
+    of cracks; options: of each run; settlement: options of a settlement of known shape and size, {}
+    for none that is known; draws: their number, None for as many as the intervals or an answer
+    need; language: of the sheet."""
 
     wall: str
     address: dict
@@ -47,12 +61,19 @@ class Claim:
 
 
 def make_claim(claim, out, jobs, remake=False):
-    """Make the sheet of a Claim in a folder with so many processes; returns the exit status.  Raises InputError.
+    """Make the sheet of a Claim in a folder with so many processes; returns the exit status.
+    Raises InputError.
 
     remake: draws of another version, which are refused otherwise.
     """
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
-    choices = Choices(**{name: claim.address[name] for name in Choices.__dataclass_fields__ if name in claim.address})
+    choices = Choices(
+        **{
+            name: claim.address[name]
+            for name in Choices.__dataclass_fields__
+            if name in claim.address
+        }
+    )
     Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
     layout = layout_of(claim.wall)
     settled = settings_of(claim.settlement, "", "reference").settlement
@@ -69,14 +90,22 @@ def make_claim(claim, out, jobs, remake=False):
                 return status
             first = _first(out, study)
             if first.masonry_wall != layout.wall:
-                raise InputError(f"{claim.wall} changed since this claim began: expected the wall that its cracks were "
-                                 "put on; give the same command again")
+                raise InputError(
+                    f"{claim.wall} changed since this claim began: expected the wall that its"
+                    " cracks were put on; give the same command again"
+                )
             twins = read_twins(out, layout)
-            given = {name: value for name, value in claim.address.items() if value is not None} | claim.options
+            given = {
+                name: value for name, value in claim.address.items() if value is not None
+            } | claim.options
             exposure = read_address(out / f"{SHAKEN}.address.toml").exposure  # that the runs have
-            numbers = numbers_of(twins, survey, layout, exposure, given, _ground(claim), _evidence(first))
+            numbers = numbers_of(
+                twins, survey, layout, exposure, given, _ground(claim), _evidence(first)
+            )
             write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
-            place = write_text(out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS))
+            place = write_text(
+                out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS)
+            )
             if enough(numbers, steps[-1]):
                 break
     print(describe(numbers), place, sep="\n")
@@ -84,18 +113,31 @@ def make_claim(claim, out, jobs, remake=False):
 
 
 def _draw(study, out, jobs, remake, lock):
-    """Make the draws of a claim's study; returns the exit status.  Raises InputError where there are some of another
-    model that are not to be made again."""
+    """Make the draws of a claim's study; returns the exit status.  Raises InputError where there
+    are some of another model that are not to be made again."""
     from damage.applications.studies.command import run_study
     from damage.applications.studies.outdated import Results
 
     others = Results(out).judge(study.runs).models
     if others and not remake:
-        raise InputError(f"{out}: another version of the model ({', '.join(sorted(set(others.values())))}) made "
-                         f"{len(others)} runs: {some_of(list(others))}; expected one version on a sheet; give --remake "
-                         "to make these again, or another --out")
-    return run_study([str(study.path), "--out", str(out), "--keep", "patterns", "-j", str(jobs),
-                      *(["--remake"] if remake else [])], lock)
+        raise InputError(
+            f"{out}: another version of the model ({', '.join(sorted(set(others.values())))}) made"
+            f" {len(others)} runs: {some_of(list(others))}; expected one version on a sheet; give"
+            " --remake to make these again, or another --out"
+        )
+    return run_study(
+        [
+            str(study.path),
+            "--out",
+            str(out),
+            "--keep",
+            "patterns",
+            "-j",
+            str(jobs),
+            *(["--remake"] if remake else []),
+        ],
+        lock,
+    )
 
 
 def layout_of(wall):
@@ -104,21 +146,32 @@ def layout_of(wall):
 
 
 def _no_answer_foreseen(survey, most):
-    """Sentences on what forbids an answer whatever the runs give; most: draws that are asked for."""
-    words = {"draws": f"--draws {most}: the sheet will have no answer, for which {LEAST_DRAWS} draws have to resemble "
-             f"the survey; leave --draws out for up to {STEPS[-1]}",
-             "off_joints": "the sheet will have no answer: more than a fifth of the drawn length lies on no joint",
-             "small": "the sheet will have no answer: no surveyed crack is wide enough to be visible"}
+    """Sentences on what forbids an answer whatever the runs give; most: draws that are asked
+    for."""
+    words = {
+        "draws": (
+            f"--draws {most}: the sheet will have no answer, for which {LEAST_DRAWS} draws have to"
+            f" resemble the survey; leave --draws out for up to {STEPS[-1]}"
+        ),
+        "off_joints": (
+            "the sheet will have no answer: more than a fifth of the drawn length lies on no joint"
+        ),
+        "small": "the sheet will have no answer: no surveyed crack is wide enough to be visible",
+    }
     return [words[why] for why, _ in reasons(survey.as_dict(), most, 0.0)]
 
 
 def _state_runs(jobs, steps):
-    """Print the number of runs of the first draws, and of the most that may follow, before anything starts."""
+    """Print the number of runs of the first draws, and of the most that may follow, before anything
+    starts."""
     words = [f"{2 * draws} runs of {draws} draws" for draws in dict.fromkeys((steps[0], steps[-1]))]
-    print(f"expected: {words[0]}, {jobs} at a time"
-          + (f"; up to {words[1]}, if the intervals or an answer need them" if len(words) > 1 else "")
-          + f".  An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command continues after an "
-          "interruption.", flush=True)
+    print(
+        f"expected: {words[0]}, {jobs} at a time"
+        + (f"; up to {words[1]}, if the intervals or an answer need them" if len(words) > 1 else "")
+        + f".  An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command"
+        " continues after an interruption.",
+        flush=True,
+    )
 
 
 def _study(claim, out, draws):
@@ -132,8 +185,10 @@ def _ground(claim):
     if not claim.settlement:
         return {"drawn": list(DRAWN[0]), "distortion": list(DRAWN[1])}
     distortion = claim.settlement.get("distortion")
-    return {"profile": Path(str(claim.settlement["settle"])).name,
-            "distortion": None if distortion is None else fraction(str(distortion))}
+    return {
+        "profile": Path(str(claim.settlement["settle"])).name,
+        "distortion": None if distortion is None else fraction(str(distortion)),
+    }
 
 
 def _first(out, study):
@@ -149,12 +204,18 @@ def _evidence(history):
 
 def describe(numbers):
     """The answer in a few lines of text."""
-    lines = [f"{numbers['draws']} draws, effective number by priors of settlement "
-             + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())]
+    lines = [
+        f"{numbers['draws']} draws, effective number by priors of settlement "
+        + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())
+    ]
     said = in_words(numbers)
     lines += [f"no answer: {reason}" for reason in said["why"]] or said["answer"]
     if lacks_draws(numbers):
         needed = draws_needed(numbers)
-        lines.append(f"in proportion, about {number('en', needed)} draws would have {LEAST_DRAWS} like the survey; "
-                     "--draws N makes more" if np.isfinite(needed) else "not one draw resembles the survey")
+        lines.append(
+            f"in proportion, about {number('en', needed)} draws would have {LEAST_DRAWS} like the"
+            " survey; --draws N makes more"
+            if np.isfinite(needed)
+            else "not one draw resembles the survey"
+        )
     return "\n".join(lines)

@@ -36,14 +36,16 @@ from damage.version import VERSION
 
 SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
 ENOUGH = 0.1
-"""Half-width of the widest interval of the first table up to which no more draws are asked for [-]."""
+"""Half-width of the widest interval of the first table up to which no more draws are asked for
+[-]."""
 HOPE = 2.0
-"""`draws_needed`, an estimate to within about half, is out of reach above HOPE times the most draws."""
+"""`draws_needed`, an estimate to within about half, is out of reach above HOPE times the most
+draws."""
 
 
 class Likeness(NamedTuple):
-    """Of a survey and twins: away: distances (2, n) of STATES; weight: (2, n); strange: share of visible patterns that
-    are less strange than the survey [-]."""
+    """Of a survey and twins: away: distances (2, n) of STATES; weight: (2, n); strange: share of
+    visible patterns that are less strange than the survey [-]."""
 
     away: np.ndarray
     weight: np.ndarray
@@ -56,7 +58,9 @@ def likeness_of(twins, survey, wall):
     seen = [seen_of(survey, twins.opening_m[name], twins.offset_m[name], wall) for name in STATES]
     away = np.array([distances(mine, one, survey.width_error_m, known) for one in seen])
     shown = claimed(twins, seen)
-    pairs = pairwise(Seen(*map(np.concatenate, zip(*seen))).at(shown.ravel()), survey.width_error_m, known)
+    pairs = pairwise(
+        Seen(*map(np.concatenate, zip(*seen))).at(shown.ravel()), survey.width_error_m, known
+    )
     return Likeness(away, kernel(away, shown), strange_share(away[shown], pairs))
 
 
@@ -71,28 +75,53 @@ def claimed(twins, seen):
 
 
 def answers(twins, likeness, survey):
-    """What twins say by the Likeness of a survey: tables, widths, verdict and reasons for no answer; survey: as of
-    `Survey.as_dict`."""
+    """What twins say by the Likeness of a survey: tables, widths, verdict and reasons for no
+    answer; survey: as of `Survey.as_dict`."""
     away, like, strange = likeness
     first, second, wide, number = {}, {}, {}, {}
     for prior in map(str, PRIORS):
         every, worlds = worlds_of(twins, float(prior)), worlds_of(twins, float(prior), like)
-        first[prior], second[prior], number[prior] = table(every), table(worlds), effective(worlds.weight)
-        wide[prior] = {"all_draws": widths(every),
-                       "like_survey": widths(worlds, survey["max_width_mm"], survey["width_error_mm"])}
-    nearest = np.argsort(np.where(standing(twins), away, np.inf).ravel(), kind="stable")[:SHOWN_NEAREST]
+        first[prior], second[prior], number[prior] = (
+            table(every),
+            table(worlds),
+            effective(worlds.weight),
+        )
+        wide[prior] = {
+            "all_draws": widths(every),
+            "like_survey": widths(worlds, survey["max_width_mm"], survey["width_error_mm"]),
+        }
+    nearest = np.argsort(np.where(standing(twins), away, np.inf).ravel(), kind="stable")[
+        :SHOWN_NEAREST
+    ]
     return {
-        "draws": len(twins), "kernel": KERNEL, "farthest": FARTHEST, "all_draws": first, "like_survey": second,
-        "effective_draws": number, "crack_width_mm": wide, "stranger_than": strange,
-        "strangeness": strangeness(away.ravel()), "verdict": verdict(second),
-        "no_answer": [{"why": why, "value": value} for why, value in reasons(survey, min(number.values()), strange)],
-        "nearest": [{"life": int(twins.numbers[place % len(twins)]), "state": STATES[place // len(twins)],
-                     "distance": float(away.ravel()[place])} for place in nearest]}
+        "draws": len(twins),
+        "kernel": KERNEL,
+        "farthest": FARTHEST,
+        "all_draws": first,
+        "like_survey": second,
+        "effective_draws": number,
+        "crack_width_mm": wide,
+        "stranger_than": strange,
+        "strangeness": strangeness(away.ravel()),
+        "verdict": verdict(second),
+        "no_answer": [
+            {"why": why, "value": value}
+            for why, value in reasons(survey, min(number.values()), strange)
+        ],
+        "nearest": [
+            {
+                "life": int(twins.numbers[place % len(twins)]),
+                "state": STATES[place // len(twins)],
+                "distance": float(away.ravel()[place]),
+            }
+            for place in nearest
+        ],
+    }
 
 
 def enough(numbers, most):
-    """Whether to stop; most: draws that are made at most.  The intervals of the first table are narrow, and an answer
-    does not lack draws alone, or those that it lacks are out of reach."""
+    """Whether to stop; most: draws that are made at most.  The intervals of the first table are
+    narrow, and an answer does not lack draws alone, or those that it lacks are out of reach."""
     rows = [row for of in numbers["all_draws"].values() for row in of.values()]
     narrow = all(row["share"] is None or (row["high"] - row["low"]) / 2 <= ENOUGH for row in rows)
     return narrow and not (lacks_draws(numbers) and draws_needed(numbers) <= HOPE * most)
@@ -112,12 +141,38 @@ def draws_needed(numbers):
 def shaking(exposure, twins):
     """What shook the house: the events of the largest median PGV, and the end of the list."""
     found, gain = exposure.as_dict(), mean_gains(twins.events[SHAKEN])
-    names = ("time_utc", "magnitude", "place", "id", "epicentral_km", "median_mm_s", "one_percent_mm_s")
-    return {**{name: found[name] for name in (
-        "latitude", "longitude", "vs30_m_s", "model", "component", "from", "to", "catalogue_ends",
-        "largest_of_all_median_mm_s", "largest_of_all_one_percent_mm_s", "warnings")}, "n_events": len(found["events"]),
-        "events": [{**{name: event[name] for name in names}, "mean_psi_added": gain.get(event["id"], 0.0)}
-                   for event in strongest(found, SHOWN_EVENTS)]}
+    names = (
+        "time_utc",
+        "magnitude",
+        "place",
+        "id",
+        "epicentral_km",
+        "median_mm_s",
+        "one_percent_mm_s",
+    )
+    return {
+        **{
+            name: found[name]
+            for name in (
+                "latitude",
+                "longitude",
+                "vs30_m_s",
+                "model",
+                "component",
+                "from",
+                "to",
+                "catalogue_ends",
+                "largest_of_all_median_mm_s",
+                "largest_of_all_one_percent_mm_s",
+                "warnings",
+            )
+        },
+        "n_events": len(found["events"]),
+        "events": [
+            {**{name: event[name] for name in names}, "mean_psi_added": gain.get(event["id"], 0.0)}
+            for event in strongest(found, SHOWN_EVENTS)
+        ],
+    }
 
 
 def mean_gains(events):
@@ -127,43 +182,69 @@ def mean_gains(events):
 
 
 def by_event(twins):
-    """A row an event and point: Psi and widest crack at rest after it, 5, 50 and 95 % over the draws that have it."""
+    """A row an event and point: Psi and widest crack at rest after it, 5, 50 and 95 % over the
+    draws that have it."""
     rows = []
     for point, events in twins.events.items():
         for (time, name), of in events.groupby(["time_utc", "id"]):
-            rows.append({"point": point, "time_utc": time, "id": name, "draws": len(of), **{
-                column: np.quantile(of[column], RANGE).tolist() for column in ("psi", "crack_width_mm")}})
+            rows.append(
+                {
+                    "point": point,
+                    "time_utc": time,
+                    "id": name,
+                    "draws": len(of),
+                    **{
+                        column: np.quantile(of[column], RANGE).tolist()
+                        for column in ("psi", "crack_width_mm")
+                    },
+                }
+            )
     return rows
 
 
 def at_the_end(twins):
-    """Psi and widest crack [mm] after all events by what acted: 5, 50, 95 % of the walls that stand, and how many
-    fell."""
+    """Psi and widest crack [mm] after all events by what acted: 5, 50, 95 % of the walls that
+    stand, and how many fell."""
     found = {}
     for name, psi in twins.psi.items():
         stands = ~twins.fell[name]
-        found[name] = {"fell": int(twins.fell[name].sum()), **{
-            what: np.quantile(values[stands], RANGE).tolist() if stands.any() else None
-            for what, values in (("psi", psi), ("crack_width_mm", twins.width_m[name] / MILLIMETRE))}}
+        found[name] = {
+            "fell": int(twins.fell[name].sum()),
+            **{
+                what: np.quantile(values[stands], RANGE).tolist() if stands.any() else None
+                for what, values in (
+                    ("psi", psi),
+                    ("crack_width_mm", twins.width_m[name] / MILLIMETRE),
+                )
+            },
+        }
     return found
 
 
 def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
     """Every number of the sheet, fit for JSON.
 
-    wall: Layout; exposure: damage.applications.groningen.exposure.exposure.Exposure; choices: of `damage.applications.groningen.exposure.lives.Choices`, how motions
-    are chosen; settlement: {"profile", "distortion"} that was given, {"drawn": profiles, "distortion": bounds}
-    otherwise; evidence: {quantity: judgement} of `damage.measure.evidence`.
+    wall: Layout; exposure: damage.applications.groningen.exposure.exposure.Exposure; choices: of
+    `damage.applications.groningen.exposure.lives.Choices`, how motions are chosen; settlement:
+    {"profile", "distortion"} that was given, {"drawn": profiles, "distortion": bounds} otherwise;
+    evidence: {quantity: judgement} of `damage.measure.evidence`.
     """
     events = twins.events[SHAKEN]
     offsets = survey.table["offset"].notna().any() if len(survey.table) else False
     return {
-        "house": wall.wall.name, "date": f"{datetime.now(UTC):%Y-%m-%d}",
+        "house": wall.wall.name,
+        "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "made_by": {"software": VERSION, "commit": commit(), "draws": twins.made_by},
-        "shaking": shaking(exposure, twins), "settlement": settlement, "choices": choices,
+        "shaking": shaking(exposure, twins),
+        "settlement": settlement,
+        "choices": choices,
         "survey": survey.as_dict() | {"offsets_known": bool(offsets)},
-        "visible_from_mm": THRESHOLD / MILLIMETRE, "priors": list(PRIORS), "questions": list(BUT_FOR),
+        "visible_from_mm": THRESHOLD / MILLIMETRE,
+        "priors": list(PRIORS),
+        "questions": list(BUT_FOR),
         **answers(twins, likeness_of(twins, survey, wall), survey.as_dict()),
-        "at_the_end": at_the_end(twins), "by_event": by_event(twins),
+        "at_the_end": at_the_end(twins),
+        "by_event": by_event(twins),
         "events_per_draw": float(len(events) / events["life"].nunique()),
-        "evidence": evidence}
+        "evidence": evidence,
+    }

@@ -1,4 +1,5 @@
-"""The sheet of a claim: one A4 page of HTML, in English or Dutch, of the numbers of `damage.applications.groningen.claim.numbers`."""
+"""The sheet of a claim: one A4 page of HTML, in English or Dutch, of the numbers of
+`damage.applications.groningen.claim.numbers`."""
 
 import os
 from contextlib import suppress
@@ -8,31 +9,44 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
-from damage.applications.groningen.claim.answer import BUT_FOR, LEAST_DRAWS, MOST_OFF_JOINTS, ROWS, STRANGEST
+from damage.applications.groningen.claim.answer import (
+    BUT_FOR,
+    LEAST_DRAWS,
+    MOST_OFF_JOINTS,
+    ROWS,
+    STRANGEST,
+)
 from damage.applications.report.words import environment, number, of_hundred, words
 from damage.index import THRESHOLD
 from damage.measure.cracks import cracked, ends_of
 from damage.units import MILLIMETRE
 
 NUMBERS, SHEET, FORMER = "claim.json", "claim.html", "former-"
-"""Files of the numbers and the sheet; what their names begin with once they are of an earlier command."""
+"""Files of the numbers and the sheet; what their names begin with once they are of an earlier
+command."""
 MARGIN_MM, THINNEST_MM, DRAWN_MM = 60, 10, 40
-"""Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and what 1 mm adds."""
-_LIMITS = {"draws": LEAST_DRAWS, "strange": 100 * STRANGEST, "off_joints": 100 * MOST_OFF_JOINTS,
-           "small": THRESHOLD / MILLIMETRE}
+"""Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and
+what 1 mm adds."""
+_LIMITS = {
+    "draws": LEAST_DRAWS,
+    "strange": 100 * STRANGEST,
+    "off_joints": 100 * MOST_OFF_JOINTS,
+    "small": THRESHOLD / MILLIMETRE,
+}
 _PERCENT = "strange", "off_joints"
 
 
 def set_aside(out):
-    """Rename the sheet and the numbers of an earlier command in a folder, so that those of this one are not there
-    before it has made them, whatever ends it."""
+    """Rename the sheet and the numbers of an earlier command in a folder, so that those of this one
+    are not there before it has made them, whatever ends it."""
     for name in (SHEET, NUMBERS):
         with suppress(OSError):
             os.replace(Path(out) / name, Path(out) / f"{FORMER}{name}")
 
 
 def sheet(numbers, wall, survey, twins, language, json_name):
-    """The text of the sheet; numbers: of `numbers_of`; wall: Layout; survey: Survey; json_name: file of all numbers."""
+    """The text of the sheet; numbers: of `numbers_of`; wall: Layout; survey: Survey; json_name:
+    file of all numbers."""
     say, shown = partial(words, language), partial(number, language)
 
     def ranges(three):
@@ -41,42 +55,86 @@ def sheet(numbers, wall, survey, twins, language, json_name):
         least, middle, most = (shown(round(value, 2) + 0.0) for value in three)
         return Markup("{}<small>{}</small>").format(middle, say("range", least=least, most=most))
 
-    return environment().get_template("claim.html").render(
-        numbers=numbers, words=say, shown=shown, language=language, cell=of_hundred, ranges=ranges,
-        **in_words(numbers, language), rows=ROWS, but_for=BUT_FOR,
-        pictures=_pictures(numbers, wall, survey, twins, say, shown), taken=_taken(numbers, say, shown),
-        evidence=_evidence(numbers["evidence"], say), json_name=json_name,
-        software=_software(numbers["made_by"]))
+    return (
+        environment()
+        .get_template("claim.html")
+        .render(
+            numbers=numbers,
+            words=say,
+            shown=shown,
+            language=language,
+            cell=of_hundred,
+            ranges=ranges,
+            **in_words(numbers, language),
+            rows=ROWS,
+            but_for=BUT_FOR,
+            pictures=_pictures(numbers, wall, survey, twins, say, shown),
+            taken=_taken(numbers, say, shown),
+            evidence=_evidence(numbers["evidence"], say),
+            json_name=json_name,
+            software=_software(numbers["made_by"]),
+        )
+    )
 
 
 def _software(made_by):
     """The software that made a sheet, and its draws, in words; made_by: of `numbers_of`."""
     draws = made_by["draws"]
-    return (f"masonry-damage {made_by['software']}, commit {made_by['commit']}; draws: commit {draws['commit']}, model "
-            f"{draws['model_digest']}, measures {draws['measures_digest']}")
+    return (
+        f"masonry-damage {made_by['software']}, commit {made_by['commit']}; draws: commit"
+        f" {draws['commit']}, model {draws['model_digest']}, measures {draws['measures_digest']}"
+    )
 
 
 def in_words(numbers, language="en"):
-    """{"answer": sentences of the verdict, "why": sentences on why there is none, empty where there is one}, lists."""
+    """{"answer": sentences of the verdict, "why": sentences on why there is none, empty where there
+    is one}, lists."""
     say, shown = partial(words, language), partial(number, language)
-    why = [say(f"why_{one['why']}", value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
-               limit=shown(_LIMITS[one["why"]])) for one in numbers["no_answer"]]
+    why = [
+        say(
+            f"why_{one['why']}",
+            value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
+            limit=shown(_LIMITS[one["why"]]),
+        )
+        for one in numbers["no_answer"]
+    ]
     return {"answer": _answer(numbers, say, shown), "why": why}
 
 
 def _answer(numbers, say, shown):
-    """Sentences of the verdict, a list; the last is what the earthquakes added by the draws like the survey, over all
-    priors."""
+    """Sentences of the verdict, a list; the last is what the earthquakes added by the draws like
+    the survey, over all priors."""
     found = []
     for name in BUT_FOR:
-        shares = [100 * one[name]["share"] for one in numbers["like_survey"].values() if one[name]["share"] is not None]
-        ranges = "-".join(str(one) for one in sorted({round(min(shares)), round(max(shares))})) if shares else "-"
+        shares = [
+            100 * one[name]["share"]
+            for one in numbers["like_survey"].values()
+            if one[name]["share"] is not None
+        ]
+        ranges = (
+            "-".join(str(one) for one in sorted({round(min(shares)), round(max(shares))}))
+            if shares
+            else "-"
+        )
         found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
-    added = [one["like_survey"]["added"] for one in numbers["crack_width_mm"].values() if one["like_survey"]["added"]]
+    added = [
+        one["like_survey"]["added"]
+        for one in numbers["crack_width_mm"].values()
+        if one["like_survey"]["added"]
+    ]
     if added:
-        least, most = (round(one, 2) + 0.0 for one in (min(one[0] for one in added), max(one[2] for one in added)))
-        found.append(say("added_width" if least >= 0 else "changed_width", least=shown(least), most=shown(most),
-                         now=shown(numbers["survey"]["max_width_mm"])))
+        least, most = (
+            round(one, 2) + 0.0
+            for one in (min(one[0] for one in added), max(one[2] for one in added))
+        )
+        found.append(
+            say(
+                "added_width" if least >= 0 else "changed_width",
+                least=shown(least),
+                most=shown(most),
+                now=shown(numbers["survey"]["max_width_mm"]),
+            )
+        )
     return found
 
 
@@ -86,24 +144,39 @@ def _taken(numbers, say, shown):
         least, most = (round(1 / one) for one in given["distortion"])
         ground = say("settled_drawn", least=least, most=most)
     elif given["distortion"]:
-        ground = say("settled_given", profile=say(f"profile_{given['profile']}"),
-                     distortion=round(1 / given["distortion"]))
+        ground = say(
+            "settled_given",
+            profile=say(f"profile_{given['profile']}"),
+            distortion=round(1 / given["distortion"]),
+        )
     else:
         ground = say("settled_file", profile=given["profile"])
     return [
-        ground, say("draws", n=numbers["draws"], events=shown(numbers["events_per_draw"]),
-                    above=shown(numbers["choices"]["above_mm_s"]), kernel=shown(numbers["kernel"]),
-                    farthest=shown(numbers["farthest"]),
-                    fell=numbers["at_the_end"]["earthquakes"]["fell"],
-                    fell_settled=numbers["at_the_end"]["both"]["fell"]),
+        ground,
+        say(
+            "draws",
+            n=numbers["draws"],
+            events=shown(numbers["events_per_draw"]),
+            above=shown(numbers["choices"]["above_mm_s"]),
+            kernel=shown(numbers["kernel"]),
+            farthest=shown(numbers["farthest"]),
+            fell=numbers["at_the_end"]["earthquakes"]["fell"],
+            fell_settled=numbers["at_the_end"]["both"]["fell"],
+        ),
         *_windows(numbers["choices"].get("strong"), say, shown),
-        say("widths_used"), say("detection", limit=shown(survey["detection_limit_mm"]),
-                                error=shown(survey["width_error_mm"])),
-        say("offsets_yes" if survey["offsets_known"] else "offsets_no")]
+        say("widths_used"),
+        say(
+            "detection",
+            limit=shown(survey["detection_limit_mm"]),
+            error=shown(survey["width_error_mm"]),
+        ),
+        say("offsets_yes" if survey["offsets_known"] else "offsets_no"),
+    ]
 
 
 def _windows(strong, say, shown):
-    """What the windows of the records leave out, a list of sentences; strong: as of Choices, None where nothing."""
+    """What the windows of the records leave out, a list of sentences; strong: as of Choices, None
+    where nothing."""
     if not any(strong or ()):
         return []
     return [say("windows", first=shown(100 * strong[0]), last=shown(100 - 100 * strong[1]))]
@@ -112,19 +185,32 @@ def _windows(strong, say, shown):
 def _evidence(evidence, say):
     outside = [say(f"quantity {name}") for name, one in evidence.items() if one["inside"] is False]
     known = sum(one["inside"] is not None for one in evidence.values())
-    return say("outside", found=len(outside), known=known, names=", ".join(outside)) if outside else \
-        say("inside", known=known)
+    return (
+        say("outside", found=len(outside), known=known, names=", ".join(outside))
+        if outside
+        else say("inside", known=known)
+    )
 
 
 # --- pictures ------------------------------------------------------------------------------------
 
+
 def _pictures(numbers, wall, survey, twins, say, shown):
     """(SVG, caption) of the survey and of the nearest computed walls."""
     of, parts = numbers["survey"], survey.pattern.stretches
-    caption = say("survey_is", cracks=of["cracks"], length=shown(of["crack_length_m"]),
-                  width=shown(of["max_width_mm"]), share=round(100 * of["share_on_joints"]))
-    found = [(front(wall, ends_of(parts), parts["width_m"].to_numpy(float), "#b00", say("survey")),
-              f"{say('survey')}: {caption}")]
+    caption = say(
+        "survey_is",
+        cracks=of["cracks"],
+        length=shown(of["crack_length_m"]),
+        width=shown(of["max_width_mm"]),
+        share=round(100 * of["share_on_joints"]),
+    )
+    found = [
+        (
+            front(wall, ends_of(parts), parts["width_m"].to_numpy(float), "#b00", say("survey")),
+            f"{say('survey')}: {caption}",
+        )
+    ]
     for one in numbers["nearest"]:
         k = int(np.flatnonzero(twins.numbers == one["life"])[0])
         width = np.hypot(twins.opening_m[one["state"]][k], twins.offset_m[one["state"]][k])
@@ -135,7 +221,8 @@ def _pictures(numbers, wall, survey, twins, say, shown):
 
 
 def front(wall, ends, width_m, colour, label):
-    """SVG of a Layout's bricks with cracks: ends (n, 2, 2) [m], width_m (n,); widths are drawn larger."""
+    """SVG of a Layout's bricks with cracks: ends (n, 2, 2) [m], width_m (n,); widths are drawn
+    larger."""
     bodies, n = wall.bodies, wall.n_bricks
     length, height = wall.wall.length / MILLIMETRE, wall.wall.built_height / MILLIMETRE
 
@@ -143,13 +230,20 @@ def front(wall, ends, width_m, colour, label):
         return f"{value / MILLIMETRE:.0f}"
 
     bricks = "".join(
-        f"M{mm(x - a / 2)} {mm(wall.wall.built_height - z - b / 2)}h{mm(a)}v{mm(b)}h-{mm(a)}z" for x, z, a, b in zip(
-            *(getattr(bodies, name)[:n] for name in ("x", "z", "length", "height"))))
+        f"M{mm(x - a / 2)} {mm(wall.wall.built_height - z - b / 2)}h{mm(a)}v{mm(b)}h-{mm(a)}z"
+        for x, z, a, b in zip(
+            *(getattr(bodies, name)[:n] for name in ("x", "z", "length", "height"))
+        )
+    )
     lines = "".join(
-        f'<path d="M{mm(a[0])} {mm(wall.wall.built_height - a[1])}L{mm(b[0])} {mm(wall.wall.built_height - b[1])}" '
-        f'stroke-width="{THINNEST_MM + DRAWN_MM * min(w / MILLIMETRE, 2.0):.0f}"/>' for (a, b), w in zip(ends, width_m))
+        f'<path d="M{mm(a[0])} {mm(wall.wall.built_height - a[1])}L{mm(b[0])}'
+        f' {mm(wall.wall.built_height - b[1])}"'
+        f' stroke-width="{THINNEST_MM + DRAWN_MM * min(w / MILLIMETRE, 2.0):.0f}"/>'
+        for (a, b), w in zip(ends, width_m)
+    )
     box = f"{-MARGIN_MM} {-MARGIN_MM} {length + 2 * MARGIN_MM:.0f} {height + 2 * MARGIN_MM:.0f}"
     return Markup(
-        f'<svg viewBox="{box}" role="img" aria-label="{Markup.escape(label)}"><path class="bricks" d="{bricks}"/>'
-        f'<path class="ground" d="M{-MARGIN_MM} {height:.0f}h{length + 2 * MARGIN_MM:.0f}"/>'
-        f'<g stroke="{colour}">{lines}</g></svg>')
+        f'<svg viewBox="{box}" role="img" aria-label="{Markup.escape(label)}"><path class="bricks"'
+        f' d="{bricks}"/><path class="ground" d="M{-MARGIN_MM}'
+        f' {height:.0f}h{length + 2 * MARGIN_MM:.0f}"/><g stroke="{colour}">{lines}</g></svg>'
+    )

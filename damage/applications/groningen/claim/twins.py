@@ -1,8 +1,10 @@
-"""Twins: each draw of motions, site, strengths and settlement by both causes, by each alone, and by none.
+"""Twins: each draw of motions, site, strengths and settlement by both causes, by each alone, and by
+none.
 
-A study has two points of lives with common random numbers: *shaken*, by the earthquakes on ground at rest, and *both*,
-on ground that settled before the first one.  What the settlement did alone is where *both* stood before the first
-earthquake, and a wall without either cause is where *shaken* stood.
+A study has two points of lives with common random numbers: *shaken*, by the earthquakes on ground
+at rest, and *both*, on ground that settled before the first one.  What the settlement did alone is
+where *both* stood before the first earthquake, and a wall without either cause is where *shaken*
+stood.
 """
 
 from dataclasses import dataclass, field
@@ -19,14 +21,26 @@ from damage.applications.studies.definition import load_study
 from damage.applications.studies.records import read_records
 from damage.errors import InputError
 from damage.measure.columns import MADE_BY
-from damage.measure.cracks import PSI_FROM, close_pairs, count_cracks, cracked, mean_width, psi_value
+from damage.measure.cracks import (
+    PSI_FROM,
+    close_pairs,
+    count_cracks,
+    cracked,
+    mean_width,
+    psi_value,
+)
 from damage.provenance import UNKNOWN
 from damage.wall.geometry import joint_table, tributary_ends
 
 NAME = "claim.toml"
 SHAKEN, BOTH = "shaken", "both"
 """Points of the study."""
-STATES = {"none": (SHAKEN, START), "settlement": (BOTH, SETTLED), "earthquakes": (SHAKEN, None), "both": (BOTH, None)}
+STATES = {
+    "none": (SHAKEN, START),
+    "settlement": (BOTH, SETTLED),
+    "earthquakes": (SHAKEN, None),
+    "both": (BOTH, None),
+}
 """{what acted: (point, moment of `damage.applications.cracks.kept`, None for the last)}."""
 DRAWN = ("hogging", "sagging", "knick"), (1 / 6000, 1 / 450)
 """Profiles and distortions that the settlement is drawn from where nothing is known of it."""
@@ -35,12 +49,13 @@ DRAWN = ("hogging", "sagging", "knick"), (1 / 6000, 1 / 450)
 def write_twins(folder, wall, address, options, settlement, draws):
     """Write the study of a claim into a folder; returns its path.
 
-    wall, address, options: as of `damage.applications.groningen.life.results.write_study`; settlement: options of a settlement of known shape
-    and size, {} for one of DRAWN; draws: their number.
+    wall, address, options: as of `damage.applications.groningen.life.results.write_study`;
+    settlement: options of a settlement of known shape and size, {} for one of DRAWN; draws: their
+    number.
     """
     ground = {} if settlement else dict(zip(("settle", "distortion"), map(list, DRAWN)))
-    # For both, so that they differ by the settlement alone: by default, settled walls would take explicit steps and
-    # local damping, the others mass scaling and adaptive damping.
+    # For both, so that they differ by the settlement alone: by default, settled walls would take
+    # explicit steps and local damping, the others mass scaling and adaptive damping.
     options = {"supports": "bricks", "settling": "adaptive", **options}
     points = {SHAKEN: (address, options), BOTH: (address | ground, options | settlement)}
     return write_points(Path(folder) / NAME, wall, points, draws, "claim")
@@ -50,10 +65,11 @@ def write_twins(folder, wall, address, options, settlement, draws):
 class Twins:
     """The draws of a claim that are done.
 
-    numbers: (n,) of the lives; opening_m, offset_m: {of STATES: (n, n_joints)} [m] at rest; fell: {of STATES: (n,)};
-    ends: (n_joints, 2, 2) [m] and length_m: (n_joints,) of the contact points; events: {of SHAKEN, BOTH: table of
-    `damage.applications.groningen.life.results.life_of` of all draws}; settlement: a row a draw: profile, distortion; made_by: {of MADE_BY:
-    what it was when the draws were made}.
+    numbers: (n,) of the lives; opening_m, offset_m: {of STATES: (n, n_joints)} [m] at rest; fell:
+    {of STATES: (n,)}; ends: (n_joints, 2, 2) [m] and length_m: (n_joints,) of the contact points;
+    events: {of SHAKEN, BOTH: table of `damage.applications.groningen.life.results.life_of` of all
+    draws}; settlement: a row a draw: profile, distortion; made_by: {of MADE_BY: what it was when
+    the draws were made}.
     """
 
     numbers: np.ndarray
@@ -73,22 +89,42 @@ class Twins:
         """Those at an index or flags."""
         of = lambda table: {name: values[which] for name, values in table.items()}  # noqa: E731
         numbers = self.numbers[which]
-        return Twins(numbers, of(self.opening_m), of(self.offset_m), of(self.fell), self.ends, self.length_m,
-                     {name: table[table["life"].isin(numbers)] for name, table in self.events.items()},
-                     self.settlement.iloc[which], self.made_by)
+        return Twins(
+            numbers,
+            of(self.opening_m),
+            of(self.offset_m),
+            of(self.fell),
+            self.ends,
+            self.length_m,
+            {name: table[table["life"].isin(numbers)] for name, table in self.events.items()},
+            self.settlement.iloc[which],
+            self.made_by,
+        )
 
     @cached_property
     def width_m(self):
         """{of STATES: width of the widest crack (n,) [m]}, infinite of a wall that fell."""
-        return {name: np.where(self.fell[name], np.inf, np.hypot(self.opening_m[name], self.offset_m[name]).max(axis=1))
-                for name in STATES}
+        return {
+            name: np.where(
+                self.fell[name],
+                np.inf,
+                np.hypot(self.opening_m[name], self.offset_m[name]).max(axis=1),
+            )
+            for name in STATES
+        }
 
     @cached_property
     def psi(self):
         """{of STATES: Psi (n,)}, infinite of a wall that fell."""
         pairs = close_pairs(self.ends)
-        return {name: np.where(self.fell[name], np.inf, psi_of(
-            np.hypot(self.opening_m[name], self.offset_m[name]), self.length_m, pairs)) for name in STATES}
+        return {
+            name: np.where(
+                self.fell[name],
+                np.inf,
+                psi_of(np.hypot(self.opening_m[name], self.offset_m[name]), self.length_m, pairs),
+            )
+            for name in STATES
+        }
 
 
 def psi_of(width_m, length_m, pairs):
@@ -102,40 +138,71 @@ def psi_of(width_m, length_m, pairs):
 
 
 def read_twins(folder, layout):
-    """The Twins of a claim's folder whose runs are both done; layout: of the wall.  Raises InputError without one."""
+    """The Twins of a claim's folder whose runs are both done; layout: of the wall.  Raises
+    InputError without one."""
     folder = Path(folder)
     study, records = load_study(folder / NAME, "reference"), read_records(folder)
     done = {SHAKEN: {}, BOTH: {}}
     for run in study.runs:
-        of = {run.offset + number: (record, folder / FOLDER / f"{run.name(number)}{ENDING}")
-              for number, record in records.of_point(run).items()}
-        done[run.point.partition("_from")[0]] |= {number: one for number, one in of.items() if one[1].is_file()}
+        of = {
+            run.offset + number: (record, folder / FOLDER / f"{run.name(number)}{ENDING}")
+            for number, record in records.of_point(run).items()
+        }
+        done[run.point.partition("_from")[0]] |= {
+            number: one for number, one in of.items() if one[1].is_file()
+        }
     numbers = sorted(done[SHAKEN].keys() & done[BOTH].keys())
     if len(numbers) < 2:
-        raise InputError(f"{folder}: {len(numbers)} draws are done; expected at least two; run the claim again")
-    patterns = {point: [read_patterns(path, record.get("patterns")) for record, path in map(of.get, numbers)]
-                for point, of in done.items()}
-    whole = {name: np.array([one.at(moment, layout.n_joints) for one in patterns[point]], "f4")
-             for name, (point, moment) in STATES.items()}
+        raise InputError(
+            f"{folder}: {len(numbers)} draws are done; expected at least two; run the claim again"
+        )
+    patterns = {
+        point: [
+            read_patterns(path, record.get("patterns")) for record, path in map(of.get, numbers)
+        ]
+        for point, of in done.items()
+    }
+    whole = {
+        name: np.array([one.at(moment, layout.n_joints) for one in patterns[point]], "f4")
+        for name, (point, moment) in STATES.items()
+    }
     draws = {point: read_address(folder / f"{point}.address.toml") for point in done}
     rows = {point: [done[point][number][0]["row"] for number in numbers] for point in done}
-    fell = {point: np.array([row.get("collapsed_at_s") is not None for row in rows[point]]) for point in done}
+    fell = {
+        point: np.array([row.get("collapsed_at_s") is not None for row in rows[point]])
+        for point in done
+    }
     return Twins(
-        np.array(numbers), *({name: of[:, k] for name, of in whole.items()} for k in (0, 1)),
-        {name: fell[point] if moment is None else np.zeros(len(numbers), bool)
-         for name, (point, moment) in STATES.items()},
-        tributary_ends(joint_table(layout))[:layout.n_joints], layout.contacts.length[:layout.n_joints],
-        {point: pd.concat([life_of(done[point][number][0], draws[point], number) for number in numbers],
-                          ignore_index=True) for point in done},
-        pd.DataFrame([{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]),
-        _made_by(folder, [row for of in rows.values() for row in of]))
+        np.array(numbers),
+        *({name: of[:, k] for name, of in whole.items()} for k in (0, 1)),
+        {
+            name: fell[point] if moment is None else np.zeros(len(numbers), bool)
+            for name, (point, moment) in STATES.items()
+        },
+        tributary_ends(joint_table(layout))[: layout.n_joints],
+        layout.contacts.length[: layout.n_joints],
+        {
+            point: pd.concat(
+                [life_of(done[point][number][0], draws[point], number) for number in numbers],
+                ignore_index=True,
+            )
+            for point in done
+        },
+        pd.DataFrame(
+            [{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]
+        ),
+        _made_by(folder, [row for of in rows.values() for row in of]),
+    )
 
 
 def _made_by(folder, rows):
-    """`made_by` of Twins; rows: of their runs.  Raises InputError where they are of more than one version."""
+    """`made_by` of Twins; rows: of their runs.  Raises InputError where they are of more than one
+    version."""
     found = {name: sorted({str(row.get(name) or UNKNOWN) for row in rows}) for name in MADE_BY}
     for name, of in found.items():
         if name.endswith("digest") and len(of) > 1:
-            raise InputError(f"{folder}: draws of {len(of)} versions, {name} {', '.join(of)}: expected one on a sheet; "
-                             "make the claim again with --remake")
+            raise InputError(
+                f"{folder}: draws of {len(of)} versions, {name} {', '.join(of)}: expected one on a"
+                " sheet; make the claim again with --remake"
+            )
     return {name: ", ".join(of) for name, of in found.items()}

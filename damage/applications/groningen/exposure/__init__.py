@@ -1,1 +1,2 @@
-"""Exposure of an address: the earthquakes of a catalogue and the ground motion that they caused there."""
+"""Exposure of an address: the earthquakes of a catalogue and the ground motion that they caused
+there."""

@@ -1,10 +1,10 @@
-"""Earthquake catalogues: a CSV table, as the one that ships, KNMI's public list all_induced.csv, or the text of an FDSN
-event service.
+"""Earthquake catalogues: a CSV table, as the one that ships, KNMI's public list all_induced.csv, or
+the text of an FDSN event service.
 
-A catalogue of other origin may hold what the ground-motion models are not for.  Left out are events that are no
-earthquakes by their type, tectonic ones by their depth, those of other places than the Groningen field, and all but one
-of an earthquake that several agencies list: the shallower than SHALLOW_KM, then the larger.  `Catalogue.notes` says
-which.
+A catalogue of other origin may hold what the ground-motion models are not for.  Left out are events
+that are no earthquakes by their type, tectonic ones by their depth, those of other places than the
+Groningen field, and all but one of an earthquake that several agencies list: the shallower than
+SHALLOW_KM, then the larger.  `Catalogue.notes` says which.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from damage.applications.groningen.exposure.places import NETHERLANDS_DEG, NETHERLANDS_RD_M, to_rd, within
+from damage.applications.groningen.exposure.places import (
+    NETHERLANDS_DEG,
+    NETHERLANDS_RD_M,
+    to_rd,
+    within,
+)
 from damage.checks import check_file
 from damage.csv_table import MOST_MB, MOST_ROWS, as_words, read_csv
 from damage.elementary import hypot
@@ -27,28 +32,50 @@ SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
 """The catalogue that ships: its README says what it is."""
 MAGNITUDES = (-3.0, 10.0)
 SHALLOW_KM, DEEPEST_KM = 5.0, 10.0
-"""Depths beyond which events are named, since models take the field's 3 km, and are left out: 10 km is what agencies
-without near stations fix, and no gas field is deeper."""
+"""Depths beyond which events are named, since models take the field's 3 km, and are left out: 10 km
+is what agencies without near stations fix, and no gas field is deeper."""
 BESIDE_KM = 10.0
-"""Farthest that an event of the field may be from the nearest epicentre of the catalogue that ships."""
+"""Farthest that an event of the field may be from the nearest epicentre of the catalogue that
+ships."""
 ONE_EVENT = {True: (10.0, 25.0), False: (2.0, 5.0)}
-"""Largest difference of time [s] and epicentre [km] of one earthquake in two lines, by whether they name different
-agencies: KNMI's own list has two events 3 s apart."""
+"""Largest difference of time [s] and epicentre [km] of one earthquake in two lines, by whether they
+name different agencies: KNMI's own list has two events 3 s apart."""
 MOST_GAP_DAYS = 60
-"""Days between a catalogue and later events from which a gap is named: the field had shakes every week or two."""
+"""Days between a catalogue and later events from which a gap is named: the field had shakes every
+week or two."""
 _EARTHQUAKE = "earthquake", "induced", "triggered", "extraction", "injection"
 _NO_TYPE = "", "not reported", "unknown"
 _GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
 _WORDS = Column("", "", "U")
-_CSV = {"date_utc": _WORDS, "time_utc": _WORDS, "magnitude": Column("1", "local magnitude"),
-        **dict.fromkeys(_GRID, Column("m", "epicentre in RD")),
-        **dict.fromkeys(_DEGREES, Column("degrees", "epicentre")),
-        "depth_km": Column("km", "depth"), **dict.fromkeys(("field", "place", "knmi_id"), _WORDS)}
-_FDSN = {"eventid": "id", "time": "time", "latitude": "latitude", "longitude": "longitude", "magnitude": "magnitude",
-         "eventlocationname": "place", "depth/km": "depth", "eventtype": "type",
-         "catalog": "agency"}  # heading in lower case: name here; others are passed over
-_KNMI = {"YYMMDD": "date_utc", "TIME": "time_utc", "LOCATION": "place", "LAT": "latitude", "LON": "longitude",
-         "DEPTH": "depth_km", "MAG": "magnitude"}  # of all_induced.csv, 20180419 and 093307.59
+_CSV = {
+    "date_utc": _WORDS,
+    "time_utc": _WORDS,
+    "magnitude": Column("1", "local magnitude"),
+    **dict.fromkeys(_GRID, Column("m", "epicentre in RD")),
+    **dict.fromkeys(_DEGREES, Column("degrees", "epicentre")),
+    "depth_km": Column("km", "depth"),
+    **dict.fromkeys(("field", "place", "knmi_id"), _WORDS),
+}
+_FDSN = {
+    "eventid": "id",
+    "time": "time",
+    "latitude": "latitude",
+    "longitude": "longitude",
+    "magnitude": "magnitude",
+    "eventlocationname": "place",
+    "depth/km": "depth",
+    "eventtype": "type",
+    "catalog": "agency",
+}  # heading in lower case: name here; others are passed over
+_KNMI = {
+    "YYMMDD": "date_utc",
+    "TIME": "time_utc",
+    "LOCATION": "place",
+    "LAT": "latitude",
+    "LON": "longitude",
+    "DEPTH": "depth_km",
+    "MAG": "magnitude",
+}  # of all_induced.csv, 20180419 and 093307.59
 _FDSN_NEEDED = ("time", "latitude", "longitude", "magnitude")
 
 
@@ -56,8 +83,8 @@ _FDSN_NEEDED = ("time", "latitude", "longitude", "magnitude")
 class Catalogue:
     """Events in the order of time, read-only arrays of one length.
 
-    time: datetimes, UTC; magnitude [-]; x_m, y_m: epicentres in RD [m]; place, id: text; source: path of the file;
-    notes: sentences on events that were left out, or are doubtful.
+    time: datetimes, UTC; magnitude [-]; x_m, y_m: epicentres in RD [m]; place, id: text; source:
+    path of the file; notes: sentences on events that were left out, or are doubtful.
     """
 
     time: np.ndarray
@@ -83,23 +110,29 @@ class Catalogue:
         return self.time[0].year, self.time[-1].year
 
     def between(self, first, last):
-        """The events of the years `first` to `last`, both included, None for the catalogue's own.  Raises InputError
-        for years that it does not have, or that hold no event."""
+        """The events of the years `first` to `last`, both included, None for the catalogue's own.
+        Raises InputError for years that it does not have, or that hold no event."""
         begins, ends = self.years
         first, last = begins if first is None else first, ends if last is None else last
         for option, year in (("--from", first), ("--to", last)):
             if not begins <= year <= ends:
-                raise InputError(f"{option} {year}: the first event of {self.source} is of {begins}, its last of "
-                                 f"{ends}; expected a year from {begins} to {ends}")
+                raise InputError(
+                    f"{option} {year}: the first event of {self.source} is of {begins}, its last of"
+                    f" {ends}; expected a year from {begins} to {ends}"
+                )
         kept = np.array([first <= time.year <= last for time in self.time])
         if not kept.any():
-            raise InputError(f"--from {first} --to {last}: {self.source} has no event in these years; expected a first "
-                             "year before the last, and a longer time")
+            raise InputError(
+                f"--from {first} --to {last}: {self.source} has no event in these years; expected a"
+                " first year before the last, and a longer time"
+            )
         return self.at(kept)
 
     def at(self, which):
         """The events at an index, a slice or flags."""
-        return Catalogue(*(getattr(self, name)[which] for name in _COLUMNS), self.source, self.notes)
+        return Catalogue(
+            *(getattr(self, name)[which] for name in _COLUMNS), self.source, self.notes
+        )
 
 
 _COLUMNS = "time", "magnitude", "x_m", "y_m", "place", "id"
@@ -108,61 +141,93 @@ _COLUMNS = "time", "magnitude", "x_m", "y_m", "place", "id"
 def read_catalogue(path=SHIPPED):
     """Read a Catalogue.  Raises InputError, with the line, where the file does not fit.
 
-    CSV: columns date_utc, time_utc, magnitude and either easting_rd_m, northing_rd_m or latitude, longitude; depth_km,
-    field, place, knmi_id may be there.  KNMI's all_induced.csv: as it is.  FDSN text: a first line
-    #EventID|Time|Latitude|Longitude|...|Magnitude, of whose other columns Depth/km, EventType and Catalog are read.
-    """
+    CSV: columns date_utc, time_utc, magnitude and either easting_rd_m, northing_rd_m or latitude,
+    longitude; depth_km, field, place, knmi_id may be there.  KNMI's all_induced.csv: as it is.
+    FDSN text: a first line #EventID|Time|Latitude|Longitude|...|Magnitude, of whose other columns
+    Depth/km, EventType and Catalog are read."""
     check_file(path, "a catalogue of earthquakes (CSV or FDSN text)", MOST_MB)
     with open(path, "rb") as file:
         first = file.readline()
     if first.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"{", b"[")):
-        raise InputError(f"{path}: XML or JSON; expected CSV, or the text of an FDSN event service; ask it for "
-                         "format=text")
+        raise InputError(
+            f"{path}: XML or JSON; expected CSV, or the text of an FDSN event service; ask it for "
+            "format=text"
+        )
     by = _read_fdsn if b"|" in first else _read_knmi if b"YYMMDD" in first else _read_csv
     return by(path)
 
 
 def with_later(path, base=SHIPPED):
-    """The Catalogue at `base` with the events of the file at `path` that are later than its last one, and sentences on
-    what the file adds.  Raises InputError where it adds none."""
+    """The Catalogue at `base` with the events of the file at `path` that are later than its last
+    one, and sentences on what the file adds.  Raises InputError where it adds none."""
     known, found = read_catalogue(base), read_catalogue(path)
     later = np.array([time > known.end for time in found.time])
     if not later.any():
-        raise InputError(f"{path}: its last event is of {found.end:%Y-%m-%d}, the catalogue's of {known.end:%Y-%m-%d}; "
-                         "expected later ones; ask the service for events from that day on")
+        raise InputError(
+            f"{path}: its last event is of {found.end:%Y-%m-%d}, the catalogue's of"
+            f" {known.end:%Y-%m-%d}; expected later ones; ask the service for events from that"
+            " day on"
+        )
     new = found.at(later)
-    joined = Catalogue(*(np.concatenate([getattr(known, name), getattr(new, name)]) for name in _COLUMNS), str(base))
+    joined = Catalogue(
+        *(np.concatenate([getattr(known, name), getattr(new, name)]) for name in _COLUMNS),
+        str(base),
+    )
     largest = int(np.argmax(new.magnitude))
     gap = (new.time[0] - known.end).days
-    notes = [f"{len(new)} of {len(found)} events of {path} are later than {known.end:%Y-%m-%d}: from "
-             f"{new.time[0]:%Y-%m-%d} to {new.end:%Y-%m-%d}, the largest M {new.magnitude[largest]:.1f} of "
-             f"{new.time[largest]:%Y-%m-%d}", *found.notes]
+    notes = [
+        (
+            f"{len(new)} of {len(found)} events of {path} are later than {known.end:%Y-%m-%d}: from"
+            f" {new.time[0]:%Y-%m-%d} to {new.end:%Y-%m-%d}, the largest M"
+            f" {new.magnitude[largest]:.1f} of {new.time[largest]:%Y-%m-%d}"
+        ),
+        *found.notes,
+    ]
     if later.all() and gap > MOST_GAP_DAYS:
-        notes.append(f"between both lists are {gap} days without an event: look whether the file begins late enough "
-                     "before")
+        notes.append(
+            f"between both lists are {gap} days without an event: look whether the file begins late"
+            " enough before"
+        )
     return joined, notes
 
 
 def write_catalogue(catalogue, path):
     """Write a Catalogue as CSV that `read_catalogue` reads; returns its path."""
-    rows = as_words(pd.DataFrame({
-        "date_utc": [f"{time:%Y-%m-%d}" for time in catalogue.time],
-        "time_utc": [time.time().isoformat() for time in catalogue.time], "magnitude": catalogue.magnitude,
-        "easting_rd_m": catalogue.x_m, "northing_rd_m": catalogue.y_m, "place": catalogue.place,
-        "knmi_id": catalogue.id}))
+    rows = as_words(
+        pd.DataFrame(
+            {
+                "date_utc": [f"{time:%Y-%m-%d}" for time in catalogue.time],
+                "time_utc": [time.time().isoformat() for time in catalogue.time],
+                "magnitude": catalogue.magnitude,
+                "easting_rd_m": catalogue.x_m,
+                "northing_rd_m": catalogue.y_m,
+                "place": catalogue.place,
+                "knmi_id": catalogue.id,
+            }
+        )
+    )
     return write_text(path, rows.to_csv(index=False, lineterminator="\n"))
 
 
 def _read_knmi(path):
-    """KNMI's list of all induced earthquakes of the country: what lies in the sea beside it is left out."""
-    table = read_csv(path, dict.fromkeys((*_KNMI, "EVALMODE"), _WORDS) | {
-        known: _CSV[name] for known, name in _KNMI.items()}, tuple(_KNMI))
-    digits = table.rows["TIME"].str.extract(r"^(\d{1,6})(\.\d*)?$").fillna("")  # a spreadsheet takes zeros off
-    table.refuse(~table.rows["YYMMDD"].str.fullmatch(r"\d{8}") | (digits[0] == ""), "expected a date YYYYMMDD and a "
-                 "time HHMMSS.ss, such as 20180419 and 093307.59; correct it")
+    """KNMI's list of all induced earthquakes of the country: what lies in the sea beside it is left
+    out."""
+    table = read_csv(
+        path,
+        dict.fromkeys((*_KNMI, "EVALMODE"), _WORDS)
+        | {known: _CSV[name] for known, name in _KNMI.items()},
+        tuple(_KNMI),
+    )
+    # a spreadsheet takes zeros off
+    digits = table.rows["TIME"].str.extract(r"^(\d{1,6})(\.\d*)?$").fillna("")
+    table.refuse(
+        ~table.rows["YYMMDD"].str.fullmatch(r"\d{8}") | (digits[0] == ""),
+        "expected a date YYYYMMDD and a time HHMMSS.ss, such as 20180419 and 093307.59; correct it",
+    )
     clock = digits[0].str.zfill(6).str.replace(r"(..)(..)(..)", r"\1:\2:\3", regex=True)
     table.rows = table.rows.rename(columns=_KNMI).assign(
-        knmi_id="", time_utc=clock + digits[1].where(digits[1] != ".", ""))
+        knmi_id="", time_utc=clock + digits[1].where(digits[1] != ".", "")
+    )
     return _from_table(path, table, leave_out=True)
 
 
@@ -171,16 +236,21 @@ def _read_csv(path):
 
 
 def _from_table(path, table, leave_out=False):
-    """The Catalogue of a CsvTable with the columns of CSV; leave_out: whether to take events outside the country out
-    rather than to refuse the file."""
+    """The Catalogue of a CsvTable with the columns of CSV; leave_out: whether to take events
+    outside the country out rather than to refuse the file."""
     names = [_KNMI.get(name, name) for name in table.names]
     pairs = [pair for pair in (_GRID, _DEGREES) if all(name in names for name in pair)]
     if not pairs:
-        raise InputError(f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
-                         f"{' and '.join(_DEGREES)} [degrees]")
+        raise InputError(
+            f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
+            f"{' and '.join(_DEGREES)} [degrees]"
+        )
     table.refuse_empty(*pairs[0], "magnitude")
     rows = table.rows.rename(columns={"knmi_id": "id", "depth_km": "depth"}).assign(line=table.line)
-    times = [_time(f"{row.date_utc}T{row.time_utc}", f"{path} line {row.line}") for row in rows.itertuples()]
+    times = [
+        _time(f"{row.date_utc}T{row.time_utc}", f"{path} line {row.line}")
+        for row in rows.itertuples()
+    ]
     given = rows[[*pairs[0], "magnitude", "line", "place", "id", "depth"]]
     return _catalogue(path, times, given.assign(type="", agency=""), leave_out)
 
@@ -189,18 +259,31 @@ def _read_fdsn(path):
     lines = text_lines(path, Path(path).read_bytes(), 2 * MOST_ROWS, errors="replace")
     heads = [_FDSN.get(word.strip().lower()) for word in lines[0].lstrip("#").split("|")]
     if missing := [name for name in _FDSN_NEEDED if name not in heads]:
-        raise InputError(f"{path} line 1: no column {', '.join(missing)}; expected FDSN text that begins with "
-                         "#EventID|Time|Latitude|Longitude|Depth/km|Author|...|Magnitude|...")
+        raise InputError(
+            f"{path} line 1: no column {', '.join(missing)}; expected FDSN text that begins with "
+            "#EventID|Time|Latitude|Longitude|Depth/km|Author|...|Magnitude|..."
+        )
     rows, times = [], []
     for number, line in enumerate(lines[1:], 2):
         if not line.strip() or line.startswith("#"):
             continue
         cells, where = [cell.strip() for cell in line.split("|")], f"{path} line {number}"
         if len(cells) != len(heads):
-            raise InputError(f"{where}: {len(cells)} cells, the first line has {len(heads)}: expected as many, with | "
-                             "between")
-        row = {"place": "", "id": "", "depth": "", "type": "", "agency": "", **dict(zip(heads, cells))}
-        numbers = {name: _number(row[name], name, where) for name in ("magnitude", "latitude", "longitude")}
+            raise InputError(
+                f"{where}: {len(cells)} cells, the first line has {len(heads)}: expected as many,"
+                " with | between"
+            )
+        row = {
+            "place": "",
+            "id": "",
+            "depth": "",
+            "type": "",
+            "agency": "",
+            **dict(zip(heads, cells)),
+        }
+        numbers = {
+            name: _number(row[name], name, where) for name in ("magnitude", "latitude", "longitude")
+        }
         depth = _number(row["depth"], "depth", where) if row["depth"] else np.nan
         rows.append(row | numbers | {"depth": depth, "line": number})
         times.append(_time(row["time"], where))
@@ -212,20 +295,31 @@ def _read_fdsn(path):
 def _catalogue(path, times, table, leave_out=False):
     """A Catalogue of events, after a check of their ranges.
 
-    times: datetimes; table: columns line (number in the file), magnitude, those of _GRID or of _DEGREES, place, id,
-    depth [km], type and agency; depth NaN, the last two "" where the file does not say; leave_out: as of `_from_table`.
-    """
+    times: datetimes; table: columns line (number in the file), magnitude, those of _GRID or of
+    _DEGREES, place, id, depth [km], type and agency; depth NaN, the last two "" where the file does
+    not say; leave_out: as of `_from_table`."""
     least, most = MAGNITUDES
     in_grid = _GRID[0] in table
     bounds, pair = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)
     epicentres, magnitude = [table[name].to_numpy(float) for name in pair], table["magnitude"]
     outside = ~within(bounds, *epicentres)
     for wrong, problem in (
-            ((magnitude < least) | (magnitude > most), f"expected a magnitude from {least:g} to {most:g}"),
-            (outside & ~(leave_out & ~outside.all()), f"epicentre outside the Netherlands; expected {pair[0]} from "
-             f"{bounds[0][0]:g} to {bounds[0][1]:g} and {pair[1]} from {bounds[1][0]:g} to {bounds[1][1]:g}")):
+        (
+            (magnitude < least) | (magnitude > most),
+            f"expected a magnitude from {least:g} to {most:g}",
+        ),
+        (
+            outside & ~(leave_out & ~outside.all()),
+            (
+                f"epicentre outside the Netherlands; expected {pair[0]} from {bounds[0][0]:g} to"
+                f" {bounds[0][1]:g} and {pair[1]} from {bounds[1][0]:g} to {bounds[1][1]:g}"
+            ),
+        ),
+    ):
         if wrong.any():
-            raise InputError(f"{path} line {table['line'][int(np.argmax(wrong))]}: {problem}; correct it")
+            raise InputError(
+                f"{path} line {table['line'][int(np.argmax(wrong))]}: {problem}; correct it"
+            )
     lines, (x_m, y_m) = table["line"].to_numpy(), epicentres if in_grid else to_rd(*epicentres)
     table, notes = table.assign(x_m=x_m, y_m=y_m, time=pd.Series(times, dtype=object)), []
     table = table[~outside].sort_values("time", kind="stable", ignore_index=True)
@@ -233,8 +327,10 @@ def _catalogue(path, times, table, leave_out=False):
         away, (table, notes) = lines[outside], _of_the_field(table)
         notes = [f"left out as outside the Netherlands: {_lines(away)}"] * bool(len(away)) + notes
         if table.empty:
-            raise InputError(f"{path}: no event that the ground-motion models are for; expected induced earthquakes of "
-                             f"the Groningen field; {notes[0]}")
+            raise InputError(
+                f"{path}: no event that the ground-motion models are for; expected induced"
+                f" earthquakes of the Groningen field; {notes[0]}"
+            )
     columns = [table[name].to_numpy() for name in _COLUMNS]
     for column in columns:
         column.setflags(write=False)
@@ -242,32 +338,40 @@ def _catalogue(path, times, table, leave_out=False):
 
 
 def _of_the_field(table):
-    """The events of a table, in the order of time, that the models are for, and notes on the others."""
+    """The events of a table, in the order of time, that the models are for, and notes on the
+    others."""
     depth, kinds = table["depth"], table["type"].str.strip().str.lower()
     no_quake = ~kinds.isin(_NO_TYPE) & ~kinds.str.contains("|".join(_EARTHQUAKE))
     field_km = np.array(list(map(from_field_km, table["x_m"], table["y_m"])))
     kept, notes = np.ones(len(table), bool), []
-    for out, words in ((no_quake, "no earthquake by its type"),
-                       (depth > DEEPEST_KM, f"deeper than {DEEPEST_KM:g} km, as tectonic earthquakes are"),
-                       (field_km > BESIDE_KM, f"more than {BESIDE_KM:g} km from the epicentres of the field")):
+    for out, words in (
+        (no_quake, "no earthquake by its type"),
+        (depth > DEEPEST_KM, f"deeper than {DEEPEST_KM:g} km, as tectonic earthquakes are"),
+        (field_km > BESIDE_KM, f"more than {BESIDE_KM:g} km from the epicentres of the field"),
+    ):
         if (out & kept).any():
             notes.append(f"left out as {words}: {_lines(table['line'][out & kept])}")
         kept &= ~out
     deep = kept & (depth > SHALLOW_KM)
     if deep.any():
-        notes.append(f"deeper than {SHALLOW_KM:g} km, but taken at the field's depth, 3 km: "
-                     f"{_lines(table['line'][deep])}; take out what is not of the field")
+        notes.append(
+            f"deeper than {SHALLOW_KM:g} km, but taken at the field's depth, 3 km: "
+            f"{_lines(table['line'][deep])}; take out what is not of the field"
+        )
     rank = table["magnitude"] - 100 * deep  # by which the line of an earthquake stays
     chosen, pairs = _one_by_one(table.assign(rank=rank)[kept])
     return table.loc[chosen], notes + [
-        f"lines {stays.line} and {goes.line} are {seconds:.1f} s and {km:.1f} km apart (M {stays.magnitude:g} "
-        f"and {goes.magnitude:g}): taken as one earthquake, line {goes.line} left out; take out the other line "
-        "to have this one" for stays, goes, seconds, km in pairs]
+        f"lines {stays.line} and {goes.line} are {seconds:.1f} s and {km:.1f} km apart (M"
+        f" {stays.magnitude:g} and {goes.magnitude:g}): taken as one earthquake, line {goes.line}"
+        " left out; take out the other line to have this one"
+        for stays, goes, seconds, km in pairs
+    ]
 
 
 def _one_by_one(events):
-    """The index of the events of a table without those of an earthquake that is there already, of which the highest
-    rank stays, and (kept, left out, seconds, km) of each of these, rows as tuples."""
+    """The index of the events of a table without those of an earthquake that is there already, of
+    which the highest rank stays, and (kept, left out, seconds, km) of each of these, rows as
+    tuples."""
     kept, pairs = [], []
     for one in events.itertuples():
         for place in reversed(range(len(kept))):
@@ -307,7 +411,9 @@ def _time(words, where):
     try:
         time = datetime.fromisoformat(words.strip())
     except ValueError:
-        raise InputError(f"{where}: time {words!r}; expected such as 2018-01-08T14:00:52; correct it") from None
+        raise InputError(
+            f"{where}: time {words!r}; expected such as 2018-01-08T14:00:52; correct it"
+        ) from None
     return time.astimezone(UTC) if time.tzinfo else time.replace(tzinfo=UTC)
 
 

@@ -1,4 +1,5 @@
-"""What the earthquakes of a catalogue caused at a place: PGV of every event, by a ground-motion model."""
+"""What the earthquakes of a catalogue caused at a place: PGV of every event, by a ground-motion
+model."""
 
 import math
 from dataclasses import dataclass
@@ -22,19 +23,27 @@ LEVELS_MM_S = (1, 2, 5, 10)
 RARE = 0.01
 """Probability of the value that is reported beside the median."""
 REACH_KM = 25.0
-"""Farthest that a place may be from the nearest epicentre of the field [km]: to there the model was compared with
-records."""
+"""Farthest that a place may be from the nearest epicentre of the field [km]: to there the model was
+compared with records."""
 _NODES = 64  # of the quadrature over the site term
 
 COLUMNS = {
-    "time_utc": Column("", "origin time"), "magnitude": Column("1", "local magnitude ML"),
-    "place": Column("", "place nearest to the epicentre"), "id": Column("", "identifier of the catalogue"),
-    "latitude": Column("degree", "of the epicentre, WGS84"), "longitude": Column("degree", "of the epicentre, WGS84"),
-    "easting_rd_m": Column("m", "of the epicentre, RD New"), "northing_rd_m": Column("m", "of the epicentre, RD New"),
+    "time_utc": Column("", "origin time"),
+    "magnitude": Column("1", "local magnitude ML"),
+    "place": Column("", "place nearest to the epicentre"),
+    "id": Column("", "identifier of the catalogue"),
+    "latitude": Column("degree", "of the epicentre, WGS84"),
+    "longitude": Column("degree", "of the epicentre, WGS84"),
+    "easting_rd_m": Column("m", "of the epicentre, RD New"),
+    "northing_rd_m": Column("m", "of the epicentre, RD New"),
     "epicentral_km": Column("km", "distance of the epicentre"),
     "median_mm_s": Column("mm/s", "median PGV"),
     "one_percent_mm_s": Column("mm/s", "PGV that is exceeded with a probability of 1 %"),
-    **{f"p_over_{level}_mm_s": Column("1", f"probability of a PGV over {level} mm/s") for level in LEVELS_MM_S}}
+    **{
+        f"p_over_{level}_mm_s": Column("1", f"probability of a PGV over {level} mm/s")
+        for level in LEVELS_MM_S
+    },
+}
 """Columns of `Exposure.table`."""
 
 
@@ -42,7 +51,8 @@ COLUMNS = {
 class Exposure:
     """A place, the events of a catalogue and a ground-motion model; vs30_m_s: of the place [m/s].
 
-    Raises InputError where the place is farther than REACH_KM from all epicentres, or from those of the field.
+    Raises InputError where the place is farther than REACH_KM from all epicentres, or from those of
+    the field.
     """
 
     place: Place
@@ -55,14 +65,18 @@ class Exposure:
         nearest = int(np.argmin(self.distance_km))
         if self.distance_km[nearest] > REACH_KM:
             raise InputError(
-                f"latitude {self.place.latitude:.4f}, longitude {self.place.longitude:.4f} is "
-                f"{self.distance_km[nearest]:.0f} km from the nearest epicentre ({self.catalogue.place[nearest]}): "
-                f"expected a place within {REACH_KM:g} km of one, as in the Groningen field; look at the coordinates")
+                f"latitude {self.place.latitude:.4f}, longitude {self.place.longitude:.4f} is"
+                f" {self.distance_km[nearest]:.0f} km from the nearest epicentre"
+                f" ({self.catalogue.place[nearest]}): expected a place within {REACH_KM:g} km of"
+                " one, as in the Groningen field; look at the coordinates"
+            )
         if (km := from_field_km(self.place.x_m, self.place.y_m)) > REACH_KM:
             raise InputError(
-                f"latitude {self.place.latitude:.4f}, longitude {self.place.longitude:.4f} is {km:.0f} km from the "
-                f"Groningen field's nearest epicentre: expected a place within {REACH_KM:g} km of one, to which the "
-                "ground-motion model was compared with records; look at the coordinates")
+                f"latitude {self.place.latitude:.4f}, longitude {self.place.longitude:.4f} is"
+                f" {km:.0f} km from the Groningen field's nearest epicentre: expected a place"
+                f" within {REACH_KM:g} km of one, to which the ground-motion model was compared"
+                " with records; look at the coordinates"
+            )
 
     @property
     def warnings(self):
@@ -70,14 +84,17 @@ class Exposure:
         strongest = int(np.argmax(self.median_mm_s))
         km, found = self.distance_km[strongest], list(self.catalogue.notes)
         if km > REACH_KM:
-            found.append(f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is {km:.0f} km "
-                         f"away: the model was compared with records to {REACH_KM:g} km, PGV farther away is "
-                         "extrapolated")
+            found.append(
+                f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is"
+                f" {km:.0f} km away: the model was compared with records to {REACH_KM:g} km, PGV"
+                " farther away is extrapolated"
+            )
         return found
 
     @cached_property
     def distance_km(self):
-        """Epicentral distance of every event (n_events,) [km], in the plane of RD: its scale is within 1e-4 of 1."""
+        """Epicentral distance of every event (n_events,) [km], in the plane of RD: its scale is
+        within 1e-4 of 1."""
         return hypot(self.catalogue.x_m - self.place.x_m, self.catalogue.y_m - self.place.y_m) / 1e3
 
     @cached_property
@@ -88,8 +105,8 @@ class Exposure:
     def at_least_once(self, pgv_mm_s):
         """Probability that any of the events exceeds a PGV [mm/s].
 
-        All events share the site term, so they are independent only where it is given: Gauss-Hermite quadrature over
-        it, of the product of the events' probabilities to stay below.
+        All events share the site term, so they are independent only where it is given:
+        Gauss-Hermite quadrature over it, of the product of the events' probabilities to stay below.
         """
         tau, site, within = self.model.deviations
         nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
@@ -99,35 +116,60 @@ class Exposure:
 
     def largest_exceeded_mm_s(self, probability):
         """PGV [mm/s] that the largest of all events exceeds with a probability."""
-        return float(np.exp(scipy.optimize.brentq(lambda ln_pgv: self.at_least_once(math.exp(ln_pgv)) - probability,
-                                                  math.log(1e-9), math.log(1e9))))
+        return float(
+            np.exp(
+                scipy.optimize.brentq(
+                    lambda ln_pgv: self.at_least_once(math.exp(ln_pgv)) - probability,
+                    math.log(1e-9),
+                    math.log(1e9),
+                )
+            )
+        )
 
     def table(self):
         """DataFrame with a row an event in the order of time; columns: COLUMNS."""
         events, median = self.catalogue, self.median_mm_s
         latitude, longitude = to_wgs84(events.x_m.astype(float), events.y_m.astype(float))
-        columns = [[f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time], events.magnitude, events.place, events.id,
-                   latitude, longitude, events.x_m, events.y_m, self.distance_km, median,
-                   self.model.exceeded_mm_s(median, RARE),
-                   *(self.model.exceedance(median, level) for level in LEVELS_MM_S)]
+        columns = [
+            [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time],
+            events.magnitude,
+            events.place,
+            events.id,
+            latitude,
+            longitude,
+            events.x_m,
+            events.y_m,
+            self.distance_km,
+            median,
+            self.model.exceeded_mm_s(median, RARE),
+            *(self.model.exceedance(median, level) for level in LEVELS_MM_S),
+        ]
         return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))
 
     def as_dict(self):
         """Everything that was found, fit for JSON; `events` is a list in the order of time."""
         largest = float(self.median_mm_s.max())
         return {
-            "latitude": self.place.latitude, "longitude": self.place.longitude, "easting_rd_m": self.place.x_m,
-            "northing_rd_m": self.place.y_m, "vs30_m_s": float(self.vs30_m_s), "model": self.model.source,
-            "component": self.model.component, "sigma_ln": self.model.deviations.sigma,
+            "latitude": self.place.latitude,
+            "longitude": self.place.longitude,
+            "easting_rd_m": self.place.x_m,
+            "northing_rd_m": self.place.y_m,
+            "vs30_m_s": float(self.vs30_m_s),
+            "model": self.model.source,
+            "component": self.model.component,
+            "sigma_ln": self.model.deviations.sigma,
             "catalogue": shown_path(self.catalogue.source),
-            "from": self.catalogue.years[0], "to": self.catalogue.years[1],
+            "from": self.catalogue.years[0],
+            "to": self.catalogue.years[1],
             "catalogue_ends": f"{self.catalogue.end:%Y-%m-%d}",
-            "largest_median_mm_s": largest, "one_percent_mm_s": float(self.model.exceeded_mm_s(largest, RARE)),
+            "largest_median_mm_s": largest,
+            "one_percent_mm_s": float(self.model.exceeded_mm_s(largest, RARE)),
             "largest_of_all_median_mm_s": self.largest_exceeded_mm_s(0.5),
             "largest_of_all_one_percent_mm_s": self.largest_exceeded_mm_s(RARE),
             "warnings": self.warnings,
             "at_least_once": {str(level): self.at_least_once(level) for level in LEVELS_MM_S},
-            "events": self.table().to_dict("records")}
+            "events": self.table().to_dict("records"),
+        }
 
 
 def strongest(found, rows=None):
@@ -140,27 +182,46 @@ def describe(found, rows=10):
     events = strongest(found)
     over = [sum(event["median_mm_s"] > level for event in events) for level in LEVELS_MM_S]
     lines = [
-        f"latitude {found['latitude']:.5f}, longitude {found['longitude']:.5f} (RD {found['easting_rd_m']:.0f} "
-        f"{found['northing_rd_m']:.0f} m), VS30 {found['vs30_m_s']:g} m/s",
-        f"{len(events)} events from {found['from']} to {found['to']}, {found['catalogue']}; the last is of "
-        f"{found['catalogue_ends']}, later earthquakes are not in it",
+        (
+            f"latitude {found['latitude']:.5f}, longitude {found['longitude']:.5f} (RD"
+            f" {found['easting_rd_m']:.0f} {found['northing_rd_m']:.0f} m), VS30"
+            f" {found['vs30_m_s']:g} m/s"
+        ),
+        (
+            f"{len(events)} events from {found['from']} to {found['to']}, {found['catalogue']}; the"
+            f" last is of {found['catalogue_ends']}, later earthquakes are not in it"
+        ),
         f"PGV, component {found['component']}: {found['model']}",
-        f"largest median {found['largest_median_mm_s']:.4g} mm/s; {found['one_percent_mm_s']:.4g} mm/s is exceeded "
-        "with 1 % in that event",
-        f"largest of all events: median {found['largest_of_all_median_mm_s']:.4g} mm/s, "
-        f"{found['largest_of_all_one_percent_mm_s']:.4g} mm/s is exceeded with 1 %", "",
+        (
+            f"largest median {found['largest_median_mm_s']:.4g} mm/s;"
+            f" {found['one_percent_mm_s']:.4g} mm/s is exceeded with 1 % in that event"
+        ),
+        (
+            f"largest of all events: median {found['largest_of_all_median_mm_s']:.4g} mm/s, "
+            f"{found['largest_of_all_one_percent_mm_s']:.4g} mm/s is exceeded with 1 %"
+        ),
+        "",
         f"{'PGV over [mm/s]':<28}" + "".join(f"{level:>9}" for level in LEVELS_MM_S),
         f"{'events whose median is over':<28}" + "".join(f"{count:>9}" for count in over),
-        f"{'probability, at least once':<28}" + "".join(
-            f"{found['at_least_once'][str(level)]:>9.3f}" for level in LEVELS_MM_S), "",
-        f"{'time (UTC)':<20} {'M':>4} {'place':<18} {'km':>5} {'median':>8} {'1 %':>8}   probability of exceeding",
+        f"{'probability, at least once':<28}"
+        + "".join(f"{found['at_least_once'][str(level)]:>9.3f}" for level in LEVELS_MM_S),
+        "",
+        (
+            f"{'time (UTC)':<20} {'M':>4} {'place':<18} {'km':>5} {'median':>8} {'1 %':>8}  "
+            " probability of exceeding"
+        ),
         f"{'[mm/s]':>59} {'[mm/s]':>8}" + "".join(f"{level:>7}" for level in LEVELS_MM_S),
-        *map(_row, events[:rows]), *[f"... and {len(events) - rows} weaker ones"] * (len(events) > rows),
-        *(f"warning: {warning}" for warning in found["warnings"])]
+        *map(_row, events[:rows]),
+        *[f"... and {len(events) - rows} weaker ones"] * (len(events) > rows),
+        *(f"warning: {warning}" for warning in found["warnings"]),
+    ]
     return "\n".join(lines)
 
 
 def _row(event):
-    return (f"{event['time_utc']:<20} {event['magnitude']:>4.1f} {event['place'][:18]:<18} "
-            f"{event['epicentral_km']:>5.1f} {event['median_mm_s']:>8.4g} {event['one_percent_mm_s']:>8.4g}"
-            + "".join(f"{event[f'p_over_{level}_mm_s']:>7.3f}" for level in LEVELS_MM_S))
+    return (
+        f"{event['time_utc']:<20} {event['magnitude']:>4.1f} {event['place'][:18]:<18}"
+        f" {event['epicentral_km']:>5.1f} {event['median_mm_s']:>8.4g}"
+        f" {event['one_percent_mm_s']:>8.4g}"
+        + "".join(f"{event[f'p_over_{level}_mm_s']:>7.3f}" for level in LEVELS_MM_S)
+    )

@@ -1,7 +1,7 @@
 """Ground-motion models: the distribution of PGV at a place in an earthquake.
 
-A model is a class with the attributes and the method of `GroundMotionModel`, in a file of its own in
-`damage/applications/groningen/exposure/models`, where `model_named` finds it by the file's name.
+A model is a class with the attributes and the method of `GroundMotionModel`, in a file of its own
+in `damage/applications/groningen/exposure/models`, where `model_named` finds it by the file's name.
 """
 
 import math
@@ -36,12 +36,14 @@ class Deviations(NamedTuple):
 
 
 class GroundMotionModel:
-    """Base of ground-motion models: ln PGV = ln median + event term + site term + within-event term.
+    """Base of ground-motion models: ln PGV = ln median + event term + site term + within-event
+    term.
 
-    The three terms are independent and normal, with the Deviations of the component: the first is drawn once an event,
-    the second once a site, the third once an event and site.
-    source: the publication; components: {name: meaning}; default: the component that is used if none is asked for;
-    coefficients: {component: {column: value}} in the columns of the publication, with tau, phi_s2s, phi_ss.
+    The three terms are independent and normal, with the Deviations of the component: the first is
+    drawn once an event, the second once a site, the third once an event and site.
+    source: the publication; components: {name: meaning}; default: the component that is used if
+    none is asked for; coefficients: {component: {column: value}} in the columns of the publication,
+    with tau, phi_s2s, phi_ss.
     """
 
     source = ""
@@ -50,14 +52,16 @@ class GroundMotionModel:
     coefficients: Mapping = MappingProxyType({})
 
     def __init__(self, component=None):
-        """component: one of `components`, None for the default.  Raises InputError for any other."""
+        """component: one of `components`, None for the default.  Raises InputError for any
+        other."""
         self.component = component or self.default
         check_choice("component", self.component, tuple(self.components))
         self.values = self.coefficients[self.component]
         self.deviations = Deviations(*(self.values[name] for name in Deviations._fields))
 
     def median_mm_s(self, magnitude, epicentral_km, vs30_m_s):
-        """Median PGV [mm/s], of the broadcast shape of magnitude [-], epicentral distance [km] and VS30 [m/s]."""
+        """Median PGV [mm/s], of the broadcast shape of magnitude [-], epicentral distance [km] and
+        VS30 [m/s]."""
         raise NotImplementedError
 
     def exceeded_mm_s(self, median_mm_s, probability):
@@ -69,11 +73,14 @@ class GroundMotionModel:
         return ndtr(-np.log(pgv_mm_s / median_mm_s) / self.deviations.sigma)
 
     def draw(self, random, draws, events, sites=1):
-        """Terms of ln PGV at random: (event, site, within-event), shapes (draws, events, 1), (draws, 1, sites) and
-        (draws, events, sites); their sum is what ln PGV deviates from its median.  random: damage.draws.Draws."""
+        """Terms of ln PGV at random: (event, site, within-event), shapes (draws, events, 1),
+        (draws, 1, sites) and (draws, events, sites); their sum is what ln PGV deviates from its
+        median.  random: damage.draws.Draws."""
         shapes = (draws, events, 1), (draws, 1, sites), (draws, events, sites)
-        return tuple(scale * random.normal(math.prod(shape)).reshape(shape)
-                     for scale, shape in zip(self.deviations, shapes))
+        return tuple(
+            scale * random.normal(math.prod(shape)).reshape(shape)
+            for scale, shape in zip(self.deviations, shapes)
+        )
 
 
 def checked_vs30(vs30_m_s):
@@ -84,18 +91,26 @@ def checked_vs30(vs30_m_s):
 
 def model_names():
     """Names of the models, as of their files: a list of str."""
-    return sorted(path.stem.replace("_", "-") for path in (Path(__file__).parent / "models").glob("[!_]*.py"))
+    return sorted(
+        path.stem.replace("_", "-") for path in (Path(__file__).parent / "models").glob("[!_]*.py")
+    )
 
 
 def model_named(name, component=None):
     """The model of a name, for a component.  Raises InputError where there is none."""
     names = model_names()
     if name not in names:
-        raise InputError(f"ground-motion model {name!r}: expected one of {', '.join(names)}{did_you_mean(name, names)}")
-    return import_module(f"damage.applications.groningen.exposure.models.{name.replace('-', '_')}").Model(component)
+        raise InputError(
+            f"ground-motion model {name!r}: expected one of"
+            f" {', '.join(names)}{did_you_mean(name, names)}"
+        )
+    return import_module(
+        f"damage.applications.groningen.exposure.models.{name.replace('-', '_')}"
+    ).Model(component)
 
 
 COMPONENTS = DATA / "zeerijp_20180108" / "components.csv"
-"""Horizontal components of the Zeerijp earthquake that ship: the README beside it says how the columns were made."""
+"""Horizontal components of the Zeerijp earthquake that ship: the README beside it says how the
+columns were made."""
 ZEERIJP = {"magnitude": 3.4, "x_m": 245789.0, "y_m": 598263.0}
 """The earthquake: magnitude, epicentre in RD [m], as the catalogue that ships has them."""

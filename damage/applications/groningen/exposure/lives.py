@@ -6,11 +6,12 @@ An address is a TOML file of the keys in KEYS:
     longitude = 6.71359
     above_mm_s = 2.0
 
-A life is drawn by its number: the same file and number give the same life, whatever else is drawn.  Lives of one number
-have the same terms of ln PGV at every address, component and threshold (common random numbers).
+A life is drawn by its number: the same file and number give the same life, whatever else is drawn.
+Lives of one number have the same terms of ln PGV at every address, component and threshold (common
+random numbers).
 
-PGV, factors and distortions are rounded (damage.rounded) before anything is chosen by them: no last bit decides on a
-record or an event.
+PGV, factors and distortions are rounded (damage.rounded) before anything is chosen by them: no last
+bit decides on a record or an event.
 """
 
 import hashlib
@@ -39,25 +40,48 @@ from damage.rounded import to_bits
 from damage.toml_file import toml_table, toml_text
 
 KEYS = {
-    "latitude": "of the address, WGS84 [degrees]", "longitude": "of the address, WGS84 [degrees]",
-    "easting_rd_m": "instead: in the Dutch grid [m]", "northing_rd_m": "instead: in the Dutch grid [m]",
+    "latitude": "of the address, WGS84 [degrees]",
+    "longitude": "of the address, WGS84 [degrees]",
+    "easting_rd_m": "instead: in the Dutch grid [m]",
+    "northing_rd_m": "instead: in the Dutch grid [m]",
     "vs30_m_s": "mean shear-wave velocity of the upper 30 m [m/s] (default 200)",
-    "first_year": "of the catalogue that is used (default: all)", "last_year": "of the catalogue that is used",
+    "first_year": "of the catalogue that is used (default: all)",
+    "last_year": "of the catalogue that is used",
     "catalogue": "file of the events, from the address's file (default: KNMI's that ships)",
-    "component": "LRG (default), GEO or MAX", "model": "ground-motion model (default bommer-2022)",
+    "component": "LRG (default), GEO or MAX",
+    "model": "ground-motion model (default bommer-2022)",
     "above_mm_s": "PGV from which an event is part of a life (default 2); the largest always is",
     "within_km": "farthest station whose records are used (default 10)",
-    "scale_to": "pgv (default): records are scaled to the drawn PGV; sa: to the spectral acceleration at 0.2 s that it "
-                "implies by the mean ratio of the records",
-    "strong": "share of a record's Arias intensity that its window leaves out at its start and at its end (default: "
-              "the windows of components.csv, 0.01 and 0.03)",
+    "scale_to": (
+        "pgv (default): records are scaled to the drawn PGV; sa: to the spectral acceleration at"
+        " 0.2 s that it implies by the mean ratio of the records"
+    ),
+    "strong": (
+        "share of a record's Arias intensity that its window leaves out at its start and at its end"
+        " (default: the windows of components.csv, 0.01 and 0.03)"
+    ),
     "largest_alone": "true: only the largest event of each life (default false)",
-    "settle": "profiles of the ground's settlement before the first event, from which each life draws one, as "
-              "[\"hogging\", \"sagging\"] (default: none)",
-    "distortion": "least and largest distortion of the drawn profile, log-uniform, as [0.0002, 0.002]",
-    "seed": "of all lives (default 0)"}
+    "settle": (
+        "profiles of the ground's settlement before the first event, from which each life draws"
+        ' one, as ["hogging", "sagging"] (default: none)'
+    ),
+    "distortion": (
+        "least and largest distortion of the drawn profile, log-uniform, as [0.0002, 0.002]"
+    ),
+    "seed": "of all lives (default 0)",
+}
 """Keys of an address file and their meanings."""
-COLUMNS = ["time_utc", "magnitude", "place", "id", "pgv_mm_s", "record", "scale", "start_s", "end_s"]
+COLUMNS = [
+    "time_utc",
+    "magnitude",
+    "place",
+    "id",
+    "pgv_mm_s",
+    "record",
+    "scale",
+    "start_s",
+    "end_s",
+]
 FACTORS = 0.1, 10.0
 """Bounds of the factor on a record: the README beside the components has the reason."""
 _GROUND = 1  # third number of the seed of draws of the ground
@@ -83,11 +107,15 @@ class Choices:
     def __post_init__(self):
         check_fields(self)
         if not isinstance(self.largest_alone, bool):
-            raise InputError(f"largest_alone = {self.largest_alone!r}: expected true or false; correct it")
+            raise InputError(
+                f"largest_alone = {self.largest_alone!r}: expected true or false; correct it"
+            )
         if self.strong is not None:
             strong = tuple(self.strong) if isinstance(self.strong, list | tuple) else ()
             if len(strong) != 2:
-                raise InputError(f"strong = {self.strong!r}: expected two shares, like [0.05, 0.05]; correct it")
+                raise InputError(
+                    f"strong = {self.strong!r}: expected two shares, like [0.05, 0.05]; correct it"
+                )
             for share in strong:
                 check_range("strong", share, 0, 0.49)
             object.__setattr__(self, "strong", strong)
@@ -97,16 +125,24 @@ class Choices:
 
     def _checked_ground(self):
         """Profiles and bounds as tuples; InputError where they are none."""
-        settle, bounds = (tuple(one) if isinstance(one, list | tuple) else () for one in (self.settle, self.distortion))
+        settle, bounds = (
+            tuple(one) if isinstance(one, list | tuple) else ()
+            for one in (self.settle, self.distortion)
+        )
         if not settle or len(bounds) != 2:
-            raise InputError(f"settle = {self.settle!r}, distortion = {self.distortion!r}: expected profiles and two "
-                             "bounds, like settle = [\"hogging\"] and distortion = [0.0002, 0.002]; correct them")
+            raise InputError(
+                f"settle = {self.settle!r}, distortion = {self.distortion!r}: expected profiles and"
+                ' two bounds, like settle = ["hogging"] and distortion = [0.0002, 0.002]; correct'
+                " them"
+            )
         for profile in settle:
             check_choice("settle", profile, PROFILES)
         for bound in bounds:
             check_range("distortion", bound, *DISTORTIONS)
         if bounds[0] > bounds[1]:
-            raise InputError(f"distortion = {list(bounds)}: expected the smaller one first; exchange them")
+            raise InputError(
+                f"distortion = {list(bounds)}: expected the smaller one first; exchange them"
+            )
         return settle, tuple(map(float, bounds))
 
 
@@ -118,25 +154,39 @@ class Draws:
     choices: Choices = Choices()
 
     def digest(self):
-        """SHA-256 of what lives are drawn from besides the seed and choices: events, their medians, the components, and
-        the content of their records."""
+        """SHA-256 of what lives are drawn from besides the seed and choices: events, their medians,
+        the components, and the content of their records."""
         events, components = self.exposure.catalogue, self.components
-        records = [read_record(shipped_records()[name]).sha256 for name in sorted(set(components["record"]))]
+        records = [
+            read_record(shipped_records()[name]).sha256
+            for name in sorted(set(components["record"]))
+        ]
         parts = [events.time, events.magnitude, events.id, self.exposure.median_mm_s.tolist()]
-        text = "\n".join([components.to_csv(index=False), *records, *(str(one) for part in parts for one in part)])
+        text = "\n".join(
+            [
+                components.to_csv(index=False),
+                *records,
+                *(str(one) for part in parts for one in part),
+            ]
+        )
         return hashlib.sha256(text.encode()).hexdigest()
 
     def pgv(self, number):
-        """(PGV of every event (n_events,) [mm/s], shares (n_events,) that choose the components, signs (n_events,)) of
-        a life by its number from 1."""
+        """(PGV of every event (n_events,) [mm/s], shares (n_events,) that choose the components,
+        signs (n_events,)) of a life by its number from 1."""
         random = draws.Draws([self.choices.seed, number])
         n_events = len(self.exposure.median_mm_s)
         event, site, within = self.exposure.model.draw(random, 1, n_events)
         share, sign = random.uniform(n_events), 2.0 * random.below(2, n_events) - 1.0
-        return to_bits(self.exposure.median_mm_s * exp((event + site + within)[0, :, 0])), share, sign
+        return (
+            to_bits(self.exposure.median_mm_s * exp((event + site + within)[0, :, 0])),
+            share,
+            sign,
+        )
 
     def events_of(self, number):
-        """(identifiers, PGV [mm/s]) of the events of a life, by its number from 1, as `life` chooses them."""
+        """(identifiers, PGV [mm/s]) of the events of a life, by its number from 1, as `life`
+        chooses them."""
         pgv, _, _ = self.pgv(number)
         chosen = self._chosen(pgv)
         return np.asarray(self.exposure.catalogue.id)[chosen], pgv[chosen]
@@ -147,8 +197,8 @@ class Draws:
         return largest if self.choices.largest_alone else (pgv >= self.choices.above_mm_s) | largest
 
     def settlement(self, number):
-        """The Settlement before the first event of a life, by its number from 1; None where none is drawn.  Its draws
-        are apart from those of the motions."""
+        """The Settlement before the first event of a life, by its number from 1; None where none is
+        drawn.  Its draws are apart from those of the motions."""
         if self.choices.settle is None:
             return None
         random = draws.Draws([self.choices.seed, number, _GROUND])
@@ -162,27 +212,36 @@ class Draws:
         return np.array([self.pgv(number)[0].max() for number in numbers])
 
     def life(self, number):
-        """Table of the events of a life, by its number from 1, in the order of time; columns: COLUMNS.
+        """Table of the events of a life, by its number from 1, in the order of time; columns:
+        COLUMNS.
 
-        Events from above_mm_s on, and the largest.  The threshold leaves events out and changes no other.  Raises
-        InputError where no component may be scaled to a PGV.
+        Events from above_mm_s on, and the largest.  The threshold leaves events out and changes no
+        other.  Raises InputError where no component may be scaled to a PGV.
         """
         pgv, share, sign = self.pgv(number)
-        return self._table((k, pgv[k], sign[k], share[k]) for k in np.flatnonzero(self._chosen(pgv)))
+        return self._table(
+            (k, pgv[k], sign[k], share[k]) for k in np.flatnonzero(self._chosen(pgv))
+        )
 
     def event(self, date, number=None):
-        """Table of one row, as of `life`, of the event of a date, such as 2012-08-16 or more of its time; of several
-        the one of the largest median.
+        """Table of one row, as of `life`, of the event of a date, such as 2012-08-16 or more of its
+        time; of several the one of the largest median.
 
-        number: of the life whose motion it is; None for the median PGV, by the component whose factor is nearest to 1.
-        """
+        number: of the life whose motion it is; None for the median PGV, by the component whose
+        factor is nearest to 1."""
         events = self.exposure.catalogue
         times = [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time]
-        found = [k for k, time in enumerate(times) if time.startswith(date)] if len(date) >= len("2012-08-16") else []
+        found = (
+            [k for k, time in enumerate(times) if time.startswith(date)]
+            if len(date) >= len("2012-08-16")
+            else []
+        )
         if not found:
-            raise InputError(f"--event {date}: no event then in {events.source}, whose last is of {times[-1]}; "
-                             "expected a day or a time (UTC) of one, like 2012-08-16 or 2018-01-08T14:00:52; look at "
-                             "python3 -m damage exposure, or give a later catalogue")
+            raise InputError(
+                f"--event {date}: no event then in {events.source}, whose last is of {times[-1]};"
+                " expected a day or a time (UTC) of one, like 2012-08-16 or 2018-01-08T14:00:52;"
+                " look at python3 -m damage exposure, or give a later catalogue"
+            )
         k = max(found, key=self.exposure.median_mm_s.__getitem__)
         if number is None:
             return self._table([(k, to_bits(self.exposure.median_mm_s[k]), 1.0, None)])
@@ -192,16 +251,31 @@ class Draws:
     def _table(self, motions):
         """Table of COLUMNS; motions: (index of an event, PGV [mm/s], sign, share) of each row.
 
-        The component is that at the share of those that may be scaled to the PGV; without a share the one whose factor
-        is nearest to 1.
+        The component is that at the share of those that may be scaled to the PGV; without a share
+        the one whose factor is nearest to 1.
         """
         events, rows = self.exposure.catalogue, []
         for k, pgv, sign, share in motions:
             fit, factor = self._fitting(pgv)
-            which = int(np.argmin(to_bits(np.maximum(factor, 1 / factor)))) if share is None else int(share * len(fit))
+            which = (
+                int(np.argmin(to_bits(np.maximum(factor, 1 / factor))))
+                if share is None
+                else int(share * len(fit))
+            )
             row = next(self.components.iloc[[fit[which]]].itertuples())
-            rows.append([f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k], pgv,
-                         row.record, sign * factor[which], row.start_s, row.end_s])
+            rows.append(
+                [
+                    f"{events.time[k]:%Y-%m-%dT%H:%M:%S}",
+                    events.magnitude[k],
+                    events.place[k],
+                    events.id[k],
+                    pgv,
+                    row.record,
+                    sign * factor[which],
+                    row.start_s,
+                    row.end_s,
+                ]
+            )
         return pd.DataFrame(rows, columns=COLUMNS)
 
     @cached_property
@@ -210,15 +284,17 @@ class Draws:
         table = pd.read_csv(COMPONENTS, comment="#", float_precision="round_trip")
         table = table[table["epicentral_km"] <= self.choices.within_km].reset_index(drop=True)
         if self.choices.strong is not None:
-            windows = [strong_window(row.record, row.start_s, row.end_s, self.choices.strong)
-                       for row in table.itertuples()]
+            windows = [
+                strong_window(row.record, row.start_s, row.end_s, self.choices.strong)
+                for row in table.itertuples()
+            ]
             table[["start_s", "end_s"]] = np.reshape(windows, (-1, 2))
         return table
 
     @cached_property
     def _unit_pgv(self):
-        """PGV [mm/s] for which each component has a factor of one, (n,): its own, or that of its station in the
-        direction in which it is largest, where that is what the model has."""
+        """PGV [mm/s] for which each component has a factor of one, (n,): its own, or that of its
+        station in the direction in which it is largest, where that is what the model has."""
         of_all = self.exposure.model.component == "MAX"
         pgv = self.components["pgv_rotd100_mm_s" if of_all else "pgv_mm_s"].to_numpy()
         if self.choices.scale_to == "pgv":
@@ -231,28 +307,40 @@ class Draws:
         factor = to_bits(pgv_mm_s / self._unit_pgv)
         fit = np.flatnonzero((factor >= FACTORS[0]) & (factor <= FACTORS[1]))
         if len(fit) == 0:
-            raise InputError(f"no suitable record for a PGV of {pgv_mm_s:.3g} mm/s: expected a component within "
-                             f"{self.choices.within_km:g} km that a factor of {FACTORS[0]:g} to {FACTORS[1]:g} brings "
-                             "there; give more stations, or a larger threshold")
+            raise InputError(
+                f"no suitable record for a PGV of {pgv_mm_s:.3g} mm/s: expected a component within"
+                f" {self.choices.within_km:g} km that a factor of {FACTORS[0]:g} to {FACTORS[1]:g}"
+                " brings there; give more stations, or a larger threshold"
+            )
         return fit, factor[fit]
 
     def as_dict(self):
         """What decides the lives, fit for JSON."""
         exposure = self.exposure
-        choices = {name: list(value) if isinstance(value, tuple) else value
-                   for name, value in asdict(self.choices).items()
-                   if value is not None or name not in ("settle", "distortion")}  # older histories lack these
-        return {"latitude": exposure.place.latitude, "longitude": exposure.place.longitude,
-                "vs30_m_s": float(exposure.vs30_m_s), "model": exposure.model.source,
-                "component": exposure.model.component, "years": [int(year) for year in exposure.catalogue.years],
-                "events": len(exposure.median_mm_s), "sum_of_medians_mm_s": float(exposure.median_mm_s.sum()),
-                **choices, "strong": choices["strong"] and list(map(float, choices["strong"]))}
+        choices = {
+            name: list(value) if isinstance(value, tuple) else value
+            for name, value in asdict(self.choices).items()
+            # older histories lack these
+            if value is not None or name not in ("settle", "distortion")
+        }
+        return {
+            "latitude": exposure.place.latitude,
+            "longitude": exposure.place.longitude,
+            "vs30_m_s": float(exposure.vs30_m_s),
+            "model": exposure.model.source,
+            "component": exposure.model.component,
+            "years": [int(year) for year in exposure.catalogue.years],
+            "events": len(exposure.median_mm_s),
+            "sum_of_medians_mm_s": float(exposure.median_mm_s.sum()),
+            **choices,
+            "strong": choices["strong"] and list(map(float, choices["strong"])),
+        }
 
 
 @lru_cache(maxsize=256)
 def strong_window(name, start_s, end_s, shares):
-    """Part (start, end) [s] of a record's window that leaves out these shares of its Arias intensity, rounded
-    outwards."""
+    """Part (start, end) [s] of a record's window that leaves out these shares of its Arias
+    intensity, rounded outwards."""
     record = read_record(shipped_records()[name])
     time, squared = record.time_s, record.acceleration_m_s2**2
     inside = (time >= start_s) & (time <= end_s)
@@ -263,9 +351,12 @@ def strong_window(name, start_s, end_s, shares):
 
 
 def events_of(life, rest_s):
-    """The events of a life's table, a tuple of Event, as `damage.motion.sequence.read_sequence` makes them."""
-    return tuple(Event(_loading(row.record, row.start_s, row.end_s), float(row.scale), rest_s)
-                 for row in life.itertuples())
+    """The events of a life's table, a tuple of Event, as `damage.motion.sequence.read_sequence`
+    makes them."""
+    return tuple(
+        Event(_loading(row.record, row.start_s, row.end_s), float(row.scale), rest_s)
+        for row in life.itertuples()
+    )
 
 
 @lru_cache(maxsize=256)
@@ -277,11 +368,21 @@ def _loading(name, start_s, end_s):
 def _read(path, text):
     table = toml_table(path, text, ADDRESS_FILE[0])
     if unknown := sorted(set(table) - set(KEYS)):
-        raise InputError(f"{path}: unknown key {unknown[0]!r}: expected one of {', '.join(KEYS)}"
-                         f"{did_you_mean(unknown[0], KEYS)}")
+        raise InputError(
+            f"{path}: unknown key {unknown[0]!r}: expected one of {', '.join(KEYS)}"
+            f"{did_you_mean(unknown[0], KEYS)}"
+        )
     try:
-        return Draws(_exposure(table, path), Choices(**{name: value for name, value in table.items()
-                                                        if name in Choices.__dataclass_fields__}))
+        return Draws(
+            _exposure(table, path),
+            Choices(
+                **{
+                    name: value
+                    for name, value in table.items()
+                    if name in Choices.__dataclass_fields__
+                }
+            ),
+        )
     except (InputError, TypeError) as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -292,10 +393,16 @@ def read_address(path):
 
 
 def _exposure(table, path):
-    places = [pair for pair in (("latitude", "longitude"), ("easting_rd_m", "northing_rd_m")) if set(pair) & set(table)]
+    places = [
+        pair
+        for pair in (("latitude", "longitude"), ("easting_rd_m", "northing_rd_m"))
+        if set(pair) & set(table)
+    ]
     if len(places) != 1 or not set(places[0]) <= set(table):
-        raise InputError("no address: expected latitude and longitude, or easting_rd_m and northing_rd_m; give one "
-                         "pair")
+        raise InputError(
+            "no address: expected latitude and longitude, or easting_rd_m and northing_rd_m; give"
+            " one pair"
+        )
     for name in places[0]:
         check_range(name, table[name], -1e7, 1e7)
     first, second = (float(table[name]) for name in places[0])
@@ -303,7 +410,9 @@ def _exposure(table, path):
     if "catalogue" in table:
         beside = Path(path).parent / str(table["catalogue"])
         catalogue = beside if is_there(beside) else str(table["catalogue"])
-    return Exposure(at(first, second) if places[0][0] == "latitude" else at_rd(first, second),
-                    read_catalogue(catalogue).between(table.get("first_year"), table.get("last_year")),
-                    model_named(str(table.get("model", "bommer-2022")), table.get("component")),
-                    table.get("vs30_m_s", 200.0))
+    return Exposure(
+        at(first, second) if places[0][0] == "latitude" else at_rd(first, second),
+        read_catalogue(catalogue).between(table.get("first_year"), table.get("last_year")),
+        model_named(str(table.get("model", "bommer-2022")), table.get("component")),
+        table.get("vs30_m_s", 200.0),
+    )

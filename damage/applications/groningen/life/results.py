@@ -1,7 +1,7 @@
 """Results of lives: what each event did to each wall, and what became of the walls over the years.
 
-`python3 -m damage lives FOLDER` takes the folder of a study with lives; lives of one point and different seeds are
-counted together.
+`python3 -m damage lives FOLDER` takes the folder of a study with lives; lives of one point and
+different seeds are counted together.
 """
 
 import json
@@ -39,26 +39,39 @@ POINT, LARGEST = "life", "life_largest"
 def write_study(folder, wall, address, options, lives):
     """Write the addresses' files and the study's into a folder; returns the study's path.
 
-    wall: its file or the name of one that ships; address: {key of `damage.applications.groningen.exposure.lives.KEYS`: value}, None where not
-    given; options: of each run, {name: value}; lives: their number.
+    wall: its file or the name of one that ships; address: {key of
+    `damage.applications.groningen.exposure.lives.KEYS`: value}, None where not given; options: of
+    each run, {name: value}; lives: their number.
     """
     points = {POINT: (address, options), LARGEST: (address | {"largest_alone": True}, options)}
     return write_points(Path(folder) / NAME, wall, points, lives, "life", "python3 -m damage lives")
 
 
 def write_points(path, wall, points, lives, command, conclusion=None):
-    """Write the study file `path` of so many lives of each point, and the addresses' files beside it; returns its path.
+    """Write the study file `path` of so many lives of each point, and the addresses' files beside
+    it; returns its path.
 
-    points: {name: (address, options)} as of `write_study`; command: that writes it; conclusion: that sums it up.
+    points: {name: (address, options)} as of `write_study`; command: that writes it; conclusion:
+    that sums it up.
     """
-    text = [f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage {command}",
-            *_toml({"name": path.stem, "pictures": "none"} | ({"conclusion": conclusion} if conclusion else {}))]
+    text = [
+        f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage {command}",
+        *_toml(
+            {"name": path.stem, "pictures": "none"}
+            | ({"conclusion": conclusion} if conclusion else {})
+        ),
+    ]
     for point, (address, options) in points.items():
         given = _toml({name: value for name, value in address.items() if value is not None})
-        place = write_text(path.with_name(f"{point}.address.toml"), "".join(f"{line}\n" for line in given))
-        text += ["", "[[runs]]",
-                 *_toml({"id": point, "wall": str(Path(wall_path(wall)).resolve()), "lives": lives}),
-                 f"options = {{ {', '.join(_toml({'address': str(place.resolve()), **options}))} }}"]
+        place = write_text(
+            path.with_name(f"{point}.address.toml"), "".join(f"{line}\n" for line in given)
+        )
+        text += [
+            "",
+            "[[runs]]",
+            *_toml({"id": point, "wall": str(Path(wall_path(wall)).resolve()), "lives": lives}),
+            f"options = {{ {', '.join(_toml({'address': str(place.resolve()), **options}))} }}",
+        ]
     return write_text(path, "\n".join(text) + "\n")
 
 
@@ -68,47 +81,83 @@ def _toml(table):
 
 
 COLUMNS = {
-    "point": Column("", "of the study"), "seed": Column("1", "seed of the address's file"),
+    "point": Column("", "of the study"),
+    "seed": Column("1", "seed of the address's file"),
     "life": Column("1", "number of the life, from 1"),
-    "event": Column("1", "number of the event in the life, from 1; 0: the ground's settlement before the first one"),
-    "time_utc": Column("", "of the event; of the settlement the start of the catalogue's first year"),
+    "event": Column(
+        "1",
+        "number of the event in the life, from 1; 0: the ground's settlement before the first one",
+    ),
+    "time_utc": Column(
+        "", "of the event; of the settlement the start of the catalogue's first year"
+    ),
     "magnitude": Column("1", "local magnitude ML"),
-    "place": Column("", "place nearest to the epicentre"), "id": Column("", "identifier of the catalogue"),
-    "pgv_mm_s": Column("mm/s", "PGV that was drawn"), "record": Column("", "record that stands for the motion"),
-    "scale": Column("1", "factor on it"), "largest_mm_s": Column("mm/s", "largest PGV of the life"),
+    "place": Column("", "place nearest to the epicentre"),
+    "id": Column("", "identifier of the catalogue"),
+    "pgv_mm_s": Column("mm/s", "PGV that was drawn"),
+    "record": Column("", "record that stands for the motion"),
+    "scale": Column("1", "factor on it"),
+    "largest_mm_s": Column("mm/s", "largest PGV of the life"),
     "max_psi": Column("1", "largest Psi in the event"),
     "psi": Column("1", "Psi at rest after it; largest of a wall that fell"),
-    "max_DI": Column("1", "largest damage index in the event"), "DI": Column("1", "the same at rest after it"),
+    "max_DI": Column("1", "largest damage index in the event"),
+    "DI": Column("1", "the same at rest after it"),
     "crack_width_mm": Column("mm", "width of the widest crack at rest"),
     "offset_after_mm": Column("mm", "largest offset of a joint's faces at rest"),
     "newly_failed": Column("1", "contact points whose bonds failed in it"),
-    "fell": Column("bool", "whether the wall fell in it")}
+    "fell": Column("bool", "whether the wall fell in it"),
+}
 """Columns of lives.csv."""
 SETTLEMENT = "settlement"
 """Place and identifier of event 0 of a life on ground that settled."""
-_SETTLED = {"max_psi": "settled_psi", "psi": "settled_psi", "max_DI": "settled_DI", "DI": "settled_DI",
-            "crack_width_mm": "settled_crack_width_mm"}
-_SOURCES = {"max_psi": "max_psi", "psi": "residual_psi", "max_DI": "max_DI", "DI": "residual_DI",
-            "crack_width_mm": "residual_crack_width_mm", "offset_after_mm": "offset_after_mm",
-            "newly_failed": "newly_failed"}
+_SETTLED = {
+    "max_psi": "settled_psi",
+    "psi": "settled_psi",
+    "max_DI": "settled_DI",
+    "DI": "settled_DI",
+    "crack_width_mm": "settled_crack_width_mm",
+}
+_SOURCES = {
+    "max_psi": "max_psi",
+    "psi": "residual_psi",
+    "max_DI": "max_DI",
+    "DI": "residual_DI",
+    "crack_width_mm": "residual_crack_width_mm",
+    "offset_after_mm": "offset_after_mm",
+    "newly_failed": "newly_failed",
+}
 _BY_YEAR = {"psi": "at rest at the end of the year", "max_psi": "at any moment up to then"}
 YEARLY = {
-    "point": Column("", "of the study"), "year": Column("", "at whose end"), "lives": Column("1", "their number"),
+    "point": Column("", "of the study"),
+    "year": Column("", "at whose end"),
+    "lives": Column("1", "their number"),
     "median_psi": Column("1", "median over the lives of Psi at rest"),
     "median_max_psi": Column("1", "median of the largest Psi so far"),
     "median_DI": Column("1", "median of the damage index at rest"),
     "median_crack_width_mm": Column("mm", "median of the widest crack at rest"),
-    **{f"p_{name}_{level:g}{end}": Column("1", f"{words}probability of Psi >= {level:g} {when}")
-       for name, when in _BY_YEAR.items() for level in VISIBLE
-       for end, words in (("", ""), ("_low", "lower 95 % bound of the "), ("_high", "upper 95 % bound of the "))}}
+    **{
+        f"p_{name}_{level:g}{end}": Column("1", f"{words}probability of Psi >= {level:g} {when}")
+        for name, when in _BY_YEAR.items()
+        for level in VISIBLE
+        for end, words in (
+            ("", ""),
+            ("_low", "lower 95 % bound of the "),
+            ("_high", "upper 95 % bound of the "),
+        )
+    },
+}
 """Columns of life.csv."""
 CONTRIBUTIONS = {
-    "point": Column("", "of the study"), "time_utc": Column("", "of the event"),
-    "magnitude": Column("1", "local magnitude ML"), "place": Column("", "place nearest to the epicentre"),
-    "id": Column("", "identifier of the catalogue"), "lives": Column("1", "number of lives that it is part of"),
+    "point": Column("", "of the study"),
+    "time_utc": Column("", "of the event"),
+    "magnitude": Column("1", "local magnitude ML"),
+    "place": Column("", "place nearest to the epicentre"),
+    "id": Column("", "identifier of the catalogue"),
+    "lives": Column("1", "number of lives that it is part of"),
     "mean_psi": Column("1", "mean over all lives of its increase of Psi at rest"),
     "share": Column("1", "of the sum over all events"),
-    "largest": Column("1", "share of lives in which no other event increases Psi as much")}
+    "largest": Column("1", "share of lives in which no other event increases Psi as much"),
+}
 """Columns of contributions.csv."""
 
 
@@ -134,7 +183,8 @@ class Lives:
         return self.until(self.years[1])
 
     def until(self, year):
-        """State of every life at the end of a year, by (seed, life): psi, max_psi, DI, crack_width_mm, largest_mm_s."""
+        """State of every life at the end of a year, by (seed, life): psi, max_psi, DI,
+        crack_width_mm, largest_mm_s."""
         keys = ["seed", "life"]
         every = self.table.groupby(keys)["largest_mm_s"].first()
         so_far = self.table[self.table["time_utc"].str[:4].astype(int) <= year]
@@ -151,8 +201,8 @@ class Lives:
 
 
 def lives_of(folder):
-    """Lives of the points of a study's folder, a list.  InputError where there is none; points without lives are left
-    out."""
+    """Lives of the points of a study's folder, a list.  InputError where there is none; points
+    without lives are left out."""
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
     records, found = read_records(folder), []
@@ -160,11 +210,15 @@ def lives_of(folder):
         if run.varied == "life":
             draws = read_address(dict(run.options)["address"])
             point = run.point.rpartition(FROM)[0]
-            found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point))
-                      for number, record in records.of_point(run).items()]
+            found += [
+                Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point))
+                for number, record in records.of_point(run).items()
+            ]
     if not any(len(one.table) for one in found):
-        raise InputError(f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m damage "
-                         "life makes it")
+        raise InputError(
+            f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m"
+            " damage life makes it"
+        )
     return together(found)
 
 
@@ -174,31 +228,55 @@ def life_of(record, draws, number):
     A settlement of the ground is event 0.  A wall that fell undergoes no further event.
     """
     events = pd.DataFrame(record["shocks"])
-    table = draws.life(number).iloc[:len(events)].drop(columns=["start_s", "end_s"])
+    table = draws.life(number).iloc[: len(events)].drop(columns=["start_s", "end_s"])
     if not np.allclose(table["scale"], events["factor"], rtol=1e-12):
-        raise InputError(f"{record['run']}: its events are not those of its address's file; run the study again")
+        raise InputError(
+            f"{record['run']}: its events are not those of its address's file; run the study again"
+        )
     for name, source in _SOURCES.items():
-        table[name] = events[source].astype(float).fillna(events[source.replace("residual_", "max_")]).to_numpy()
+        table[name] = (
+            events[source]
+            .astype(float)
+            .fillna(events[source.replace("residual_", "max_")])
+            .to_numpy()
+        )
     fell = record["row"].get("collapsed_at_s")
-    table = table.assign(event=np.arange(1, len(table) + 1),
-                         fell=[False] * (len(table) - 1) + [fell is not None and fell == fell])
+    table = table.assign(
+        event=np.arange(1, len(table) + 1),
+        fell=[False] * (len(table) - 1) + [fell is not None and fell == fell],
+    )
     return pd.concat([*_settlement(record["row"], draws), table], ignore_index=True).assign(
-        seed=draws.choices.seed, life=number, largest_mm_s=draws.largest([number])[0])
+        seed=draws.choices.seed, life=number, largest_mm_s=draws.largest([number])[0]
+    )
 
 
 def _settlement(row, draws):
-    """Row of event 0 of a life, in a list that is empty where the ground rested; row: of summary.csv."""
+    """Row of event 0 of a life, in a list that is empty where the ground rested; row: of
+    summary.csv."""
     if row.get("settled_psi") is None:
         return []
-    return [pd.DataFrame([{"event": 0, "time_utc": f"{draws.exposure.catalogue.years[0]}-01-01T00:00:00",
-                           "place": SETTLEMENT, "id": SETTLEMENT, "pgv_mm_s": 0.0, "record": row["settlement"],
-                           "scale": np.nan if row["distortion"] is None else row["distortion"], "fell": False,
-                           **{name: float(row[source]) for name, source in _SETTLED.items()}}])]
+    return [
+        pd.DataFrame(
+            [
+                {
+                    "event": 0,
+                    "time_utc": f"{draws.exposure.catalogue.years[0]}-01-01T00:00:00",
+                    "place": SETTLEMENT,
+                    "id": SETTLEMENT,
+                    "pgv_mm_s": 0.0,
+                    "record": row["settlement"],
+                    "scale": np.nan if row["distortion"] is None else row["distortion"],
+                    "fell": False,
+                    **{name: float(row[source]) for name, source in _SETTLED.items()},
+                }
+            ]
+        )
+    ]
 
 
 def together(parts):
-    """Lives of equal points counted together, each life once; a list in the order of the first of each, without points
-    that have none."""
+    """Lives of equal points counted together, each life once; a list in the order of the first of
+    each, without points that have none."""
     found = {}
     for one in parts:
         found.setdefault(one.point, []).append(one)
@@ -206,34 +284,59 @@ def together(parts):
     for several in found.values():
         tables = [one.table for one in several if len(one.table)]
         if tables:
-            rows = pd.concat(tables, ignore_index=True).drop_duplicates(["seed", "life", "event"], keep="first")
+            rows = pd.concat(tables, ignore_index=True).drop_duplicates(
+                ["seed", "life", "event"], keep="first"
+            )
             lives.append(replace(several[0], table=rows[list(COLUMNS)]))
     return lives
 
 
 def over_time(lives):
-    """DataFrame with a row a year: medians over the lives, and probabilities with 95 % intervals; columns: YEARLY."""
+    """DataFrame with a row a year: medians over the lives, and probabilities with 95 % intervals;
+    columns: YEARLY."""
     rows, population = [], lives.population()
     for year in range(lives.years[0], lives.years[1] + 1):
         now = lives.until(year)
-        row = {"point": lives.point, "year": year, "lives": len(now), **{
-            f"median_{name}": now[name].median() for name in ("psi", "max_psi", "DI", "crack_width_mm")}}
+        row = {
+            "point": lives.point,
+            "year": year,
+            "lives": len(now),
+            **{
+                f"median_{name}": now[name].median()
+                for name in ("psi", "max_psi", "DI", "crack_width_mm")
+            },
+        }
         for name, level in product(OUTCOMES, VISIBLE):
             found = probability(now[name] >= level, now["largest_mm_s"], population)
-            row |= zip((f"p_{name}_{level:g}{end}" for end in ("", "_low", "_high")), (found.p, *found.interval))
+            row |= zip(
+                (f"p_{name}_{level:g}{end}" for end in ("", "_low", "_high")),
+                (found.p, *found.interval),
+            )
         rows.append(row)
     return pd.DataFrame(rows)[list(YEARLY)]
 
 
 def contributions(lives):
-    """What each event of the catalogue contributes, DataFrame with the largest first; columns: CONTRIBUTIONS."""
+    """What each event of the catalogue contributes, DataFrame with the largest first; columns:
+    CONTRIBUTIONS."""
     table, keys = lives.table.copy(), ["seed", "life"]
     table["gain"] = table["psi"] - table.groupby(keys)["psi"].shift(fill_value=0.0)
-    table["leads"] = (table["gain"] > 0) & (table["gain"] == table.groupby(keys)["gain"].transform("max"))
+    table["leads"] = (table["gain"] > 0) & (
+        table["gain"] == table.groupby(keys)["gain"].transform("max")
+    )
     n_lives = table.groupby(keys).ngroups
-    found = table.groupby("id").agg(
-        time_utc=("time_utc", "first"), magnitude=("magnitude", "first"), place=("place", "first"),
-        lives=("life", "size"), mean_psi=("gain", "sum"), largest=("leads", "sum")).reset_index()
+    found = (
+        table.groupby("id")
+        .agg(
+            time_utc=("time_utc", "first"),
+            magnitude=("magnitude", "first"),
+            place=("place", "first"),
+            lives=("life", "size"),
+            mean_psi=("gain", "sum"),
+            largest=("leads", "sum"),
+        )
+        .reset_index()
+    )
     found[["mean_psi", "largest"]] /= n_lives
     total = found["mean_psi"].sum()
     found = found.assign(point=lives.point, share=found["mean_psi"] / total if total else 0.0)
@@ -246,44 +349,67 @@ def describe(parts):
     for one in parts:
         last, population = one.last, one.population()
         events = one.table[one.table["event"] > 0].groupby(["seed", "life"]).size()
-        lines += [f"{one.point}: {len(last)} lives, {one.years[0]} to {one.years[1]}, {events.median():g} events in "
-                  f"the median life ({events.min()} to {events.max()}), median of the largest PGV "
-                  f"{last['largest_mm_s'].median():.1f} mm/s",
-                  *(f"  warning: {warning}" for warning in one.draws.exposure.warnings),
-                  *_of_the_settlement(one.table),
-                  f"  at the end: median Psi {last['psi'].median():.2f}, median DI {last['DI'].median():.4f}, median "
-                  f"of the largest Psi {last['max_psi'].median():.2f}"]
+        lines += [
+            (
+                f"{one.point}: {len(last)} lives, {one.years[0]} to {one.years[1]},"
+                f" {events.median():g} events in the median life ({events.min()} to"
+                f" {events.max()}), median of the largest PGV {last['largest_mm_s'].median():.1f}"
+                " mm/s"
+            ),
+            *(f"  warning: {warning}" for warning in one.draws.exposure.warnings),
+            *_of_the_settlement(one.table),
+            (
+                f"  at the end: median Psi {last['psi'].median():.2f}, median DI"
+                f" {last['DI'].median():.4f}, median of the largest Psi"
+                f" {last['max_psi'].median():.2f}"
+            ),
+        ]
         for name, level in product(OUTCOMES, VISIBLE):
             found = probability(last[name] >= level, last["largest_mm_s"], population)
             low, high = found.interval
-            lines.append(f"  P(Psi >= {level:g}) {OUTCOMES[name]} = {found.p:.3f}, 95 % interval {low:.3f} to "
-                         f"{high:.3f}; for +-0.03: {found.lives_for(0.03)} lives")
+            lines.append(
+                f"  P(Psi >= {level:g}) {OUTCOMES[name]} = {found.p:.3f}, 95 % interval {low:.3f}"
+                f" to {high:.3f}; for +-0.03: {found.lives_for(0.03)} lives"
+            )
         if one.point in pairs:
             first, second = pairs[one.point]
             damaged = (first["psi"] > 0) & np.isfinite(first["psi"])
             if damaged.any():
                 share = second.loc[damaged, "psi"] / first.loc[damaged, "psi"]
-                lines.append(f"  the largest event alone leaves {share.median():.2f} of the final Psi (median of "
-                             f"{int(damaged.sum())} damaged walls; quartiles {share.quantile(0.25):.2f} to "
-                             f"{share.quantile(0.75):.2f})")
+                lines.append(
+                    f"  the largest event alone leaves {share.median():.2f} of the final Psi"
+                    f" (median of {int(damaged.sum())} damaged walls; quartiles"
+                    f" {share.quantile(0.25):.2f} to {share.quantile(0.75):.2f})"
+                )
     return "\n".join([*lines, *map(in_words, choices(parts))])
 
 
 def _of_the_settlement(table):
     """A line about event 0 of the lives, in a list that is empty where the ground rested."""
     psi = table.loc[table["event"] == 0, "psi"]
-    return [f"  after the settlement: median Psi {psi.median():.2f} ({psi.min():.2f} to {psi.max():.2f})"] if len(
-        psi) else []
+    return (
+        [
+            f"  after the settlement: median Psi {psi.median():.2f} ({psi.min():.2f} to"
+            f" {psi.max():.2f})"
+        ]
+        if len(psi)
+        else []
+    )
 
 
 def write_lives(parts, folder):
     """Write the tables of lives into a folder; returns their paths.
 
-    lives.csv: events; life.csv: year by year; contributions.csv: of each event; and, where there are points to compare,
-    choices.csv and readings.csv (`damage.applications.groningen.life.comparison`).
+    lives.csv: events; life.csv: year by year; contributions.csv: of each event; and, where there
+    are points to compare, choices.csv and readings.csv
+    (`damage.applications.groningen.life.comparison`).
     """
     folder = Path(folder)
-    tables = {"lives.csv": pd.concat([one.table for one in parts]), "life.csv": pd.concat(map(over_time, parts)),
-              "contributions.csv": pd.concat(map(contributions, parts)),
-              "choices.csv": pd.DataFrame(choices(parts)), "readings.csv": pd.DataFrame(readings(parts))}
+    tables = {
+        "lives.csv": pd.concat([one.table for one in parts]),
+        "life.csv": pd.concat(map(over_time, parts)),
+        "contributions.csv": pd.concat(map(contributions, parts)),
+        "choices.csv": pd.DataFrame(choices(parts)),
+        "readings.csv": pd.DataFrame(readings(parts)),
+    }
     return [write_table(table, folder / name) for name, table in tables.items() if len(table)]

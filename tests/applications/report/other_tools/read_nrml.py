@@ -1,4 +1,5 @@
-"""The probabilities that OpenQuake works out of a fragility model, as JSON: python read_nrml.py FILE X,X,...
+"""The probabilities that OpenQuake works out of a fragility model, as JSON: python read_nrml.py
+FILE X,X,...
 
 {imt, id, states: {limit state: probabilities at the intensities X}}.
 """
@@ -13,7 +14,14 @@ from openquake.risklib import read_nrml
 read_nrml.update_validators()
 model = nrml.to_python(sys.argv[1])
 x = numpy.array([float(word) for word in sys.argv[2].split(",")])
-((imt, name), functions), = model.items()
+(((imt, name), functions),) = model.items()
 built = functions.build(model.limitStates)
-print(json.dumps({"imt": imt, "id": name,
-                  "states": {state: one(x).tolist() for state, one in zip(model.limitStates, built)}}))
+print(
+    json.dumps(
+        {
+            "imt": imt,
+            "id": name,
+            "states": {state: one(x).tolist() for state, one in zip(model.limitStates, built)},
+        }
+    )
+)

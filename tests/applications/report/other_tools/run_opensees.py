@@ -1,9 +1,10 @@
 """In OpenSeesPy: what scripts of `damage export --opensees` find, as JSON.
 
-run_opensees.py weight WALL.py: settlement of the top [m], first period [s], joints that failed, shares.
-run_opensees.py path BRICK.py PATH.json: forces on the ground along a path of the only brick [m], without rotation.
-run_opensees.py shake WALL.py PERIOD_S AMPLITUDE_G CYCLES DT_S STEPS: motion of the top [m], joints that failed.
-run_opensees.py push PIER.py NODE INCREMENT_M STEPS: base shear along a push of a node, its weight.
+run_opensees.py weight WALL.py: settlement of the top [m], first period [s], joints that failed,
+shares. run_opensees.py path BRICK.py PATH.json: forces on the ground along a path of the only brick
+[m], without rotation. run_opensees.py shake WALL.py PERIOD_S AMPLITUDE_G CYCLES DT_S STEPS: motion
+of the top [m], joints that failed. run_opensees.py push PIER.py NODE INCREMENT_M STEPS: base shear
+along a push of a node, its weight.
 """
 
 import json
@@ -29,10 +30,15 @@ def on_ground():
 
 
 def weight():
-    period = 2 * pi / ops.eigen(1)[0]**0.5
+    period = 2 * pi / ops.eigen(1)[0] ** 0.5
     found = model["weight"]()
-    return {"found": found, "settlement_m": -model["top"](2), "period_s": period,
-            "failed": len(model["JOINTS"]) - len(model["INTACT"]), "on_ground_n": on_ground()}
+    return {
+        "found": found,
+        "settlement_m": -model["top"](2),
+        "period_s": period,
+        "failed": len(model["JOINTS"]) - len(model["INTACT"]),
+        "on_ground_n": on_ground(),
+    }
 
 
 def path(file):
@@ -40,13 +46,20 @@ def path(file):
         places, forces = json.load(given), []
     times = [float(k) for k in range(len(places) + 1)]
     for k in (0, 1):
-        ops.timeSeries("Path", 10 + k, "-time", *times, "-values", 0.0, *(place[k] for place in places))
+        ops.timeSeries(
+            "Path", 10 + k, "-time", *times, "-values", 0.0, *(place[k] for place in places)
+        )
         ops.pattern("Plain", 10 + k, 10 + k)
         ops.sp(1, k + 1, 1.0)
     ops.fix(1, 0, 0, 1)
     ops.wipeAnalysis()
-    for command in (("constraints", "Lagrange"), ("numberer", "Plain"), ("system", "FullGeneral"),
-                    ("test", "NormUnbalance", 1e-6, 50), ("algorithm", "Newton")):
+    for command in (
+        ("constraints", "Lagrange"),
+        ("numberer", "Plain"),
+        ("system", "FullGeneral"),
+        ("test", "NormUnbalance", 1e-6, 50),
+        ("algorithm", "Newton"),
+    ):
         getattr(ops, command[0])(*command[1:])
     for _ in places:
         ops.integrator("LoadControl", 1.0)
@@ -64,7 +77,10 @@ def shake(period_s, amplitude_g, cycles, dt_s, steps):
     at_rest, dt_s, steps = model["top"](1), float(dt_s), int(steps)
     model["solver"](1.0, "Newton")
     angles = [2 * pi * k * dt_s / float(period_s) for k in range(steps + 2)]
-    acceleration = [float(amplitude_g) * 9.81 * sin(angle) * (angle <= 2 * pi * float(cycles)) for angle in angles]
+    acceleration = [
+        float(amplitude_g) * 9.81 * sin(angle) * (angle <= 2 * pi * float(cycles))
+        for angle in angles
+    ]
     ops.timeSeries("Path", 3, "-dt", dt_s, "-values", *acceleration)
     ops.pattern("UniformExcitation", 3, 1, "-accel", 3)
     ops.integrator("Newmark", 0.5, 0.25)
@@ -88,8 +104,12 @@ def push(node, increment, steps):
         shear.append(on_ground()[0])
         if not found:
             break
-    return {"found": found, "weight_n": weight_n, "shear_n": shear,
-            "failed": len(model["JOINTS"]) - len(model["INTACT"])}
+    return {
+        "found": found,
+        "weight_n": weight_n,
+        "shear_n": shear,
+        "failed": len(model["JOINTS"]) - len(model["INTACT"]),
+    }
 
 
 print(json.dumps({"weight": weight, "path": path, "shake": shake, "push": push}[kind](*words)))
