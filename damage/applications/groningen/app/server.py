@@ -234,7 +234,7 @@ def serve(out, port=0, opened=True):
     except ImportError as error:
         raise InputError(
             "the page needs Flask; install Debian's package python3-flask, or pip install "
-            "'masonry-damage[app]'"
+            "'masonry-damage[groningen]'"
         ) from error
 
     class Quiet(WSGIRequestHandler):
