@@ -31,15 +31,13 @@ class Drive:
     """Prescribed motion of a wall; None where the loading prescribes nothing.
 
     base: time_s (n,) -> (n, 2), acceleration along x and z of the frame in which the wall and all
-    supports are
-        computed [m/s2];
+        supports are computed [m/s2];
     supports: time_s (n,), x_m (k,) -> (n, k, 3), displacement in that frame of the supports whose
-    reference points
-        stand at x_m [m, m, rad];
+        reference points stand at x_m [m, m, rad];
     top: time_s (n,), height_m -> (n,), horizontal displacement of the bodies that carry the top, at
-    that height [m]; top_rotates: whether these may rotate while they are moved; top_stiffness: of a
-    rotational spring between each of
-        them and what moves it [N m/rad];
+        that height [m];
+    top_rotates: whether these may rotate while they are moved; top_stiffness: of a rotational
+        spring between each of them and what moves it [N m/rad];
     first_mode_m_s: velocity of the top in the first mode at time zero [m/s];
     local_damping: Cundall's, of a quasi-static loading [-]; None of a dynamic one.
     """
@@ -221,13 +219,11 @@ class Recorded(Loading):
     window_s: start and end [s] of the part that is used, or None for all of it.
     vertical: component along z with the same step, length and start, or None.
     across: horizontal component at right angles, which is not applied and of which the largest of
-    all directions is
-        known (RotD100), with the same step, length and start, or None.
+        all directions is known (RotD100), with the same step, length and start, or None.
     baseline_order: order of the polynomial that is taken off, or None.
     band_hz: corners of the zero-phase band-pass [Hz], or None.
     interpolated_for_s: first period [s] of the wall for which both components are interpolated,
-    band-limited
-        (`for_period`), or None: lines between the record's samples.
+        band-limited (`for_period`), or None: lines between the record's samples.
     """
 
     record: Record
@@ -463,16 +459,15 @@ not quasi-static."""
 @dataclass(frozen=True)
 class TopDisplacement(Loading):
     """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the
-    base
-    stands still.
+    base stands still.
 
     amplitudes_pct: drift ratios [%] to go to, in this order.
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
     boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
     speed_m_s: of the top [m/s]; local_damping [-], where the solver damps locally: the result
-    depends on
-        both when they are not slow and high; top_rotation: stiffness of a rotational spring between
-        the top and the machine that moves it [N m/rad], of each body that carries the top; 0: free.
+        depends on both when they are not slow and high; top_rotation: stiffness of a rotational
+        spring between the top and the machine that moves it [N m/rad], of each body that carries
+        the top; 0: free.
     """
 
     amplitudes_pct: tuple[float, ...] = text(

@@ -31,9 +31,8 @@ class Brick:
     density [kg/m3]: not in the paper; 1900 is usual for calcium silicate and clay brickwork.
     young_modulus, shear_modulus [Pa]: Table 2.
     tensile_strength, cohesion [Pa]: at which whole bricks split in the middle, in bending and in
-    shear
-        (`damage.wall.split`); None, the first, for bricks that do not split, as in the paper; the
-        second, for those that tension alone splits.
+        shear (`damage.wall.split`); None, the first, for bricks that do not split, as in the paper;
+        the second, for those that tension alone splits.
     """
 
     length: float = quantity(
@@ -128,13 +127,13 @@ class Joint:
     normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.
     mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the
-    bond fails;
-        None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and
-        102 to 353 (Korswagen, dissertation, TU Delft, 2022); "rule": by `softening_energies`.
+        bond fails; None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork:
+        5.6 to 19 and 102 to 353 (Korswagen, dissertation, TU Delft, 2022); "rule": by
+        `softening_energies`.
     compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not,
-    as in the paper. compressive_fracture_energy [J/m2]: what crushing takes until no strength is
-    left; None or 0 where the strength
-        stays; "rule": by `crushing_energy`.
+        as in the paper.
+    compressive_fracture_energy [J/m2]: what crushing takes until no strength is left; None or 0
+        where the strength stays; "rule": by `crushing_energy`.
     """
 
     normal_stiffness: float = quantity(
@@ -361,16 +360,13 @@ class Wall:
     name: short, used in file names.
     length, height [m]: the height is built in whole courses (the nearest number of them).
     precompression [Pa]: vertical stress at the top, carried as mass and its weight; over the whole
-    length, or in the
-        piers alone, as `ModelOptions.load` says.
+        length, or in the piers alone, as `ModelOptions.load` says.
     base_course: the base course starts on the left with a "whole" or a "half" brick.
     outline: points (x, z) [m] of its top edge from (0, z) to (length, z), its highest at the
-    height; none for a
-        rectangular wall.  `damage.wall.plan` says how bricks follow it.
+        height; none for a rectangular wall.  `damage.wall.plan` says how bricks follow it.
     floors: of `damage.wall.floors.Floor`.
     lintel: of openings that have none of their own, a `damage.wall.lintels.Lintel` or its kind;
-    "courses" in the
-        paper's walls, where `ModelOptions.lintel` says which joints stay elastic.
+        "courses" in the paper's walls, where `ModelOptions.lintel` says which joints stay elastic.
     restraints: of `damage.wall.restraints.Restraint`: floors that hold the top, party walls.
 
     A strip of a wall in one-way bending between floors, out of its plane, is a plane problem, too:

@@ -42,16 +42,14 @@ class Plan:
 
     wall: with the lintels that are built (`damage.Wall.with_lintels`).
     openings, floors, lintels: their places, in the wall's order; lintels that are bodies, from left
-    to right.
+        to right.
     runs: parts (left, right) [m] of each course that are of bricks, upwards and from left to right:
-    below the outline,
-        beside openings, slabs and lintels; bricks: the edges of the bricks of each course, in the
-        same way.
+        below the outline, beside openings, slabs and lintels; bricks: the edges of the bricks of
+        each course, in the same way.
     piers: parts (left, right) [m] of the length that carry the top.
     drift_course: whose displacement is the wall's drift: the highest that the outline leaves at
-    least half as long as
-        the wall, or the base course; the top course of a wall without an outline; that at
-        mid-height where a restraint holds the top.
+        least half as long as the wall, or the base course; the top course of a wall without an
+        outline; that at mid-height where a restraint holds the top.
     """
 
     wall: object

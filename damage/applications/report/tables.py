@@ -44,7 +44,7 @@ def in_short(value, digits=DIGITS):
     """A number with so many significant digits, a word as it is, nothing as a dash.
 
     >>> [in_short(value) for value in (0.0940123456, 1234567.0, None, "complete", 3)]
-    ('0.0940', '1.23e+06', '–', 'complete', '3')
+    ['0.0940', '1.23e+06', '–', 'complete', '3']
     """
     if value is None or (isinstance(value, Number) and not math.isfinite(value)):
         return "–"
