@@ -45,12 +45,17 @@ FIRST = (
     "test_widths.py",
     "test_deformable.py",
     "test_yade_run.py",
+    "test_mass_scaling.py",
     "test_together.py",
     "test_study.py",
-    "test_guides.py",
     "test_written.py",
     "test_batch.py",
-    "test_pictures.py",
+    "test_verification.py",
+    "test_checkpoint.py",
+    "test_yade_ground.py",
+    "test_guides.py",
+    "test_from_pip.py",
+    "test_own_law.py",
 )
 
 

@@ -92,7 +92,8 @@ def test_kinetic_energy_with_the_matrix_closes_the_balance_of_a_linear_wall(mode
     [
         ModelOptions(),
         ModelOptions(bricks="deformable", contacts="gauss"),
-        ModelOptions(soil="1e9", soil_velocity=100.0),
+        # compiled once more, for this alone
+        pytest.param(ModelOptions(soil="1e9", soil_velocity=100.0), marks=pytest.mark.long),
     ],
 )
 @pytest.mark.parametrize("held", [False, True])

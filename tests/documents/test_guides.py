@@ -19,8 +19,8 @@ from paper import after_peak
 ROOT = REPOSITORY
 GUIDES = ROOT / "docs" / "guides"
 SHORTER = (
-    ("--rest 1 ", "--rest 0.1 "),
-    ("--members 8", "--members 2"),
+    ("--rest 1 ", "--cycles 1 --rest 0 "),
+    ("--members 8", "--no-pictures --members 2"),
     ("--scale 3 --rest 0.2", "--rest 0"),
     ("[18.2, 20.2]", "[18.7, 18.9]"),
     ("options.rest = 0.2", "options.rest = 0"),

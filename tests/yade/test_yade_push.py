@@ -20,7 +20,9 @@ SOFT = (
 LOCAL = ("--relaxation", "local")
 
 
-@pytest.fixture(scope="module", params=["cantilever", "fixed"])
+@pytest.fixture(
+    scope="module", params=[pytest.param("cantilever", marks=pytest.mark.long), "fixed"]
+)
 def runs(request, tmp_path_factory, in_both):
     """The same push, 0.12 % of drift with local damping, in both solvers; slower where it rocks, so
     that inertia stays below 2 % of the force."""
