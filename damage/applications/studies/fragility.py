@@ -80,7 +80,8 @@ class Fragility:
     intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion
     [-]: NaN where the runs determine no curve, why: the reason; n_runs, n_exceeding, n_records;
     n_walls: draws of the wall's strengths; replicates: by a name of OVER (n_replicates, 2) medians
-    and dispersions of the bootstrap samples.  Of a sample that determines none the dispersion is NaN, the median infinite,
+    and dispersions of the bootstrap samples.  Of a sample that determines none the dispersion is
+    NaN, the median infinite,
     0 or NaN where it lies above all intensities of the runs, below, or is not known. step: two
     intensities where up to one no run exceeds the level and from the other on all do, with one
     other at most between them; the data then give no dispersion (it is 0), and bound the median by
@@ -247,7 +248,8 @@ def solve(intensity, exceeding, runs):
 
     Otherwise the runs determine a curve where its likelihood has one maximum, inside the bounds of
     the dispersion, the median is no extrapolation, and LEAST_INTENSITIES were run.  The first asks
-    for two intensities at which some runs exceed and some do not.  Of runs that each have their own intensity it asks for the
+    for two intensities at which some runs exceed and some do not.  Of runs that each have their
+    own intensity it asks for the
     same: that one exceeds below another that does not (M. J. Silvapulle, 1981,
     doi:10.1111/j.2517-6161.1981.tb01676.x, of one covariate).
     """
