@@ -51,6 +51,9 @@ PARAMETERS = {
     "record_unit": Column(
         "", "unit that the record's samples were taken to be in, and what says so"
     ),
+    "record_pga_g": Column(
+        "g", "peak of the horizontal record times its scale, before it is interpolated for a wall"
+    ),
     "pga_g, sa_0.2_s_g": Column(
         "g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"
     ),

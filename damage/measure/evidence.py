@@ -357,13 +357,23 @@ def outside(evidence):
     >>> length = {"value": 6.2, "least": 1.0, "most": 4.05, "unit": "m", "inside": False}
     >>> outside({"length": length})
     ['length 6.2 m (1 to 4.05 m)']
+    >>> drift = {"value": 0.30002, "least": 0.0, "most": 0.3, "unit": "%", "inside": False}
+    >>> outside({"drift": drift})
+    ['drift 0.30002 % (up to 0.3 %)']
     """
     by_name = {one.name: one for one in QUANTITIES}
     return [
-        f"{name} {one['value']:.3g}{' ' * bool(one['unit'])}{one['unit']} ({by_name[name].range})"
+        f"{name} {_beyond(one)}{' ' * bool(one['unit'])}{one['unit']} ({by_name[name].range})"
         for name, one in evidence.items()
         if one["inside"] is False
     ]
+
+
+def _beyond(judged):
+    """A value outside its limits in as many digits, three or more, as tell it from them."""
+    digits = (f"{judged['value']:.{count}g}" for count in range(3, 17))
+    limits = judged["least"], judged["most"]
+    return next((text for text in digits if float(text) not in limits), str(judged["value"]))
 
 
 def describe(evidence):

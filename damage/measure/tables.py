@@ -85,10 +85,10 @@ def _motion_columns(history, numbers):
     loading, factor = history.loading, history.strongest_factor
     given = loading.as_dict()
     start, end = given.get("window_s") or (None, None)
-    pga_g = loading.pga_g and loading.pga_g * factor
     return {
         "record": given.get("horizontal", {}).get("record"),
-        "pga_g": pga_g,
+        "record_pga_g": loading.record_pga_g and loading.record_pga_g * factor,
+        "pga_g": loading.pga_g and loading.pga_g * factor,
         "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor,
         **{name: numbers[name] for name in APPLIED},
         "motion_period_s": given.get("period_s"),

@@ -12,6 +12,14 @@ from damage.wall.lintels import elastic_share, warn_of_share
 AT_REST = 1e-5
 """Unbalanced force ratio below which the static stage has converged [-]."""
 
+MOST_DRAG = 0.02
+"""Share of the largest force that the damping of a pushed wall may carry [-]; about 0.01 stays at
+any speed, where contact points open one after the other."""
+NEXT_TO_NOTHING = 0.001
+"""Share of the largest force's work that joints may dissipate in a sample of elastic motion [-]."""
+LEAST_SAMPLES = 10
+"""Of which the drag is known."""
+
 
 def warnings_of(history):
     """Conditions under which the results of a History are doubtful, a list of Warned: texts with a
@@ -27,6 +35,7 @@ def warnings_of(history):
         "static_stage": static_warnings(history),
         "energy_balance": energy_warnings(balance_error(history)),
         "elastic_share": warn_of_share(share),
+        "push_drag": warn_of_drag(history),
         "ended_joints": warn_of_ends(history),
         "splitting": warn_of_splitting(history),
         "courses": warn_of_courses(history.plan),
@@ -63,6 +72,42 @@ def energy_warnings(error):
         f"energy balance error {100 * error:.3g} % of the input, expected up to"
         f" {100 * ENERGY_ERROR:g} %: do not trust this run; give a smaller --dt"
         " (docs/model/validity.md, energy balance)"
+    ]
+
+
+def push_drag(history):
+    """Force that the damping of a wall whose top is pushed adds while it moves, over the largest
+    force of the run [-]; None of other runs, and where joints slide or soften all the time.
+
+    Its work over the way of the top, the median over the samples at speed in which joints dissipate
+    next to nothing: what they set free is damped at any speed.  Local damping takes a share of the
+    resultant of each body against its velocity, so that a slow vibration of a moving wall is a
+    drag, in proportion to its speed and weight.
+    """
+    if history.solver != "reference" or not history.loading.drive.quasi_static:
+        return None
+    series = history.series
+    way_m = np.abs(np.diff(series["top_displacement_m"]))
+    largest_n = np.abs(series["top_force_n"]).max()
+    lost_j = np.diff(series["friction_energy_j"] + series["fracture_energy_j"])
+    chosen = way_m > 0.9 * np.max(way_m, initial=0.0)
+    chosen &= np.abs(lost_j) <= NEXT_TO_NOTHING * largest_n * way_m
+    if np.count_nonzero(chosen) < LEAST_SAMPLES:
+        return None
+    work_j = np.diff(series["damping_energy_j"])
+    return float(np.median(work_j[chosen] / way_m[chosen]) / largest_n)
+
+
+def warn_of_drag(history):
+    """Warning of a push that is too fast for a light wall, a list of str."""
+    drag = push_drag(history)
+    if drag is None or drag <= MOST_DRAG:
+        return []
+    # less than in proportion: drag falls more slowly than speed
+    speed = 0.7 * history.loading.speed_m_s * MOST_DRAG / drag
+    return [
+        f"the wall is pushed too fast: damping adds about {100 * drag:.2g} % of the largest force,"
+        f" expected up to {100 * MOST_DRAG:g} %; give --speed {speed:.1g}"
     ]
 
 

@@ -79,7 +79,8 @@ class Loading:
     drive: what it prescribes on a wall, a Drive, whose base moves by base_acceleration; duration_s:
     of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
     peak_g: largest acceleration of the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral
-    acceleration at 0.2 s [g] of the base along the wall, None where unknown; lost_by_lines: of an
+    acceleration at 0.2 s [g] of the base along the wall, None where unknown; record_pga_g: peak of
+    a record before it was interpolated for a wall [g]; lost_by_lines: of an
     interpolated record, else None; moves: whether there is a motion at all. Every one has a name,
     too, and as_dict(): everything that defines the motion, fit for JSON.
     """
@@ -87,7 +88,7 @@ class Loading:
     duration_s = 0.0
     cycle_edges_s = np.zeros(0)
     peak_g = 0.0
-    base_acceleration = pga_g = sa_02_s_g = lost_by_lines = None
+    base_acceleration = pga_g = record_pga_g = sa_02_s_g = lost_by_lines = None
     moves = True
 
     @property
@@ -317,6 +318,12 @@ class Recorded(Loading):
     def peak_g(self) -> float:
         return max(map(pga_g, self.motion))
 
+    @property
+    def record_pga_g(self) -> float:
+        """Peak of the horizontal record, prepared but not interpolated [g]: the same for all
+        walls."""
+        return pga_g(replace(self, interpolated_for_s=None, vertical=None, across=None).motion[0])
+
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost
         between steps."""
@@ -343,6 +350,7 @@ class Recorded(Loading):
             time_step_s=float(self.record.time_step_s),
             scale=float(self.scale),
             pga_g=pga_g(self.motion[0]),
+            record_pga_g=self.record_pga_g,
             sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]),
             window_s=_floats(self.window_s),
             baseline_order=None if self.baseline_order is None else int(self.baseline_order),
@@ -359,8 +367,9 @@ class RecordedMotion(Loading):
 
     horizontal, vertical, across: {"record": its name, "file": without its folder, "sha256",
     "start_utc", "unit", and "given" where it was given how to read it} of the components;
-    time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the
-    rest as in `Recorded`.  None is what an older file does not say."""
+    time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of the motion as it was used [g];
+    record_pga_g: before it was interpolated; the rest as in `Recorded`.  None is what an older
+    file does not say."""
 
     name: str
     horizontal: dict = field(default_factory=dict)
@@ -376,6 +385,7 @@ class RecordedMotion(Loading):
     interpolated_for_s: float | None = None
     lost_by_lines: float | None = None
     across: dict | None = None
+    record_pga_g: float | None = None
 
     def base_acceleration(self, _time_s):
         raise InputError(

@@ -11,6 +11,7 @@ from conftest import refused_with
 from numpy.testing import assert_allclose
 
 from damage.motion.formats import read_record, shipped_record_path
+from damage.motion.intensity import pga_g
 from damage.motion.loading import (
     EASE_S,
     FreeVibration,
@@ -136,6 +137,9 @@ class TestRecorded:
         assert driven.duration_s == pytest.approx(load.duration_s) and driven.name == load.name
         assert driven.preferred_step_s(3e-5) == pytest.approx(0.0005 / 17)
         assert driven.applied() is driven.motion[0] and driven.peak_g > load.peak_g
+        # one record at one scale is one intensity, whatever the wall
+        assert driven.record_pga_g == load.record_pga_g == pga_g(load.motion[0])
+        assert driven.as_dict()["pga_g"] > driven.as_dict()["record_pga_g"]
 
     def test_the_table_of_a_motion_says_whether_it_was_interpolated(self):
         load = Recorded(noise(), 2.0, (3, 5), baseline_order=1)

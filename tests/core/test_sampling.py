@@ -22,18 +22,22 @@ STIFF = damage.Wall(
 PERIOD_S = 0.0508
 
 
+def file_pga_g(step_s):
+    """Largest sample of such a file [g]."""
+    return np.abs(motion_g(np.arange(round(0.8 / step_s) + 1) * step_s)).max()
+
+
+def motion_g(time_s):
+    """Sines up to 21.75 Hz that swell and ebb [g]."""
+    parts = (4.0, 0.01), (12.0, 0.015), (19.7, 0.025), (21.75, 0.01)
+    swell = np.sin(np.pi * time_s / 0.8) ** 2
+    return swell * sum(g * np.sin(2 * np.pi * hz * time_s) for hz, g in parts)
+
+
 def sampled(folder, step_s, name="", scale=1.0):
-    """A record's file of 0.8 s: sines up to 21.75 Hz that swell and ebb, of which steps of 0.02 s
-    hold everything."""
+    """A record's file of 0.8 s of `motion_g`, of which steps of 0.02 s hold everything."""
     time_s = np.arange(round(0.8 / step_s) + 1) * step_s
-    acc_g = (
-        scale
-        * np.sin(np.pi * time_s / 0.8) ** 2
-        * sum(
-            g * np.sin(2 * np.pi * hz * time_s)
-            for hz, g in ((4.0, 0.01), (12.0, 0.015), (19.7, 0.025), (21.75, 0.01))
-        )
-    )
+    acc_g = scale * motion_g(time_s)
     path = folder / f"{name or f'every_{1e3 * step_s:g}_ms'}.csv"
     path.write_text("time_s,acc_g\n" + "".join(f"{t:.4f},{a:.9f}\n" for t, a in zip(time_s, acc_g)))
     return path
@@ -65,6 +69,9 @@ def test_a_record_in_coarse_steps_drives_a_stiff_wall_as_one_in_fine_steps(runs)
     rows = [summary_row(runs[step_s]) for step_s in (0.02, 0.002)]
     for name in ("pga_g", "sa_0.2_s_g", "peak_base_shear_n"):
         assert rows[0][name] == pytest.approx(rows[1][name], rel=0.01), name
+    # of the file, and not of what was interpolated for this wall
+    assert rows[0]["record_pga_g"] == pytest.approx(file_pga_g(0.02), rel=1e-6)
+    assert rows[0]["record_pga_g"] < 0.99 * rows[0]["pga_g"]
     assert runs[0.02].eigen_period_s == pytest.approx(PERIOD_S, abs=1e-4)
     assert coarse["peak_base_shear_n"] > 1000
 

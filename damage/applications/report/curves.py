@@ -63,6 +63,7 @@ COLUMNS["dispersion"] = Column(
 )
 """Columns of the table of `coefficients`."""
 _TYPES = {
+    "record_pga_g": ("PGA", 1),
     "pga_g": ("PGA", 1),
     "pgv_m_s": ("PGV", CM_PER_M),
     "pgv_rotd100_m_s": ("PGV", CM_PER_M),

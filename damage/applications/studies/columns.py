@@ -116,7 +116,7 @@ _VALUE = _STATE | {
 AT = _VALUE | {
     "probability": Column("1", "of exceeding the level, by the curve through all records"),
     **{
-        f"mean_{end}": Column("1", f"{words} bound of it, walls and records drawn anew")
+        f"mean_{end}": Column("1", f"{words} bound of it, strengths and records drawn anew")
         for end, words in ENDS
     },
     "new_record": Column("1", "probability in a new record, averaged over what it may be"),

@@ -77,7 +77,8 @@ def _study_schema(asked):
             metavar="COLUMN",
             help=(
                 "column of summary.csv with a number above zero in "
-                "every run (default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"
+                "every run (default: that of the study file, else sa_eigen_period_g; PGA is "
+                "record_pga_g, one value for all walls)"
             ),
         ),
         arg(
@@ -115,7 +116,7 @@ def _study_schema(asked):
     out("folder for tables and pictures"),
     examples=(
         "results/fragility --out curves",
-        'results/fragility --intensity pga_g --state "moderate: max_psi > 2" --out curves',
+        'results/fragility --intensity record_pga_g --state "moderate: max_psi > 2" --out curves',
     ),
 )
 def _fragility(asked):

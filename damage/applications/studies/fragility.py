@@ -6,8 +6,8 @@ number of runs that exceed the level at each intensity: J. W. Baker (2015), Effi
 fragility function fitting
 using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation
 (11).  It is the mean over the records.  Its bounds are percentiles over bootstrap samples, drawn
-anew with replacement, of the walls, which are the seeds of their joints' strengths, of the records,
-or of both, each with all its runs.  Those over walls leave other earthquakes out; of few records
+anew with replacement, of the draws of the joints' strengths of one wall ("walls"), of the records,
+or of both, each with all its runs.  Those over draws leave other earthquakes out; of few records
 those over records are themselves uncertain.  Samples drawn from few scatter less than new ones
 would, so they are stretched about the fit (`stretch`).  The interval for the curve of a new record
 is wider: `damage.applications.studies.new_record`.
@@ -50,6 +50,10 @@ OVER = ("walls", "records", "both")
 FEW_RECORDS = 10
 """Fewer are said to be few: 10 to 20 usually serve, D. Vamvatsikos, C. A. Cornell (2002),
 doi:10.1002/eqe.141."""
+LEAST_INTENSITIES = 3
+"""Through fewer a lognormal curve, of two parameters, passes whatever the wall does."""
+SAME_INTENSITY = 0.01
+"""Two that differ by a smaller share [-] count as one."""
 REPLICATES = 500
 _PERCENTILES = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
 DISPERSIONS = 1e-3, 3.0
@@ -74,9 +78,10 @@ class Fragility:
     """A fitted curve with its bounds.
 
     intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion
-    [-]: NaN where the runs determine no curve, why: the reason; n_runs, n_exceeding, n_records,
-    n_walls; replicates: by a name of OVER (n_replicates, 2) medians and dispersions of the
-    bootstrap samples.  Of a sample that determines none the dispersion is NaN, the median infinite,
+    [-]: NaN where the runs determine no curve, why: the reason; n_runs, n_exceeding, n_records;
+    n_walls: draws of the wall's strengths; replicates: by a name of OVER (n_replicates, 2) medians
+    and dispersions of the bootstrap samples.  Of a sample that determines none the dispersion is
+    NaN, the median infinite,
     0 or NaN where it lies above all intensities of the runs, below, or is not known. step: two
     intensities where up to one no run exceeds the level and from the other on all do, with one
     other at most between them; the data then give no dispersion (it is 0), and bound the median by
@@ -242,8 +247,9 @@ def solve(intensity, exceeding, runs):
     which all medians are as likely.
 
     Otherwise the runs determine a curve where its likelihood has one maximum, inside the bounds of
-    the dispersion, and the median is no extrapolation.  The first asks for two intensities at which
-    some runs exceed and some do not.  Of runs that each have their own intensity it asks for the
+    the dispersion, the median is no extrapolation, and LEAST_INTENSITIES were run.  The first asks
+    for two intensities at which some runs exceed and some do not.  Of runs that each have their
+    own intensity it asks for the
     same: that one exceeds below another that does not (M. J. Silvapulle, 1981,
     doi:10.1111/j.2517-6161.1981.tb01676.x, of one covariate).
     """
@@ -260,7 +266,20 @@ def solve(intensity, exceeding, runs):
         return Fit(
             np.nan, np.nan, "one intensity only has runs of both kinds, a curve needs two", side
         )
+    if (distinct := _distinct(x)) < LEAST_INTENSITIES:
+        why = f"{distinct} intensities only, a curve needs {LEAST_INTENSITIES} that differ by 1 %"
+        return Fit(np.nan, np.nan, why, side)
     return _likeliest(np.log(x), y, n, side)
+
+
+def _distinct(intensities):
+    """How many of intensities (n,) differ by more than SAME_INTENSITY from the one that counted
+    before them."""
+    count, last = 0, 0.0
+    for value in np.sort(intensities):
+        if value > last * (1 + SAME_INTENSITY):
+            count, last = count + 1, value
+    return count
 
 
 def _likeliest(x, y, n, side):
@@ -343,9 +362,8 @@ def fragility(
     """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every
     level.
 
-    Walls differ by `strength_seed`; intensity: None for the first that they have; over: names of
-    OVER
-    of what is drawn anew; name: of the damage state.
+    Draws of the wall differ by `strength_seed`; intensity: None for the first that they have; over:
+    names of OVER of what is drawn anew; name: of the damage state.
     """
     intensity = intensity or leading(runs)
     exceeds = exceeding(runs, measure, level)
@@ -489,7 +507,7 @@ def in_words(fits):
         lines += [
             (
                 f"{wall} wall by {one.intensity} [{unit_of(one.intensity)[1]}], {one.n_runs} runs,"
-                f" {one.n_walls} walls, {one.n_records} records; intervals of"
+                f" {one.n_walls} draws of strengths, {one.n_records} records; intervals of"
                 f" {100 * CONFIDENCE:.0f} %"
             ),
             (

@@ -26,8 +26,8 @@ _MOST_PANELS = 3
 """In a row."""
 _BANDS = {
     "new record": (0.13, "interval of a new record's own curve"),
-    "both": (0.35, "interval of the mean curve, walls and records drawn anew"),
-    "walls": (0.35, "interval of the mean curve, walls drawn anew, records held"),
+    "both": (0.35, "interval of the mean curve, strengths and records drawn anew"),
+    "walls": (0.35, "interval of the mean curve, strengths drawn anew, records held"),
 }
 """What lies in a band: how dark, in words; the wider one first.  That over walls is drawn where
 there is one record."""
@@ -173,6 +173,7 @@ def _draw(ax, x, runs, one, style, intensity):
             )
     else:
         words += f": no curve, {one.n_exceeding} of {one.n_runs} runs exceed it"
+        words += f"\n{one.why}" if 0 < one.n_exceeding < one.n_runs else ""
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=words), list(bands)
 
 

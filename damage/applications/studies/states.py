@@ -25,7 +25,8 @@ INTENSITIES = {
     "avg_sa_g": "AvgSa [g]",
     "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]",
     "pgv_m_s": "PGV [m/s]",
-    "pga_g": "PGA [g]",
+    "record_pga_g": "PGA [g]",
+    "pga_g": "PGA, as applied [g]",
     "pgv_rotd100_m_s": "PGV, largest of all directions [m/s]",
     "arias_m_s": "Arias intensity [m/s]",
 }

@@ -16,11 +16,13 @@ from damage.applications.studies.after_damage import load_shocks
 from damage.applications.studies.fragility import (
     curve,
     efficiency_table,
+    fit_all,
     fragility,
     in_words,
     load_runs,
     solve,
 )
+from damage.applications.studies.fragility_picture import fragility_pictures
 from damage.applications.studies.left_out import leave_one_out, scores
 from damage.applications.studies.new_record import new_record
 from damage.applications.studies.states import (
@@ -228,6 +230,37 @@ class TestUndetermined:
             ), table
         assert row["distribution"] == "none"
 
+    @pytest.mark.parametrize("intensities", [(0.2, 0.3), (0.2, 0.3, 0.301)])
+    def test_two_intensities_give_no_curve_anywhere(self, intensities, tmp_path, output_of):
+        """Any two shares lie on a lognormal curve; it was drawn and exported, here
+        with a median of 0.207 g and a dispersion of 0.20."""
+        runs = walls(30, seed=1).query("pga_g in (0.2, 0.3)").assign(eigen_period_s=0.2)
+        third = runs[runs["pga_g"] == 0.3].assign(pga_g=0.301)
+        runs = pd.concat([runs, third]).query("pga_g in @intensities")
+        write_table(runs, tmp_path / "tables" / "summary.csv")
+        words = ["--state", "max_DI > 0.05", "--replicates", 20, "--at", 0.2]
+        printed = output_of(
+            "fragility", tmp_path, "--out", tmp_path / "f", "--export", tmp_path / "e", *words
+        )
+        why = "2 intensities only, a curve needs 3 that differ by 1 %"
+        assert f"max_DI > 0.05: no curve, {why}" in printed
+        assert f"w, max_DI > 0.05: no curve: {fragility(runs, 'max_DI', 0.05).n_exceeding} of" in (
+            printed
+        )
+        for table in ("fragility_pga_g.csv", "efficiency.csv", "fragility_pga_g_at.csv"):
+            row = pd.read_csv(tmp_path / "f" / table).iloc[0]
+            assert row["undetermined"] == why
+            assert row.filter(regex="^(median|dispersion|new_record|prob)").isna().all()
+        assert [path.name for path in (tmp_path / "e").iterdir()] == ["fragility_coefficients.csv"]
+        fits = {"w": [fragility(runs, "max_DI", 0.05, replicates=20)]}
+        ((_, figure),) = fragility_pictures(runs, fits)
+        words = figure.axes[0].get_legend().get_texts()[0].get_text()
+        assert words.endswith(why) and len(figure.axes[0].lines) == 1  # the shares alone
+
+    def test_draws_of_one_wall_are_not_called_walls(self):
+        printed = in_words({"w": [fragility(walls(12, seed=1), "max_DI", 0.05, replicates=0)]})
+        assert "12 draws of strengths, 1 records" in printed and "walls" not in printed
+
     def test_samples_without_a_curve_open_the_bound_on_their_side(self):
         """Of three records one harms nothing: samples with many of it have their median above all
         runs.  An interval of the others would end at a finite one."""
@@ -433,6 +466,15 @@ def test_the_command_writes_table_and_picture(tmp_path, output_of, error_of):
     }
     assert set(pd.read_csv(tmp_path / "f" / "efficiency.csv")["intensity"]) == {"pga_g"}
     error_of("fragility", tmp_path, "--out", tmp_path, "--intensity", "sa_0.2_s_g")
+
+
+def test_two_walls_that_interpolate_a_record_differently_share_its_intensities():
+    """By the motion as applied, 10 % apart, the curves had other intensities for each wall."""
+    stiff = walls(12, seed=1).assign(record_pga_g=lambda runs: runs["pga_g"])
+    soft = stiff.assign(wall="v", pga_g=1.1 * stiff["pga_g"])
+    fits = fit_all(pd.concat([stiff, soft]), replicates=0, states=[State("max_DI", 0.05)])
+    assert {ones[0].intensity for ones in fits.values()} == {"record_pga_g"}
+    assert fits["w"][0].median == fits["v"][0].median
 
 
 def test_studies_without_scattered_strengths_are_refused(tmp_path):
