@@ -4,9 +4,11 @@ PIECE, all of them by default, about half an hour on a quiet core:
 
     speed       the reference solver beside YADE, one second of motion, intact and cracked
     stock       YADE's model of the wall beside loose bricks under YADE's stock law for polyhedra
-    kernel      the compiled step beside that of before joints could soften, lanes, and against the
-    wall's size studies     members in lanes beside one after another, a study's time outside the
-    kernel, processes, bytes a run sampling    what samples cost a run in YADE
+    kernel      the compiled step beside that of before joints could soften, lanes, and against
+                the wall's size
+    studies     members in lanes beside one after another, a study's time outside the kernel,
+                processes, bytes a run
+    sampling    what samples cost a run in YADE
     memory      largest memory of a run in either solver, and of eight together
 
 Each piece is a script beside this one, which says more and runs alone.  What needs YADE is passed

@@ -1,12 +1,10 @@
 """The compiled step against that of an older commit, as ratios of pieces that take turns in one
 process.
 
-    python3 benchmarks/kernel.py                       # against d51e596, before joints could soften
+    python3 benchmarks/kernel.py          # against d51e596, before joints could soften
     python3 benchmarks/kernel.py --old COMMIT --rounds 15
-    python3 benchmarks/kernel.py --avx2                # as a processor without AVX-512 would be
-    given
-    python3 benchmarks/kernel.py --sizes               # nanoseconds a contact and step against wall
-    size, too
+    python3 benchmarks/kernel.py --avx2   # as a processor without AVX-512 would be given
+    python3 benchmarks/kernel.py --sizes  # nanoseconds a contact and step against wall size, too
 
 The older package is taken from git into a temporary folder under another name.  The symmetric wall
 is intact, or shaken until it is cracked, by the older kernel and the present one alike; it steps

@@ -8,7 +8,8 @@ from the plausible values of `damage.wall.plausible`) and a short motion.  It ru
 line and by `damage.run`.
 A run is faulty where their histories differ in any bit, where the energy balance error is above the
 limit and one of them does not warn, or where one of them is refused or fails and the other is not.
-Exit status 1 where a run is faulty."""
+Exit status 1 where a run is faulty.
+"""
 
 import argparse
 import io

@@ -1,11 +1,9 @@
 """A report in a real browser without a network: seconds from its opening to its drawn wall, its
 looks on screen and on paper.
 
-    bash scripts/browser.sh                                     # the tests of the report in the
-    browser
-    bash scripts/browser.sh FILE.html                           # median of five cold starts
-    bash scripts/browser.sh FILE.html --shots DIR               # and screen.png, paper-1.png in
-    grey, ...
+    bash scripts/browser.sh                        # the tests of the report in the browser
+    bash scripts/browser.sh FILE.html              # median of five cold starts
+    bash scripts/browser.sh FILE.html --shots DIR  # and screen.png, paper-1.png in grey, ...
 
 Chromium, headless, with its driver; every start is cold: a new process with an empty profile.  What
 else the machine does at the time makes it slower; a graphics card is not used.

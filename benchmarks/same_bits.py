@@ -1,18 +1,22 @@
 """Did a change leave every value of the histories as it was?  A fixed set of runs, compared bit for
 bit.
 
-    python3 benchmarks/same_bits.py run OLD             # in the old tree; --yade for those in YADE
-    (hours: 0.1) python3 benchmarks/same_bits.py run NEW             # in the new tree, on the same
-    machine
-    python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where any value differs
-    python3 benchmarks/same_bits.py compare OLD NEW --old-tree TREE     # whose files this tree does
-    not read
+    python3 benchmarks/same_bits.py run OLD                          # in the old tree; --yade for
+                                                                     # those in YADE (hours: 0.1)
+    python3 benchmarks/same_bits.py run NEW                          # in the new tree, on the same
+                                                                     # machine
+    python3 benchmarks/same_bits.py compare OLD NEW                  # exit status 1 where any value
+                                                                     # differs
+    python3 benchmarks/same_bits.py compare OLD NEW --old-tree TREE  # whose files this tree does
+                                                                     # not read
     python3 benchmarks/same_bits.py compare A.h5 B.h5 --tolerance 1e-12
-    python3 benchmarks/same_bits.py digests FOLDER      # of its histories, of YADE's, too
-    python3 benchmarks/same_bits.py renew               # the published digests; prints the runs
-    that moved
-    python3 benchmarks/same_bits.py settings            # are they the same as other processors and
-    libraries compute?
+    python3 benchmarks/same_bits.py digests FOLDER                   # of its histories, of YADE's,
+                                                                     # too
+    python3 benchmarks/same_bits.py renew                            # the published digests; prints
+                                                                     # the runs that moved
+    python3 benchmarks/same_bits.py settings                         # are they the same as other
+                                                                     # processors and libraries
+                                                                     # compute?
 
 What `read_history` returns is compared, however the files hold it.  What the second lacks is a
 difference; what it has more is listed and is none (the schema only adds).  Tables of members: but

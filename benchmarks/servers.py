@@ -3,8 +3,8 @@ attack.
 
     python3 benchmarks/servers.py                 # by the launcher ./yade
     python3 benchmarks/servers.py --plain         # by YADE's own command
-    sudo unshare --net sh -c 'ip link set lo up; exec python3 benchmarks/servers.py'    # where
-    other YADEs run, too
+    # where other YADEs run, too:
+    sudo unshare --net sh -c 'ip link set lo up; exec python3 benchmarks/servers.py'
 
 Every 20 ms /proc shows on which addresses the process listens.  The attack, through 127.0.0.1
 alone, lasts as long as the run: it connects to YADE's first ports again and again and stays idle on
@@ -13,7 +13,8 @@ A port on which another program listens is left alone. Exit status 1 where a run
 loopback, executed code, did not end well, or was delayed by more than 2 s: the least and the median
 of what the main thread slept in the attacked runs over those in the quiet ones.  The time that it
 ran or waited for a processor does not count: it is longer where other programs use the machine, as
-the attack does."""
+the attack does.
+"""
 
 import argparse
 import os

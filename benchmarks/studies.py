@@ -1,12 +1,10 @@
 """Runs an hour of studies on this machine's cores, as `./run_all.sh` computes them, in turn with
 another checkout.
 
-    python3 benchmarks/studies.py                                  # this checkout alone, about 6
-    minutes
-    python3 benchmarks/studies.py --old OLD --rounds 2             # OLD: the folder of another
-    checkout
-    python3 benchmarks/studies.py --account softening              # profile of eight runs in a
-    process; bytes of a run
+    python3 benchmarks/studies.py                       # this checkout alone, about 6 minutes
+    python3 benchmarks/studies.py --old OLD --rounds 2  # OLD: the folder of another checkout
+    python3 benchmarks/studies.py --account softening   # profile of eight runs in a process; bytes
+                                                        # of a run
 
 A time is that of the clock from the start of the command to its last table, with `--keep summary`
 and a process for each core; other programs should rest.  A first study of each checkout, which is

@@ -3,8 +3,7 @@
 numpy guarantees the bits of a seeded PCG64 (NEP 19), not what its Generator makes of them.  The
 transforms here are those of numpy 1.17 to 2.4, so that seeds keep their draws: uniform numbers of
 53 bits, whole numbers by the method of D. Lemire (2019), ACM Trans. Model. Comput. Simul. 29(1), 3,
-normal numbers by the ziggurat of G. Marsaglia and
-W. W. Tsang (2000), J. Stat. Softw. 5(8).
+normal numbers by the ziggurat of G. Marsaglia and W. W. Tsang (2000), J. Stat. Softw. 5(8).
 """
 
 import math

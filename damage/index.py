@@ -74,8 +74,8 @@ def damage_index(
     what the criterion counts (`damage.history.reader.History.slip_by`); or "shear-limit", ever at
     it.
     total_length: of all joints [m], given where inactive contact points are left out of the other
-    arrays.
-    Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit, which is
+    arrays. Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit,
+    which is
     DI_drift before it was clipped to [0, 1].
     """
     check_choice("slip criterion", slip_criterion, SLIP_CRITERIA)

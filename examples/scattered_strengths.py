@@ -1,7 +1,7 @@
 """One wall and motion, joints of scattered strength: the range of the damage index over some draws.
 
-python3 -m examples.scattered_strengths [WALL.py] [FOLDER]      # by default
-examples/two_windows.py into results
+python3 -m examples.scattered_strengths [WALL.py] [FOLDER]  # by default examples/two_windows.py
+                                                            # into results
 """
 
 import sys

@@ -1,8 +1,8 @@
 """A wall with two windows, shaken by twice the strong phase of the record that ships; prints the
 damage index.
 
-    python3 -m examples.two_windows [FOLDER]         # from the repository; the history goes to
-    FOLDER, or to results
+    python3 -m examples.two_windows [FOLDER]  # from the repository; the history goes to FOLDER, or
+                                              # to results
 """
 
 import sys

@@ -1,6 +1,5 @@
 """Commands about the source paper, from a clone: python3 -m paper COMMAND.  Figures, verdict,
-modelling choices;
-and the programs that make tables of documents, by the names of their modules."""
+modelling choices; and the programs that make tables of documents, by the names of their modules."""
 
 from damage.start import begin, leave
 

@@ -1,10 +1,11 @@
 """Cracks before an earthquake: P(Psi >= 1) by the Psi that settlement left
 (docs/paper/settled-walls.md).
 
-    python3 -m paper cracks_before DIR             # runs what DIR lacks, writes
-    docs/tables/cracks_before.csv python3 -m paper cracks_before DIR --windows   # a few runs again
-    with whole windows, cracks_before_windows.csv python3 -m paper cracks_before --tables        #
-    tables of the page, of the CSV files
+    python3 -m paper cracks_before DIR            # runs what DIR lacks, writes
+                                                  # docs/tables/cracks_before.csv
+    python3 -m paper cracks_before DIR --windows  # a few runs again with whole windows,
+                                                  # cracks_before_windows.csv
+    python3 -m paper cracks_before --tables       # tables of the page, of the CSV files
 
 WALLS draws of the joints' strengths of the symmetric wall with softening joints settle by hogging
 until each class of CLASSES is reached; each settled wall is then shaken by each component, scaled

@@ -3,22 +3,19 @@ claims.csv and criteria.csv, which this module reads and by which `paper.verdict
 
 Paper: V. Sarhosis, D. Dais, E. Smyrou, I. E. Bal, A. Drougkas (2021), Engineering Structures 243,
 112529, doi:10.1016/j.engstruct.2021.112529.  Its statements P1 to P17 are split into claims that
-one number each can
-decide.  The criteria were written before the studies were run, and are not changed after: a claim
-that differs
-stays so, and its evidence goes to docs/paper/open-points.md.  Known when they were written: single
-runs of the
-three walls, and the figures of an earlier exploration with another solver.  No threshold was fitted
-to those:
-each follows from the paper's words, the digits that it prints, or the scatter between two correct
-solvers (docs/validation/two-solvers.md).
+one number each can decide.  The criteria were written before the studies were run, and are not
+changed after: a claim that differs stays so, and its evidence goes to docs/paper/open-points.md.
+Known when they were written: single runs of the three walls, and the figures of an earlier
+exploration with another solver.  No threshold was fitted to those: each follows from the paper's
+words, the digits that it prints, or the scatter between two correct solvers
+(docs/validation/two-solvers.md).
 
 Rules for all claims:
 - A wall that fell differs from the paper's, which stood; its index up to the fall proves nothing.
 - A claim about several motions differs as soon as one of them contradicts it.  It holds when none
   does and the motions that try it hardest (`needs`) are there; otherwise it cannot be judged.
 - Of a point that was run several times, with strengths that scatter or bricks offset by 1e-9 m, the
-  median counts.
+median counts.
 """
 
 import ast

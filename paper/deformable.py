@@ -1,10 +1,10 @@
 """Deformable bricks beside rigid ones: first periods with a triangle mesh as an independent check,
 and what they cost.
 
-    python3 -m paper deformable periods [WALL ...]     # of the shipped walls, by default
-    python3 -m paper deformable cost [WALL]            # time per step and per run, processor time
-    python3 -m paper deformable runs DIR               # the symmetric wall shaken, five members a
-    row, as a table
+    python3 -m paper deformable periods [WALL ...]  # of the shipped walls, by default
+    python3 -m paper deformable cost [WALL]         # time per step and per run, processor time
+    python3 -m paper deformable runs DIR            # the symmetric wall shaken, five members a row,
+                                                    # as a table
 
 `runs` keeps its histories in DIR and makes only those that are missing; the table has the rows that
 are there.

@@ -199,8 +199,7 @@ class Evidence:
     """Evidence from one solver with one lintel and one slip criterion.
 
     runs: comparable runs of one solver, all lintels; points: theirs, of `gather`; records: {name:
-    Record} of
-    the paper's two; usual_cycles: of the harmonic motions, where a claim does not say.
+    Record} of the paper's two; usual_cycles: of the harmonic motions, where a claim does not say.
     """
 
     runs: pd.DataFrame

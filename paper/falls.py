@@ -3,7 +3,7 @@ overlaps, and a picture.
 
     python3 -m paper falls --out docs/pictures/heaps.png        # a small dry spandrel, minutes
     W="walls/symmetric.py --lintel none --harmonic 0.2 0.1 --new-contacts --after-fall
-    --no-pictures"
+       --no-pictures"
     ./yade $W --out yade.h5; python3 -m damage reference $W --out reference.h5
     python3 -m paper falls yade.h5 reference.h5 --out heaps.png
 
@@ -137,9 +137,8 @@ def speeds(fall):
 
 def overlaps(history):
     """{"bricks", "caps", "ground": largest overlap [m]} of a History over all snapshots: of two
-    bricks, of one
-    and a cap, of either and the ground.  Rectangles overlap by the least of what they share along
-    the normals of their sides."""
+    bricks, of one and a cap, of either and the ground.  Rectangles overlap by the least of what
+    they share along the normals of their sides."""
     is_cap = history.bodies["course"].to_numpy() < 0
     found = {"bricks": 0.0, "caps": 0.0, "ground": 0.0}
     for motion in history.displacement:

@@ -5,7 +5,8 @@ docs/reference/studies.md.
 
 Made-up studies of 25 walls at 4 intensities a record; medians of records scatter by tau, walls by
 0.1.  The share of all new records that an interval holds is known, as tau is: printed is its mean
-over the studies, expected to be 0.90."""
+over the studies, expected to be 0.90.
+"""
 
 import sys
 

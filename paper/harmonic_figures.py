@@ -1,6 +1,5 @@
 """Figures 6 to 9 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's
-tables:
-harmonic motions, and what they do to a wall.
+tables: harmonic motions, and what they do to a wall.
 
 Each function returns a Figure, or raises Missing when there is nothing to draw.
 """

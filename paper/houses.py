@@ -1,10 +1,10 @@
 """Walls of houses: those that ship, one façade under five lintels, two walls in both solvers.
 
-    python3 -m paper houses ships              # modes, a push, BGAR x 1: a row a wall (5 minutes)
-    python3 -m paper houses facade             # lintels of an ordinary façade under BGAR x 3 (10
-    minutes)
-    python3 -m paper houses codes --out DIR    # YADE beside the reference solver under BGAR x 1.5
-    (an hour)
+    python3 -m paper houses ships            # modes, a push, BGAR x 1: a row a wall (5 minutes)
+    python3 -m paper houses facade           # lintels of an ordinary façade under BGAR x 3 (10
+                                             # minutes)
+    python3 -m paper houses codes --out DIR  # YADE beside the reference solver under BGAR x 1.5 (an
+                                             # hour)
 
 DIR keeps the histories of `codes`; those that are there already are not made again.
 """

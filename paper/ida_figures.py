@@ -1,6 +1,6 @@
 """Figures 10 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's
-tables:
-recorded motions at several scales (incremental dynamic analysis), and what they do to a wall.
+tables: recorded motions at several scales (incremental dynamic analysis), and what they do to a
+wall.
 
 Each function returns a Figure, or raises Missing when there is nothing to draw.
 """
@@ -235,9 +235,9 @@ def nonnegative_parabola(x, y):
     largest x.
 
     x, y: (n,).  Returns it as a function of x, and whether the free fit would have been negative
-    somewhere.  On
-    0 <= t <= 1 these parabolas are (u + v t)² + w t (1 - t) with w >= 0 (Lukács): u and v of one
-    sign, or of two."""
+    somewhere.  On 0 <= t <= 1 these parabolas are (u + v t)² + w t (1 - t) with w >= 0 (Lukács): u
+    and v of one sign, or of two.
+    """
     free = np.polynomial.Polynomial.fit(x, y, 2)
     low, span = np.min(x), np.ptp(x)
     turns = [at for at in free.deriv().roots().real if low < at < low + span]

@@ -1,10 +1,11 @@
 """Tables of docs/validation/step-and-damping.md: walls with softening joints in explicit steps and
 with mass scaling.
 
-    python3 -m paper mass_scaling runs DIR [--draws 32] [--cases CASE ...]   # rows of DIR/runs.csv;
-    continues there python3 -m paper mass_scaling table DIR/runs.csv                         #
-    medians, two-sample tests
-    python3 -m paper mass_scaling curves DIR/runs.csv                        # fragility and lives
+    python3 -m paper mass_scaling runs DIR [--draws 32] [--cases CASE ...]  # rows of DIR/runs.csv;
+                                                                            # continues there
+    python3 -m paper mass_scaling table DIR/runs.csv                        # medians, two-sample
+                                                                            # tests
+    python3 -m paper mass_scaling curves DIR/runs.csv                       # fragility and lives
     python3 -m paper mass_scaling rocking | falling | skipped
 
 A draw is one of the joints' strengths (coefficient of variation 0.3), or a life of the address.

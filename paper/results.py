@@ -45,8 +45,7 @@ class Results:
         """The chosen points (a mask) of the studies called so, or of all where none has them.
 
         A study is called by its folder: harmonic, harmonic_yade and yade/harmonic are all harmonic.
-        What one
-        solver did for several of them counts once, for the name that stands first.
+        What one solver did for several of them counts once, for the name that stands first.
         """
         points = self.points[chosen]
         rank = points["folder"].map(

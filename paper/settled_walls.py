@@ -3,8 +3,7 @@
 They are those of docs/paper/settled-walls.md:
 
     ./run_all.sh settlement --solver reference --keep summary
-    python3 scripts/keep_tables.py results/settlement settlement       #
-    docs/tables/settlement_points.csv
+    python3 scripts/keep_tables.py results/settlement settlement  # keeps settlement_points.csv
     python3 -m paper settled_walls                                # two tables in Markdown
 """
 

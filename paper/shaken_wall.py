@@ -1,13 +1,16 @@
 """The wall US-1 of a shaking table, shaken by its runs in sequence; the tables of
 docs/validation/shaken-walls.md.
 
-    python3 -m paper shaken_wall FOLDER bearings        # which bearing runs 1 to 10 choose; they
-    alone are read python3 -m paper shaken_wall FOLDER prediction      # 16 draws beside the test,
-    and the second wall's prediction python3 -m paper shaken_wall FOLDER heights         # peaks at
-    three heights, of the kept draws, beside the test python3 -m paper shaken_wall FOLDER choices
-    # what load, bearing, stiffness and law change
-    python3 -m paper shaken_wall FOLDER period          # what would have to be lost for the periods
-    of the test python3 -m paper shaken_wall FOLDER solvers         # run 21 in both solvers
+    python3 -m paper shaken_wall FOLDER bearings    # which bearing runs 1 to 10 choose; they alone
+                                                    # are read
+    python3 -m paper shaken_wall FOLDER prediction  # 16 draws beside the test, and the second
+                                                    # wall's prediction
+    python3 -m paper shaken_wall FOLDER heights     # peaks at three heights, of the kept draws,
+                                                    # beside the test
+    python3 -m paper shaken_wall FOLDER choices     # what load, bearing, stiffness and law change
+    python3 -m paper shaken_wall FOLDER period      # what would have to be lost for the periods of
+                                                    # the test
+    python3 -m paper shaken_wall FOLDER solvers     # run 21 in both solvers
 
 FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not
 ship.

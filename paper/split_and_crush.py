@@ -1,9 +1,8 @@
 """The tables of docs/validation/laboratory.md: tested walls whose bricks split and whose joints
 crush, pushed over.
 
-    python3 -m paper split_and_crush [--out DIR] [--drift PERCENT] [--share SHARE] [--solver
-    reference|yade]
-                                          [WALL ...]
+    python3 -m paper split_and_crush [--out DIR] [--drift PERCENT] [--share SHARE]
+                                          [--solver reference|yade] [WALL ...]
 
 Joints soften by the rule (docs/model/model.md); bricks have a share of their normalised compressive
 strength for a tensile one, joints the masonry's compressive strength, both of

@@ -4,8 +4,7 @@ motion by motion.
     python3 -m paper two_solvers --out DIR
 
 DIR keeps the histories; those that are there already are not made again.  About an hour on one
-core, almost all
-of it YADE's.
+core, almost all of it YADE's.
 """
 
 from pathlib import Path

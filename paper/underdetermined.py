@@ -1,12 +1,14 @@
 """The tables of docs/paper/open-points.md, in Markdown, from two studies and one that this script
 writes.
 
-    python3 -m paper underdetermined --write DIR       # DIR/more.toml: bricks, openings, members at
-    the edge ./run_all.sh DIR/more.toml --solver reference --out DIR/more
+    python3 -m paper underdetermined --write DIR  # DIR/more.toml: bricks, openings, members at the
+                                                  # edge
+    ./run_all.sh DIR/more.toml --solver reference --out DIR/more
     python3 -m paper underdetermined results/underdetermined results/sensitivity DIR/more
 
 Maximum DI is by displacement / by the shear limit; in brackets the range over members, which rest 2
-s in the second."""
+s in the second.
+"""
 
 import sys
 from pathlib import Path

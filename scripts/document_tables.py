@@ -2,14 +2,15 @@
 
 A table in a Markdown file is a block between two comments; the first one says what it shows:
 
-    <!-- table FILE.csv: COLUMN | COLUMN as HEADING | COLUMN{:.3f} where COLUMN = VALUE | VALUE;
-    COLUMN = VALUE --> <!-- end of table -->
+    <!-- table FILE.csv: COLUMN | COLUMN as HEADING | COLUMN{:.3f}
+         where COLUMN = VALUE | VALUE; COLUMN = VALUE -->
+    <!-- end of table -->
 
 FILE is below docs/tables.  Without columns all are shown, without `where` all rows.  A format after
 a column's name applies to numbers; empty cells stay empty.  The comment may have several lines.
 
-    python3 scripts/document_tables.py NAME.csv [NUMBER] < OUTPUT      # keeps a table that a
-    benchmark printed
+    python3 scripts/document_tables.py NAME.csv [NUMBER] < OUTPUT  # keeps a table that a benchmark
+                                                                   # printed
 
 writes the first, or another, Markdown table of the standard input to docs/tables/NAME.csv.  An
 empty cell of its first column repeats the cell above; a heading that comes again gets the one

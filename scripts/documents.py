@@ -1,11 +1,12 @@
 """Compares the generated parts of documents with the tables and the code that they come from, or
 renews them.
 
-    python3 scripts/documents.py [--renew] [ROOT]   # ROOT: a folder with README.md and docs/, by
-    default the repository
+    python3 scripts/documents.py [--renew] [ROOT]  # ROOT: a folder with README.md and docs/, by
+                                                   # default the repository
 
 Prints a line for each part that is not current; the exit status is 1 if there is one, 2 where there
-are no tables."""
+are no tables.
+"""
 
 import re
 import sys

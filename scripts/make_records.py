@@ -1,15 +1,14 @@
 """Make the records in damage/data that are not kept as their owner distributes them.
 
-    python3 scripts/make_records.py zeerijp      # CSV of the horizontal components, from miniSEED
-    (needs obspy), and
-                                                 # components.csv, what each of them is
-    python3 scripts/make_records.py stations     # studies/stations.csv: the components at the PGV
-    that they may reach python3 scripts/make_records.py synthetic    # the synthetic stand-in for
-    the Huizinge record
+    python3 scripts/make_records.py zeerijp    # CSV of the horizontal components, from miniSEED
+                                               # (needs obspy), and
+                                               # components.csv, what each of them is
+    python3 scripts/make_records.py stations   # studies/stations.csv: the components at the PGV
+                                               # that they may reach
+    python3 scripts/make_records.py synthetic  # the synthetic stand-in for the Huizinge record
 
 With --out DIR the files go elsewhere.  The first makes the same bytes on any machine; the second
-the same
-motion, up to what the rounding of another machine's linear algebra makes of it.
+the same motion, up to what the rounding of another machine's linear algebra makes of it.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """The picture at the top of README.md: a cracked wall beside its damage index over time.
 
-python3 -m damage reference walls/symmetric.py --harmonic 0.2 0.1 --lintel 2 --rest 1 --out
-FILE.h5
+python3 -m damage reference walls/symmetric.py --harmonic 0.2 0.1 --lintel 2 --rest 1
+    --out FILE.h5
 python3 scripts/readme_picture.py FILE.h5 docs/pictures/readme.png
 """
 

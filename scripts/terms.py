@@ -1,8 +1,8 @@
 """The gate of terms: no replaced term that has no other meaning, and a glossary that lists all of
 them.
 
-    python3 scripts/terms.py [--renew] [ROOT]   # ROOT: by default the repository; --renew: write
-    the glossary's table
+    python3 scripts/terms.py [--renew] [ROOT]  # ROOT: by default the repository; --renew: write the
+                                               # glossary's table
 
 Prints a line for each place, and for a glossary that is not current; the exit status is 1 if there
 is one.

@@ -3,8 +3,7 @@
     python3 -m verification [NAME ...] [--solver reference|yade|both] [--markdown FILE]
 
 NAME: begins the names of the problems to do, all by default.  Exit status: 0 all within their
-tolerances, 1 not,
-2 bad input.
+tolerances, 1 not, 2 bad input.
 """
 
 import argparse

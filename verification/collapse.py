@@ -4,11 +4,9 @@ held.
 Gravity settles; then the base is accelerated, which is a horizontal body load of `multiplier` times
 each
 weight in the frame of the base.  The load goes up to a level and is held there until the wall is at
-rest, or
-runs away; bisection between a level that stands and one that falls gives the multiplier.  At rest
-all
-accelerations are nil, so that it depends neither on the speed of loading nor on the damping, except
-through
+rest, or runs away; bisection between a level that stands and one that falls gives the multiplier.
+At rest all accelerations are nil, so that it depends neither on the speed of loading nor on the
+damping, except through
 the path that slips take on their way.
 """
 
@@ -35,9 +33,8 @@ rattling."""
 
 DAMPING, BETA = 0.3, 0.3
 """Cundall's damping [-], and stiffness-proportional damping in time steps.  Cundall's alone takes
-its share of
-the rattling of the contacts, always against the motion: a wall that ought to fall may creep for
-minutes.  Both together at 0.7 and 0.3 are no longer stable at `STEP_FACTOR`."""
+its share of the rattling of the contacts, always against the motion: a wall that ought to fall may
+creep for minutes.  Both together at 0.7 and 0.3 are no longer stable at `STEP_FACTOR`."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +56,8 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
     """Bracket the multiplier between 0 and `highest` to a width of `tolerance` times `highest`.
 
     Every level starts from the highest one at which the wall was at rest, so that the load only
-    grows.
-    rate_per_s: speed at which the multiplier is raised; damping: Cundall's, while load is raised
-    and held.
+    grows. rate_per_s: speed at which the multiplier is raised; damping: Cundall's, while load is
+    raised and held.
     """
     wall = settled_wall(layout, damping)
     stands, falls, motion = 0.0, None, None

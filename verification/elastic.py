@@ -1,26 +1,22 @@
 """Elastic walls: the period of a stack, and the stiffness of a cantilever wall as bricks get finer.
 
 A stack of n bricks: u, w and rotation of each, springs k_n, k_s a length between them.  Joint i
-connects the top
-of brick i (its arm h/2 upwards) with the bottom of brick i + 1, so the joint's shear displacement
-is
+connects the top of brick i (its arm h/2 upwards) with the bottom of brick i + 1, so the joint's
+shear displacement is
 u' - u + (theta' + theta) h/2 and its closing turn theta' - theta against the sum of k_n x^2; the
-vertical motion
-is a problem of its own.
+vertical motion is a problem of its own.
 
 A wall of running bond, bricks b x h rigid, joints with stiffness k_n, k_s an area (bed: n, s; head:
 s_h).  Under a shear gamma = g_1 + g_2 (u = g_1 z, w = g_2 x) a brick may turn by theta; the bed
 joints then shear by
 (g_1 + theta) h and open by +-(g_2 - theta) b/2, the head joints shear by (g_2 - theta) b.  The
-energy is least
-with both parts in series:
+energy is least with both parts in series:
 
     1/G = 1/(k_s h) + 1/(k_n b^2/(4 h) + k_s,head b),       E_z = k_n h
 
 and a cantilever of length H loaded at its end by F is Timoshenko's beam, u/F = H^3/(3 E I) + H/(5/6
 G A).  Cells at the interior leave the bed joint's own bending stiffness a little too low; it
-vanishes as bricks get finer, and so
-do the base's half layer and the bricks' own rotation.
+vanishes as bricks get finer, and so do the base's half layer and the bricks' own rotation.
 """
 
 import math
@@ -187,9 +183,8 @@ def balance(layout, forces_after):
     load on it.
 
     forces_after(move): moves the bodies on by (n_bodies, 3) and returns the contacts' forces on
-    them, alike.
-    The next move comes from a stiffness matrix, which only speeds this up: where it ends, the
-    solver alone says.
+    them, alike. The next move comes from a stiffness matrix, which only speeds this up: where it
+    ends, the solver alone says.
     """
     solve = splu(stiffness_matrix(layout).tocsc()).solve
     load = np.zeros((len(layout.bodies), 3))

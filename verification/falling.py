@@ -1,8 +1,7 @@
 """Free fall and elastic bounce of one block.
 
 The block falls a height H, meets its joint (stiffness k, omega^2 = k/m) with v = sqrt(2 g H), and
-is thrown
-back: m z'' = -k z - m g while z < 0 gives
+is thrown back: m z'' = -k z - m g while z < 0 gives
 
     deepest point   z = g/omega^2 + sqrt((g/omega^2)^2 + (v/omega)^2)
     contact time    t = (2/omega) (pi - arctan(v omega/g))

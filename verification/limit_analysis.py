@@ -3,19 +3,18 @@
 The static theorem: of all contact forces that balance the dead load and `multiplier` times the live
 load, without tension and with |T| <= mu N, the largest multiplier.  Its dual is the mechanism with
 associated flow: where a joint slides it dilates by tan(psi) = mu.  Contact forces act at the
-corners of the
-joints (`ModelOptions(contacts="corners")`), so that a joint hinges about its very end.
+corners of the joints (`ModelOptions(contacts="corners")`), so that a joint hinges about its very
+end.
 R. K. Livesley (1978), Int. J. Numer. Methods Eng. 12, 1853-1871, doi:10.1002/nme.1620121207.
 
 What it bounds.  Real joints slide with little dilation.  Every state in which a wall with dilation
-psi < phi
-stands or just fails is statically admissible too, so that its collapse multiplier is never above
-this one: associated friction gives an upper bound, D. C. Drucker (1954), J. Appl. Mech. 21, 71-74.
-How far below it
+psi < phi stands or just fails is statically admissible too, so that its collapse multiplier is
+never above this one: associated friction gives an upper bound, D. C. Drucker (1954), J. Appl. Mech.
+21, 71-74.  How far below it
 the wall falls the programme cannot say; M. C. Ferris, F. Tin-Loi (2001), Int. J. Mech. Sci. 43,
 209-224, doi:10.1016/S0020-7403(99)00111-3, and M. Gilbert, C. Casapulla, H. M. Ahmed (2006),
-Comput. Struct. 84,
-873-887, doi:10.1016/j.compstruc.2006.02.005, look for the least multiplier without dilation.
+Comput. Struct. 84, 873-887, doi:10.1016/j.compstruc.2006.02.005, look for the least multiplier
+without dilation.
 It holds for the undeformed geometry, and for joints that do not give.
 """
 

@@ -7,9 +7,8 @@ deviation.
 Walls SW.30 and SW.200 of P. B. Lourenço, D. V. Oliveira, P. Roca, A. Orduña (2005), J. Struct. Eng.
 131(11), 1665-1673, doi:10.1061/(ASCE)0733-9445(2005)131:11(1665): 1.0 x 1.0 x 0.2 m, sawn stones
 0.2 x 0.1 x 0.2 m, no mortar, a constant vertical load of 30 and 200 kN, two walls each.  Friction
-0.62: shear tests of such dry joints,
-P. B. Lourenço, L. F. Ramos (2004), J. Struct. Eng. 130(5), 779-786,
-doi:10.1061/(ASCE)0733-9445(2004)130:5(779).
+0.62: shear tests of such dry joints, P. B. Lourenço, L. F. Ramos (2004), J. Struct. Eng. 130(5),
+779-786, doi:10.1061/(ASCE)0733-9445(2004)130:5(779).
 """
 
 import argparse

@@ -2,8 +2,7 @@
 
 With half width b and half height H of the block's middle above the ground, R^2 = b^2 + H^2,
 tan(alpha) = b/H and inertia I about a corner, the block lifts off when the base accelerates with g
-b/H, and falls back from a tilt
-theta by
+b/H, and falls back from a tilt theta by
 
     I theta'' = -m g R sin(alpha - theta)
 
@@ -14,8 +13,7 @@ At the impact Housner's rigid block keeps ((I_o - 2 m b^2) / I_o)^2 of its energ
 corner.  One on an elastic joint loses in another way: contact points that land or open have little
 force on them and slide, and friction takes it.
 
-    python3 -m verification.rocking            # what is left after one impact, in the reference
-    solver
+    python3 -m verification.rocking  # what is left after one impact, in the reference solver
 """
 
 import math

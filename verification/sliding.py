@@ -31,8 +31,7 @@ SHAKEN = Harmonic(period_s=0.02, amplitude_g=0.5, cycles=3)
 REST_S = 0.01
 BETA_S = 1e-5
 """Stiffness-proportional damping of the shaken block: without it the joint's vibration, which every
-stop
-excites, makes the normal force chatter."""
+stop excites, makes the normal force chatter."""
 
 
 def problems():

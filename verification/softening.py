@@ -3,9 +3,9 @@ its fibres.
 
 Two bricks; the upper one is moved, without turning, and what the joint between does on it is read.
 A joint pulled apart dissipates G_I, one that slides out G_II beside what friction takes, at any
-pressure; the peaks are f_t and
-c + p tan(phi).  Where opening and sliding mix, or loading reverses, no closed form holds: there the
-two forms are laid side by side (`compared`, docs/validation/verification.md).
+pressure; the peaks are f_t and c + p tan(phi).  Where opening and sliding mix, or loading reverses,
+no closed form holds: there the two forms are laid side by side (`compared`,
+docs/validation/verification.md).
 """
 
 import argparse

@@ -13,7 +13,8 @@ class Mesh:
     whole brick.
 
     A cell's edge should have two Gauss points: a mesh that is finer than the points is pressed in
-    at each of them."""
+    at each of them.
+    """
 
     def __init__(self, layout, n_x, n_z=1):
         self.layout, self._n_z = layout, n_z

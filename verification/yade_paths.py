@@ -4,8 +4,7 @@
 
 PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under
 the same names, normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture
-and stored [J/m2].  CHANGES:
-of the joint's parameters, as JSON.
+and stored [J/m2].  CHANGES: of the joint's parameters, as JSON.
 """
 
 import json

@@ -2,8 +2,8 @@
 
 Clay bricks of 208 x 50 mm with joints of 10 mm, 2.74 x 2.71 x 0.208 m, 0.30 MPa, double fixed
 (Graziotti et al. 2016, damage/data/eucentre): cohesion 0.15 MPa, friction 0.55, masonry modulus
-9833 MPa. Not measured, so as in Sarhosis
-et al. (2021): joint stiffness, and tensile strength over cohesion (0.21 / 0.24).
+9833 MPa. Not measured, so as in Sarhosis et al. (2021): joint stiffness, and tensile strength over
+cohesion (0.21 / 0.24).
 
     yade walls/comp2_4.py --pushover 0.2 --boundary fixed
     yade walls/comp2_4.py --help           every option

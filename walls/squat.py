@@ -2,8 +2,8 @@
 it.
 
 Calcium silicate bricks of 212 x 102 x 71 mm with joints of 10 mm, 4.0 x 2.75 m, 0.30 MPa,
-cantilever (Graziotti
-et al. 2016, damage/data/eucentre); joints and moduli of Sarhosis et al. (2021), Tables 1 and 2.
+cantilever (Graziotti et al. 2016, damage/data/eucentre); joints and moduli of Sarhosis et al.
+(2021), Tables 1 and 2.
 
     yade walls/squat.py --cyclic 0.025,0.05,0.1,0.2,0.3 --cycles 1
     yade walls/squat.py --help             every option

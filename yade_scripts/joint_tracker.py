@@ -108,7 +108,8 @@ class JointTracker:
         sampled at this time.
 
         The element slides at once until its stress is at the friction limit; then it and the dry
-        part take their mean."""
+        part take their mean.
+        """
         ks, area, dry, stress = (
             self.shear_stiffness[joint],
             self.area[joint],

@@ -436,9 +436,8 @@ class _Parts:
     """Bodies of a wall in YADE's scene, added by the constructor.
 
     clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins
-    (n_contacts, 2);
-    tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id} of the boxes; tip:
-    material.
+    (n_contacts, 2); tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id}
+    of the boxes; tip: material.
     """
 
     def __init__(self, layout):
@@ -475,7 +474,8 @@ class _Parts:
         """Bond members of each body, the supports last: {(x, z, number): [(contact, side), ...]}.
 
         A bond has two members on the normal of the joint, at equal distances from it; bonds share
-        coincident members."""
+        coincident members.
+        """
         contacts, cells = self.layout.contacts, self.layout.cells
         width = cells.right - cells.left
         n_bodies = len(self.layout.bodies)

@@ -112,8 +112,7 @@ class SceneReader:
 
     def resultants(self):
         """Forces and moments of the contacts on each body, and of what is on a restrained top,
-        (n_bodies, 3)
-        [N, N, N m]."""
+        (n_bodies, 3) [N, N, N m]."""
         return self.on_top + [
             self._resultant(members, state.pos[0], state.pos[2])
             for members, state in zip(self.members, self.states)

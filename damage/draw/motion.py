@@ -26,7 +26,8 @@ def motion_picture(loading, measures):
 
     loading: a `damage.motion.loading.Recorded`; measures: its
     `damage.motion.intensity.motion_summary`, whose peaks are in the titles and whose spectral
-    ordinates are marked.  The velocity starts from rest, as that of a run's base."""
+    ordinates are marked.  The velocity starts from rest, as that of a run's base.
+    """
     record = loading.applied()
     velocity_cm_s = 100.0 * scipy.integrate.cumulative_trapezoid(
         record.acceleration_m_s2, dx=record.time_step_s, initial=0.0

@@ -58,11 +58,10 @@ class WallShape:
     corners: (n_bodies, 4, 2) [m], counter-clockwise from the lower left; kinds: (n_bodies,) of
         `damage.wall.geometry.kinds_of_bodies`.
     supports: (n_supports, 4, 2) [m], the same of the ground below the part of the base that each
-    carries;
-        ground_moves: whether there are several, or the one has moved;
+        carries; ground_moves: whether there are several, or the one has moved;
     segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES;
-    elastic: (n_joints,)
-        bool, which cannot fail, without the cuts of lintels, which are not drawn;
+        elastic: (n_joints,) bool, which cannot fail, without the cuts of lintels, which are not
+        drawn;
     crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
     widest_pt: width of the line of the widest cracks [pt], see `widest_line`.
     """

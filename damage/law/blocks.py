@@ -3,7 +3,8 @@ their factor.
 
 Sums and products are made one by one in one order, so that matrices, factors and solutions have the
 same bits on every machine; those of sparse libraries have not.  Bodies are eliminated in the order
-of minimum degree, ties by their rows."""
+of minimum degree, ties by their rows.
+"""
 
 from heapq import heappop, heappush
 from itertools import pairwise, starmap
@@ -54,7 +55,8 @@ def sum_of_products(n_bodies, bodies, rows, weights):
     """Blocks of the sum of w b b' over vectors b of the coordinates of two bodies each.
 
     bodies: (2, n), two different ones, or one and a negative number; rows: (2, n, coordinates) of
-    b; weights: w (n,)."""
+    b; weights: w (n,).
+    """
     turned = bodies[0] < bodies[1]
     (high, low), (of_high, of_low) = (
         np.where(turned if part.ndim == 2 else turned[:, None], part[::-1], part)

@@ -12,9 +12,10 @@ sigma tan(phi). Softening:
     (S1)  sigma <= f_t exp(-kappa)
     (S2)  |tau| <= c exp(-kappa) - sigma tan(phi), never below zero
     (S3)  d kappa = (1 - GONE) (f_t dw / G_I + c ds / G_II),  kappa = 0 at first, the bond fails at
-    -ln(GONE)
-    (S4)  sigma = k_n u_n while closed; f_t exp(-kappa) u_n / u_max while 0 < u_n <= u_max = w + f_t
-    exp(-kappa) / k_n (S5)  d tau = k_s (d u_s - ds)
+          -ln(GONE)
+    (S4)  sigma = k_n u_n while closed; f_t exp(-kappa) u_n / u_max while
+          0 < u_n <= u_max = w + f_t exp(-kappa) / k_n
+    (S5)  d tau = k_s (d u_s - ds)
 
 w: largest inelastic opening so far; ds >= 0: increment of inelastic slip.  Tension unloads to the
 origin, shear with the elastic stiffness; friction acts from the start and does not soften.  The
@@ -26,8 +27,8 @@ Crushing is plastic in compression, with or without a bond: perfectly, or with a
 softening:
 
     (C1)  sigma >= -f
-    (C2)  sigma = k_n (u_n + d) while closed; the plastic closure d only grows, and only at sigma =
-    -f
+    (C2)  sigma = k_n (u_n + d) while closed; the plastic closure d only grows, and only at
+          sigma = -f
     (C3)  f = f_c; with a fracture energy f = f_c exp(-f_c d / G_c)
 
 All other equations hold with u_n + d in place of u_n: the joint unloads with k_n and opens at u_n >
@@ -213,7 +214,8 @@ def advance(opening, shear_increment, state, parameters):
 
     opening: at the end of the step [m], negative under compression; shear_increment: shear
     displacement in the step [m]; state: ContactState before it; parameters: LawParameters.  Returns
-    (ContactState, INTACT | TENSION | SHEAR)."""
+    (ContactState, INTACT | TENSION | SHEAR).
+    """
     closure, work = crush(opening, state, parameters)
     new, event = advance_uncrushed(opening + closure, shear_increment, state, parameters)
     return (

@@ -292,7 +292,8 @@ def cohens_kappa(here, there):
     they are empty.
 
     here, there: (n,) indices of `damage.history.moments.STATES`.  1: they agree in all; 0: as often
-    as by chance."""
+    as by chance.
+    """
     here, there = np.asarray(here), np.asarray(there)
     if len(here) == 0:
         return None

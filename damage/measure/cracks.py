@@ -2,8 +2,8 @@
 
 P. A. Korswagen's damage parameter for light damage of masonry (dissertation, TU Delft),
 
-    Psi = 2 n^0.15 c_w^0.3,   c_w = sum(c_i^2 L_i) / sum(c_i L_i)  [mm],   c_i^2 = opening^2 +
-    slip^2
+    Psi = 2 n^0.15 c_w^0.3,   c_w = sum(c_i^2 L_i) / sum(c_i L_i)  [mm],
+    c_i^2 = opening^2 + slip^2
 
 with the number n of cracks and the length L_i of each cracked contact point.  Psi = 1 is one crack
 that is just visible (0.1 mm), about 2 one of 1 mm, 3.5 the end of light damage (5 mm).
@@ -106,7 +106,8 @@ def crack_table(ends, opening, slip, threshold=THRESHOLD):
     ends: (n, 2, 2) [m], both ends (x, z) of each segment; opening, slip: (n,) [m], slip signed;
     threshold: crack width from which a segment is cracked [m].
     Returns a DataFrame: crack (from 1), joint (index of the segment), ENDS, length_m, opening_m,
-    slip_m, width_m."""
+    slip_m, width_m.
+    """
     opening, slip = np.asarray(opening, float), np.asarray(slip, float)
     width = np.hypot(opening, slip)
     numbers = crack_numbers(cracked(width, threshold), close_pairs(ends))

@@ -98,7 +98,8 @@ class Balance:
     """Energy balance error (`energy_error`) of a run in progress; noise: least scale [J].
 
     state: what it knows so far, (4,): imbalance of the first sample, largest one relative to it,
-    scale [J], samples."""
+    scale [J], samples.
+    """
 
     def __init__(self, noise):
         self._noise, self.state = noise, np.zeros(4)

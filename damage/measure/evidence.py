@@ -3,7 +3,8 @@
 
 QUANTITIES is the table of `docs/model/validity.md`.  A quantity with a `value` is judged for every
 run: those of the wall and the motion before it, those of its results after it.  One that does not
-apply to a run has the value None."""
+apply to a run has the value None.
+"""
 
 import math
 from collections.abc import Callable

@@ -182,7 +182,8 @@ def bilinear(curve, height):
     the last one at which the force is at least ULTIMATE_SHARE of the peak.  Between the points of
     the curve the force is linear.  curve: an `envelope` or `backbone`; height: of the wall [m].
     Returns {"stiffness_n_per_m", "force_n", "elastic_drift" [-], "ultimate_drift" [-], "energy_j":
-    below the line}."""
+    below the line}.
+    """
     drift, force = _from_zero(curve)
     peak = force.max()
     secant = int(np.argmax(force >= SECANT_SHARE * peak))

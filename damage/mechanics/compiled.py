@@ -99,7 +99,8 @@ def _compiler(is_entry=False, inline=False):
     sources.
 
     is_entry: whether Python may call it.  The code by which it would do so takes a third of the
-    time of compilation."""
+    time of compilation.
+    """
     # The functions create no arrays.  Counting references to their arguments would cost more than a
     # contact point, so that it is switched off (_nrt).  Inlined: a call would pass some forty
     # words.

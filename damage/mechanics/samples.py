@@ -1,7 +1,8 @@
 """Samples of a wall: contact data, displacements of the bodies, forces on the supports, energies.
 
 Contact data (opening, slip, offset, state) are those of the contact points of failed interfaces,
-and zero elsewhere."""
+and zero elsewhere.
+"""
 
 from typing import NamedTuple
 
@@ -158,7 +159,8 @@ def observe_contact(n, tables, sampling, w, c):
     where a softened bond unloads with a secant stiffness.
 
     opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement
-    less its elastic part."""
+    less its elastic part.
+    """
     samples, k = sampling.samples, sampling.taken[w]
     contact, states, now = tables.contacts[c], tables.states, reading_of(n, tables.readings, c)
     broken, softened = (

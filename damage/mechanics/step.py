@@ -99,11 +99,10 @@ def advance(n, tables, model, controls, field, clock, stops, sampling):
     at the displacements.
 
     tables, model: Tables and Model; controls: (walls, 5) of `damage.mechanics.tables.TIME_STEP` to
-    ADAPTIVE;
-    field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in each step
-    and the one after the last [m/s2]; clock: (walls,) numbers of steps before; stops: (stops, 2)
-    rising numbers of steps from now, and the walls (bits) of which a sample is written there, all
-    of them at the last; sampling: Sampling.
+    ADAPTIVE; field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in
+    each step and the one after the last [m/s2]; clock: (walls,) numbers of steps before; stops:
+    (stops, 2) rising numbers of steps from now, and the walls (bits) of which a sample is written
+    there, all of them at the last; sampling: Sampling.
     """
     damped = controls[:, BETA].any() or len(tables.radiation) > 0
     walls, turns = (1 << len(controls)) - 1, tables.turning[:, 0].any()

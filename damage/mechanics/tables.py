@@ -163,25 +163,21 @@ class System(
     """Tables of one wall.
 
     place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last, strain
-    modes behind the rigid
-        coordinates [m or rad and per second, N or N m, kg or kg m2]; velocities are those half a
-        step ago; forces are those of the contact points; an inverse mass of zero prescribes a
-        velocity
+        modes behind the rigid coordinates [m or rad and per second, N or N m, kg or kg m2];
+        velocities are those half a step ago; forces are those of the contact points; an inverse
+        mass of zero prescribes a velocity
     trig: (bodies, 2) cosine of the rotation less one, and its sine
     interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states
-    (STATES): contacts in the
-        order of their interfaces
+        (STATES): contacts in the order of their interfaces
     readings: (4, contacts) displacements and stresses at the last sample, READINGS
     energy: (4,) INPUT to DAMPING [J]
     events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa],
-    opening and slip [m];
-        n_events: (1,)
+        opening and slip [m]; n_events: (1,)
     relaxation: (2,) adaptive mass-proportional damping [1/s], kinetic energy of the last step [J]
     last: (interfaces, LAST) for stiffness-proportional damping; a row for each contact where bricks
     deform
     turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad],
-    and the rotation at
-        which it has no moment [rad]
+        and the rotation at which it has no moment [rad]
     bearings (Bearing): (bodies,) what is between a restrained top and the ground, none without
     radiation: (rows of `last`, RADIATION) dashpots of the soil, none without soil
     """

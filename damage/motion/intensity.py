@@ -60,7 +60,8 @@ def pgv_m_s(record: Record) -> float:
 
     Exact for acceleration that is linear between samples, which is how a run applies it: the
     velocity's peak is at a sample or where the acceleration passes zero between two.  Nothing is
-    filtered: a baseline that is off counts."""
+    filtered: a baseline that is off counts.
+    """
     a, step_s = record.acceleration_m_s2, record.time_step_s
     at_samples = scipy.integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
     turns = np.flatnonzero(a[:-1] * a[1:] < 0)
@@ -117,7 +118,8 @@ def avg_sa_g(record: Record) -> float:
 
     L. Eads, E. Miranda, D. G. Lignos (2015), Average spectral acceleration as an intensity measure
     for collapse risk assessment, Earthq. Eng. Struct. Dyn. 44(12), doi:10.1002/eqe.2575, with
-    periods of its own: those of stiff houses."""
+    periods of its own: those of stiff houses.
+    """
     return float(
         np.prod(response_spectrum(record, AVERAGE_PERIODS_S)) ** (1 / len(AVERAGE_PERIODS_S))
     )
@@ -277,7 +279,8 @@ def end_velocity_m_s(record: Record) -> float:
     """Velocity of the base at the last sample, from rest at the first [m/s].
 
     It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the
-    motion leave more."""
+    motion leave more.
+    """
     return float(scipy.integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
 
 

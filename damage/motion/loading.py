@@ -35,7 +35,7 @@ class Drive:
     supports: time_s (n,), x_m (k,) -> (n, k, 3), displacement in that frame of the supports whose
         reference points stand at x_m [m, m, rad];
     top: time_s (n,), height_m -> (n,), horizontal displacement of the bodies that carry the top, at
-        that height [m];
+    that height [m];
     top_rotates: whether these may rotate while they are moved; top_stiffness: of a rotational
         spring between each of them and what moves it [N m/rad];
     first_mode_m_s: velocity of the top in the first mode at time zero [m/s];
@@ -332,8 +332,7 @@ class Recorded(Loading):
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the
-        first and
-        after the last."""
+        first and after the last."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         acceleration = np.zeros((time_s.size, 2))
         for column, part in enumerate(self.motion):
@@ -469,7 +468,8 @@ not quasi-static."""
 @dataclass(frozen=True)
 class TopDisplacement(Loading):
     """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the
-    base stands still.
+    base
+    stands still.
 
     amplitudes_pct: drift ratios [%] to go to, in this order.
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
@@ -537,7 +537,8 @@ class TopDisplacement(Loading):
         """Displacement of the top [m] at times (n,) [s]; it stays where it ends.
 
         The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
-        point is reached."""
+        point is reached.
+        """
         times, points = self.schedule(height)
         areas = np.concatenate([[0.0], np.cumsum((points[1:] + points[:-1]) / 2 * np.diff(times))])
 

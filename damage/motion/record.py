@@ -18,8 +18,7 @@ LOWEST_HZ = 1e-3
 """Lowest corner of a band-pass [Hz]: records last minutes."""
 LEAST_A_PERIOD = 10
 """Samples of a record in the wall's first period below which a run interpolates them: lines between
-them take off
-1 - sinc^2(1 / 10) = 3 % there (C. Phillips et al., 2012, Soil Dyn. Earthq. Eng.)."""
+them take off 1 - sinc^2(1 / 10) = 3 % there (C. Phillips et al., 2012, Soil Dyn. Earthq. Eng.)."""
 FINER, REACH, KAISER_BETA = 10, 64, 8.0
 """Of band-limited interpolation: samples for each one of the record, samples of the record on
 either side that count, and shape of the Kaiser window: 1e-4 off up to 0.96 of half the sampling

@@ -41,8 +41,8 @@ class Settlement:
     profile: one of PROFILES, or the name of a file; distortion [-]: angular distortion of a named
     profile, with the length L of the wall (Burland and Wroth 1974):
     "hogging", "sagging": a parabola, largest relative deflection over L / 2, so that its deflection
-    ratio is half of
-        it and its slope at the ends twice of it; in hogging the ends settle, in sagging the middle;
+        ratio is half of it and its slope at the ends twice of it; in hogging the ends settle, in
+        sagging the middle;
     "tilt": rotation of the whole base about its left end, finite, the right end settles;
     "knick": the right half tilts by that angle, the left half rests.
     x_m, uz_m: (n,) points of a profile from a file [m], upwards positive, straight lines between

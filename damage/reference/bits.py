@@ -3,7 +3,8 @@ their histories.
 
 The table `damage/data/bits/bits.csv` has a row for each quantity of each run: the first digits of
 the SHA-256 of its values.  `python3 -m damage check-bits` compares this machine with it;
-`benchmarks/same_bits.py renew` writes it anew."""
+`benchmarks/same_bits.py renew` writes it anew.
+"""
 
 import hashlib
 import io

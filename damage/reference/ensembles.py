@@ -2,7 +2,8 @@
 
 A wall stops where it takes a sample.  Walls that stop at the same step advance to it as members of
 one batch; a wall that stops elsewhere advances by itself until the others can join it.  Results of
-a wall do not depend on the others."""
+a wall do not depend on the others.
+"""
 
 from itertools import accumulate
 

@@ -2,7 +2,8 @@
 
 Layout, joint law, stages, loading and history file are those of walls in YADE.  The time step is
 `damage.mechanics.step`.  Walls with equal bricks and stiffnesses can advance together
-(`damage.reference.lanes`)."""
+(`damage.reference.lanes`).
+"""
 
 import math
 

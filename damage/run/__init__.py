@@ -3,8 +3,8 @@ wall.
 
     history = damage.run("symmetric", harmonic=(0.2, 0.05), rest=1)
     history = damage.run("my_wall.py", "BGAR_HGE", window=(18.7, 22.1), scale=2, out="strong.h5")
-    history = damage.run(damage.Wall("pier", length=0.9, height=0.9), pushover=0.5,
-    boundary="fixed")
+    pier = damage.Wall("pier", length=0.9, height=0.9)
+    history = damage.run(pier, pushover=0.5, boundary="fixed")
 
 wall: a `damage.Wall`, the path of a wall file, or the name of a wall that ships.
 motion: a record, by its path or the name of one that ships; a `damage.motion.loading.Loading`; or

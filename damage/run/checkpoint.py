@@ -3,8 +3,7 @@ history FILE.h5.
 
 A line with the digest of the rest, then a NumPy archive without objects.  The file is written
 beside and renamed, so that a kill leaves the last checkpoint whole; the run that continues omits
-rows of the history that came after it.
-Of YADE the archive holds a scene (`O.save`).
+rows of the history that came after it. Of YADE the archive holds a scene (`O.save`).
 """
 
 import fcntl

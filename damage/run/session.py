@@ -48,9 +48,8 @@ class Backend:
     """A solver as a session needs it.
 
     versions: {software: version} beside this software's own; code: the folder of the solver's
-    modules;
-    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings, wall): raises
-    InputError on what it cannot do; open_view: opens a live view and returns a function that
+    modules; make(layout, time_step, settings): a damage.run.solver.Solver; check(settings, wall):
+    raises InputError on what it cannot do; open_view: opens a live view and returns a function that
     refreshes it; None where there is none; softening: what it gives joints with fracture energies;
     None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;

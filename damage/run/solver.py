@@ -21,9 +21,8 @@ class Instants(NamedTuple):
     n_supports, 3) of the wall on them [N, N, N m], the moments about their reference points;
     joints: (n_active,) indices of the active contact points, or a slice; contacts: {column of the
     history's FRAMES: (n, n_active)} of these, zero in all others; a solver leaves out a column that
-    it does not know;
-    top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and
-    those
+    it does not know; top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic
+    and elastic, and those
     that came in or were dissipated since `start`;
     damping_j: None where the solver does not compute it: the run then infers it from the balance;
     strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)],

@@ -6,10 +6,9 @@ and not executed:
     length = 3.08                       # keys and units of damage.Wall
     height = 2.7
     precompression = 0
-    masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and
-    [joint], beside them
-                                        # masonry = { young_modulus = 4.9e9 } in place of the
-                                        bricks' moduli
+    # Or tables [brick] and [joint]; beside them masonry = { young_modulus = 4.9e9 } replaces the
+    # moduli of the bricks.
+    masonry = { material = "clay-standard", format = "waalformaat" }
     lintel = "timber"                   # or a table, here and in [[openings]]
 
     [[openings]]

@@ -54,7 +54,8 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
 
     wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of
     the contact points, as in damage.wall.contact_points.Contacts; sheared: kinds of boundaries that
-    share the shear compliance, 2 for cells."""
+    share the shear compliance, 2 for cells.
+    """
     brick, joint = wall.brick, wall.joint
     upright = (kind == HEAD) | (kind == CUT)
     distance = np.full(len(kind), brick.height)

@@ -104,12 +104,12 @@ class Layout:
     n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split;
         the rest is the caps' glue.
     n_bricks: bodies that are bricks, or parts of them (`damage.wall.split`); those of slabs and
-        lintels follow.
+    lintels follow.
     drift_bodies: bricks of the plan's drift course whose centres stand over piers; drift_height [m]
-        of them.
+    of them.
     supports: below the base.
     fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where
-        they deform, else None.
+    they deform, else None.
     """
 
     wall: Wall

@@ -22,40 +22,34 @@ class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
 
     lintel: "elastic" leaves every opening its own lintel (`damage.wall.lintels`); where it has
-    none, the joints of all
-        courses over it stay elastic.  In place of all lintels, "none" lets these joints break, a
-        number keeps those of so many of the lowest courses elastic (as a word: 2 becomes "2", 0
-        becomes "none"), and a kind, like "concrete", puts such lintels over all openings.
+        none, the joints of all courses over it stay elastic.  In place of all lintels, "none" lets
+        these joints break, a number keeps those of so many of the lowest courses elastic (as a
+        word: 2 becomes "2", 0 becomes "none"), and a kind, like "concrete", puts such lintels over
+        all openings.
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
     load: that mass is the precompression over the wall's whole "length", so that the piers beside
-    openings have more,
-        or over its "piers" alone, which then have just that stress.
+        openings have more, or over its "piers" alone, which then have just that stress.
     cells: contact points per half brick of a bed joint.
     contacts: where the points of a bed joint lie: "interior" of the cells, at the "corners" (ends)
-    of each overlap, or
-        at the "gauss" points of two cells together; head joints have one at mid-height, one at each
-        end, or two Gauss points.
+        of each overlap, or at the "gauss" points of two cells together; head joints have one at
+        mid-height, one at each end, or two Gauss points.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds
-    them:
-        each joint between two bricks has one lognormal factor of mean 1 on tensile strength and
-        cohesion.
+        them: each joint between two bricks has one lognormal factor of mean 1 on tensile strength
+        and cohesion.
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose
-    forces the history has. soil: "rigid", or springs below the base (`damage.wall.soil`) of so many
-    N/m3 vertically, as a word; soil_shear:
-        horizontal over vertical stiffness; footing: width over which they act [m]; soil_velocity:
-        shear-wave velocity [m/s] of a soil with radiation damping, 0 without.
+    forces the history has.
+    soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a
+        word; soil_shear: horizontal over vertical stiffness; footing: width over which they act
+        [m]; soil_velocity: shear-wave velocity [m/s] of a soil with radiation damping, 0 without.
     fibres: bonds with fracture energies are so many brittle ones in parallel
-    (`damage.wall.fibres`); 0: the smooth law,
-        which YADE does not have: there 16.
+        (`damage.wall.fibres`); 0: the smooth law, which YADE does not have: there 16.
     bricks: "rigid", their compliance lumped into the joints, or "deformable"
-    (`damage.wall.strain`), with polynomials
-        of brick_order 2 or 3 in plane "stress" or "strain", the mass of the strain modes times
-        brick_mass, which lengthens the time step by its root, and brick_damping of their critical
-        damping.
+        (`damage.wall.strain`), with polynomials of brick_order 2 or 3 in plane "stress" or
+        "strain", the mass of the strain modes times brick_mass, which lengthens the time step by
+        its root, and brick_damping of their critical damping.
     brick_cells: a whole deformable brick is so many rigid cells, glued elastically
-    (`damage.wall.split`); 0: strain
-        modes, which YADE does not have: there 4.
+        (`damage.wall.split`); 0: strain modes, which YADE does not have: there 4.
     """
 
     lintel: str = text(

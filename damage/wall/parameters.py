@@ -131,7 +131,7 @@ class Joint:
         5.6 to 19 and 102 to 353 (Korswagen, dissertation, TU Delft, 2022); "rule": by
         `softening_energies`.
     compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not,
-        as in the paper.
+    as in the paper.
     compressive_fracture_energy [J/m2]: what crushing takes until no strength is left; None or 0
         where the strength stays; "rule": by `crushing_energy`.
     """
@@ -290,9 +290,8 @@ def crushing_energy(compressive_strength):
 
     G_c = 15 + 0.43 f_c - 0.0036 f_c^2 N/mm with f_c in MPa from 12 to 80; below, G_c / f_c = 1.6
     mm, above 0.33 mm: the ductility index that P. B. Lourenço recommends (Recent advances in
-    masonry structures, 2009; M. Angelillo,
-    P. B. Lourenço, G. Milani, Masonry behaviour and modelling, CISM 551, 2014), after Model Code
-    1990 for concrete.
+    masonry structures, 2009; M. Angelillo, P. B. Lourenço, G. Milani, Masonry behaviour and
+    modelling, CISM 551, 2014), after Model Code 1990 for concrete.
 
     >>> crushing_energy(11.22e6), round(crushing_energy(20e6))
     (17952.0, 22160)
@@ -309,8 +308,7 @@ def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
     """A Brick so stiff that, with its bed joints, the masonry has this modulus across them [Pa].
 
     1/E = 1/E_brick + 1/(k_n h), and with G = shear_ratio E (EN 1996-1-1, 3.7.3: 0.4) and k_s in
-    shear; sizes:
-    the brick's other parameters.
+    shear; sizes: the brick's other parameters.
     """
     brick = Brick(**sizes)
     check_range("young_modulus of masonry [Pa]", young_modulus, 1.0, 1e20)

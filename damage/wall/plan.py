@@ -42,7 +42,7 @@ class Plan:
 
     wall: with the lintels that are built (`damage.Wall.with_lintels`).
     openings, floors, lintels: their places, in the wall's order; lintels that are bodies, from left
-        to right.
+    to right.
     runs: parts (left, right) [m] of each course that are of bricks, upwards and from left to right:
         below the outline, beside openings, slabs and lintels; bricks: the edges of the bricks of
         each course, in the same way.

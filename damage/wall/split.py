@@ -67,7 +67,8 @@ def cut_bricks(layout):
     """A damage.wall.layout.Layout with every brick cut into its parts.
 
     The leftmost part keeps its brick's number; the others come behind the other bricks, and cuts
-    behind the joints."""
+    behind the joints.
+    """
     old, n, wall = layout.bodies, layout.n_bricks, layout.wall
     half = old.length / 2
     cuts = [

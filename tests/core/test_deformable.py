@@ -4,8 +4,7 @@ energy.
 E = 5.2 GPa, G = 2.16 GPa, so that Poisson's ratio is 0.204; 1900 kg/m3.  In plane stress waves
 travel at
 sqrt(E / (1 - nu^2) / rho) = 1690 and sqrt(G / rho) = 1066 m/s; across bed joints in series, 1/E +
-1/(k_n h) and
-1/G + 1/(k_s h), at 1643 and 1030 m/s.
+1/(k_n h) and 1/G + 1/(k_s h), at 1643 and 1030 m/s.
 """
 
 from dataclasses import replace

@@ -5,7 +5,8 @@ A mirrored wall under the mirrored motion has the mirrored motion: to rounding u
 failure, and then as long as rounding does not decide which joint fails.  In each step the forces of
 the supports, the weight and the inertia of the base's acceleration sum up to the change of the
 wall's momentum, and their moments to that of its angular momentum. What came in is stored or
-dissipated.  A wall has the same bits alone and beside another one in the lanes of a batch."""
+dissipated.  A wall has the same bits alone and beside another one in the lanes of a batch.
+"""
 
 from dataclasses import dataclass, field, replace
 

@@ -90,8 +90,8 @@ def test_a_rocking_block_has_the_exact_quarter_period(share):
     cos(a - t) over the floor, and the block turns about the point of the floor below the arc's
     centre:
 
-        I_c w^2 / 2 = m g R (cos(a - t0) - cos(a - t)),  I_c = m (b^2 + h^2)/12 + m (R^2 + r^2 + 2 r
-        R cos(a - t))
+        I_c w^2 / 2 = m g R (cos(a - t0) - cos(a - t)),
+        I_c = m (b^2 + h^2)/12 + m (R^2 + r^2 + 2 r R cos(a - t))
 
     With t = t0 - u^2 the quarter period is the integral of 2 u / w."""
     start = share * CRITICAL

@@ -26,8 +26,8 @@ SHAKEN = ["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3"]
 
 
 class Clockwork:
-    """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a
-    test says; it tells of so many samples at once."""
+    """A solver whose bodies rest but for the drop of brick 0, with energies that a test gives; it
+    returns so many samples at once."""
 
     stretch_samples = 0
 

@@ -1,7 +1,7 @@
-"""A full disk, no memory, a signal: one line, nothing half written, and the same command goes on.
+"""A full disk, no memory, a signal: one line, nothing half written, the same command continues.
 
 One moment a layer: a history, a command's file, what is printed, a study.  A limit on the size of
-files stands in for a full disk; file systems of a few megabytes need root.
+files replaces a full disk; file systems of a few megabytes need root.
 """
 
 import os
@@ -58,7 +58,7 @@ WITH_LEAST = (
     "import sys; from damage.__main__ import main; from damage.applications.studies import folder\n"
     "folder.LEAST_FREE = 100_000\nsys.exit(main(['study', *sys.argv[1:]]))"
 )
-"""A batch that goes on where a real one would end: another program may fill a disk between two
+"""A batch that continues where a real one would end: another program may fill a disk between two
 looks."""
 
 

@@ -3,7 +3,8 @@ anything of its own.
 
 YADE's command ends its start with `yade.remote.runServers()`, which opens a prompt and an
 information server on all network interfaces.  Here `yade.remote` is a module whose `runServers`
-does nothing.  No other part of YADE uses it."""
+does nothing.  No other part of YADE uses it.
+"""
 
 import sys
 from importlib.machinery import ModuleSpec

@@ -39,8 +39,7 @@ class MappedCracks:
     table: DataFrame, a row each joint that a stretch runs along: joint (index), ENDS on the joint,
     length_m, and of the stretch, as of a CrackPattern, crack, opening_m, slip_m, width_m, mode;
     drawn_m, unmapped_m, surplus_m: length of all polylines, of what lies on no joint, and of what
-    was drawn
-    over a joint beyond the joint's own length.
+    was drawn over a joint beyond the joint's own length.
     """
 
     table: pd.DataFrame
@@ -132,9 +131,8 @@ def describe_level(
     pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM
 ):
     """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct
-    (None where
-    unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi,
-    psi_drawn, and
+    (None where unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm,
+    psi, psi_drawn, and
     DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 
     Cracks count as they were drawn, by the file's own labels: a straight line over bricks and

@@ -3,8 +3,8 @@
 The joints of a wall are a network: tributary lengths of contact points between the corners at which
 they meet.  A polyline is simplified to straight parts.  Its path is the one of least
 
-    sum over joints of length (1 + (distance from the part / brick's height)^2) + 10 (distance of
-    its ends and corners)
+    sum over joints of length (1 + (distance from the part / brick's height)^2)
+        + 10 (distance of its ends and corners)
 
 by Dijkstra's algorithm, over a copy of the network for each part; what of a line is in an opening
 or beside the wall has none.  Joints of the path that are farther from the line than a tolerance are

@@ -3,13 +3,11 @@
 A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and
 opening
 and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).  So
-tension and shear
-are distinguished, unlike in a picture of the cracks alone.  `docs/reference/crack-format.md` gives
-the file.
+tension and shear are distinguished, unlike in a picture of the cracks alone.
+`docs/reference/crack-format.md` gives the file.
 
 What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without
-the
-stresses; `report` bounds it.  Slip is the offset of the two bricks along the joint, as by
+the stresses; `report` bounds it.  Slip is the offset of the two bricks along the joint, as by
 `displacement` in a simulation, whether the joint is open or closed.
 """
 
@@ -66,8 +64,7 @@ class Motions:
     motion: (n_bodies, 3) displacement of the centres [m, m] and rotation [rad], NaN for a brick
     with too
     few points, 0 for caps; noise: standard deviation of a point's displacement component about the
-    rigid
-    motions [m]; n_points: (n_bodies,); centre: (n_bodies, 2) of a brick's points [m]; spread:
+    rigid motions [m]; n_points: (n_bodies,); centre: (n_bodies, 2) of a brick's points [m]; spread:
     (n_bodies,)
     sum of their squared distances from it [m2].
     """
@@ -130,9 +127,8 @@ def read_field(path):
 
 def rigid_motion(points, displacement):
     """The rigid motion nearest to displacements in the sense of least squares, exact for any
-    rotation:
-    displacement of the points' centre (2,) [m] and rotation x towards z [rad]; both arrays (n,
-    2)."""
+    rotation: displacement of the points' centre (2,) [m] and rotation x towards z [rad]; both
+    arrays (n, 2)."""
     mean = displacement.mean(axis=0)
     before = points - points.mean(axis=0)
     after = before + displacement - mean

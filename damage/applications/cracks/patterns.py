@@ -66,7 +66,8 @@ def cracked(history, what, slip="displacement"):
     """Whether contact points are cracked at the end of the (last) motion, (n_joints,) bool.
 
     what: "broken" (failed), or "visible" (ever opened or slipped by more than 0.1 mm); slip:
-    criterion of the latter."""
+    criterion of the latter.
+    """
     moving = np.flatnonzero(history.series["stage"] == "motion")
     end = int(moving[-1]) + 1 if len(moving) else len(history.series)
     if what == "broken":

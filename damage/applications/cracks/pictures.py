@@ -37,8 +37,8 @@ SIDES = ((1, 0), (-1, 1))  # direction of loading, its place in a test's pairs
 @styled
 def beside_test_picture(histories):
     """Figure of pushed Histories of one specimen: loops and envelopes beside the test's bilinear
-    idealisation
-    and peak, and the index at the largest drift of every cycle beside published limits."""
+    idealisation and peak, and the index at the largest drift of every cycle beside published
+    limits."""
     tests = {test_of(history).specimen: test_of(history) for history in histories}
     if len(tests) != 1:
         raise InputError(f"runs of {len(tests)} specimens ({', '.join(tests)}); give runs of one")

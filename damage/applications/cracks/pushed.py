@@ -59,7 +59,8 @@ class LaboratoryTest:
     peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (positive,
     negative);
     drifts are ratios; first_crack: the drift at which one was seen, None where none was; mode: of
-    MODES; height [m]."""
+    MODES; height [m].
+    """
 
     specimen: str
     mode: str

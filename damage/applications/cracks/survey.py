@@ -56,10 +56,9 @@ class Survey:
 
     file, sha256: of the file; pattern: CrackPattern as drawn; table: DataFrame, a row each joint:
     joint, crack, length_m, opening_m, slip_m, width_m (of the widest crack there), offset (1 seen,
-    0 not, NaN unknown);
-    n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m: largest distance of
-    joints from the lines that they stand for; detection_limit_m, width_error_m: of the file, else
-    THRESHOLD, or the narrowest surveyed width below it, and WIDTH_ERROR;
+    0 not, NaN unknown); n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m:
+    largest distance of joints from the lines that they stand for; detection_limit_m, width_error_m:
+    of the file, else THRESHOLD, or the narrowest surveyed width below it, and WIDTH_ERROR;
     looked_at: joints that were looked at (n_joints,): all of them where the survey names no area
     without a crack; notes: sentences on what was assumed.
     """

@@ -6,12 +6,11 @@ in turn have it:
 
     intact bond    `zeroLength` with elastic springs of k_n A and k_s A
     failed joint   `flatSliderBearing`: no tension, |shear| <= tan(phi) times the present normal
-    force, by a return
-                   mapping; opening resets its slip
+                   force, by a return mapping; opening resets its slip
 
 The script replaces one by the other where, after a step, the normal force exceeds f_t A or the
-shear force reaches
-c A - tan(phi) N.  The slider begins at the shear displacement that the bond had, which was elastic.
+shear force reaches c A - tan(phi) N.  The slider begins at the shear displacement that the bond
+had, which was elastic.
 
 Commands: https://opensees.github.io/OpenSeesDocumentation and https://openseespydoc.readthedocs.io.
 """

@@ -72,7 +72,8 @@ def write_report(paths, out=None, words=Words()):
     paths: of histories, up to as many as LETTERS has, and of folders that hold the tables of
     studies; out: by default beside the first, NAME.html of a history, report.html in a folder.
     Raises InputError of a file that is no history or has no sample, of a folder without tables, and
-    of another ending."""
+    of another ending.
+    """
     paths = [Path(path) for path in paths]
     out = (
         Path(out)

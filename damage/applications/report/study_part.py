@@ -202,7 +202,8 @@ def figures(folder):
     study.
 
     They are looked for in its folders `figures` and `pictures` and in itself; pictures of single
-    runs are left out."""
+    runs are left out.
+    """
     places = folder / "figures", folder / "pictures", folder
     paths = [path for place in places for path in sorted(place.glob("*.png"))]
     embedded, named, left = [], [], MOST_FIGURES_MB * 1e6

@@ -77,7 +77,8 @@ def run_slices(study, folder, options, n, only, jobs, cores, say):
     EXIT_INTERRUPTED where an interrupt or a polite kill has cancelled them.
 
     options: words of `python3 -m damage study` for each; jobs: at a time; cores: of each;
-    say(line): prints a line."""
+    say(line): prints a line.
+    """
     done = [f"logs/slice-{k}-of-{n}.done" for k in only]
     for name in done:
         (folder / name).unlink(missing_ok=True)

@@ -238,7 +238,8 @@ def forecast(left, histories, folder, keep="all"):
 
     left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count,
     though one may do. histories: {name: path} of those that are there; keep: other than "all" where
-    the history of the first alone stays."""
+    the history of the first alone stays.
+    """
     count = sum(run.most_members if keep == "all" else 1 for run in left)
     if not histories or not count:
         return None

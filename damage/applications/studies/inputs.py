@@ -4,8 +4,7 @@ read.
 A study keeps them with its records (`damage.applications.studies.records`) and compares them before
 it continues.  The wall file counts by the Wall that it makes, so that a module that it imports
 counts and a comment does not; options count by the values that a run gets, defaults included.  A
-history that runs continue counts by its content, lives by all
-that they are drawn from.
+history that runs continue counts by its content, lives by all that they are drawn from.
 
 A run is made only where its inputs, once it has read them, are still those that its study began
 with (`damage.applications.studies.worker`): files may change meanwhile.
@@ -45,7 +44,8 @@ class Inputs:
     their number alone.
 
     continued: SHA-256 of the history that the runs continue; drawn_from: of what their lives are
-    drawn from; or None."""
+    drawn from; or None.
+    """
 
     wall: Wall
     settings: RunSettings
@@ -86,8 +86,7 @@ def differences(note, inputs):
     where they agree.
 
     note: of `as_json`.  A field that the note lacks came with a later version and agrees at its
-    default; one that
-    is no input any more does not count.
+    default; one that is no input any more does not count.
     """
     return list(_differing(note, inputs, ""))
 

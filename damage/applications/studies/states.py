@@ -184,8 +184,7 @@ def leading(runs):
 
 
 def unit_of(column):
-    """The unit of a column as it stands in other columns' names, "" of one without, and as one
-    writes it.
+    """The unit of a column as in the names of other columns, "" of one without, and as written.
 
     >>> unit_of("pgv_m_s"), unit_of("max_DI")
     (('m_s', 'm/s'), ('', '1'))

@@ -5,7 +5,8 @@ run; points.csv, a row for each point and solver, with the median over its membe
 NAME and their range under NAME_min and NAME_max; study.h5, both of them as HDF5; cycles.csv and
 shocks.csv, those of all runs.
 Records (`damage.applications.studies.records`) are all that is asked of runs; the row of a run
-without one comes from its history."""
+without one comes from its history.
+"""
 
 import io
 from concurrent.futures import ProcessPoolExecutor

@@ -136,7 +136,8 @@ def _do_runs(first, connection, waiting, settled, inputs):
 class Begun:
     """Makes the history of a run, of a kind, which has read all of its inputs by then, and refuses
     it where these are others than the study began with; changes: how they differ, words; None
-    before, and empty of a run that is repeated."""
+    before, and empty of a run that is repeated.
+    """
 
     def __init__(self, task, inputs, kind):
         self._task, self._inputs, self._kind, self.changes = task, inputs, kind, None

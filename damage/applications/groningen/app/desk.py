@@ -174,7 +174,8 @@ class Desk:
         """Write the survey that was drawn and put it on the joints.
 
         cracks: [{"points": [[x, z], ...], "width_mm", "offset"}]; areas: [[x, z, x, z], ...]
-        without a crack [m]."""
+        without a crack [m].
+        """
         layout = self.layout()
         found = self._keep(
             SURVEY,

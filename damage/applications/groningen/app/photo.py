@@ -116,7 +116,8 @@ def rectified(jpeg, pixels, places, length, height):
     MARGIN_M around it.
 
     pixels: four points (4, 2), x and y down from the upper left; places: the same on the wall, x
-    and z up (4, 2) [m]."""
+    and z up (4, 2) [m].
+    """
     from PIL import Image
 
     picture = Image.open(io.BytesIO(jpeg))

@@ -144,7 +144,8 @@ def read_catalogue(path=SHIPPED):
     CSV: columns date_utc, time_utc, magnitude and either easting_rd_m, northing_rd_m or latitude,
     longitude; depth_km, field, place, knmi_id may be there.  KNMI's all_induced.csv: as it is.
     FDSN text: a first line #EventID|Time|Latitude|Longitude|...|Magnitude, of whose other columns
-    Depth/km, EventType and Catalog are read."""
+    Depth/km, EventType and Catalog are read.
+    """
     check_file(path, "a catalogue of earthquakes (CSV or FDSN text)", MOST_MB)
     with open(path, "rb") as file:
         first = file.readline()
@@ -297,7 +298,8 @@ def _catalogue(path, times, table, leave_out=False):
 
     times: datetimes; table: columns line (number in the file), magnitude, those of _GRID or of
     _DEGREES, place, id, depth [km], type and agency; depth NaN, the last two "" where the file does
-    not say; leave_out: as of `_from_table`."""
+    not say; leave_out: as of `_from_table`.
+    """
     least, most = MAGNITUDES
     in_grid = _GRID[0] in table
     bounds, pair = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)

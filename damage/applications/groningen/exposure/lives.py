@@ -228,7 +228,8 @@ class Draws:
         time; of several the one of the largest median.
 
         number: of the life whose motion it is; None for the median PGV, by the component whose
-        factor is nearest to 1."""
+        factor is nearest to 1.
+        """
         events = self.exposure.catalogue
         times = [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time]
         found = (

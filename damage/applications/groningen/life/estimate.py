@@ -5,8 +5,8 @@ known from lives that are drawn and not run.  The lives that were run are divide
 that PGV; the share of each counts by the stratum's probability, not by the number of lives that
 happened to fall into it (Cochran, Sampling Techniques, 3rd edition, section 5A.9):
 
-    p = sum W_h p_h,    var p = sum W_h v_h / n + sum (1 - W_h) v_h / n^2,    v_h = n_h p'_h (1 -
-    p'_h) / (n_h - 1)
+    p = sum W_h p_h,    var p = sum W_h v_h / n + sum (1 - W_h) v_h / n^2,
+    v_h = n_h p'_h (1 - p'_h) / (n_h - 1)
 
 with n lives, n_h of them in stratum h, its probability W_h, and p'_h = (hits + 1/2) / (n_h + 1) in
 the variance, so that a stratum whose lives all agree is not taken for certain.
