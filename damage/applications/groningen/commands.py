@@ -360,8 +360,9 @@ def _life(asked):
             type=number_from(2, 10000, int),
             metavar="N",
             help=(
-                "draws (default: 96, then more, up to 400, until the intervals are narrow and"
-                " enough draws resemble the survey; an answer needs 50 that do)"
+                "draws (default: 10 for a first sheet, then 96 and more, up to 800, until the"
+                " intervals are narrow and enough draws resemble the survey; an answer needs 50"
+                " that do)"
             ),
         ),
     ),
