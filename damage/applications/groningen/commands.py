@@ -509,6 +509,7 @@ MODEL.append("applications/groningen/exposure")  # draws motions
 @tables
 def _tables():
     from damage.applications.groningen.exposure.exposure import COLUMNS
+    from damage.applications.groningen.life.claimed import CLAIMED
     from damage.applications.groningen.life.comparison import CHOICES, READINGS
     from damage.applications.groningen.life.results import COLUMNS as LIVES
     from damage.applications.groningen.life.results import CONTRIBUTIONS, YEARLY
@@ -518,6 +519,7 @@ def _tables():
         "lives.csv": LIVES,
         "life.csv": YEARLY,
         "contributions.csv": CONTRIBUTIONS,
+        "claimed.csv": CLAIMED,
         "choices.csv": CHOICES,
         "readings.csv": READINGS,
     }
