@@ -252,7 +252,8 @@ def _pictures(numbers, wall, survey, twins, say, shown):
         k = int(np.flatnonzero(twins.numbers == one["life"])[0])
         width = np.hypot(twins.opening_m[one["state"]][k], twins.offset_m[one["state"]][k])
         seen = cracked(width, survey.detection_limit_m)
-        text = say("nearest", cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
+        key = "nearest" if one["distance"] <= numbers["farthest"] else "nearest_unlike"
+        text = say(key, cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
         found.append((front(wall, twins.ends[seen], width[seen], "#046", text), text))
     return found
 
