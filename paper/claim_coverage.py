@@ -10,9 +10,10 @@ whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes n
 answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of
 another wall, whose joints the cracks are laid on.
 
-Prints three tables.  Claims, why there is no answer, and answers that are wrong, also where only
-the number of draws forbids one.  For each prior of settlement the share of claims, weighted by that
-prior, whose true widths lie in the 90 % intervals.  What the sheet states as "not without the
+Prints four tables. Claims, why there is no answer, and answers that are wrong, also where only the
+number of draws forbids one. Cracks of the claims, and the answers on each, of which the truth is
+its paired run without that cause. For each prior of settlement the share of claims, weighted by
+that prior, whose true widths lie in the 90 % intervals. What the sheet states as "not without the
 earthquakes" beside what was so, by a prior of 0.5, and the share of draws that resemble a survey,
 from which follows how many are needed.
 """
@@ -26,7 +27,13 @@ import pandas as pd
 
 from damage.applications.cracks.crack_file import pattern_of
 from damage.applications.cracks.survey import Seen, distances, seen_of, survey_of, surveyed
-from damage.applications.groningen.claim.answer import BUT_FOR, LEAST_DRAWS, PRIORS
+from damage.applications.groningen.claim.answer import (
+    BUT_FOR,
+    LEAST_DRAWS,
+    PRIORS,
+    WITHOUT,
+    of_cracks,
+)
 from damage.applications.groningen.claim.likeness import STATES, kernel, pairwise, strange_share
 from damage.applications.groningen.claim.make import layout_of
 from damage.applications.groningen.claim.numbers import Likeness, answers, claimed
@@ -42,6 +49,11 @@ LIMIT, ERROR, STEP = 0.1 * MILLIMETRE, 0.05 * MILLIMETRE, 0.05 * MILLIMETRE
 BINS = 0, 0.25, 0.5, 0.75, 0.9, 1
 CLAIMS = {"B": "both", "E": "earthquakes", "S": "settlement"}
 """{kind of claim: state of the twins that is surveyed}."""
+TWIN = {
+    "without_earthquakes": {"B": "settlement", "E": "none", "S": "settlement"},
+    "without_settlement": {"B": "earthquakes", "E": "earthquakes", "S": "none"},
+}
+"""{cause that is left out: {kind of claim: state of the twins that remains}}."""
 
 
 class Library:
@@ -80,10 +92,9 @@ class Library:
         others = np.arange(len(self.twins)) != left_out
         kept = (self.shown & others).ravel()[self.shown.ravel()]
         strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
-        weight = kernel(away, self.shown)[:, others]
-        return answers(
-            self.twins.at(others), Likeness(away[:, others], weight, strange), survey.as_dict()
-        )
+        weight, twins = kernel(away, self.shown)[:, others], self.twins.at(others)
+        found = answers(twins, Likeness(away[:, others], weight, strange), survey.as_dict())
+        return found | {"cracks": of_cracks(twins, weight, survey)}
 
 
 def surveyed_wall(library, state, k, rng, offsets):
@@ -106,8 +117,8 @@ def surveyed_wall(library, state, k, rng, offsets):
         shown[crack == rng.choice(numbers, p=narrow / narrow.sum())] = 0.0
     if not shown.any():
         return None
-    pattern = pattern_of(crack_table(twins.ends, shown, 0 * shown, LIMIT), 1, 0.0)
-    joint = np.flatnonzero(shown)
+    cracks = crack_table(twins.ends, shown, 0 * shown, LIMIT).sort_values("joint")
+    pattern, joint = pattern_of(cracks, 1, 0.0), cracks["joint"].to_numpy()
     seen_offset = (
         cracked(np.abs(offset[joint]), LIMIT).astype(float)
         if offsets
@@ -116,7 +127,7 @@ def surveyed_wall(library, state, k, rng, offsets):
     table = pd.DataFrame(
         {
             "joint": joint,
-            "crack": crack[joint],
+            "crack": cracks["crack"].to_numpy(),
             "length_m": twins.length_m[joint],
             "opening_m": shown[joint],
             "slip_m": 0.0,
@@ -132,8 +143,7 @@ def truth(twins, kind, k):
     draw."""
     width = {name: values[k] / MILLIMETRE for name, values in twins.width_m.items()}
     now = width[CLAIMS[kind]]
-    without_e = {"B": width["settlement"], "E": width["none"], "S": width["settlement"]}[kind]
-    without_s = {"B": width["earthquakes"], "E": width["earthquakes"], "S": width["none"]}[kind]
+    without_e, without_s = (width[TWIN[case][kind]] for case in WITHOUT)
     hidden_e, hidden_s = (
         not cracked(one * MILLIMETRE, THRESHOLD) for one in (without_e, without_s)
     )
@@ -174,8 +184,25 @@ def rows_of(library, of, offsets, seed=1):
                 rows.append(row | {"reasons": "refused"})
                 continue
             found = of.answer(survey, k if of is library else None)
-            rows.append(row | judged(found, *truth(library.twins, kind, k)))
+            cracks = judged_cracks(found, library.twins, drawn[0].table, kind, k)
+            rows.append(row | judged(found, *truth(library.twins, kind, k)) | cracks)
     return pd.DataFrame(rows)
+
+
+def judged_cracks(found, twins, table, kind, k):
+    """Numbers of cracks of a claim, and by each cause left out how many have an answer, and a wrong
+    one; table: of the Survey on its own wall."""
+    answered = [] if found["no_answer"] else found["cracks"]
+    counts = {"cracks": table["crack"].nunique()}
+    for case in WITHOUT:
+        said = {one["crack"]: one[case]["said"] for one in answered if one[case]["said"] != "open"}
+        wrong = 0
+        for label, joints in table.groupby("crack")["joint"]:
+            width_m = twins.widest_of(joints.to_numpy())[TWIN[case][kind]][k]
+            of = said.get(str(label))
+            wrong += of is not None and (of == "yes") != bool(cracked(width_m, THRESHOLD))
+        counts |= {f"said_{case}": len(said), f"wrong_{case}": wrong}
+    return counts
 
 
 def judged(found, but_for, width):
@@ -245,6 +272,13 @@ def print_calibration(one, rows):
     )
 
 
+def print_cracks(rows, title):
+    """Rows of the table of cracks, by kind of claim."""
+    for kind, mine in rows.groupby("kind"):
+        names = ["cracks", *(f"{what}_{case}" for case in WITHOUT for what in ("said", "wrong"))]
+        print_row(title, kind, *(int(mine[name].sum()) for name in names))
+
+
 def print_rows(rows, title):
     """Rows of the table of one set of claims, by kind."""
     for kind in CLAIMS:
@@ -296,6 +330,16 @@ def main():
     for one, rows in zip(libraries, tables):
         asked_of = f" asked of {other.name}" if other else ""
         print_rows(rows, f"{one.name}{asked_of} ({len((other or one).twins)} draws)")
+    print()
+    answers = (
+        f"{what} {case.replace('_', ' ')}" for case in WITHOUT for what in ("answers", "wrong")
+    )
+    print_table("wall", "claim", "cracks", *answers)
+    for one, rows in zip(libraries, tables):
+        if "cracks" in rows:
+            print_cracks(
+                rows.dropna(subset="cracks"), f"{one.name} ({len((other or one).twins)} draws)"
+            )
     print()
     print_table(
         "wall",

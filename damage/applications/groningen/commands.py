@@ -360,8 +360,9 @@ def _life(asked):
             type=number_from(2, 10000, int),
             metavar="N",
             help=(
-                "draws (default: 96, then more, up to 400, until the intervals are narrow and"
-                " enough draws resemble the survey; an answer needs 50 that do)"
+                "draws (default: 10 for a first sheet, then 96 and more, up to 800, until the"
+                " intervals are narrow and enough draws resemble the survey; an answer needs 50"
+                " that do)"
             ),
         ),
     ),
@@ -508,6 +509,7 @@ MODEL.append("applications/groningen/exposure")  # draws motions
 @tables
 def _tables():
     from damage.applications.groningen.exposure.exposure import COLUMNS
+    from damage.applications.groningen.life.claimed import CLAIMED
     from damage.applications.groningen.life.comparison import CHOICES, READINGS
     from damage.applications.groningen.life.results import COLUMNS as LIVES
     from damage.applications.groningen.life.results import CONTRIBUTIONS, YEARLY
@@ -517,6 +519,7 @@ def _tables():
         "lives.csv": LIVES,
         "life.csv": YEARLY,
         "contributions.csv": CONTRIBUTIONS,
+        "claimed.csv": CLAIMED,
         "choices.csv": CHOICES,
         "readings.csv": READINGS,
     }

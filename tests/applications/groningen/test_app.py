@@ -274,6 +274,18 @@ def test_what_is_no_photograph_is_one_line(data, said):
     refused_with(said, cleaned, data)
 
 
+def test_a_photograph_is_straightened_by_corners_of_the_outline(client):
+    """Of a gabled front the eaves and not the height of its ridge, which would stretch it."""
+    gable = "outline = [[0, 0.6], [0.5625, 0.75], [1.125, 0.6]]\nheight = 0.75"
+    text = FRONT.replace("precompression = 0.1e6", "precompression = 0")
+    found = done(client, "front", text=text.replace("height = 0.6", gable))
+    assert found["corners"] == [[0, 0], [1.125, 0], [1.125, 0.6], [0, 0.6]]
+    pixels = [[0, 9], [9, 9], [9, 0], [0, 0]]
+    places = [[0, 0], [1.125, 0], [1.125, 0.75], [0, 0.75]]
+    said = refused(client, "straighten", pixels=pixels, places=places)
+    assert "(1.125, 0.75) m; expected corners of the front's outline" in said
+
+
 def test_four_points_straighten_a_photograph():
     """A front of 2 x 1 m with a dark square of 0.4 m, seen from an angle, is there again in its own
     size and place."""

@@ -8,6 +8,7 @@ import shutil
 import string
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -21,7 +22,10 @@ from damage.applications.cracks.survey import distance, distances, read_survey, 
 from damage.applications.groningen.claim import make
 from damage.applications.groningen.claim.answer import (
     BUT_FOR,
+    PRIORS,
+    WITHOUT,
     effective,
+    of_cracks,
     reasons,
     share,
     table,
@@ -46,6 +50,7 @@ from damage.applications.report.words import LANGUAGES, all_words, number
 from damage.applications.studies import folder
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.records import line_of, point_line, read_records
+from damage.measure.cracks import ENDS
 from damage.measure.evidence import QUANTITIES
 from damage.motion.settlement import PROFILES
 from damage.provenance import commit, measures_digest
@@ -265,7 +270,7 @@ FOUR = made(
 class TestButFor:
     def test_shares_by_hand(self):
         """By a prior of 0.5 all eight worlds weigh the same; where the ground rested, E stands."""
-        found = table(worlds_of(FOUR, 0.5))
+        found = table(worlds_of(FOUR.width_m, 0.5))
         assert {name: row["share"] for name, row in found.items()} == pytest.approx(
             {
                 "both": 5 / 8,
@@ -280,11 +285,11 @@ class TestButFor:
 
     def test_weights_take_the_place_of_draws(self):
         like = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]])
-        found = table(worlds_of(FOUR, 0.5, like))
+        found = table(worlds_of(FOUR.width_m, 0.5, like))
         assert found["neither_alone"]["share"] == 1.0 and found["neither_alone"]["draws"] == 1.0
 
     def test_both_worlds_of_a_draw_are_one_draw(self):
-        assert effective(worlds_of(FOUR, 0.3).weight) == pytest.approx(4)
+        assert effective(worlds_of(FOUR.width_m, 0.3).weight) == pytest.approx(4)
         assert effective(np.array([[1.0, 3.0], [0.0, 0.0]])) == pytest.approx(16 / 10)
         assert (
             effective(np.zeros((2, 3))) == 0
@@ -299,20 +304,69 @@ class TestButFor:
     def test_widths_of_a_survey(self):
         """What is left is measured: the earthquakes added what the draws do not have without
         them."""
-        found = widths(worlds_of(FOUR, 1.0), surveyed_mm=0.8, error_mm=0.05)
+        found = widths(worlds_of(FOUR.width_m, 1.0), surveyed_mm=0.8, error_mm=0.05)
         assert found["left"] == pytest.approx([0.75, 0.8, 0.85]) and found[
             "before"
         ] == pytest.approx([0.01, 0.05, 0.3])
         assert found["added"] == pytest.approx([0.75 - 0.3, 0.8 - 0.05, 0.85 - 0.01])
-        assert widths(worlds_of(FOUR, 0.5, np.zeros((2, 4))), 0.8) == dict.fromkeys(
+        assert widths(worlds_of(FOUR.width_m, 0.5, np.zeros((2, 4))), 0.8) == dict.fromkeys(
             ("before", "added", "left")
         )
 
     def test_a_wall_that_fell_counts_as_visible_and_has_no_width(self):
         fell = made(both=[np.inf, 0.5], earthquakes=[0.05, 0.05], settlement=[0.05, 0.05])
-        assert table(worlds_of(fell, 1.0))["both"]["share"] == 1.0
-        assert widths(worlds_of(fell, 1.0))["left"] == pytest.approx([0.5, 0.5, 0.5])
+        assert table(worlds_of(fell.width_m, 1.0))["both"]["share"] == 1.0
+        assert widths(worlds_of(fell.width_m, 1.0))["left"] == pytest.approx([0.5, 0.5, 0.5])
         assert list(kernel(np.zeros(2), ~fell.fell["both"])) == [0.0, 1.0]
+
+
+class TestCracks:
+    """Each of two joints has a crack of the survey; a third crack lies on no joint."""
+
+    TWO = Twins(
+        np.arange(1, 5),
+        {
+            "both": np.array([[0.5, 0.4]] * 4) * 1e-3,
+            "earthquakes": np.array([[0.0, 0.4]] * 4) * 1e-3,
+            "settlement": np.array([[0.3, 0.05]] * 3 + [[0.3, 0.2]]) * 1e-3,
+            "none": np.zeros((4, 2)),
+        },
+        {name: np.zeros((4, 2)) for name in STATES},
+        {name: np.zeros(4, bool) for name in STATES},
+        np.zeros((2, 2, 2)),
+        np.ones(2),
+        {},
+        pd.DataFrame(),
+    )
+
+    def found(self, like):
+        stretches = pd.DataFrame(
+            [["a", 0, 0, 1, 0, 5e-4], ["b", 1, 0, 2, 0, 4e-4], ["c", 3, 0, 3, 1, 2e-4]],
+            columns=["crack", *ENDS, "width_m"],
+        )
+        pattern = SimpleNamespace(stretches=stretches, length_m=np.ones(3))
+        table = pd.DataFrame({"crack": ["a", "b"], "joint": [0, 1]})
+        return of_cracks(self.TWO, like, SimpleNamespace(pattern=pattern, table=table))
+
+    def test_each_crack_by_hand(self):
+        """Where all ground settled, by weights: `a` is the settlement's, `b` the earthquakes'."""
+        settled = np.array([[1.0] * 3 + [0.0], [0.0] * 4])
+        a, b, c = self.found(settled)
+        assert [one["crack"] for one in (a, b, c)] == ["a", "b", "c"]
+        share = {case: a[case]["shares"]["0.5"]["share"] for case in WITHOUT}
+        assert share == {"without_earthquakes": 1.0, "without_settlement": 0.0}
+        assert b["without_earthquakes"]["shares"]["0.5"]["share"] == 0.0
+        assert b["without_earthquakes"]["width_mm"] == pytest.approx([0.05] * 3)
+        assert a["without_earthquakes"]["said"] == "open", "three draws are no answer"
+        assert c["without_earthquakes"] == {"said": "open", "shares": {}, "width_mm": None}
+        assert a["from_m"] == [0, 0] and a["to_m"] == [1, 0] and a["width_mm"] == 0.5
+
+    def test_the_prior_decides_where_both_causes_make_a_crack(self):
+        """Without the settlement nothing changes on ground at rest: `b` stays in every world."""
+        b = self.found(np.ones((2, 4)))[1]
+        assert b["without_settlement"]["shares"]["0.1"]["share"] == pytest.approx(1.0)
+        shares = [b["without_earthquakes"]["shares"][str(p)]["share"] for p in PRIORS]
+        assert shares == pytest.approx([p / 4 for p in PRIORS])
 
 
 class TestAnswer:
@@ -394,6 +448,9 @@ class TestSheet:
         assert "<strong>The list of earthquakes ends on 2014-12-30." in page
         assert "from 20 to 70 % of its Arias intensity is used" in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
+        assert "would help: Levels measured along the front" in describe(numbers)
+        assert [one["crack"] for one in numbers["cracks"]] == ["A", "B"]
+        assert ">A</text>" in page and page.count("<td>no answer</td>") == 4
         like = number("en", min(numbers["effective_draws"].values()))
         assert like != "0" and f"no answer: only {like} of the computed walls resemble" in describe(
             numbers

@@ -56,6 +56,8 @@ MOST_TEXT, MOST_LINES, MOST_POINTS = 200_000, 500, 500
 """Characters of a text that is typed; cracks and areas of a survey; points of each."""
 EVENTS = 8
 """Earthquakes that the page lists."""
+POINT_ERROR_M = 0.02
+"""How far a marked place may be from the corner of the outline that it stands for [m]."""
 TAIL = 12  # lines of the log that the page shows
 
 
@@ -161,7 +163,16 @@ class Desk:
     def straighten(self, pixels, places):
         """Make the photograph a view of the front by four points, pixels and places x, z [m]."""
         wall = self.layout().wall
+        edges = _edges(wall)
         pixels, places = (_points("the four points", points, 4, 4) for points in (pixels, places))
+        off = np.linalg.norm(places[:, np.newaxis] - edges, axis=2).min(axis=1)
+        if (off > POINT_ERROR_M).any():
+            x, z = places[off.argmax()]
+            raise InputError(
+                f"the four points: ({x:g}, {z:g}) m; expected corners of the front's outline:"
+                f" {', '.join(f'({x:g}, {z:g})' for x, z in edges)}; the front may differ from the"
+                " photograph"
+            )
         jpeg = self._given(PHOTO, "the photograph").read_bytes()
         self.path(STRAIGHT).write_bytes(
             rectified(jpeg, pixels, places, wall.length, wall.built_height)
@@ -335,6 +346,14 @@ def _laid_out(path):
     return lay_out(read_wall(path), ModelOptions(supports="bricks"))
 
 
+def _edges(wall):
+    """Corners of a Wall's outline (n, 2) [m]: both of its base, then its top from the right end to
+    the left."""
+    length, height = wall.length, wall.built_height
+    top = wall.outline or ((0.0, height), (length, height))
+    return np.array([(0.0, 0.0), (length, 0.0), *reversed(top)])
+
+
 def _drawn(layout):
     """Size, bricks (x, z, length, height) and joints (both ends) of a Layout, fit for JSON [m]."""
     bodies, n, wall = layout.bodies, layout.n_below_caps, layout.wall
@@ -343,6 +362,7 @@ def _drawn(layout):
         "name": wall.name,
         "length": wall.length,
         "height": wall.built_height,
+        "corners": _edges(wall)[[0, 1, 2, -1]].tolist(),
         "bricks": np.round(bricks, 4).tolist(),
         "contact_points": layout.n_joints,
     }

@@ -14,7 +14,7 @@ import numpy as np
 
 from damage.applications.groningen.life.estimate import Z95
 from damage.index import THRESHOLD
-from damage.measure.cracks import cracked
+from damage.measure.cracks import cracked, ends_of
 from damage.units import MILLIMETRE
 
 PRIORS = 0.1, 0.5, 0.8
@@ -27,6 +27,8 @@ SURE = 0.9
 prior."""
 ROWS = ("both", "earthquakes", "settlement", "none")
 BUT_FOR = ("not_without_earthquakes", "not_without_settlement", "neither_alone")
+WITHOUT = ("without_earthquakes", "without_settlement")
+"""Causes left out that are asked of each crack."""
 RANGE = 0.05, 0.5, 0.95
 
 
@@ -46,14 +48,12 @@ _CASES = {
 }
 
 
-def worlds_of(twins, prior, likeness=None):
-    """The Worlds of Twins by a prior; likeness: (2, n) weights of the second table, None for the
-    first."""
-    width = {
-        case: np.array([twins.width_m[one] for one in states]) for case, states in _CASES.items()
-    }
+def worlds_of(width_m, prior, likeness=None):
+    """The Worlds of widths {of the states of Twins: (n,) [m]} by a prior; likeness: (2, n) weights
+    of the second table, None for the first."""
+    width = {case: np.array([width_m[one] for one in states]) for case, states in _CASES.items()}
     weight = np.array([[prior], [1 - prior]]) * (
-        np.ones((2, len(twins))) if likeness is None else likeness
+        np.ones_like(width["now"]) if likeness is None else likeness
     )
     return Worlds(weight, width)
 
@@ -127,20 +127,69 @@ def quantiles(values, weight, shares=RANGE):
 
 
 def verdict(tables):
-    """{of BUT_FOR: "yes", "no" or "open"} of {prior: `table`}: an answer where all priors agree by
-    their whole intervals."""
-    found = {}
-    for name in BUT_FOR:
-        rows = [one[name] for one in tables.values()]
-        known = all(row["share"] is not None for row in rows)
-        found[name] = (
-            "yes"
-            if known and all(row["low"] >= SURE - 1e-9 for row in rows)
-            else "no"
-            if known and all(row["high"] <= 1 - SURE + 1e-9 for row in rows)
-            else "open"
-        )
+    """{of BUT_FOR: `said`} of {prior: `table`}."""
+    return {name: said([one[name] for one in tables.values()]) for name in BUT_FOR}
+
+
+def said(shares):
+    """What a `share` by each prior says, "yes", "no" or "open": an answer where all of them agree
+    by their whole intervals."""
+    if any(row["share"] is None for row in shares):
+        return "open"
+    if all(row["low"] >= SURE - 1e-9 for row in shares):
+        return "yes"
+    return "no" if all(row["high"] <= 1 - SURE + 1e-9 for row in shares) else "open"
+
+
+def of_cracks(twins, likeness, survey):
+    """Of each crack of a `damage.applications.cracks.survey.Survey`, what twins say of it without
+    a cause, a list of plain dictionaries in the order of the survey.
+
+    It would be there where one of its joints has a visible crack.  Draws weigh by the likeness of
+    the whole front, (2, n): by that of a crack's surroundings alone a fifth of the answers on
+    fronts that settled alone were wrong.
+
+    Each has the crack's label, widest and length as surveyed, its ends, and by WITHOUT: said,
+    "yes" where it would be there; shares: {prior: `share`}; width_mm: 5, 50 and 95 % of the widest
+    over all priors, None without a weight.  said is "open", and shares is empty, of a crack on no
+    joint.
+    """
+    stretches = survey.pattern.stretches.assign(length_m=survey.pattern.length_m)
+    joints = survey.table.groupby("crack")["joint"].agg(list)
+    found = []
+    for label, parts in stretches.groupby("crack", sort=False):
+        ends = ends_of(parts)
+        row = {
+            "crack": str(label),
+            "width_mm": float(parts["width_m"].max() / MILLIMETRE),
+            "length_m": float(parts["length_m"].sum()),
+            "from_m": ends[0, 0].tolist(),
+            "to_m": ends[-1, 1].tolist(),
+        }
+        width_m = twins.widest_of(joints[label]) if label in joints else None
+        found.append(row | {case: _of_crack(width_m, case, likeness) for case in WITHOUT})
     return found
+
+
+def _of_crack(width_m, case, likeness):
+    """What is said of a crack without a cause, by the widths of its joints, None without one; a
+    wall that fell without it has the crack, of no width."""
+    if width_m is None:
+        return {"said": "open", "shares": {}, "width_mm": None}
+    shares, ranges = {}, []
+    for prior in PRIORS:
+        worlds = worlds_of(width_m, prior, likeness)
+        width = worlds.width[case]
+        shares[str(prior)] = share(cracked(width), worlds.weight)
+        stands = np.isfinite(width)
+        ranges.append(quantiles(width[stands] / MILLIMETRE, worlds.weight[stands]))
+    middle = ranges[len(ranges) // 2]
+    return {
+        "said": said(shares.values()),
+        "shares": shares,
+        "width_mm": middle
+        and [min(one[0] for one in ranges), middle[1], max(one[2] for one in ranges)],
+    }
 
 
 def reasons(survey, tables_draws, strange):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from damage.applications.cracks.survey import on_joints, read_survey
-from damage.applications.groningen.claim.answer import LEAST_DRAWS, reasons
+from damage.applications.groningen.claim.answer import LEAST_DRAWS, WITHOUT, reasons
 from damage.applications.groningen.claim.numbers import (
     draws_needed,
     enough,
@@ -24,7 +24,7 @@ from damage.applications.groningen.claim.twins import (
 )
 from damage.applications.groningen.exposure.exposure import Exposure
 from damage.applications.groningen.exposure.lives import Choices, Draws, read_address
-from damage.applications.report.words import number
+from damage.applications.report.words import number, words
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, held
 from damage.errors import InputError, some_of, warn
@@ -37,9 +37,9 @@ from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
-STEPS = 96, 192, 400
-"""Numbers of draws after which the intervals are looked at: the first is what an interval of ±10 of
-100 takes."""
+STEPS = 10, 96, 192, 400, 800
+"""Numbers of draws after which there is a sheet: the first ones show what it will be of; 96 is what
+an interval of ±10 of 100 takes."""
 
 
 @dataclass(frozen=True)
@@ -102,12 +102,15 @@ def make_claim(claim, out, jobs, remake=False):
             numbers = numbers_of(
                 twins, survey, layout, exposure, given, _ground(claim), _evidence(first)
             )
+            done = draws == steps[-1] or enough(numbers, steps[-1])
+            numbers["draws_to_come"] = None if done else steps[-1]
             write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
             place = write_text(
                 out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS)
             )
-            if enough(numbers, steps[-1]):
+            if done:
                 break
+            print(f"{draws} draws, not yet the answer: {place}", flush=True)
     print(describe(numbers), place, sep="\n")
     return 0
 
@@ -164,10 +167,11 @@ def _no_answer_foreseen(survey, most):
 def _state_runs(jobs, steps):
     """Print the number of runs of the first draws, and of the most that may follow, before anything
     starts."""
-    words = [f"{2 * draws} runs of {draws} draws" for draws in dict.fromkeys((steps[0], steps[-1]))]
+    shown = dict.fromkeys((steps[min(1, len(steps) - 1)], steps[-1]))
+    sizes = [f"{2 * draws} runs of {draws} draws" for draws in shown]
     print(
-        f"expected: {words[0]}, {jobs} at a time"
-        + (f"; up to {words[1]}, if the intervals or an answer need them" if len(words) > 1 else "")
+        f"expected: {sizes[0]}, {jobs} at a time"
+        + (f"; up to {sizes[1]}, if the intervals or an answer need them" if len(sizes) > 1 else "")
         + f".  An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command"
         " continues after an interruption.",
         flush=True,
@@ -202,6 +206,15 @@ def _evidence(history):
     return evidence_for(history.masonry_wall, history.parameters, summarise(history))
 
 
+def _crack_in_words(crack):
+    """A line on a crack of `damage.applications.groningen.claim.answer.of_cracks`."""
+    said = (
+        f"{case.replace('_', ' ')}: {words('en', 'there_' + crack[case]['said'])}"
+        for case in WITHOUT
+    )
+    return f"crack {crack['crack']} ({crack['width_mm']:.2g} mm) would be there " + ", ".join(said)
+
+
 def describe(numbers):
     """The answer in a few lines of text."""
     lines = [
@@ -209,7 +222,11 @@ def describe(numbers):
         + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())
     ]
     said = in_words(numbers)
-    lines += [f"no answer: {reason}" for reason in said["why"]] or said["answer"]
+    lines += [f"no answer: {reason}" for reason in said["why"]] or [
+        *said["answer"],
+        *map(_crack_in_words, numbers["cracks"]),
+    ]
+    lines += [f"would help: {one}" for one in said["helps"]]
     if lacks_draws(numbers):
         needed = draws_needed(numbers)
         lines.append(

@@ -1,6 +1,7 @@
 """Every number of the sheet, as one table that JSON holds."""
 
 from datetime import UTC, datetime
+from math import isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from damage.applications.groningen.claim.answer import (
     PRIORS,
     RANGE,
     effective,
+    of_cracks,
     reasons,
     table,
     verdict,
@@ -80,7 +82,7 @@ def answers(twins, likeness, survey):
     away, like, strange = likeness
     first, second, wide, number = {}, {}, {}, {}
     for prior in map(str, PRIORS):
-        every, worlds = worlds_of(twins, float(prior)), worlds_of(twins, float(prior), like)
+        every, worlds = (worlds_of(twins.width_m, float(prior), of) for of in (None, like))
         first[prior], second[prior], number[prior] = (
             table(every),
             table(worlds),
@@ -229,8 +231,12 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
     {"profile", "distortion"} that was given, {"drawn": profiles, "distortion": bounds} otherwise;
     evidence: {quantity: judgement} of `damage.measure.evidence`.
     """
-    events = twins.events[SHAKEN]
+    events, likeness = twins.events[SHAKEN], likeness_of(twins, survey, wall)
     offsets = survey.table["offset"].notna().any() if len(survey.table) else False
+    known = {
+        "offsets_known": bool(offsets),
+        "detection_limit_known": not isnan(survey.pattern.detection_limit_m),
+    }
     return {
         "house": wall.wall.name,
         "date": f"{datetime.now(UTC):%Y-%m-%d}",
@@ -238,11 +244,12 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
         "shaking": shaking(exposure, twins),
         "settlement": settlement,
         "choices": choices,
-        "survey": survey.as_dict() | {"offsets_known": bool(offsets)},
+        "survey": survey.as_dict() | known,
         "visible_from_mm": THRESHOLD / MILLIMETRE,
         "priors": list(PRIORS),
         "questions": list(BUT_FOR),
-        **answers(twins, likeness_of(twins, survey, wall), survey.as_dict()),
+        **answers(twins, likeness, survey.as_dict()),
+        "cracks": of_cracks(twins, likeness.weight, survey),
         "at_the_end": at_the_end(twins),
         "by_event": by_event(twins),
         "events_per_draw": float(len(events) / events["life"].nunique()),

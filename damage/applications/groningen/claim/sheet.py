@@ -15,6 +15,7 @@ from damage.applications.groningen.claim.answer import (
     MOST_OFF_JOINTS,
     ROWS,
     STRANGEST,
+    WITHOUT,
 )
 from damage.applications.report.words import environment, number, of_hundred, words
 from damage.index import THRESHOLD
@@ -68,6 +69,8 @@ def sheet(numbers, wall, survey, twins, language, json_name):
             **in_words(numbers, language),
             rows=ROWS,
             but_for=BUT_FOR,
+            without=WITHOUT,
+            places=_places,
             pictures=_pictures(numbers, wall, survey, twins, say, shown),
             taken=_taken(numbers, say, shown),
             evidence=_evidence(numbers["evidence"], say),
@@ -88,7 +91,7 @@ def _software(made_by):
 
 def in_words(numbers, language="en"):
     """{"answer": sentences of the verdict, "why": sentences on why there is none, empty where there
-    is one}, lists."""
+    is one, "helps": what would give one}, lists."""
     say, shown = partial(words, language), partial(number, language)
     why = [
         say(
@@ -98,7 +101,27 @@ def in_words(numbers, language="en"):
         )
         for one in numbers["no_answer"]
     ]
-    return {"answer": _answer(numbers, say, shown), "why": why}
+    return {
+        "answer": _answer(numbers, say, shown),
+        "why": why,
+        "helps": [say(f"help_{one}") for one in _helps(numbers)],
+    }
+
+
+def _helps(numbers):
+    """Codes of what would give an answer where a question is open."""
+    open_why = {one["why"] for one in numbers["no_answer"]}
+    if not open_why and "open" not in numbers["verdict"].values():
+        return []
+    survey = numbers["survey"]
+    helps = {
+        "draws": "draws" in open_why,
+        "front": bool(open_why & {"strange", "off_joints"}),
+        "levels": "drawn" in numbers["settlement"],
+        "offsets": not survey["offsets_known"],
+        "limit": not survey["detection_limit_known"],
+    }
+    return [name for name, applies in helps.items() if applies]
 
 
 def _answer(numbers, say, shown):
@@ -136,6 +159,13 @@ def _answer(numbers, say, shown):
             )
         )
     return found
+
+
+def _places(crack, shown):
+    """Both ends of a crack in words."""
+    return " - ".join(
+        f"({shown(x, 3)}; {shown(z, 3)})" for x, z in (crack["from_m"], crack["to_m"])
+    )
 
 
 def _taken(numbers, say, shown):
@@ -207,7 +237,14 @@ def _pictures(numbers, wall, survey, twins, say, shown):
     )
     found = [
         (
-            front(wall, ends_of(parts), parts["width_m"].to_numpy(float), "#b00", say("survey")),
+            front(
+                wall,
+                ends_of(parts),
+                parts["width_m"].to_numpy(float),
+                "#b00",
+                say("survey"),
+                [(one["crack"], *one["from_m"]) for one in numbers["cracks"]],
+            ),
             f"{say('survey')}: {caption}",
         )
     ]
@@ -215,14 +252,15 @@ def _pictures(numbers, wall, survey, twins, say, shown):
         k = int(np.flatnonzero(twins.numbers == one["life"])[0])
         width = np.hypot(twins.opening_m[one["state"]][k], twins.offset_m[one["state"]][k])
         seen = cracked(width, survey.detection_limit_m)
-        text = say("nearest", cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
+        key = "nearest" if one["distance"] <= numbers["farthest"] else "nearest_unlike"
+        text = say(key, cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
         found.append((front(wall, twins.ends[seen], width[seen], "#046", text), text))
     return found
 
 
-def front(wall, ends, width_m, colour, label):
+def front(wall, ends, width_m, colour, label, names=()):
     """SVG of a Layout's bricks with cracks: ends (n, 2, 2) [m], width_m (n,); widths are drawn
-    larger."""
+    larger; names: (text, x, z) of labels."""
     bodies, n = wall.bodies, wall.n_bricks
     length, height = wall.wall.length / MILLIMETRE, wall.wall.built_height / MILLIMETRE
 
@@ -241,9 +279,14 @@ def front(wall, ends, width_m, colour, label):
         f' stroke-width="{THINNEST_MM + DRAWN_MM * min(w / MILLIMETRE, 2.0):.0f}"/>'
         for (a, b), w in zip(ends, width_m)
     )
+    texts = "".join(
+        f'<text x="{mm(x)}" y="{mm(wall.wall.built_height - z)}">{Markup.escape(text)}</text>'
+        for text, x, z in names
+    )
     box = f"{-MARGIN_MM} {-MARGIN_MM} {length + 2 * MARGIN_MM:.0f} {height + 2 * MARGIN_MM:.0f}"
     return Markup(
         f'<svg viewBox="{box}" role="img" aria-label="{Markup.escape(label)}"><path class="bricks"'
         f' d="{bricks}"/><path class="ground" d="M{-MARGIN_MM}'
-        f' {height:.0f}h{length + 2 * MARGIN_MM:.0f}"/><g stroke="{colour}">{lines}</g></svg>'
+        f' {height:.0f}h{length + 2 * MARGIN_MM:.0f}"/><g stroke="{colour}">{lines}</g>'
+        f"{texts}</svg>"
     )

@@ -104,11 +104,17 @@ class Twins:
     @cached_property
     def width_m(self):
         """{of STATES: width of the widest crack (n,) [m]}, infinite of a wall that fell."""
+        return self.widest_of(slice(None))
+
+    def widest_of(self, joints):
+        """The same of the cracks of some joints."""
         return {
             name: np.where(
                 self.fell[name],
                 np.inf,
-                np.hypot(self.opening_m[name], self.offset_m[name]).max(axis=1),
+                np.hypot(self.opening_m[name][:, joints], self.offset_m[name][:, joints]).max(
+                    axis=1
+                ),
             )
             for name in STATES
         }

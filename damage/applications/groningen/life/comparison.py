@@ -24,7 +24,7 @@ POPULATION = 4000
 _FELL = 9.0  # Psi by which a fallen wall counts in differences
 
 
-def _bounds(name, meaning):
+def bounds(name, meaning):
     """Columns of a value with its 95 % interval."""
     return {
         name: Column("1", meaning),
@@ -37,8 +37,8 @@ CHOICES = {
     "point": Column("", "of the study"),
     "other": Column("", "point of the same lives by another choice"),
     "lives": Column("1", "number of lives that both have"),
-    **_bounds("change_p_psi_1", "difference of P(Psi >= 1) at rest at the end, other minus point"),
-    **_bounds("change_p_max_psi_1", "the same of P(Psi >= 1) at any moment"),
+    **bounds("change_p_psi_1", "difference of P(Psi >= 1) at rest at the end, other minus point"),
+    **bounds("change_p_max_psi_1", "the same of P(Psi >= 1) at any moment"),
     "mean_change_psi": Column("1", "mean absolute difference of Psi at rest at the end"),
     "most_change_psi": Column("1", "largest absolute difference of it"),
 }
@@ -48,9 +48,9 @@ READINGS = {
     "psi": Column("1", "Psi that is reached or not"),
     "outcome": Column("", "at rest at the end, or at any moment"),
     "lives": Column("1", "number of lives"),
-    **_bounds("p", "probability with all events"),
+    **bounds("p", "probability with all events"),
     "lives_largest": Column("1", "number of lives with the largest event alone"),
-    **_bounds("p_largest", "probability with the largest event alone"),
+    **bounds("p_largest", "probability with the largest event alone"),
     "median_mm_s": Column("mm/s", "median PGV of the wall's fragility in a single event"),
     "dispersion": Column("1", "its logarithmic standard deviation"),
     "undetermined": Column("", "why the lives determine no curve, empty where they do"),

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from damage.applications.groningen.exposure.lives import Draws, read_address
+from damage.applications.groningen.life.claimed import claimed
 from damage.applications.groningen.life.comparison import (
     OUTCOMES,
     POPULATION,
@@ -400,7 +401,8 @@ def _of_the_settlement(table):
 def write_lives(parts, folder):
     """Write the tables of lives into a folder; returns their paths.
 
-    lives.csv: events; life.csv: year by year; contributions.csv: of each event; and, where there
+    lives.csv: events; life.csv: year by year; contributions.csv: of each event; claimed.csv:
+    first exceedance by deductible; and, where there
     are points to compare, choices.csv and readings.csv
     (`damage.applications.groningen.life.comparison`).
     """
@@ -409,6 +411,7 @@ def write_lives(parts, folder):
         "lives.csv": pd.concat([one.table for one in parts]),
         "life.csv": pd.concat(map(over_time, parts)),
         "contributions.csv": pd.concat(map(contributions, parts)),
+        "claimed.csv": pd.concat(map(claimed, parts)),
         "choices.csv": pd.DataFrame(choices(parts)),
         "readings.csv": pd.DataFrame(readings(parts)),
     }

@@ -255,8 +255,7 @@ function showFront(found) {
   front = found;
   say("said-front", fill("front_is", { name: found.name, length: shown(found.length, 4), height: shown(found.height, 4),
     points: found.contact_points }));
-  const corners = [[0, 0], [found.length, 0], [found.length, found.height], [0, found.height]];
-  corners.forEach(([x, z], k) => { by(`point-${k + 1}`).value = `${+x.toFixed(4)} ${+z.toFixed(4)}`; });
+  found.corners.forEach(([x, z], k) => { by(`point-${k + 1}`).value = `${+x.toFixed(4)} ${+z.toFixed(4)}`; });
   board.size(wide(), high());
   board.paint();
 }
