@@ -21,12 +21,13 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.applications.studies.definition import load_study
+from damage.applications.studies.read import read_table
 from damage.errors import InputError
 from damage.fields import markdown as ranges_table
 from damage.files import write_text
 from damage.history.schema import TABLES, markdown
 from damage.measure import evidence
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN, read_table
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN
 from damage.measure.summary import MEASURES
 from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.wall.plausible import RANGES as WALL_RANGES

@@ -44,10 +44,10 @@ from damage.units import MILLIMETRE
 )
 def _index(asked):
     from damage.measure.summary import summarise
-    from damage.run.report import describe, with_members
+    from damage.run.report import describe, with_added
 
     history = read_history(asked.history)
-    summary = with_members(
+    summary = with_added(
         summarise(
             history,
             asked.threshold_mm * MILLIMETRE,

@@ -10,7 +10,7 @@ supports at its ends. The bricks of such a run stay whole: the measure shows whe
 
 import numpy as np
 
-from damage.history.schema import Column, measure
+from damage.history.schema import Column, each, measure
 
 PLACES = ("lower edge", "centre", "upper edge")
 """Of the middle section."""
@@ -35,9 +35,25 @@ def has_stresses(history):
     return history.stress_pa is not None and len(history.stress_pa) > 0
 
 
+BRICKS = each(
+    {
+        "brick": Column("1", "row of the history's bodies"),
+        "course": Column("1", "from 0 at the base"),
+        "x_m, z_m": Column("m", "of its centre"),
+        "max_tension_pa, max_compression_pa": Column(
+            "Pa",
+            "largest and smallest principal stress of the middle section "
+            "over all snapshots, tension positive",
+        ),
+        "place": Column("", "of the largest: lower edge, centre or upper edge"),
+        "time_s": Column("s", "of the largest"),
+        "splits_at_s": Column("s", "first snapshot above the tensile strength, empty without one"),
+    }
+)
+
+
 def bricks_table(history):
-    """A row for each brick of a History with deformable bricks, a DataFrame; columns:
-    `damage.measure.dictionary.BRICKS`."""
+    """A row for each brick of a History with deformable bricks, a DataFrame; columns: BRICKS."""
     bodies = history.bodies
     bricks = np.flatnonzero(bodies["course"].to_numpy() >= 0)
     stress = np.einsum("pq,tbqs->tbps", _WEIGHTS, history.stress_pa[:, bricks].astype(float))

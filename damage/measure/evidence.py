@@ -89,9 +89,7 @@ def evidence_for(wall, parameters, result=None):
         rest_s=(parameters.get("events") or [{}])[-1].get("rest_s", parameters.get("rest_s")),
         result=result or {},
         followed=bool(
-            result
-            and result["collapsed_at_s"] is not None
-            and (parameters.get("after_fall") or parameters.get("past_collapse_s"))
+            result and result["collapsed_at_s"] is not None and parameters.get("after_fall")
         ),
     )
     return {one.name: one.judge(run) for one in QUANTITIES if one.value}

@@ -96,49 +96,37 @@ class Reading(NamedTuple):
     tau: float
 
 
-def _row(*fields):
-    """Structured dtype of a table from its fields (name, type, unit, meaning)."""
-    row = np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
+def _row(**fields):
+    """Structured dtype of a table from its fields, {type of numpy: their names}."""
+    row = np.dtype(
+        [(name, kind) for kind, names in fields.items() for name in names.split()], align=True
+    )
     # plain Python, too: fields as attributes
     return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row
 
 
-INTERFACE = _row(  # equal in all walls that step together
-    ("ax", REAL, "m", "arm from the centre of body a to the middle of the contact points, along x"),
-    ("az", REAL, "m", "the same along z"),
-    ("bx", REAL, "m", "arm from the centre of body b, along x"),
-    ("bz", REAL, "m", "the same along z"),
-    ("kn", REAL, "N/m", "normal stiffness of all contact points together"),
-    ("ks", REAL, "N/m", "shear stiffness of all contact points together"),
-    ("kn_offset", REAL, "N", "sum of kn offset over the contact points"),
-    ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
-    ("reach", REAL, "m", "offset of the outermost contact point"),
-    (
-        "slide_loss",
-        REAL,
-        "-",
-        "reduction of the largest elastic shear displacement by an opening at the reach",
-    ),
-    ("head", REAL, "-", "1 for an upright interface, 0 for a bed joint"),
-    ("a", INDEX, "-", "row of body a"),
-    ("b", INDEX, "-", "row of body b"),
-    ("start", INDEX, "-", "row of the first contact point"),
-    ("stop", INDEX, "-", "row after the last one"),
-    ("slide_least", REAL, "m", "shear displacement down to which the two faces overlap"),
-    ("slide_most", REAL, "m", "the same upwards; both infinite on a support"),
+INTERFACE = _row(
+    f8="ax az bx bz kn ks kn_offset kn_offset2 reach slide_loss head slide_least slide_most",
+    u4="a b start stop",
 )
+"""Of an interface, equal in all walls that step together.
+
+ax, az, bx, bz: arms from the centres of bodies a and b to the middle of the contact points [m];
+kn, ks: normal and shear stiffness of all contact points together [N/m]; kn_offset, kn_offset2: sums
+of kn offset [N] and kn offset^2 [N m] over them; reach: offset of the outermost one [m];
+slide_loss: reduction of the largest elastic shear displacement by an opening at the reach [-];
+head: 1 for an upright interface, 0 for a bed joint; slide_least, slide_most: shear displacements
+down and up to which the two faces overlap, infinite on a support [m]; a, b: rows of the bodies;
+start, stop: row of the first contact point, and that after the last one.
+"""
 LIMITS = "largest_opening", "largest_slide", "failed"
 """Fields of the limits of an interface: of `damage.mechanics.interfaces.Limits`."""
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
 LINES = INTERFACE.names[:11]
 """Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
-# of a contact point, equal in all walls that step together; stiffnesses times its area
-CONTACT = _row(
-    ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
-    ("area", REAL, "m2", ""),
-    ("kn", REAL, "N/m", "normal stiffness"),
-    ("ks", REAL, "N/m", "shear stiffness"),
-)
+CONTACT = _row(f8="offset area kn ks")
+"""Of a contact point, equal in all walls that step together: offset from the interface's middle,
+along +x in bed and -z in head joints [m]; area [m2]; normal and shear stiffness times it [N/m]."""
 STRENGTHS, READINGS = Strengths._fields, Reading._fields
 LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
 """Fields of `last`: RelativeMotion and Resultant of the last step."""

@@ -17,18 +17,16 @@ from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
 from damage.run.options import parse_run
 from damage.run.session import (
-    EXIT_INPUT,
-    EXIT_INTERRUPTED,
     Backend,
     attended,
     prepare,
-    reported,
     run_session,
     simulate,
     with_errors_reported,
 )
 from damage.run.settings import SELECTIVE, Softening
 from damage.run.turns import as_they_end
+from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
 from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"

@@ -3,9 +3,8 @@
 import numpy as np
 
 from damage.elementary import hypot, total
-from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
-from damage.mechanics.collisions import LARGEST, PAIRS
+from damage.mechanics.collisions import LARGEST
 from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables
 from damage.reference.wall import ReferenceWall
@@ -214,25 +213,6 @@ class ReferenceSolver(ReferenceWall, Solver):
         } | {"clock": np.array(self.clock), "is_driven": np.array(self._is_driven)}
 
     def restore(self, tables):
-        if self.loose is not None:
-            pairs, order, counts = (
-                tables[f"loose_{name}"] for name in ("pairs", "order", "counts")
-            )
-            n, room = len(order), len(pairs)
-            if not (
-                0 <= pairs.min() <= pairs.max() < n
-                and np.array_equal(np.sort(order), np.arange(n))
-                and counts.min() >= 0
-                and counts[PAIRS] <= room
-            ):
-                raise InputError(
-                    "the loose contacts of the checkpoint are of bodies that this wall does not"
-                    " have; run it again"
-                )
-        if tables["n_events"][0] < 0 or tables["clock"] < 0:
-            raise InputError(
-                "the clock of the checkpoint, or its number of events, is below zero; run it again"
-            )
         for name, table in self._whole().items():
             table[: len(tables[name])] = tables[name]
         self.step, self._is_driven = (

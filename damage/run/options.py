@@ -407,7 +407,6 @@ def _run_arguments(solver):
         []
         if solver != "yade"
         else [
-            *_settings("past_collapse_s"),
             flag("--view", "with a screen: the 3D view"),
             arg(
                 "--console",
@@ -493,9 +492,10 @@ class Source:
     digest: Callable | None = None
 
 
-SOURCES, RUN_MEMBERS = [], []
+SOURCES, RUN_MEMBERS, SUMMARY = [], [], {}
 """What applications add: each Source, and what runs --members, a function(wall_file, make_wall,
-RunSettings, words of the command line), which returns the exit status."""
+RunSettings, words of the command line), which returns the exit status; to a printed summary, {name:
+(function of a History, None where there is nothing; function of that, a list of lines)}."""
 SOLVERS = "yade", "reference"
 
 

@@ -274,9 +274,7 @@ class Run:
                 self.writer.keep_state(as_bytes(state | self._carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
-        if self.collapsed_at_s is not None and (
-            self.settings.past_collapse_s > 0 or self.settings.after_fall
-        ):
+        if self.collapsed_at_s is not None and self.settings.after_fall:
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
 
@@ -337,21 +335,13 @@ class Run:
     def _follow_the_fall(self):
         """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no
         longer describe the wall.  Returns True unless interrupted."""
-        solver, settings = self.solver, self.settings
-        until_rest, moves_until = (
-            settings.after_fall,
-            (len(self.base) - self._zero_step) * solver.time_step,
-        )
-        end = (
-            max(self.time, moves_until) + AFTER_FALL_S
-            if until_rest
-            else self.collapsed_at_s + settings.past_collapse_s
-        )
+        solver = self.solver
+        moves_until = (len(self.base) - self._zero_step) * solver.time_step
+        end = max(self.time, moves_until) + AFTER_FALL_S
         solver.damp(**self._damping("motion"))
         solver.damp_impacts()
-        if until_rest:
-            # beyond the last interval they rest
-            self._prescribe(self.stages[-1].end_step // self.sample_steps)
+        # beyond the last interval they rest
+        self._prescribe(self.stages[-1].end_step // self.sample_steps)
         last = self._last
         while self.time < end:
             if not self.keep_going(self, self.time):
@@ -360,7 +350,7 @@ class Run:
             instant = solver.instants()
             now = self._snapshot(self.time, instant, self._motion(instant), -1)
             self.writer.snapshot(*now)
-            if until_rest and self._rest(last, now, moves_until):
+            if self._rest(last, now, moves_until):
                 break
             last = now
         return True

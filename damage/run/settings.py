@@ -176,15 +176,6 @@ class RunSettings:
             " is measured, and keeps the history of the first"
         ),
     )
-    past_collapse_s: float = quantity(
-        "s",
-        0,
-        LONGEST_S,
-        default=0.0,
-        option="past-collapse",
-        metavar="S",
-        help="follow the bricks for so long after the first one fell (default 0)",
-    )
     checkpoint_s: float = math.inf
     resumed: str | None = None
     new_contacts: bool = False
@@ -216,11 +207,6 @@ class RunSettings:
         check_fields(self, lambda _, one: option_of(one, unit=True))
         for event in self.events:
             check_range("--rest [s]", event.rest_s, 0, LONGEST_S)
-        if self.after_fall and self.past_collapse_s > 0:
-            raise InputError(
-                f"--after-fall with --past-collapse {self.past_collapse_s:g}: expected one of them,"
-                " since both say how long bricks are followed; leave one out"
-            )
         if self.new_contacts and self.model.bricks == "deformable":
             raise InputError(
                 "--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give"
@@ -393,7 +379,6 @@ class RunSettings:
             "relaxation",
             "scatter",
             "seed",
-            "past_collapse_s",
             "new_contacts",
             "after_fall",
             "command",

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from conftest import refused_with
 
-from damage.measure.columns import read_table
+from damage.applications.studies.read import read_table
 from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
 from damage.run.options import free_name, parse_run, settings_of, words_of

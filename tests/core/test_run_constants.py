@@ -106,7 +106,5 @@ def test_following_bricks_without_contacts_is_refused():
         "test",
         "reference",
     )
-    with pytest.raises(InputError, match="--after-fall with --past-collapse 2: expected one"):
-        parse_run(["--after-fall", "--new-contacts", "--past-collapse", "2"], "test", "yade")
     with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):
         parse_run(["--new-contacts", "--bricks", "deformable"], "test", "reference")

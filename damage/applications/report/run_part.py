@@ -6,6 +6,7 @@ import pandas as pd
 
 from damage.applications.report.packing import as_png, pack_arrays, quantised
 from damage.applications.report.plain import plain
+from damage.applications.studies.spread import members_in_words, members_of, spread
 from damage.draw.preview import wall_preview
 from damage.draw.run import ENERGIES, pictures_beside, wall_picture
 from damage.draw.style import BODY_COLOURS, drift_scale
@@ -18,7 +19,7 @@ from damage.index import COMPONENTS
 from damage.measure.energy import energy_groups
 from damage.measure.evidence import QUANTITIES, describe
 from damage.measure.summary import summarise
-from damage.measure.tables import members_in_words, members_of, spread, summary_row
+from damage.measure.tables import summary_row
 from damage.units import GRAVITY, rounded
 from damage.wall.geometry import cuts_of_lintels, kinds_of_bodies, tributary_ends
 

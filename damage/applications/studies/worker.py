@@ -37,7 +37,7 @@ from damage.memory import return_freed
 from damage.reference.session import run_references
 from damage.reference.settled import SettledWalls
 from damage.run.options import words_of
-from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
