@@ -1,7 +1,6 @@
 """Commands about histories, and the tests and cracks that they are compared with."""
 
 from damage.commands.table import (
-    BESIDE,
     DAMAGE,
     DRIFT_LIMIT,
     HISTORIES,
@@ -20,7 +19,7 @@ from damage.history.info import DAMAGED, WHOLE, check, describe_check, info, ori
 from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
-from damage.run.options import arg, file_arg, group
+from damage.run.options import arg, group
 from damage.units import MILLIMETRE
 
 
@@ -140,41 +139,6 @@ def _stresses(asked):
             origin(history),
         )
     show(asked, report, describe)
-
-
-@command(
-    "compare a history with another, an ensemble, or the survey of a real wall",
-    file_arg("first", "A.h5"),
-    file_arg(
-        "others",
-        "B.h5|SURVEY.csv",
-        "of several histories the median counts; a crack file is compared with "
-        "the end of each history",
-        nargs="+",
-    ),
-    JSON,
-    out("folder for a picture of drift and joints", required=False),
-    examples=("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
-)
-def _compare(asked):
-    from damage.measure.compare import compare, describe
-
-    paths = asked.first, *asked.others
-    for ending, compare_with in BESIDE.items():
-        if any(path.suffix.lower() == ending for path in paths):
-            compare_with(asked, paths)
-            return
-    first, others = read_history(asked.first), [read_history(path) for path in asked.others]
-    result = compare(first, others)
-    if asked.out:
-        from damage.draw.compare import compare_picture
-
-        save(
-            [("compare", compare_picture(first, others[0]))],
-            asked.out,
-            "\n".join(map(origin, (first, others[0]))),
-        )
-    show(asked, result, describe)
 
 
 @command(

@@ -28,9 +28,6 @@ parses them itself."""
 DICTIONARY = []
 """Functions that return tables of an application for the data dictionary, as
 `damage.measure.dictionary.TABLES` is."""
-BESIDE = {}
-"""Ending of a file with which `compare` compares histories -> function of the parsed options and
-all their paths."""
 
 
 class Silence(io.StringIO):

@@ -407,17 +407,11 @@ def motion_measures(history):
     """{measure: value} of APPLIED for the strongest event of a History; None where a measure does
     not apply.
 
-    Units: `damage.measure.columns.PARAMETERS`.  They are read from the history.  In older files,
-    which lack them, those of a harmonic motion are computed, and those of a record are None, as its
-    samples are not in the file.
+    Units: `damage.measure.columns.PARAMETERS`.
     """
-    found = {name: history.parameters.get(name) for name in APPLIED}
-    if not any(name in history.parameters for name in APPLIED):
-        found = applied_measures(history.loading.applied(), history.eigen_period_s)
-    factor = history.strongest_factor
+    found, factor = history.parameters, history.strongest_factor
     return {
-        name: value if value is None else value * factor ** _POWERS.get(name, 1)
-        for name, value in found.items()
+        name: found.get(name) and found[name] * factor ** _POWERS.get(name, 1) for name in APPLIED
     }
 
 

@@ -745,13 +745,22 @@ def model_of(parsed):
 
 
 _LONGEST_STEM = 200  # bytes; a character has up to four
-_READ = "unit", "sample_step"
 _BELONGS = {
     "cycles": ("harmonic", "cyclic"),
     **dict.fromkeys(("boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")),
     "sequence": ("harmonic", "record"),
     **dict.fromkeys(
-        (*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",)
+        (
+            "unit",
+            "sample_step",
+            "scale",
+            "window",
+            "vertical",
+            "across",
+            "baseline",
+            "band",
+        ),
+        ("record",),
     ),
 }
 
@@ -759,12 +768,12 @@ _BELONGS = {
 def _motion(parsed):
     if not isinstance(parsed.sequence, Path):
         return {"loading": _loading(parsed), "sequence": parsed.sequence or (1.0,)}
-    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
-    if given := [name for name in owned if getattr(parsed, name) is not None]:
-        raise InputError(
-            f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of"
-            " them, as the file has the records, their scales and windows; leave the other out"
-        )
+    refuse_motions(
+        parsed,
+        f"--sequence {parsed.sequence}",
+        "the file has the records, their scales and windows",
+        beside=("sequence", "baseline", "band"),
+    )
     return fields_of_events(
         read_sequence(
             parsed.sequence,
@@ -783,21 +792,10 @@ def fields_of_events(events):
     }
 
 
-def refuse_motions(parsed, option, why):
-    """InputError where a motion, or what prepares one, is among parsed options beside the option of
-    another."""
-    others = (
-        *_MOTIONS,
-        *_READ,
-        "sequence",
-        "cycles",
-        "scale",
-        "window",
-        "vertical",
-        "across",
-        "baseline",
-        "band",
-    )
+def refuse_motions(parsed, option, why, beside=()):
+    """InputError where a motion, or what belongs to one, is among parsed options beside the option
+    of another; beside: those that go with it."""
+    others = [name for name in (*_MOTIONS, *_BELONGS) if name not in beside]
     if given := [name for name in others if getattr(parsed, name) is not None]:
         raise InputError(
             f"{option} and --{given[0].replace('_', '-')}: expected one of them, as {why}; leave"

@@ -12,11 +12,11 @@ from numpy.testing import assert_allclose
 from short_runs import SMALL
 
 import damage
-from damage.draw.compare import joint_agreement
+from damage.applications.cracks.compare import compare, describe
+from damage.applications.cracks.compare_picture import joint_agreement
 from damage.errors import RunError
 from damage.history.reader import read_history
 from damage.law.modes import natural_modes
-from damage.measure.compare import compare, describe
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures
 from damage.measure.pushed import first_loading
