@@ -204,12 +204,8 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
         _draw_lines(ax, centre, half, values > 0, 0.5)
     tension, compression = (max(one, 0.0) / 1e6 for one in (stress.max(), -stress.min()))
     handles = [
-        style.line_handle(
-            style.VERMILLION, f"tension, up to {max(stress.max(), 0.0) / 1e6:.2g} MPa"
-        ),
-        style.line_handle(
-            style.BLUE, f"compression, up to {max(-stress.min(), 0.0) / 1e6:.2g} MPa"
-        ),
+        style.line_handle(style.VERMILLION, f"tension, up to {tension:.2g} MPa"),
+        style.line_handle(style.BLUE, f"compression, up to {compression:.2g} MPa"),
     ]
     return _with_words(
         figure,
