@@ -9,7 +9,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix, diags
+from scipy.sparse import diags
 from scipy.sparse.linalg import eigsh
 
 from damage.errors import InputError
@@ -76,17 +76,6 @@ def kinematic_rows(layout, directions):
         )
         rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *by_modes])
     return found
-
-
-def kinematic_matrix(layout, directions):
-    """Sparse (n_contacts, coordinates n_bodies) of `kinematic_rows`."""
-    rows, contacts = kinematic_rows(layout, directions), layout.contacts
-    size, ends = rows.shape[2], np.stack([contacts.first, contacts.second])
-    side, contact, coordinate = np.nonzero(rows)
-    return coo_matrix(
-        (rows[side, contact, coordinate], (contact, size * ends[side, contact] + coordinate)),
-        shape=(len(contacts), size * len(layout.bodies)),
-    ).tocsr()
 
 
 def joint_stiffness(layout, factors=(1.0, 1.0)):

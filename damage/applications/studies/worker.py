@@ -30,8 +30,10 @@ from damage.applications.studies.records import record_of
 from damage.applications.studies.tasks import CHANGED, PICTURES
 from damage.errors import InputError, some_of
 from damage.files import YADE
-from damage.history.in_memory import HistoryInMemory, HistoryKept
+from damage.history.buffer import Buffer
+from damage.history.in_memory import HistoryInMemory, Memory
 from damage.history.reader import read_history
+from damage.history.writer import File, run_attributes
 from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
 from damage.reference.session import run_references
@@ -295,3 +297,13 @@ def _draw(task):
         print(f"error: {task.name}: {error}", file=sys.stderr)
         return EXIT_FAILED, None
     return EXIT_OK, None
+
+
+class HistoryKept(Buffer):
+    """Replaces a HistoryWriter and writes its file, but returns the History without reading it."""
+
+    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
+        attributes = run_attributes(layout, solver, parameters, versions)
+        super().__init__(
+            layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes)
+        )
