@@ -97,8 +97,7 @@ def _plot(asked):
 
 
 @command(
-    "stresses of the joints of a run with --stresses: at moments, of chosen joints over time,"
-    " thrust in piers and arches",
+    "stresses of the joints of a run with --stresses: at moments, thrust in piers and arches",
     HISTORY,
     JSON,
     arg(
@@ -107,29 +106,19 @@ def _plot(asked):
         default="rest,max,end",
         help="rest, max, end, times [s] (default rest,max,end)",
     ),
-    arg(
-        "--joint",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help=(
-            "a row of the joints, the place X,Z [m] of "
-            "the nearest, or bed:X,Z, head:X,Z; repeatable"
-        ),
-    ),
-    out("folder for tables, of each joint over time too, and pictures", required=False),
-    examples=("run.h5 --joint 0.5,0.3", "run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
+    out("folder for tables and pictures", required=False),
+    examples=("run.h5", "run.h5 --at rest,1.25 --out stresses"),
 )
 def _stresses(asked):
     from damage.measure.joint_stress import describe, stress_report
 
     history, moments = read_history(asked.history), list(dict.fromkeys(asked.at.split(",")))
-    report = stress_report(history, moments, asked.joint)
+    report = stress_report(history, moments)
     if asked.out:
         from damage.draw.run import contact_force_picture
         from damage.measure.tables import write_stresses
 
-        write_stresses(history, asked.out, moments, [one["joint"] for one in report["joints"]])
+        write_stresses(history, asked.out, moments)
         save(
             [
                 (f"contact_forces_{moment}", contact_force_picture(history, moment))

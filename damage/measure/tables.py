@@ -28,7 +28,6 @@ from damage.measure.joint_stress import (
     POINTS,
     SECTIONS,
     STRESSES,
-    joint_history,
     points_table,
     sections_table,
     stresses_table,
@@ -226,16 +225,13 @@ def write_run_tables(history, stem):
     ]
 
 
-def write_stresses(history, folder, moments=MOMENTS, joints=()):
-    """Write stresses.csv and sections.csv of a History at moments, and joint_N.csv of chosen joints
-    over time; returns the paths."""
-    folder = Path(folder)
+def write_stresses(history, folder, moments=MOMENTS):
+    """Write stresses.csv and sections.csv of a History at moments; returns the paths."""
     tables = {
         "stresses": stresses_table(history, moments),
         "sections": sections_table(history, moments),
-        **{f"joint_{row}": joint_history(history, row) for row in joints},
     }
-    return [write_table(table, folder / f"{name}.csv") for name, table in tables.items()]
+    return [write_table(table, Path(folder) / f"{name}.csv") for name, table in tables.items()]
 
 
 def write_table(table, path):

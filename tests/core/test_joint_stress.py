@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import SHORT, one_line_error, wall_file
+from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
 from short_runs import POINTS, SMALL
 
@@ -14,8 +14,6 @@ import damage
 from damage import Brick, Joint, Lintel, Opening, Wall
 from damage.measure.joint_stress import (
     contact_forces,
-    joint_history,
-    joint_of,
     points_table,
     sections_table,
 )
@@ -314,37 +312,17 @@ def test_a_point_of_a_deformable_brick_bends_with_it():
     assert_allclose(last[0], last[1], atol=0.05 * np.abs(last).max())
 
 
-def test_a_joint_by_its_number_or_place(shaken):
-    kept, _ = shaken
-    joints = kept.joints
-    assert joint_of(kept, "5") == joint_of(kept, 5) == 5
-    row = joint_of(kept, "head:0.225,0.0375")
-    assert joints["kind"][row] == "head" and abs(joints["x_m"][row] - 0.225) < 1e-9
-    assert joints["kind"][joint_of(kept, "bed:0.225,0.0375")] == "bed"
-    table = joint_history(kept, f"{joints['x_m'][7]},{joints['z_m'][7]}")
-    assert_array_equal(table[["normal_stress_pa", "shear_stress_pa"]], kept.joint_stress_pa[:, 7])
-    for name, said in (
-        ("400", "expected a row of the joints, 0 to"),
-        ("9,9", "the nearest, "),
-        ("0.1", "correct it"),
-        ("cut:0,0", "no joint of kind cut"),
-        ("a,b", "correct it"),
-        ("nan,0", "the nearest"),
-    ):
-        assert said in one_line_error(joint_of, kept, name)
-
-
 def test_what_is_shown_of_them(shaken, tmp_path, output_of, error_of):
     kept, without = shaken
     added = {"run_stresses.csv", "run_sections.csv", "run_points.csv"}
     assert added <= {path.name for path in write_run_tables(kept, tmp_path / "run")}
     assert not added & {path.name for path in write_run_tables(without, tmp_path / "run")}
-    words = ["--at", "rest,0.03", "--joint", "0.05,0", "--out", str(tmp_path / "st")]
+    words = ["--at", "rest,0.03", "--out", str(tmp_path / "st")]
     shown = output_of("stresses", kept.path, *words)
-    assert "pier 1 at 0.000 m: N -" in shown and "joint 0 (0.05,0): normal -" in shown
-    row = joint_of(kept, "0.05,0")
-    joints = pd.read_csv(tmp_path / "st" / f"joint_{row}.csv")
-    assert_allclose(joints["normal_stress_pa"], kept.joint_stress_pa[:, row, 0], rtol=1e-7)
+    assert "pier 1 at 0.000 m: N -" in shown
+    table = pd.read_csv(tmp_path / "st" / "stresses.csv")
+    first = table["normal_stress_pa"][: len(kept.joints)]
+    assert_allclose(first, kept.joint_stress_pa[0, :, 0], rtol=1e-7)
     assert (tmp_path / "st" / "contact_forces_0.03.png").exists()
     assert "--at later: expected rest, max, end or a time [s]" in error_of(
         "stresses", kept.path, "--at", "later"
