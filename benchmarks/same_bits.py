@@ -75,7 +75,6 @@ ARRAYS = (
     "support_force",
     "stress_pa",
     "joint_stress_pa",
-    "point_displacement",
 )
 """Fields of a History."""
 ORIGIN = "commit", "model_digest", "measures_digest"

@@ -192,43 +192,6 @@ STRESSES = _AT | {
 }
 
 
-def points_table(history):
-    """Displacements of the material points of a History (`--point`) over time, a DataFrame, a row a
-    point and sample; columns: POINTS.  Raises InputError where it has none."""
-    if history.point_displacement is None:
-        raise InputError(
-            f"{history.path} has no material points: expected a run with --point X Z; run it"
-            " again so"
-        )
-    places, moved = np.array(history.points, float), history.point_displacement
-    return pd.concat(
-        [
-            pd.DataFrame(
-                {
-                    "point": k + 1,
-                    "x_m": x,
-                    "z_m": z,
-                    "time_s": history.series["time_s"].to_numpy(),
-                    "displacement_x_m": moved[:, k, 0],
-                    "displacement_z_m": moved[:, k, 1],
-                }
-            )
-            for k, (x, z) in enumerate(places)
-        ],
-        ignore_index=True,
-    )
-
-
-POINTS = {
-    "point": Column("1", "number, in the order of --point"),
-    "x_m": STRESSES["x_m"],
-    "z_m": STRESSES["z_m"],
-    "time_s": Column("s", "since the start of the (first) motion"),
-    "displacement_x_m": Column("m", "along the wall, since the end of the static stage"),
-    "displacement_z_m": Column("m", "the same, upwards"),
-}
-
-
 def stress_report(history, moments=MOMENTS):
     """The stresses of a History, a dictionary: at each moment extremes over the contact points, and
     the section of each pier and arch with the largest eccentricity."""

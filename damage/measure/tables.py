@@ -3,7 +3,7 @@
 `python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv,
 _cycles.csv, _static_stage.csv (the unbalanced force over it), for a sequence _shocks.csv, for a
 wall with floors _storeys.csv, of deformable bricks _bricks.csv, with --stresses _stresses.csv and
-_sections.csv, with --point _points.csv, and STEM_info.json, their origin.  `python3 -m damage
+_sections.csv, and STEM_info.json, their origin.  `python3 -m damage
 tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.
 """
 
@@ -25,10 +25,8 @@ from damage.measure.cycles import CYCLES, SHOCKS, cycles_table, shocks_table
 from damage.measure.damage_index import SLIP, STOREYS, index_by_all, index_columns, storeys_table
 from damage.measure.joint_stress import (
     MOMENTS,
-    POINTS,
     SECTIONS,
     STRESSES,
-    points_table,
     sections_table,
     stresses_table,
 )
@@ -199,7 +197,6 @@ RUN_TABLES = {
     "static_stage": (lambda history: history.static_stage, STATIC_STAGE),
     "stresses": (stresses_table, STRESSES),
     "sections": (sections_table, SECTIONS),
-    "points": (points_table, POINTS),
 }
 """{end of a file's name: (function of a History, columns of the table)}."""
 
@@ -212,7 +209,6 @@ def write_run_tables(history, stem):
         "shocks": history.series["shock"].iloc[-1] > 1,
         "storeys": history.masonry_wall.floors,
         "bricks": has_stresses(history),
-        "points": history.point_displacement is not None,
         **dict.fromkeys(("stresses", "sections"), history.joint_stress_pa is not None),
     }
     return [

@@ -82,7 +82,6 @@ class Run:
         # motion at the end of settling
         self._lowest, self._at_rest = watch.lowest_places(layout), 0.0
         self._borne = watch.Borne(layout) if settings.mass_scaling == SELECTIVE else None
-        self._points = watch.MaterialPoints(layout, settings.points) if settings.points else None
         # (time [s], unbalanced force) in the static stage
         solver.with_stresses, self._looks = settings.stresses, []
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring,
@@ -546,16 +545,13 @@ class Run:
 
     def _beside(self, now):
         """Motion of the supports and forces on them; of a run that keeps them stresses of the
-        joints and displacements of material points; as of `Buffer.extend`."""
+        joints; as of `Buffer.extend`."""
         found = {
             "ground/displacement": now.support_displacement - self._zero.support_displacement,
             "ground/force": now.support_force,
         }
         if now.joint_stress_pa is not None:
             found["stresses/joint_stress_pa"] = now.joint_stress_pa
-        if self._points is not None:
-            places = (self._points.of(one.displacement, one.strain) for one in (now, self._zero))
-            found["points/displacement"] = np.subtract(*places)
         return found
 
     def _snapshot(self, time_s, now, motion, k):

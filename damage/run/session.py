@@ -23,7 +23,7 @@ from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
-from damage.run.banner import event_lines, kept_lines, record_lines, sequence_lines, wall_lines
+from damage.run.banner import event_lines, record_lines, sequence_lines, stress_lines, wall_lines
 from damage.run.before import read_state, without_bond
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
 from damage.run.options import RUN_MEMBERS, free_name, parse_run
@@ -332,8 +332,7 @@ def _laid_out(wall, settings):
 
 
 def announce(plan):
-    """Print what a RunPlan will be, and warn of what is doubtful in it; raises InputError where a
-    point lies in no brick."""
+    """Print what a RunPlan will be, and warn of what is doubtful in it."""
     settings, wall, loading = plan.settings, plan.layout.wall, plan.settings.loading
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
@@ -358,7 +357,7 @@ def announce(plan):
         *event_lines(settings),
         *record_lines(settings),
         *sequence_lines(settings),
-        *kept_lines(settings, plan.layout, plan.time_step),
+        *stress_lines(settings, plan.layout, plan.time_step),
         sep="\n",
         flush=True,
     )

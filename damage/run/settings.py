@@ -86,9 +86,9 @@ class RunSettings:
     (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
     checkpoint_s: computing time between two checkpoints [s], infinity for one at an interruption
-    only; resumed: history of this very run, which continues from its checkpoint, or None; points:
-    places (x, z) in the undeformed wall [m]; out: history file, None for a name of its own below
-    `results/`; console: "before" or "after" the run, or None; command: what asked for it.
+    only; resumed: history of this very run, which continues from its checkpoint, or None; out:
+    history file, None for a name of its own below `results/`; console: "before" or "after" the run,
+    or None; command: what asked for it.
     """
 
     loading: object
@@ -181,7 +181,6 @@ class RunSettings:
     new_contacts: bool = False
     after_fall: bool = False
     stresses: bool = False
-    points: tuple[tuple[float, float], ...] = ()
     accept_implausible: bool = False
     out: Path | None = None
     overwrite: bool = False
@@ -387,7 +386,6 @@ class RunSettings:
             "life": self.life,
             "event": self.event,
             "stresses": self.stresses,
-            "points": [list(place) for place in self.points],
         }
         return {
             "loading": self.loading.as_dict(),

@@ -213,7 +213,6 @@ RUN = {
     "--pushover 0.1 --top-rotation ?": "0 1e-300 1000000000 0.5",
     "--settle hogging --distortion ?": "",
     "--checkpoint ?": "0.5",
-    "--point ? 0.3": "0 -1 1e-300 0.5",
     "--address A --life ?": "1000000000",
     "--bricks deformable --brick-mass ?": "",
     "--bricks deformable --brick-damping ?": "0 1e-300 0.5",

@@ -27,9 +27,6 @@ RUNS = {
         "--distortion",
         "1/500",
         "--stresses",
-        "--point",
-        "0.3",
-        "0.3",
     ),
     "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
     "falling": (

@@ -106,11 +106,10 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
             {
                 "settle": "tilt",
                 "distortion": "1/200",
-                "point": [(0.3, 0.3), (0.5, 0.1)],
                 "beta": None,
                 "quiet": False,
             },
-            "--settle tilt --distortion 0.005 --point 0.3 0.3 --point 0.5 0.1",
+            "--settle tilt --distortion 0.005",
         ),
     ],
 )
