@@ -313,18 +313,3 @@ def is_moving(series):
 def moving(series):
     """Samples of a series outside the settlement and settling stages."""
     return series[is_moving(series)]
-
-
-def markdown(columns):
-    """Markdown table with a row for each of {name: Column}; names that share a row are separated by
-    commas."""
-    return "\n".join(
-        [
-            "| name | unit | meaning |",
-            "| --- | --- | --- |",
-            *(
-                f"| `{name.replace(', ', '`, `')}` | {column.unit} | {column.meaning} |"
-                for name, column in columns.items()
-            ),
-        ]
-    )

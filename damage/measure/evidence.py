@@ -384,18 +384,3 @@ def describe(evidence):
         f"evidence for this run: outside the range of validity ({PLACE}) in {len(found)} of {known}"
         f" quantities: {', '.join(found)}"
     )
-
-
-def markdown():
-    """QUANTITIES as a table of the documents."""
-    rows = (
-        f"| {one.name} | {one.supported.format(range=one.range)} | {one.evidence} | {one.beyond} |"
-        for one in QUANTITIES
-    )
-    return "\n".join(
-        [
-            "| quantity | supported by evidence | evidence | beyond it |",
-            "| --- | --- | --- | --- |",
-            *rows,
-        ]
-    )
