@@ -21,9 +21,8 @@ _PER_LENGTH = plausible(20, 1e5, "kg/m", "a light roof on a short span; several 
 RANGES = {
     name: of
     for kind in (Wall, Opening, Lintel, Floor, Brick, Joint)
-    for one, of_one in ranges_of(kind).items()
-    for name, of in ((one, of_one), *[(PER_LENGTH, _PER_LENGTH)] * (one == "Floor.mass"))
-}
+    for name, of in ranges_of(kind).items()
+} | {PER_LENGTH: _PER_LENGTH}
 """{record and field, or what follows from fields: Range}."""
 
 
