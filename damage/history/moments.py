@@ -6,7 +6,7 @@ from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.wall.geometry import SupportMotion
 
-STATES = ("intact", "broken", "slipped", "opened", "both")
+JOINT_STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
 "both" is opened and slipped."""
 BREAKS = ("tension", "shear")
@@ -100,7 +100,8 @@ def support_motion(history, snapshot):
 
 
 def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
-    """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
+    """Index into JOINT_STATES of every joint at a sample, (n_joints,), by the criteria of the
+    index."""
     opened = history.opening_m[sample] > threshold
     slipped = (
         history.at_limit[sample]
@@ -111,10 +112,10 @@ def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
 
 
 def state_codes(opened, slipped, broken=False):
-    """Index into STATES of joints, of bool arrays of one shape."""
-    codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
+    """Index into JOINT_STATES of joints, of bool arrays of one shape."""
+    codes = [JOINT_STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
     return np.select(
         [opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))],
         codes,
-        default=STATES.index("intact"),
+        default=JOINT_STATES.index("intact"),
     )

@@ -71,7 +71,7 @@ def sections(history):
 
 def _in_arch(history, lintel):
     """Flags (n_joints,) of the contact points of an arch's bricks, whose place is a
-    damage.wall.lintels.Place."""
+    damage.wall.lintels.LintelPlace."""
     joints, course = history.joints, history.bodies["course"].to_numpy()
     first, second = (joints[f"{side}_body"].to_numpy() for side in ("first", "second"))
     of_arch = (course[np.maximum(first, 0)] == ARCH_COURSE) & (first >= 0) | (

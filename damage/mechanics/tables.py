@@ -4,7 +4,7 @@ The joint law is homogeneous in the area.  Its parameters here are those of a co
 its area, so that it returns forces and works in place of stresses and works per area.
 
 What differs between walls is in arrays (rows, fields, W), the wall last, of one wall or of eight
-that step together (`damage.mechanics.eight`); what is equal in all of them has no such axis.
+that step together (`damage.mechanics.simd`); what is equal in all of them has no such axis.
 `System` has the tables of one wall, views of these arrays.
 """
 
@@ -15,7 +15,7 @@ import numba
 import numpy as np
 
 from damage.law.joint_law import ContactState, ElasticRange, Material
-from damage.mechanics.eight import WIDTH, argument
+from damage.mechanics.simd import WIDTH, argument
 
 X, Z, ROTATION = range(3)
 """Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was
@@ -120,7 +120,7 @@ down and up to which the two faces overlap, infinite on a support [m]; a, b: row
 start, stop: row of the first contact point, and that after the last one.
 """
 LIMITS = "largest_opening", "largest_slide", "failed"
-"""Fields of the limits of an interface: of `damage.mechanics.interfaces.Limits`."""
+"""Fields of the limits of an interface: of `damage.mechanics.interfaces.ElasticLimits`."""
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
 LINES = INTERFACE.names[:11]
 """Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
@@ -136,7 +136,11 @@ OF_STEP = "shear0", "idle", "passed"
 """Fields of a state that the step adds: shear displacement at which the contact had `shear_stress`
 [m]; opening up to which the law of a failed, open contact is not evaluated, negative before [m];
 thresholds exceeded so far: 1 opened, 2 slipped, 3 both."""
-STATES = *ContactState._fields, *(f"elastic_{name}" for name in ElasticRange._fields), *OF_STEP
+CONTACT_FIELDS = (
+    *ContactState._fields,
+    *(f"elastic_{name}" for name in ElasticRange._fields),
+    *OF_STEP,
+)
 """Fields of the state of a contact point: of the joint law, its elastic range, both times its area,
 and OF_STEP."""
 
@@ -156,7 +160,7 @@ class System(
         mass of zero prescribes a velocity
     trig: (bodies, 2) cosine of the rotation less one, and its sine
     interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states
-        (STATES): contacts in the order of their interfaces
+        (CONTACT_FIELDS): contacts in the order of their interfaces
     readings: (4, contacts) displacements and stresses at the last sample, READINGS
     energy: (4,) INPUT to DAMPING [J]
     events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa],
@@ -233,7 +237,7 @@ def make_tables(
         limits=limits,
         contacts=contacts,
         strengths=zeros(c, len(STRENGTHS)),
-        states=zeros(c, len(STATES)),
+        states=zeros(c, len(CONTACT_FIELDS)),
         readings=zeros(c, len(READINGS)),
         energy=zeros(1, 4),
         events=np.zeros((width, capacity, 3), np.int64),
@@ -319,7 +323,7 @@ def system_of(tables, w):
         contacts=tables.contacts,
         limits=tables.limits[: len(tables.interfaces), :, w],
         strengths=_records(tables.strengths, STRENGTHS, w),
-        states=_records(tables.states, STATES, w),
+        states=_records(tables.states, CONTACT_FIELDS, w),
         readings=tables.readings[..., w].T,
         energy=tables.energy[0, :, w],
         events=tables.events[w],

@@ -24,16 +24,16 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
 from damage.run.banner import event_lines, record_lines, sequence_lines, stress_lines, wall_lines
-from damage.run.before import read_state, without_bond
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
+from damage.run.cooperative import run_each, take_turns
+from damage.run.initial_state import read_state, without_bond
+from damage.run.monitor import DROP, FAILURE
 from damage.run.options import RUN_MEMBERS, free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
 from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
-from damage.run.turns import run_each, take_turns
-from damage.run.watch import DROP, FAILURE
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
@@ -52,7 +52,7 @@ class Backend:
     keeps_state: whether the history has the state at its end, from which another run continues; it
     is in a checkpoint otherwise;
     begins(run): called with the Run before its first step; move, most: takes steps of so many runs
-    at a time, as of `damage.run.turns.as_they_end`.
+    at a time, as of `damage.run.cooperative.as_they_end`.
     """
 
     name: str
@@ -422,7 +422,7 @@ def _simulate(prepared, keep_going, settled):
             resumed=prepared.resumed,
         )
         prepared.backend.begins(run)
-        finished = yield from run.settle_under_gravity()
+        finished = yield from run.come_to_rest()
         if finished:
             run.start()
             finished = yield from run.run_all()

@@ -182,7 +182,7 @@ def _bed_pairs(plan, bodies, cells, breaks):
 
 def _lintel_rows(plan, options, bodies, cells):
     """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an
-    arch, and beside party walls, and (Place, row) of those on the cuts through beams."""
+    arch, and beside party walls, and (LintelPlace, row) of those on the cuts through beams."""
     number = plan.n_bricks + len(plan.slabs)
     left_cell, right_cell = (
         {body: cell for cell, body in order}

@@ -12,8 +12,8 @@ import damage
 from benchmarks.same_bits import differences, values
 from damage.reference.session import run_reference
 from damage.run import run as run_module
-from damage.run.before import read_earlier
 from damage.run.checkpoint import checkpoint_path, read_checkpoint
+from damage.run.initial_state import read_earlier
 from damage.wall.layout import lay_out
 
 SMALL = "walls/variants/small.py"

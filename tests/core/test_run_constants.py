@@ -12,9 +12,15 @@ from small_history import small_layout
 from damage.errors import InputError
 from damage.law.states import BROKEN, ENDED
 from damage.run import settings as run_settings
+from damage.run.monitor import (
+    fastest_fallen,
+    have_fallen,
+    have_left,
+    lowest_places,
+    unbalanced_force,
+)
 from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step
-from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places, unbalanced_force
 
 CRITICAL_S = 4.67e-5
 

@@ -25,11 +25,11 @@ from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
 from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
+from damage.run.cooperative import take_turns
 from damage.run.options import parse_run
 from damage.run.session import prepare, simulate
 from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
-from damage.run.turns import take_turns
 from damage.units import GRAVITY
 from damage.wall.layout import Supports, lay_out
 from damage.wall.model_options import ModelOptions

@@ -12,7 +12,7 @@ import pandas as pd
 
 from damage.applications.cracks.patterns import compare_patterns, describe_patterns
 from damage.errors import InputError
-from damage.history.moments import BREAKS, STATES, check_samples, state_codes
+from damage.history.moments import BREAKS, JOINT_STATES, check_samples, state_codes
 from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
 from damage.measure.summary import summarise
@@ -199,7 +199,7 @@ def joints_ever(history):
     brick can be, too.
     Columns: opened (by more than THRESHOLD), slipped (ever at the shear limit) and broken (failed),
     bool; first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place;
-    state: index of `damage.history.moments.STATES` from opened and slipped.
+    state: index of `damage.history.moments.JOINT_STATES` from opened and slipped.
     """
     breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
@@ -256,14 +256,17 @@ def cohens_kappa(here, there):
     """Cohen's kappa [-] (1960, doi:10.1177/001316446002000104) of two classifications; None where
     they are empty.
 
-    here, there: (n,) indices of `damage.history.moments.STATES`.  1: they agree in all; 0: as often
-    as by chance.
+    here, there: (n,) indices of `damage.history.moments.JOINT_STATES`.  1: they agree in all; 0: as
+    often as by chance.
     """
     here, there = np.asarray(here), np.asarray(there)
     if len(here) == 0:
         return None
     shares = np.array(
-        [[np.mean(values == state) for state in range(len(STATES))] for values in (here, there)]
+        [
+            [np.mean(values == state) for state in range(len(JOINT_STATES))]
+            for values in (here, there)
+        ]
     )
     chance, observed = float(shares[0] @ shares[1]), float(np.mean(here == there))
     return 1.0 if chance == 1.0 else (observed - chance) / (1 - chance)

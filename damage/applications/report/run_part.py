@@ -13,7 +13,13 @@ from damage.draw.style import BODY_COLOURS, drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
-from damage.history.moments import STATES, joint_states, nearest_snapshot, spans_of, support_motion
+from damage.history.moments import (
+    JOINT_STATES,
+    joint_states,
+    nearest_snapshot,
+    spans_of,
+    support_motion,
+)
 from damage.history.schema import is_moving
 from damage.index import COMPONENTS
 from damage.measure.energy import energy_groups
@@ -264,7 +270,7 @@ def _moving_wall(history, chosen):
     of the largest.
     """
     states = np.array([joint_states(history, sample) for sample in chosen])
-    ever = np.flatnonzero((states != STATES.index("intact")).any(axis=0))
+    ever = np.flatnonzero((states != JOINT_STATES.index("intact")).any(axis=0))
     width = np.hypot(
         history.opening_m[chosen][:, ever],
         history.slip_by("displacement")[chosen][:, ever],

@@ -36,8 +36,8 @@ from damage.history.reader import read_history
 from damage.history.writer import File, run_attributes
 from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
+from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_references
-from damage.reference.settled import SettledWalls
 from damage.run.options import words_of
 from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 
@@ -60,7 +60,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({})):
     signal.pthread_sigmask(signal.SIG_UNBLOCK, POLITE_ENDS)
     end_with_parent(parent)
     os.chdir(ROOT)
-    waiting, settled = deque(), SettledWalls()
+    waiting, settled = deque(), RestCache()
     while True:
         try:
             task = waiting.popleft() if waiting else connection.recv()
