@@ -27,8 +27,8 @@ _OF_HIGHEST = 1e-9
 _MOST_ITERATIONS, _CONVERGED = 1000, 1e-10
 """Of the first mode: the error falls by the ratio of the two lowest squared frequencies each
 time."""
-_MOST_KEPT = 8
-_KEPT = {}  # {all that modes or static displacements depend on: these}
+_MOST_KEPT = 24
+_KEPT = {}  # {all that modes, static displacements or scaled masses depend on: these}
 
 
 @dataclass(frozen=True)
@@ -181,11 +181,16 @@ def natural_modes(layout, n_modes=6):
 def _kept(function, layout, argument):
     """A copy of what a function returns for this argument and a layout as stiff and as heavy."""
     key = function, argument, layout.wall.restraints, *elastic_key(layout)
-    if key not in _KEPT:
-        while len(_KEPT) >= _MOST_KEPT:
-            del _KEPT[next(iter(_KEPT))]
-        _KEPT[key] = function(layout, argument)
-    return deepcopy(_KEPT[key])
+    return deepcopy(kept(key, lambda: function(layout, argument)))
+
+
+def kept(key, make):
+    """What `make()` returned for this key, should it be among the last ones used."""
+    found = _KEPT.pop(key, None)
+    _KEPT[key] = make() if found is None else found
+    if len(_KEPT) > _MOST_KEPT:
+        del _KEPT[next(iter(_KEPT))]
+    return _KEPT[key]
 
 
 def _natural_modes(layout, n_modes):

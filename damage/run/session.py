@@ -409,7 +409,7 @@ def simulate(prepared, keep_going, settled=None):
 def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
-        solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
+        solver = prepared.solver()
         run = Run(
             layout,
             prepared.settings,
