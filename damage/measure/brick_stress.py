@@ -12,7 +12,7 @@ import numpy as np
 
 from damage.history.schema import Column, each, measure
 
-PLACES = ("lower edge", "centre", "upper edge")
+SECTION_POSITIONS = ("lower edge", "centre", "upper edge")
 """Of the middle section."""
 # of the places of a history
 _WEIGHTS = np.array([[0, 0.5, 0.5, 0, 0], [1, 0, 0, 0, 0], [0, 0, 0, 0.5, 0.5]])
@@ -59,7 +59,7 @@ def bricks_table(history):
     stress = np.einsum("pq,tbqs->tbps", _WEIGHTS, history.stress_pa[:, bricks].astype(float))
     # (n_snapshots, n_bricks, places)
     largest, smallest = np.moveaxis(principal_stresses(stress)[0], -1, 0)
-    times, n_places = history.snapshot_time_s, len(PLACES)
+    times, n_places = history.snapshot_time_s, len(SECTION_POSITIONS)
     flat = np.moveaxis(largest, 1, 0).reshape(len(bricks), -1)
     at = flat.argmax(axis=1)
     strength = history.masonry_wall.brick.tensile_strength
@@ -68,7 +68,7 @@ def bricks_table(history):
     return table.assign(
         max_tension_pa=flat.max(axis=1),
         max_compression_pa=smallest.min(axis=(0, 2)),
-        place=np.array(PLACES)[at % n_places],
+        place=np.array(SECTION_POSITIONS)[at % n_places],
         time_s=times[at // n_places],
         splits_at_s=np.where(above.any(axis=0), times[above.argmax(axis=0)], np.nan),
     )

@@ -60,8 +60,8 @@ class ReferenceSolver(ReferenceWall, Solver):
             while self.clock < end:
                 yield self, end - self.clock
             return
-        goes_on = self.clock > 0 or on_samples(self.instants())
-        while goes_on and self.clock < end:
+        continues = self.clock > 0 or on_samples(self.instants())
+        while continues and self.clock < end:
             ends = self._next_ends(sample_steps, end, self.clock if since is None else since)
             try:
                 yield self, *np.diff(ends, prepend=self.clock).tolist()
@@ -71,7 +71,7 @@ class ReferenceSolver(ReferenceWall, Solver):
                     on_samples(self._instants_at(samples))
                 raise
             samples = self._taken(ends, sample_steps)
-            goes_on = not samples or on_samples(self._instants_at(samples))
+            continues = not samples or on_samples(self._instants_at(samples))
 
     def _taken(self, ends, sample_steps):
         """{index in `ends`: step} of the samples taken, fewer than `ends` where the run ended
