@@ -458,24 +458,12 @@ def _draw_index(ax, index, latched):
             time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$"
         )
     lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI")
-    lines += ax.plot(
-        time_s,
-        latched["DI"],
-        color=style.BLACK,
-        lw=0.6,
-        ls="--",
-        zorder=1.5,
-        label="DI, shear limit",
-    )
-    lines += ax.plot(
-        time_s,
-        latched["DI_slip"],
-        color=style.BLUE,
-        lw=0.6,
-        ls="--",
-        zorder=1.5,
-        label=r"DI$_\mathrm{slip}$, shear limit",
-    )
+    for name, label, colour in (
+        ("DI", "DI", style.BLACK),
+        ("DI_slip", r"DI$_\mathrm{slip}$", style.BLUE),
+    ):
+        how = {"color": colour, "lw": 0.6, "ls": "--", "zorder": 1.5}
+        lines += ax.plot(time_s, latched[name], label=f"{label}, shear limit", **how)
     top = np.maximum(index["DI"], latched["DI"]).max()
     ax.set(ylabel="damage index [-]", ylim=(0, 1.06 * top or 0.01))
     return lines
