@@ -22,7 +22,7 @@ def scaled_mass(layout, time_step, beta, held=()):
     those of the last walls are kept."""
     numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
-    key = hashlib.sha256(b"|".join((*elastic_key(layout), damping, numbers.tobytes()))).digest()
+    key = hashlib.sha256(b"|".join((elastic_key(layout), damping, numbers.tobytes()))).digest()
     return kept(key, lambda: ScaledMass(key, layout, time_step, beta, list(held)))
 
 
