@@ -17,10 +17,10 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 
 from damage.history.writer import HistoryWriter
 from damage.law.modes import natural_modes
+from damage.run.cooperative import take_turns
 from damage.run.options import parse_run
 from damage.run.run import Run
 from damage.run.schedule import STEP_FACTOR
-from damage.run.turns import take_turns
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from yade_scripts.leaving import run_and_leave
@@ -39,7 +39,7 @@ def prepare(folder):
     solver = YadeSolver(layout, STEP_FACTOR * modes.critical_time_step_s)
     writer = HistoryWriter(folder / "samples.h5", layout, solver="yade", parameters={}, versions={})
     run = Run(layout, settings, solver, writer, lambda *_: True)
-    take_turns([run.settle_under_gravity()])
+    take_turns([run.come_to_rest()])
     run.start()
     solver.damp()
     return run

@@ -5,7 +5,7 @@ studies, without YADE."""
 import os
 import sys
 
-from damage.start import begin, is_of_output, leave, missing_library
+from damage.start import begin, leave, reported
 
 if __name__ == "__main__":
     # runs side by side use the processors, not linear algebra
@@ -20,7 +20,7 @@ import damage.applications  # noqa: F401, each adds what it has
 import damage.commands  # noqa: F401, fills the table
 from damage.applications import GROUPS
 from damage.commands.table import COMMANDS, PROGRAMS, Silence, examples_of
-from damage.errors import InputError, did_you_mean, one_line
+from damage.errors import InputError, did_you_mean
 from damage.memory import hold_buffers
 from damage.provenance import commit
 from damage.run.options import OneLineParser, make_parser
@@ -44,18 +44,7 @@ def main(arguments=None):
         # completes the line for a shell, then exits
         argcomplete.autocomplete(command_parser(whole=True))
     with redirect_stdout(Silence()) if quiet else nullcontext():
-        return guarded(lambda: _run(arguments, quiet))
-
-
-def guarded(run):
-    """The exit status of a command; an interrupt, and an error that is no fault of this software,
-    are one line."""
-    try:
-        return run()
-    except KeyboardInterrupt:
-        return 130
-    except Exception as error:
-        return _failed(error)
+        return reported(lambda: _run(arguments, quiet))
 
 
 def _run(arguments, quiet):
@@ -75,33 +64,6 @@ def _run(arguments, quiet):
         )
     asked = command_parser().parse_args(arguments)
     return asked.command(asked) or 0
-
-
-def _failed(error):
-    """Print an error that is no fault of this software in one line; returns the exit status."""
-    if isinstance(error, ImportError) and missing_library(error):
-        status, message = 3, f"error: {missing_library(error)}"
-    elif isinstance(error, InputError):
-        status, message = 2, f"error: {error}"
-    elif isinstance(error, OSError) and is_of_output(error):
-        return 1
-    elif isinstance(error, OSError):
-        status, message = (
-            2,
-            f"error: {one_line(error)}: expected what this user may read and write; correct that",
-        )
-    elif isinstance(error, MemoryError):
-        status, message = (
-            1,
-            (
-                f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room"
-                " for it; give it more, as by ulimit -v, or a smaller file"
-            ),
-        )
-    else:
-        raise error
-    print(message, file=sys.stderr)
-    return status
 
 
 class _Parser(OneLineParser):

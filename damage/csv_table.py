@@ -21,9 +21,8 @@ from damage.checks import check_file
 from damage.errors import InputError
 from damage.files import text_lines
 
-MOST_MB, MOST_ROWS, MOST_LEVELS = 50, 500_000, 1000
-"""Size of a file, its rows, its load levels: what is read in seconds and in less than a
-gigabyte."""
+MOST_MB, MOST_ROWS = 50, 500_000
+"""Size of a file, and its rows: what is read in seconds and in less than a gigabyte."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
 _COMMA, _POINT = (re.compile(rf"[-+]?\d*{mark}\d+(?:[eEdD][-+]?\d+)?") for mark in (",", r"\."))
@@ -180,18 +179,6 @@ class CsvTable:
                 f"{name} = {words[row]}: expected {of.least:g} to {of.most:g}; look at the unit",
             )
         return values
-
-    def levels(self):
-        """The column `load_level` (n_rows,), 1 where there is none."""
-        if "load_level" not in self.names:
-            return np.ones(len(self.rows))
-        self.refuse_empty("load_level")
-        level = self.rows["load_level"].to_numpy()
-        if (found := len(set(level))) > MOST_LEVELS:
-            raise InputError(
-                f"{self.path} has {found} load levels: expected up to {MOST_LEVELS}; take some out"
-            )
-        return level
 
     def error(self, row, problem):
         """InputError about a row (index)."""

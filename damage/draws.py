@@ -16,7 +16,6 @@ _LAYERS, _EDGE, _AREA = 256, 3.6541528853610087963519472518, 0.00492867323397465
 """Of the ziggurat: layers, where its tail begins, area of a layer."""
 _MANTISSA = 2.0**52
 _LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
-_BLOCK = 4096  # words at a time
 
 
 class Draws:
@@ -42,36 +41,20 @@ class Draws:
 
     def normal(self, n):
         """Numbers (n,) of mean 0 and standard deviation 1."""
-        parts = [np.zeros(0)]
-        while n > 0:
-            parts.append(self._normal(min(n, _BLOCK)))
-            n -= len(parts[-1])
-        return np.concatenate(parts)
+        return np.array([self._normal() for _ in range(n)])
 
-    def _normal(self, n):
-        """Normal numbers, n or fewer: all that n words give, or those before a tail and one of the
-        tail."""
-        words = self._bits.random_raw(n + 1).astype(np.int64)
-        layer, size, sign = words & 0xFF, words >> 9 & 0xFFFFFFFFFFFFF, 1 - 2 * (words >> 8 & 1)
-        x, kept = size * _WIDTHS[layer], size < _WHOLE[layer]
-        edge = np.flatnonzero(~kept[:n])  # whose next word decides
-        above, below = _HEIGHTS[layer[edge] - 1], _HEIGHTS[layer[edge]]
-        up = (words[edge + 1] >> 11 & 0x1FFFFFFFFFFFFF) * 2.0**-53
-        begin, end = 0, n
-        for k, under in zip(edge, (above - below) * up + below < exp(-0.5 * x[edge] * x[edge])):
-            if k < begin:  # it decided on the one before
-                continue
-            if layer[k] == 0:
-                end = k
-                break
-            kept[k], kept[k + 1], begin = under, False, k + 2
-        found = (sign * x)[:end][kept[:end]]
-        # back to the first that is not used
-        self._bits.advance((int(max(begin, end)) - len(words)) % 2**128)
-        if end == n:
-            return found
-        self._bits.random_raw()
-        return np.append(found, self._tail(size[end] >> 8 & 1))
+    def _normal(self):
+        while True:
+            word = self._bits.random_raw()
+            layer, size, negative = word & 0xFF, word >> 9 & 0xFFFFFFFFFFFFF, word >> 8 & 1
+            x = size * _WIDTHS[layer]
+            if size >= _WHOLE[layer]:  # at the edge of its layer
+                if layer == 0:
+                    return self._tail(size >> 8 & 1)
+                above, below, (up,) = _HEIGHTS[layer - 1], _HEIGHTS[layer], self.uniform(1)
+                if (above - below) * up + below >= exp(-0.5 * x * x):
+                    continue
+            return -x if negative else x
 
     def _of_32_bits(self, n):
         """Numbers (n,) of the lower, then the upper halves of words; what is left of the last is
@@ -102,7 +85,7 @@ def _ziggurat():
     width, density = [_AREA / density[0], *reversed(width)], [1.0, *reversed(density)]
     inner = [_EDGE, 0.0, *width[1:-1]]
     whole = [int(_MANTISSA * i / w) for i, w in zip(inner, width)]
-    return np.array(width) / _MANTISSA, np.array(whole), np.array(density)
+    return [one / _MANTISSA for one in width], whole, density
 
 
 _WIDTHS, _WHOLE, _HEIGHTS = _ziggurat()

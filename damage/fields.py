@@ -235,19 +235,3 @@ def _in_si(value, size):
     if math.isclose(size, 10.0**exponent) and "e" not in short(value):
         return f"{short(value)}e{exponent}"
     return f"{value * size:.4g}"
-
-
-def markdown(what, ranges):
-    """{name: Range} as a table of the documents; what: the heading of the names."""
-    lines = (
-        f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} |"
-        f" {one.why} |"
-        for name, one in ranges.items()
-    )
-    return "\n".join(
-        [
-            f"| {what} | from | to | unit | or 0 | near the limits |",
-            "| --- | --- | --- | --- | --- | --- |",
-            *lines,
-        ]
-    )

@@ -1,13 +1,11 @@
 """Files: where the package keeps its data, and writing whole or not at all."""
 
-import errno
 import io
 import itertools
 import json
 import math
 import os
 import re
-import stat
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -88,25 +86,6 @@ def _encoding(data):
     if re.match(rb"(?:[\t\n\r -~]\0){4}", data):
         return "utf-16-le"
     return "utf-16-be" if re.match(rb"(?:\0[\t\n\r -~]){4}", data) else "utf-8-sig"
-
-
-def plain_file(path, flags):
-    """An `opener` for `open`: the descriptor of a regular file at a name that others can guess.
-
-    Raises InputError where a symbolic link, a pipe or a device has that name: a folder that was
-    sent may hold one, and what is written would go elsewhere.
-    """
-    try:
-        descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
-        if stat.S_ISREG(os.fstat(descriptor).st_mode):
-            return descriptor
-        os.close(descriptor)
-    except OSError as error:
-        if error.errno not in (errno.ELOOP, errno.ENXIO):  # ENXIO: a pipe that nobody reads
-            raise
-    raise InputError(
-        f"{path} is a symbolic link, a pipe or a device: expected a regular file; delete it"
-    )
 
 
 @contextmanager

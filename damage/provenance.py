@@ -134,31 +134,17 @@ def code_of(path):
 
 @cache  # digests of two solvers have most modules in common
 def _code_of_text(text):
-    return ast.dump(_tree_of(text))
+    return ast.dump(_Code().visit(ast.parse(text)))
 
 
-@cache
-def _tree_of(text):
-    tree = ast.parse(text)
-    _drop_docstrings(tree)
-    return tree
+class _Code(ast.NodeTransformer):
+    """Takes out of a module the constants that stand alone and, of columns and fields, what these
+    only say: unit, limits, words."""
 
+    def visit_Expr(self, node):
+        return None if isinstance(node.value, ast.Constant) else self.generic_visit(node)
 
-def _drop_docstrings(node):
-    """Take constants that stand alone out of a node of a syntax tree, and out of all that hold
-    statements in it; of its decorators and fields what they only say of a column or a field: unit,
-    limits, words."""
-    said = getattr(node, "decorator_list", []) + [node] * isinstance(node, ast.AnnAssign)
-    for call in (one for inside in said for one in ast.walk(inside)):
-        if isinstance(call, ast.Call) and getattr(call.func, "id", None) in _SAYING:
-            call.args, call.keywords = [], [one for one in call.keywords if one.arg == "default"]
-    if hasattr(node, "body"):
-        node.body = [
-            one
-            for one in node.body
-            if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))
-        ]
-    # expressions hold no statements
-    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
-        for inside in getattr(node, field, ()):
-            _drop_docstrings(inside)
+    def visit_Call(self, node):
+        if getattr(node.func, "id", None) in _SAYING:
+            node.args, node.keywords = [], [one for one in node.keywords if one.arg == "default"]
+        return self.generic_visit(node)

@@ -8,9 +8,11 @@ import os
 import signal
 import sys
 
+from damage.errors import InputError, RunError, WriteError, one_line
 from damage.memory import shortage
 
-EXIT_FAILED, EXIT_MISSING, EXIT_INTERRUPTED = 1, 3, 130
+EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_MISSING, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
+"""Done; failed, or out of memory; bad input; a library is missing; interrupted."""
 NAMED_OTHERWISE = {"snakemake": ("snakemake", "snakemake (the extra masonry-damage[study])")}
 """Libraries whose packages have other names: {library: (Debian's, what pip installs)}."""
 _OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE)
@@ -54,6 +56,51 @@ def begin(beside=0):
     if missing:
         print(f"error: {missing}", file=sys.stderr, flush=True)
         os._exit(EXIT_FAILED)
+
+
+def reported(work):
+    """The exit status of `work()`, which returns one; its errors are printed, in one line where
+    they are no fault of this software.  A WriteError ends this process."""
+    try:
+        return work()
+    except SystemExit as exit_:  # --help
+        return exit_.code or EXIT_OK
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except Exception as error:
+        return report_error(error)
+
+
+def report_error(error, of=""):
+    """Print an error, as `reported` does, with the words `of` before it; returns the exit
+    status."""
+    message, status = str(error), EXIT_FAILED
+    if isinstance(error, WriteError):
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        sys.stdout.flush()
+        os._exit(EXIT_FAILED)  # HDF5 would crash on the way out
+    if isinstance(error, InputError):
+        status = EXIT_INPUT
+    elif isinstance(error, ImportError) and missing_library(error):
+        message, status = missing_library(error), EXIT_MISSING
+    elif isinstance(error, MemoryError):
+        message = (
+            f"out of memory ({one_line(error) or 'no more to be had'}): expected room for it; give"
+            " it more, as by ulimit -v, or a smaller file, a shorter run, fewer --cells"
+        )
+    elif isinstance(error, OSError) and is_of_output(error):
+        return EXIT_FAILED
+    elif isinstance(error, OSError):
+        message = f"{one_line(error)}: expected what this user may read and write; correct that"
+        status = EXIT_INPUT
+    elif not isinstance(error, RunError):
+        import traceback
+
+        traceback.print_exception(error)
+        return EXIT_FAILED
+    print(f"error: {of}{message}", file=sys.stderr, flush=True)
+    return status
 
 
 def is_of_output(error):

@@ -1,7 +1,7 @@
 """Commands about the source paper, from a clone: python3 -m paper COMMAND.  Figures, verdict,
 modelling choices; and the programs that make tables of documents, by the names of their modules."""
 
-from damage.start import begin, leave
+from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, begin, leave, reported
 
 if __name__ == "__main__":
     begin()  # before what takes its time to import
@@ -11,12 +11,11 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-from damage.__main__ import add_commands, guarded
+from damage.__main__ import add_commands
 from damage.commands.table import JSON, command, out, output
 from damage.errors import InputError
 from damage.files import json_text, write_text
 from damage.run.options import OneLineParser, file_arg
-from damage.run.session import EXIT_INPUT, EXIT_INTERRUPTED
 
 PROGRAMS = (
     "accumulation",
@@ -58,7 +57,7 @@ command = partial(command, table=COMMANDS)
 
 def main(arguments=None):
     """Run one command; returns the exit status as `python3 -m damage` does."""
-    return guarded(lambda: _run(sys.argv[1:] if arguments is None else list(arguments)))
+    return reported(lambda: _run(sys.argv[1:] if arguments is None else list(arguments)))
 
 
 def _run(arguments):

@@ -17,9 +17,9 @@ import numpy as np
 import pandas as pd
 
 from damage import Joint, Wall, brick_of_masonry
+from damage.applications.cracks import capacity
 from damage.applications.cracks.pushed import FIGURES, SPECIMENS, read_test
 from damage.law.modes import natural_modes
-from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
 from damage.wall import layout as layouts
@@ -226,9 +226,9 @@ HEADS = (
 
 
 def capacity_of(name, history):
-    """`pushed.capacity` of a run to the ultimate drift of its test, and the test's figures."""
+    """`capacity.capacity` of a run to the ultimate drift of its test, and the test's figures."""
     tested = read_test(SPECIMENS[name]).figures
-    return pushed.capacity(history, tested["ultimate_drift"]), tested
+    return capacity.capacity(history, tested["ultimate_drift"]), tested
 
 
 def row(label, name, history):
@@ -287,12 +287,12 @@ def push_unseen(bench, name):
     """The words of a push of a wall of which only the table is known."""
     words = push_to(FARTHEST[SLIDES[0]], SPEED[True])
     history = run(bench, name, "prediction", PREDICTION, words)
-    by_hand = pushed.hand_capacities(history)
+    by_hand = capacity.hand_capacities(history)
     if by_hand["rocking"] < min(by_hand["sliding_top"], by_hand["sliding_base"]):
         return push_to(
             f"{100 * BEYOND * toe_drift(tested_wall(SPECIMENS[name])):.3g}", SPEED[False]
         )
-    return words if pushed.capacity(history)["ended"] else push_to(ON, SPEED[True])
+    return words if capacity.capacity(history)["ended"] else push_to(ON, SPEED[True])
 
 
 def drawn(bench, name):
@@ -388,7 +388,7 @@ def scatter(bench):
                 SPECIMENS[name],
                 label,
                 *(f"{value:.{digits}f}" for value in shown),
-                pushed.draws_needed(values),
+                capacity.draws_needed(values),
             )
         within = [
             [abs(draw[key] / tested[key] - 1) <= 0.15 for draw in draws]

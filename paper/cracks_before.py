@@ -24,8 +24,8 @@ from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.measure.cracks import psi_history
 from damage.motion.formats import read_record
+from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_references
-from damage.reference.settled import SettledWalls
 from damage.units import MILLIMETRE
 from paper.bench import EXPLICIT, REPOSITORY, arguments, option, show
 
@@ -110,7 +110,7 @@ def settle(folder):
         for seed, value in enumerate(map(float, np.linspace(*ends, WALLS)), 1)
     }
     paths = {key: folder / f"settled_{key[0].replace(' ', '_')}_{key[1]}.h5" for key in wanted}
-    settled = SettledWalls()
+    settled = RestCache()
     for attempt in range(TRIES):
         lines = [
             (

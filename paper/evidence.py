@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
+from damage.applications.studies.read import read_table
 from damage.errors import InputError
-from damage.measure.columns import read_table
 from damage.measure.damage_index import CRITERIA
 from damage.wall.model_options import USUAL_MODEL
 from paper.criteria import CONVERGED_SPEED_M_S

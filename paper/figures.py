@@ -11,9 +11,9 @@ from functools import partial
 
 import pandas as pd
 
+from damage.applications.studies.read import made_by_words
 from damage.draw.style import save_figures
 from damage.errors import InputError
-from damage.measure.columns import made_by_words
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, records, residual_against_pga
 from paper.results import REFERENCE, YADE, Missing, variants

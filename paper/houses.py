@@ -48,7 +48,7 @@ LINTELS = {  # words: (lintel of the wall, option)
     "concrete beam": ("concrete", "elastic"),
     "flat arch": ("arch", "elastic"),
 }
-FIGURES = {  # of damage.measure.compare.TOLERANCES: label, factor, decimals
+FIGURES = {  # of damage.applications.cracks.compare.TOLERANCES: label, factor, decimals
     "max_drift_ratio": ("maximum drift ratio [%]", 100, 4),
     "peak_base_shear_n": ("peak base shear [kN]", 1e-3, 1),
     "DI": ("maximum DI", 1, 4),

@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from damage.applications.cracks import capacity
 from damage.applications.cracks.pushed import SPECIMENS, read_test
-from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
@@ -41,11 +41,11 @@ def row(history, wall, law):
     test, found, shares = (
         read_test(SPECIMENS[wall]),
         summarise(history),
-        pushed.mode_shares(history),
+        capacity.mode_shares(history),
     )
-    line = pushed.bilinear(pushed.envelope(history), history.attributes["drift_height_m"])
+    line = capacity.bilinear(capacity.envelope(history), history.attributes["drift_height_m"])
     crack, most = (
-        pushed.drift_at_first_crack(history),
+        capacity.drift_at_first_crack(history),
         float(history.series["drift_ratio"].abs().max()),
     )
     fell = line["ultimate_drift"] < 0.99 * most
@@ -111,7 +111,7 @@ def cycles(bench):
 
 
 def cycle_rows(label, history):
-    for cycle in pushed.cycles_table(history).to_dict("records"):
+    for cycle in capacity.cycles_table(history).to_dict("records"):
         pairs = [
             f"{cycle[f'{name}_at_max']:.3f}, {cycle[f'{name}_at_min']:.3f}"
             for name in ("DI", "DI_open", "DI_slip")
@@ -223,13 +223,13 @@ def yade_cycles(bench):
 
 
 def by_cycle(history):
-    """[(row of `pushed.cycles_table`, dissipated by friction and fracture, by fracture [J]), ...]
+    """[(row of `capacity.cycles_table`, dissipated by friction and fracture, by fracture [J]), ...]
     of the cycles."""
-    lost = history.series[list(DISSIPATED[:2])].to_numpy()[pushed.cycle_edges(history)]
+    lost = history.series[list(DISSIPATED[:2])].to_numpy()[capacity.cycle_edges(history)]
     return [
         (cycle, float(both.sum()), float(both[1]))
         for cycle, both in zip(
-            pushed.cycles_table(history).to_dict("records"), np.diff(lost, axis=0)
+            capacity.cycles_table(history).to_dict("records"), np.diff(lost, axis=0)
         )
     ]
 
@@ -299,7 +299,7 @@ def vary(bench, name, common, rows):
         history = bench.run(
             stiffer(wall, modulus) if modulus else wall, [*common, *words], name, label
         )
-        found, shares = summarise(history), pushed.mode_shares(history)
+        found, shares = summarise(history), capacity.mode_shares(history)
         print_row(
             label,
             f"{found['initial_stiffness_n_per_m'] / 1e6:.0f}",

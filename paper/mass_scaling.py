@@ -33,7 +33,7 @@ from damage.mechanics.tables import FRACTURE, FRICTION, HAS_FAILED
 from damage.motion.intensity import pgv_m_s
 from damage.reference.session import run_references
 from damage.reference.wall import ReferenceWall
-from damage.run import scheme, watch
+from damage.run import monitor, scheme
 from damage.run.options import parse_run
 from damage.run.schedule import SOFTENING_STEP_FACTOR, STEP_FACTOR
 from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, SETTLE_S
@@ -144,7 +144,7 @@ def _wall(name):
 
 def runs(folder, draws, names):
     """Append rows of all cases, draws and schemes that runs.csv lacks."""
-    scheme.ACCEPTED_ERROR = watch.ACCEPTED_DROP_M = np.inf
+    scheme.ACCEPTED_ERROR = monitor.ACCEPTED_DROP_M = np.inf
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "runs.csv"
     done = (
@@ -430,7 +430,7 @@ def _stored(wall, layout):
 def falling():
     """Print when a spandrel without a lintel falls: explicitly, with mass scaling alone, and as a
     user gets it."""
-    accepted = watch.ACCEPTED_DROP_M
+    accepted = monitor.ACCEPTED_DROP_M
     print_table("draw", "explicit [s]", "mass scaling alone [s]", "as offered [s]", "repeated for")
     for draw in range(1, 9):
         times = []
@@ -439,7 +439,7 @@ def falling():
             (np.inf, {"mass_scaling": "selective"}),
             (accepted, {}),
         ):
-            watch.ACCEPTED_DROP_M = limit
+            monitor.ACCEPTED_DROP_M = limit
             history = damage.run(
                 str(REPOSITORY / SYMMETRIC),
                 BGAR[1],

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from damage.applications.studies.read import check_names, read_table
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.measure.columns import check_names, read_table
 from damage.measure.tables import index_table
 from damage.wall.model_options import USUAL_MODEL
 

@@ -42,10 +42,10 @@ from damage.motion.record import Record, scaled
 from damage.motion.sequence import Event
 from damage.reference.ensembles import move
 from damage.reference.session import BACKEND
+from damage.run.cooperative import as_they_end
 from damage.run.run import Run
 from damage.run.schedule import choose_time_step
 from damage.run.settings import RunSettings
-from damage.run.turns import as_they_end
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -264,7 +264,7 @@ def shaken(case, wall, events, seed):
     run = Watched(
         layout, settings, BACKEND.make(layout, step, settings), Buffer(layout), lambda *_: True
     )
-    yield from run.settle_under_gravity()
+    yield from run.come_to_rest()
     run.start()
     yield from run.run_all()
     return table_of(np.array(run.kept), run.collapsed_at_s)

@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from damage.applications.cracks.capacity import drift_at_first_crack
+from damage.applications.cracks.compare import compare_joints
 from damage.applications.cracks.patterns import compare_patterns
 from damage.applications.cracks.pushed import SPECIMENS, read_test
 from damage.law.modes import natural_modes
-from damage.measure.compare import compare_joints
-from damage.measure.pushed import drift_at_first_crack
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out

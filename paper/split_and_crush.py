@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
+from damage.applications.cracks.capacity import mode_shares
 from damage.applications.cracks.pushed import SPECIMENS, read_test
-from damage.measure.pushed import mode_shares
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.parameters import softening_energies

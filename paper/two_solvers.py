@@ -9,7 +9,7 @@ core, almost all of it YADE's.
 
 from pathlib import Path
 
-from damage.measure.compare import compare
+from damage.applications.cracks.compare import compare
 from paper.bench import BGAR, Bench, arguments, option, print_row, print_table
 
 RECORD = ["--record", BGAR, "--window", "17", "23", "--rest", "1"]
@@ -27,7 +27,7 @@ ELASTIC = {
 WALLS = ("solid", "symmetric", "asymmetric")
 MEMBERS = 5
 LEAST_FSS = 0.8
-FIGURES = {  # of damage.measure.compare.TOLERANCES: label, factor, decimals, what is allowed
+FIGURES = {  # of cracks.compare.TOLERANCES: label, factor, decimals, what is allowed
     "max_drift_ratio": ("maximum drift ratio [%]", 100, 4, "2 %"),
     "cycle_length_s": ("length of the free cycles [s]", 1, 4, "2 %"),
     "peak_base_shear_n": ("peak base shear [kN]", 1e-3, 1, "6 %"),

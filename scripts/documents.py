@@ -21,12 +21,13 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.applications.studies.definition import load_study
+from damage.applications.studies.read import read_table
 from damage.errors import InputError
-from damage.fields import markdown as ranges_table
+from damage.fields import short
 from damage.files import write_text
-from damage.history.schema import TABLES, markdown
-from damage.measure import evidence
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN, read_table
+from damage.history.schema import TABLES
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN
+from damage.measure.evidence import QUANTITIES
 from damage.measure.summary import MEASURES
 from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.wall.plausible import RANGES as WALL_RANGES
@@ -110,15 +111,49 @@ def tables_of_code():
     """{name: table in Markdown} of what the code defines and documents show."""
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
     return {
-        **{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
-        **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
+        **{f"summary.csv: {name}": columns_table(columns) for name, columns in summary.items()},
+        **{f"RUN.h5: {name}": columns_table(columns) for name, columns in TABLES.items()},
         "plausible values": ranges_table("field", WALL_RANGES),
         "plausible motions": ranges_table("option", MOTION_RANGES),
-        "the range of validity": evidence.markdown(),
+        "the range of validity": validity_table(),
         "studies that ship": table_of_studies(ROOT / "studies"),
         "gallery": gallery.markdown(),
         "replaced terms": terms.glossary_table().rstrip(),
     }
+
+
+def columns_table(columns):
+    """A row for each of {name: Column}; names that share a row are separated by commas."""
+    rows = (
+        (f"`{name.replace(', ', '`, `')}`", column.unit, column.meaning)
+        for name, column in columns.items()
+    )
+    return as_markdown(["name", "unit", "meaning"], rows)
+
+
+def ranges_table(what, ranges):
+    """A row for each of {name: Range}; what: the heading of the names."""
+    rows = (
+        (
+            f"`{name}`",
+            short(one.least),
+            short(one.most),
+            one.unit,
+            "yes" * one.zero,
+            one.why,
+        )
+        for name, one in ranges.items()
+    )
+    return as_markdown([what, "from", "to", "unit", "or 0", "near the limits"], rows)
+
+
+def validity_table():
+    """The range of validity, a row a quantity."""
+    rows = (
+        (one.name, one.supported.format(range=one.range), one.evidence, one.beyond)
+        for one in QUANTITIES
+    )
+    return as_markdown(["quantity", "supported by evidence", "evidence", "beyond it"], rows)
 
 
 @cache

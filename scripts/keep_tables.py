@@ -16,9 +16,9 @@ import pandas as pd
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
+from damage.applications.studies.read import read_table
 from damage.errors import InputError
 from damage.files import write_text
-from damage.measure.columns import read_table
 from damage.measure.damage_index import CRITERIA
 from paper.evidence import MODELS, Fell, NotThere, Point, comparable, load_runs
 

@@ -192,7 +192,7 @@ FAULTS = [
             (
                 "run",
                 "a brick has fallen after its whole height",
-                "damage/run/watch.py",
+                "damage/run/monitor.py",
                 "-layout.bodies.height[: layout.n_bricks] / 2",
                 "-layout.bodies.height[: layout.n_bricks]",
                 "test_run_constants",
@@ -216,7 +216,7 @@ FAULTS = [
             (
                 "run",
                 "weight counts twice in the unbalanced force",
-                "damage/run/watch.py",
+                "damage/run/monitor.py",
                 "on_bodies[:, 1] - GRAVITY * layout.bodies.mass",
                 "on_bodies[:, 1] - 2 * GRAVITY * layout.bodies.mass",
                 "test_run test_run_constants",

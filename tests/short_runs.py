@@ -28,13 +28,12 @@ HOUSE = Wall(
 """Two storeys below a gable: a slab above the first, a timber floor above the second."""
 SHAKEN = {"harmonic": (0.06, 0.6), "cycles": 2, "rest": 0.1}
 GROUND = {"settle": "hogging", "distortion": 1 / 500, "lintel": 2}
-POINTS = [(0.05, 0.05), (1.125, 0.6)]
 
 RUNS = {  # name: wall, words of damage.run
     "free": (SMALL, {"free_vibration": True, "rest": 0.3}),
     "shaken": (SMALL, SHAKEN),
     "twice": (SMALL, SHAKEN | {"sequence": (1.0, 1.0)}),
-    "stresses": (SMALL, SHAKEN | {"stresses": True, "point": POINTS}),
+    "stresses": (SMALL, SHAKEN | {"stresses": True}),
     "softening": (SOFT, SHAKEN | {"harmonic": (0.06, 0.9)}),
     "deformable": (
         SOFT,

@@ -4,7 +4,7 @@ held.
 Gravity settles; then the base is accelerated, which is a horizontal body load of `multiplier` times
 each
 weight in the frame of the base.  The load goes up to a level and is held there until the wall is at
-rest, or runs away; bisection between a level that stands and one that falls gives the multiplier.
+rest, or runs away; bisection between a stable and an unstable level gives the multiplier.
 At rest all accelerations are nil, so that it depends neither on the speed of loading nor on the
 damping, except through
 the path that slips take on their way.
@@ -27,7 +27,7 @@ WINDOW_S, LONGEST_S = 0.5, 60.0
 GROWING = 4
 """So many windows in a row, each with no less displacement than the one before, and the wall runs
 away:
-just above its multiplier a wall of many blocks falls slowly, held back by the damping of its
+just above its multiplier a wall of many blocks collapses slowly, held back by the damping of its
 rattling."""
 
 
@@ -39,17 +39,17 @@ creep for minutes.  Both together at 0.7 and 0.3 are no longer stable at `STEP_F
 
 @dataclass(frozen=True)
 class Bracket:
-    """stands, falls [-]: multipliers; motion (n_bodies, 3): displacement while it falls [m, m,
-    rad]."""
+    """stable, unstable [-]: multipliers; motion (n_bodies, 3): displacement while it collapses [m,
+    m, rad]."""
 
-    stands: float
-    falls: float
+    stable: float
+    unstable: float
     motion: np.ndarray
 
     @property
     def multiplier(self):
         """The middle of the bracket."""
-        return (self.stands + self.falls) / 2
+        return (self.stable + self.unstable) / 2
 
 
 def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damping=DAMPING):
@@ -60,22 +60,22 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
     raised and held.
     """
     wall = settled_wall(layout, damping)
-    stands, falls, motion = 0.0, None, None
-    while falls is None or falls - stands > tolerance * highest:
-        level = highest if falls is None else (stands + falls) / 2
+    stable, unstable, motion = 0.0, None, None
+    while unstable is None or unstable - stable > tolerance * highest:
+        level = highest if unstable is None else (stable + unstable) / 2
         before = [array.copy() for array in wall.system]
-        moved = raise_to(wall, stands, level, rate_per_s)
+        moved = raise_to(wall, stable, level, rate_per_s)
         if moved is None:
-            stands = level
-            if falls is None:
+            stable = level
+            if unstable is None:
                 raise ValueError(
-                    f"the wall stands at {highest:g}; expected a multiplier at which it falls"
+                    f"the wall is stable at {highest:g}; expected a level at which it collapses"
                 )
         else:
-            falls, motion = level, moved
+            unstable, motion = level, moved
             for array, old in zip(wall.system, before):
                 array[:] = old
-    return Bracket(stands, falls, motion)
+    return Bracket(stable, unstable, motion)
 
 
 def settled_wall(layout, damping=DAMPING):

@@ -128,7 +128,7 @@ def table(results):
         rows.append(
             f"| {name}{note} | {result.layout.n_bricks} | {result.bound.multiplier:.4f} |"
             f" ±{100 * result.sensitivity:.1f} %{governs} | {result.smooth_heads:.4f} |"
-            f" {result.solver.stands:.4f} to {result.solver.falls:.4f} |"
+            f" {result.solver.stable:.4f} to {result.solver.unstable:.4f} |"
             f" {100 * result.ratio:.1f} % |"
         )
     return "\n".join(rows)

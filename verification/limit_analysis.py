@@ -25,10 +25,21 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_matrix, csr_matrix, hstack, vstack
 
 from damage.errors import InputError
-from damage.law.modes import contact_normals, kinematic_matrix
+from damage.law.modes import contact_normals, kinematic_rows
 from damage.units import GRAVITY
 
 _INFEASIBLE, _UNBOUNDED = 2, 3  # of scipy.optimize.linprog
+
+
+def kinematic_matrix(layout, directions):
+    """Sparse (n_contacts, coordinates n_bodies) of `kinematic_rows`."""
+    rows, contacts = kinematic_rows(layout, directions), layout.contacts
+    size, ends = rows.shape[2], np.stack([contacts.first, contacts.second])
+    side, contact, coordinate = np.nonzero(rows)
+    return coo_matrix(
+        (rows[side, contact, coordinate], (contact, size * ends[side, contact] + coordinate)),
+        shape=(len(contacts), size * len(layout.bodies)),
+    ).tocsr()
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.schema import JOINTS
 from damage.history.writer import HistoryWriter, layout_tables
+from damage.run.cooperative import take_turns
 from damage.run.run import Run
 from damage.run.session import attended, prepare, simulate
-from damage.run.turns import take_turns
 from damage.wall.kinds import KINDS
 
 _OWN = (
@@ -114,7 +114,7 @@ class Scene:
             self.layout, prepared.settings, self.solver, prepared.writer, lambda run, time_s: True
         )
         with redirect_stdout(io.StringIO()):
-            take_turns([self.run.settle_under_gravity()])
+            take_turns([self.run.come_to_rest()])
         self._settled = True
         return self
 
@@ -142,7 +142,7 @@ class Scene:
 
 
 class _AtRest:
-    """Says, in place of damage.reference.settled.Settled, whether a wall is at rest already."""
+    """Says, in place of damage.reference.rest_cache.Settled, whether a wall is at rest already."""
 
     def __init__(self, is_at_rest):
         self._is_at_rest = is_at_rest

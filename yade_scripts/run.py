@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from damage.errors import InputError
-from damage.start import EXIT_MISSING, missing_library
+from damage.start import EXIT_MISSING, missing_library, reported
 
 FIBRES = 16
 """Default number of parallel elements of a softening joint (docs/model/model.md)."""
@@ -48,7 +48,7 @@ def _run(make_wall, path, engines):
 
         import damage.applications  # noqa: F401, each adds its options
         from damage.provenance import shown_path
-        from damage.run.session import reported, run_session
+        from damage.run.session import run_session
         from damage.wall.file import wall_of
         from yade_scripts.opened import Scene, engines_beside, name_of, prompt
         from yade_scripts.shapes import BRICK_SHAPE

@@ -1,7 +1,6 @@
 """Commands about histories, and the tests and cracks that they are compared with."""
 
 from damage.commands.table import (
-    BESIDE,
     DAMAGE,
     DRIFT_LIMIT,
     HISTORIES,
@@ -20,7 +19,7 @@ from damage.history.info import DAMAGED, WHOLE, check, describe_check, info, ori
 from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
-from damage.run.options import arg, file_arg, group
+from damage.run.options import arg, group
 from damage.units import MILLIMETRE
 
 
@@ -44,10 +43,10 @@ from damage.units import MILLIMETRE
 )
 def _index(asked):
     from damage.measure.summary import summarise
-    from damage.run.report import describe, with_members
+    from damage.run.report import describe, with_added
 
     history = read_history(asked.history)
-    summary = with_members(
+    summary = with_added(
         summarise(
             history,
             asked.threshold_mm * MILLIMETRE,
@@ -98,8 +97,7 @@ def _plot(asked):
 
 
 @command(
-    "stresses of the joints of a run with --stresses: at moments, of chosen joints over time,"
-    " thrust in piers and arches",
+    "stresses of the joints of a run with --stresses: at moments, thrust in piers and arches",
     HISTORY,
     JSON,
     arg(
@@ -108,29 +106,19 @@ def _plot(asked):
         default="rest,max,end",
         help="rest, max, end, times [s] (default rest,max,end)",
     ),
-    arg(
-        "--joint",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help=(
-            "a row of the joints, the place X,Z [m] of "
-            "the nearest, or bed:X,Z, head:X,Z; repeatable"
-        ),
-    ),
-    out("folder for tables, of each joint over time too, and pictures", required=False),
-    examples=("run.h5 --joint 0.5,0.3", "run.h5 --at rest,1.25 --joint bed:0.1,0 --out stresses"),
+    out("folder for tables and pictures", required=False),
+    examples=("run.h5", "run.h5 --at rest,1.25 --out stresses"),
 )
 def _stresses(asked):
     from damage.measure.joint_stress import describe, stress_report
 
     history, moments = read_history(asked.history), list(dict.fromkeys(asked.at.split(",")))
-    report = stress_report(history, moments, asked.joint)
+    report = stress_report(history, moments)
     if asked.out:
         from damage.draw.run import contact_force_picture
         from damage.measure.tables import write_stresses
 
-        write_stresses(history, asked.out, moments, [one["joint"] for one in report["joints"]])
+        write_stresses(history, asked.out, moments)
         save(
             [
                 (f"contact_forces_{moment}", contact_force_picture(history, moment))
@@ -140,41 +128,6 @@ def _stresses(asked):
             origin(history),
         )
     show(asked, report, describe)
-
-
-@command(
-    "compare a history with another, an ensemble, or the survey of a real wall",
-    file_arg("first", "A.h5"),
-    file_arg(
-        "others",
-        "B.h5|SURVEY.csv",
-        "of several histories the median counts; a crack file is compared with "
-        "the end of each history",
-        nargs="+",
-    ),
-    JSON,
-    out("folder for a picture of drift and joints", required=False),
-    examples=("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
-)
-def _compare(asked):
-    from damage.measure.compare import compare, describe
-
-    paths = asked.first, *asked.others
-    for ending, compare_with in BESIDE.items():
-        if any(path.suffix.lower() == ending for path in paths):
-            compare_with(asked, paths)
-            return
-    first, others = read_history(asked.first), [read_history(path) for path in asked.others]
-    result = compare(first, others)
-    if asked.out:
-        from damage.draw.compare import compare_picture
-
-        save(
-            [("compare", compare_picture(first, others[0]))],
-            asked.out,
-            "\n".join(map(origin, (first, others[0]))),
-        )
-    show(asked, result, describe)
 
 
 @command(

@@ -28,9 +28,6 @@ parses them itself."""
 DICTIONARY = []
 """Functions that return tables of an application for the data dictionary, as
 `damage.measure.dictionary.TABLES` is."""
-BESIDE = {}
-"""Ending of a file with which `compare` compares histories -> function of the parsed options and
-all their paths."""
 
 
 class Silence(io.StringIO):
@@ -99,42 +96,27 @@ HISTORY = file_arg("history", "FILE.h5")
 HISTORIES = file_arg("histories", "FILE.h5", nargs="+")
 JSON = output(flag("--json", "as JSON"))
 DAMAGE = "what counts as damage"
-DRIFT_LIMIT = group(
-    DAMAGE,
-    arg(
-        "--drift-limit-pct",
-        type=number_from(1e-6, 100),
-        default=2.0,
-        metavar="PCT",
-        help="drift limit (default 2)",
-    ),
+
+
+def _limit(option, default, most, metavar, help_):
+    """An option of what counts as damage, a number up to the most."""
+    type_ = number_from(1e-6, most)
+    return group(DAMAGE, arg(option, type=type_, default=default, metavar=metavar, help=help_))
+
+
+DRIFT_LIMIT = _limit("--drift-limit-pct", 2.0, 100, "PCT", "drift limit (default 2)")
+PSI_FROM = _limit(
+    "--psi-from-mm",
+    0.02,
+    1000,
+    "MM",
+    "width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)",
 )
 
 
 def threshold(of):
     """The option --threshold-mm; of: what exceeds it."""
-    return group(
-        DAMAGE,
-        arg(
-            "--threshold-mm",
-            type=number_from(1e-6, 1000),
-            default=0.1,
-            metavar="MM",
-            help=f"of {of} (default 0.1)",
-        ),
-    )
-
-
-PSI_FROM = group(
-    DAMAGE,
-    arg(
-        "--psi-from-mm",
-        type=number_from(1e-6, 1000),
-        default=0.02,
-        metavar="MM",
-        help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)",
-    ),
-)
+    return _limit("--threshold-mm", 0.1, 1000, "MM", f"of {of} (default 0.1)")
 
 
 def show(asked, found, describe):

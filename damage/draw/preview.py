@@ -2,10 +2,7 @@
 names of piers and spandrels."""
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Rectangle
 
 from damage.draw import style
 from damage.units import GRAVITY
@@ -35,23 +32,15 @@ def wall_preview(plan, bodies, joints, supports=()):
     )
     elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
     for kind, face in style.BODY_COLOURS.items():
-        ax.add_collection(
-            PolyCollection(
-                corners[kinds == kind], facecolors=face, edgecolors=_edge(kind), linewidths=0.3
-            )
-        )
-    ax.add_collection(
-        LineCollection(tributary_ends(joints[elastic]), colors=style.GREEN, linewidths=0.6)
-    )
+        style.add_bodies(ax, corners[kinds == kind], face, _edge(kind))
+    style.add_lines(ax, tributary_ends(joints[elastic]), style.GREEN, 0.6)
+    support = "support" if len(supports) < 2 else f"{len(supports)} supports"
     handles = [
-        Patch(facecolor=style.BRICK_COLOUR, edgecolor=_edge("bricks"), label="bricks"),
-        Patch(
-            facecolor=style.GROUND_COLOUR,
-            label="support" if len(supports) < 2 else f"{len(supports)} supports",
-        ),
+        style.area_handle(style.BRICK_COLOUR, "bricks", _edge("bricks")),
+        style.area_handle(style.GROUND_COLOUR, support),
     ]
     handles += [
-        Patch(facecolor=style.BODY_COLOURS[kind], edgecolor=_edge(kind), label=label)
+        style.area_handle(style.BODY_COLOURS[kind], label, _edge(kind))
         for kind, label in (
             ("masses", "rigid masses"),
             ("slabs", "concrete floors"),
@@ -60,23 +49,15 @@ def wall_preview(plan, bodies, joints, supports=()):
         if (kinds == kind).any()
     ]
     if elastic.any():
-        handles.append(Line2D([], [], color=style.GREEN, lw=0.6, label="elastic joints (lintel)"))
+        handles.append(style.line_handle(style.GREEN, "elastic joints (lintel)", 0.6))
     if wall.outline:
         ax.plot(*zip(*wall.outline), color=style.PURPLE, lw=0.8, ls="--")
-        handles.append(Line2D([], [], color=style.PURPLE, lw=0.8, ls="--", label="outline"))
+        handles.append(style.line_handle(style.PURPLE, "outline", 0.8, "--"))
     handles += _draw_floors(ax, plan)
     depth = GROUND_DEPTH * wall.built_height
     for left, right in supports or ((0.0, wall.length),):
-        ax.add_patch(
-            Rectangle(
-                (left, -depth),
-                right - left,
-                depth,
-                facecolor=style.GROUND_COLOUR,
-                edgecolor=style.DARK,
-                linewidth=0.3,
-            )
-        )
+        ground = [((left, -depth), (right, -depth), (right, 0.0), (left, 0.0))]
+        style.add_bodies(ax, ground, style.GROUND_COLOUR, style.DARK)
     _size_openings(ax, plan)
     _name_parts(ax, plan)
     points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
@@ -138,7 +119,7 @@ def _draw_floors(ax, plan):
             bbox=_PAPER,
         )
     timber = len(plan.floors) > len(plan.slabs)
-    return [Line2D([], [], color=style.VERMILLION, lw=1.6, label="timber floors")] if timber else []
+    return [style.line_handle(style.VERMILLION, "timber floors", 1.6)] if timber else []
 
 
 def _size_openings(ax, plan):
@@ -233,17 +214,9 @@ def _draw_mode(ax, layout, shape):
     largest = np.hypot(moved[..., 0], moved[..., 1]).max()
     corners = rest + moved * VISIBLE_SHARE * layout.wall.built_height / largest
     kinds = kinds_of_bodies(layout.bodies.course)
-    ax.add_collection(
-        PolyCollection(
-            rest[kinds == "bricks"], facecolors="none", edgecolors="0.85", linewidths=0.3
-        )
-    )
+    style.add_bodies(ax, rest[kinds == "bricks"], "none", "0.85")
     for kind, colour in style.BODY_COLOURS.items():
-        ax.add_collection(
-            PolyCollection(
-                corners[kinds == kind], facecolors=colour, edgecolors=style.DARK, linewidths=0.25
-            )
-        )
+        style.add_bodies(ax, corners[kinds == kind], colour, style.DARK, 0.25)
     ax.axhline(0, color=style.GROUND_COLOUR, lw=2, zorder=0)
     margin = 1.2 * VISIBLE_SHARE * layout.wall.built_height
     points = rest.reshape(-1, 2)

@@ -8,16 +8,13 @@ without a screen and inside any program.
 from functools import partial
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from damage.draw import style
 from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import check_samples, choose_sample, choose_samples, sample_at
+from damage.history.moments import check_samples, choose_sample, choose_samples
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import has_stresses, principal_stresses
@@ -101,7 +98,7 @@ def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, ma
     t: time [s], of which the nearest sample is drawn; "max" (of the damage index) or "end"; other
     arguments as of `wall_picture`.  InputError for a time outside the run.
     """
-    sample = t if t in ("max", "end") else sample_at(history, t)
+    sample = t if t in ("max", "end") else choose_samples(history, [t])[0]
     shape = wall_shape(history, sample, slip, threshold, magnify)
     shape = shape.on_page(ax.get_window_extent().size / ax.figure.dpi * 72)
     draw_wall(ax, shape)
@@ -161,17 +158,10 @@ def heap_picture(history):
         (now, "none", style.DARK, None),
     ]
     for corners, face, edge, label in layers:  # all edges above all faces
-        ax.add_collection(
-            PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.3, label=label)
-        )
+        style.add_bodies(ax, corners, face, edge, label=label)
     after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
     handles = [
-        Patch(
-            facecolor=face,
-            edgecolor=style.DARK if edge == "none" else edge,
-            linewidth=0.3,
-            label=label,
-        )
+        style.area_handle(face, label, style.DARK if edge == "none" else edge)
         for _, face, edge, label in layers
         if label
     ]
@@ -212,9 +202,10 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
             * np.column_stack([np.cos(direction), np.sin(direction)])
         )
         _draw_lines(ax, centre, half, values > 0, 0.5)
+    tension, compression = (max(one, 0.0) / 1e6 for one in (stress.max(), -stress.min()))
     handles = [
-        _line_handle(style.VERMILLION, f"tension, up to {max(stress.max(), 0.0) / 1e6:.2g} MPa"),
-        _line_handle(style.BLUE, f"compression, up to {max(-stress.min(), 0.0) / 1e6:.2g} MPa"),
+        style.line_handle(style.VERMILLION, f"tension, up to {tension:.2g} MPa"),
+        style.line_handle(style.BLUE, f"compression, up to {compression:.2g} MPa"),
     ]
     return _with_words(
         figure,
@@ -248,14 +239,14 @@ def contact_force_picture(history, moment="max"):
     _draw_thrust(ax, history, moment)
     handles = [
         *(
-            _line_handle(colour, f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
+            style.line_handle(colour, f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
             for colour, label, of in (
                 (style.BLUE, "compression", ~pulls),
                 (style.VERMILLION, "tension", pulls),
             )
         ),
-        _line_handle(style.BLACK, "thrust"),
-        Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third"),
+        style.line_handle(style.BLACK, "thrust"),
+        style.line_handle(style.BLACK, "middle third", 0.5, ":"),
     ]
     time_s = history.series["time_s"].iloc[sample]
     return _with_words(
@@ -270,31 +261,15 @@ def contact_force_picture(history, moment="max"):
 def _figure_of_bodies(corners, kinds):
     """A figure of bodies under lines of forces, and its axes."""
     figure, ax = style.new_figure(1.0)
-    ax.add_collection(
-        PolyCollection(
-            corners,
-            facecolors=[style.BODY_COLOURS[kind] for kind in kinds],
-            edgecolors="0.85",
-            linewidths=0.2,
-        )
-    )
+    style.add_bodies(ax, corners, [style.BODY_COLOURS[kind] for kind in kinds], "0.85", 0.2)
     return figure, ax
 
 
 def _draw_lines(ax, middle, half, pulls, width_pt):
     """Draw lines about their middles; half of each, (n, 2) [m]; pulls: (n,), which are under
     tension."""
-    ax.add_collection(
-        LineCollection(
-            np.stack([middle - half, middle + half], axis=1),
-            linewidths=width_pt,
-            colors=np.where(pulls, style.VERMILLION, style.BLUE),
-        )
-    )
-
-
-def _line_handle(colour, label):
-    return Line2D([], [], color=colour, lw=0.9, label=label)
+    colours = np.where(pulls, style.VERMILLION, style.BLUE)
+    style.add_lines(ax, np.stack([middle - half, middle + half], axis=1), colours, width_pt)
 
 
 def _draw_thrust(ax, history, moment):
@@ -320,41 +295,26 @@ def _draw_thrust(ax, history, moment):
 def draw_wall(ax, shape):
     """Draw a WallShape in true scale; returns height over width of the axes."""
     for kind, colour in style.BODY_COLOURS.items():
-        ax.add_collection(
-            PolyCollection(
-                shape.corners[shape.kinds == kind],
-                facecolors=colour,
-                linewidths=0.2,
-                edgecolors=colour if kind == "lintels" else "0.75",
-                label=kind,
-                zorder=1,
-            )
-        )
+        corners, edge = shape.corners[shape.kinds == kind], "0.75"
+        edge = colour if kind == "lintels" else edge
+        style.add_bodies(ax, corners, colour, edge, 0.2, label=kind, zorder=1)
     for layer, state in enumerate(DRAWN, start=2):
         chosen = shape.select(state)
         widths = [THIN[state]] if state in THIN else shape.line_width(chosen)
-        ax.add_collection(
-            LineCollection(
-                shape.segments[chosen],
-                colors=JOINT_COLOURS[state],
-                label=state,
-                linewidths=widths,
-                linestyles=DASHES.get(state, "-"),
-                capstyle="butt",
-                zorder=layer,
-            )
+        style.add_lines(
+            ax,
+            shape.segments[chosen],
+            JOINT_COLOURS[state],
+            widths,
+            label=state,
+            linestyles=DASHES.get(state, "-"),
+            capstyle="butt",
+            zorder=layer,
         )
     if not shape.ground_moves:
         return show_all(ax, shape.corners)
-    ax.add_collection(
-        PolyCollection(
-            shape.supports,
-            facecolors=style.GROUND_COLOUR,
-            edgecolors=style.DARK,
-            linewidths=0.3,
-            label="supports",
-            zorder=0,
-        )
+    style.add_bodies(
+        ax, shape.supports, style.GROUND_COLOUR, style.DARK, label="supports", zorder=0
     )
     ax.axhline(0, color=style.DARK, lw=0.4, ls=":", zorder=0)
     return show_all(ax, shape.corners, shape.supports, ground=False)
@@ -409,29 +369,18 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
     }
     return [
         *(
-            Line2D(
-                [],
-                [],
-                color=JOINT_COLOURS[state],
-                lw=THIN.get(state, width),
-                ls=DASHES.get(state, "-"),
-                label=label,
+            style.line_handle(
+                JOINT_COLOURS[state], label, THIN.get(state, width), DASHES.get(state, "-")
             )
             for state, label in labels.items()
         ),
         *(
-            Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
+            style.area_handle(face, label, edge)
             for label, (is_there, face, edge) in areas.items()
             if is_there
         ),
         *(
-            Line2D(
-                [],
-                [],
-                color=style.DARK,
-                lw=line_width(mm * MILLIMETRE, shape.widest_pt),
-                label=label,
-            )
+            style.line_handle(style.DARK, label, line_width(mm * MILLIMETRE, shape.widest_pt))
             for mm, label in legend_widths_mm(shape)
         ),
     ]
@@ -509,24 +458,12 @@ def _draw_index(ax, index, latched):
             time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$"
         )
     lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI")
-    lines += ax.plot(
-        time_s,
-        latched["DI"],
-        color=style.BLACK,
-        lw=0.6,
-        ls="--",
-        zorder=1.5,
-        label="DI, shear limit",
-    )
-    lines += ax.plot(
-        time_s,
-        latched["DI_slip"],
-        color=style.BLUE,
-        lw=0.6,
-        ls="--",
-        zorder=1.5,
-        label=r"DI$_\mathrm{slip}$, shear limit",
-    )
+    for name, label, colour in (
+        ("DI", "DI", style.BLACK),
+        ("DI_slip", r"DI$_\mathrm{slip}$", style.BLUE),
+    ):
+        how = {"color": colour, "lw": 0.6, "ls": "--", "zorder": 1.5}
+        lines += ax.plot(time_s, latched[name], label=f"{label}, shear limit", **how)
     top = np.maximum(index["DI"], latched["DI"]).max()
     ax.set(ylabel="damage index [-]", ylim=(0, 1.06 * top or 0.01))
     return lines

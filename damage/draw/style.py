@@ -11,7 +11,10 @@ from textwrap import fill
 import numpy as np
 from matplotlib import style
 from matplotlib.backend_bases import get_registered_canvas_class
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import ScalarFormatter
 
 from damage.draw.words import run_title
@@ -65,6 +68,28 @@ BODY_COLOURS = {
 """{kind of `damage.wall.geometry.kinds_of_bodies`: its colour}."""
 BODY_WORDS = {"masses": "top mass", "slabs": "concrete floor", "lintels": "lintel"}
 """{kind: words of the legend}."""
+
+
+def add_bodies(ax, corners, face, edge="none", width=0.3, **more):
+    """Add bodies with these corners (n, 4, 2) [m] to axes."""
+    ax.add_collection(
+        PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=width, **more)
+    )
+
+
+def add_lines(ax, segments, colours, width, **more):
+    """Add straight lines (n, 2, 2) [m] to axes."""
+    ax.add_collection(LineCollection(segments, colors=colours, linewidths=width, **more))
+
+
+def line_handle(colour, label, width=0.9, line="-"):
+    """A line of a legend."""
+    return Line2D([], [], color=colour, lw=width, ls=line, label=label)
+
+
+def area_handle(face, label, edge=DARK):
+    """An area of a legend."""
+    return Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
 
 
 def styled(draw):

@@ -15,7 +15,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.history.moments import (
-    STATES,
+    JOINT_STATES,
     choose_sample,
     joint_states,
     nearest_snapshot,
@@ -27,7 +27,7 @@ from damage.wall import geometry
 
 VISIBLE_SHARE = 0.03  # largest drawn displacement over the height of the wall
 LARGEST_MAGNIFICATION = 1000.0  # above it a residual of micrometres would look like a tilt
-DRAWN = ("elastic", *STATES)
+DRAWN = ("elastic", *JOINT_STATES)
 """States of joints in the order of drawing, the most severe on top."""
 COLUMN_PT = 205, 340
 """Largest width and height of a wall in a picture of one column, without labels [pt]."""
@@ -59,7 +59,8 @@ class WallShape:
         `damage.wall.geometry.kinds_of_bodies`.
     supports: (n_supports, 4, 2) [m], the same of the ground below the part of the base that each
         carries; ground_moves: whether there are several, or the one has moved;
-    segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES;
+    segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of
+    JOINT_STATES;
         elastic: (n_joints,) bool, which cannot fail, without the cuts of lintels, which are not
         drawn;
     crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
@@ -94,11 +95,11 @@ class WallShape:
         return line_width(self.crack_width_m[chosen], self.widest_pt)
 
     def select(self, state):
-        """Indices of the joints in one of DRAWN: the elastic ones, or those in a state of STATES,
-        the elastic ones left out of the intact."""
+        """Indices of the joints in one of DRAWN: the elastic ones, or those in a state of
+        JOINT_STATES, the elastic ones left out of the intact."""
         if state == "elastic":
-            return np.flatnonzero(self.elastic & (self.state == STATES.index("intact")))
-        chosen = self.state == STATES.index(state)
+            return np.flatnonzero(self.elastic & (self.state == JOINT_STATES.index("intact")))
+        chosen = self.state == JOINT_STATES.index(state)
         return np.flatnonzero(chosen & ~self.elastic if state == "intact" else chosen)
 
 

@@ -11,6 +11,11 @@ import numpy as np
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 
 
+def _has(bit, words):
+    """Property of Contacts: whether their state has this bit."""
+    return property(lambda contacts: (contacts.state & bit) > 0, doc=words)
+
+
 class Contacts(NamedTuple):
     """Samples of some contact points.
 
@@ -25,25 +30,10 @@ class Contacts(NamedTuple):
     offset_m: np.ndarray
     state: np.ndarray
 
-    @property
-    def broken(self):
-        """Whether the bond has failed, bool (n_times, n)."""
-        return (self.state & BROKEN) > 0
-
-    @property
-    def at_limit(self):
-        """Whether it has failed in shear or slid, ever, bool (n_times, n)."""
-        return (self.state & AT_LIMIT) > 0
-
-    @property
-    def crushed(self):
-        """Whether it has been crushed, ever, bool (n_times, n)."""
-        return (self.state & CRUSHED) > 0
-
-    @property
-    def ended(self):
-        """Whether its faces have ceased to overlap, bool (n_times, n)."""
-        return (self.state & ENDED) > 0
+    broken = _has(BROKEN, "Whether the bond has failed, bool (n_times, n).")
+    at_limit = _has(AT_LIMIT, "Whether it has failed in shear or slid, ever, bool (n_times, n).")
+    crushed = _has(CRUSHED, "Whether it has been crushed, ever, bool (n_times, n).")
+    ended = _has(ENDED, "Whether its faces have ceased to overlap, bool (n_times, n).")
 
     def slip_by(self, slip):
         """Slip by a criterion, as `History.slip_by`, (n_times, n) [m]."""

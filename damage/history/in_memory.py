@@ -114,13 +114,3 @@ class HistoryInMemory(Buffer):
             layout,
             Memory(path, layout, attributes, partial(File, path, layout, attributes, overwrite)),
         )
-
-
-class HistoryKept(Buffer):
-    """Replaces a HistoryWriter and writes its file, but returns the History without reading it."""
-
-    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
-        attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(
-            layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes)
-        )

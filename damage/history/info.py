@@ -40,14 +40,8 @@ def check(path):
     try:
         history, head = read_history(path), read_head(path)
     except InputError as error:
-        return {
-            "file": str(path),
-            "worth": DAMAGED,
-            "status": None,
-            "samples": None,
-            "until_s": None,
-            "says": str(error),
-        }
+        unknown = dict.fromkeys(("status", "samples", "until_s"))
+        return {"file": str(path), "worth": DAMAGED, **unknown, "says": str(error)}
     worth = OPEN if not head.sealed else WHOLE if history.complete else ENDED_EARLY
     time_s = history.series["time_s"]
     return {

@@ -6,7 +6,7 @@ from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.wall.geometry import SupportMotion
 
-STATES = ("intact", "broken", "slipped", "opened", "both")
+JOINT_STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
 "both" is opened and slipped."""
 BREAKS = ("tension", "shear")
@@ -41,45 +41,28 @@ def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
     return sample, float(damage[sample])
 
 
-def sample_at(history, time_s):
-    """Index of the sample nearest to a time [s]; InputError for one outside the run, by more than a
-    sample."""
+def choose_samples(history, moments):
+    """Samples of the words `rest` (the first), `max` (of DI), `end`, or of times [s], the nearest;
+    InputError for a time outside the run, by more than a sample."""
     check_samples(history)
+    return [_sample_of(history, moment) for moment in moments]
+
+
+def _sample_of(history, moment):
+    if moment in ("rest", "max", "end"):
+        return choose_sample(history, 0 if moment == "rest" else moment)[0]
     times = history.series["time_s"].to_numpy()
     step = np.diff(times).max(initial=0.0)
     try:
-        inside = times[0] - step <= time_s <= times[-1] + step
-    except TypeError:
-        inside = False
-    if not inside:
+        time_s = float(moment)
+    except (TypeError, ValueError):
+        time_s = np.nan
+    if not times[0] - step <= time_s <= times[-1] + step:
         raise InputError(
-            f"time {time_s!r}: expected seconds from {times[0]:g} to {times[-1]:g}, 'max' or 'end';"
-            " choose one of them"
+            f"--at {moment}: expected rest, max, end or a time [s] from {times[0]:g} to"
+            f" {times[-1]:g}; choose another"
         )
     return int(np.argmin(np.abs(times - time_s)))
-
-
-def choose_samples(history, moments):
-    """Samples of the words `rest` (the first), `max` (of DI), `end`, or times [s]."""
-    times = history.series["time_s"].to_numpy()
-    samples = []
-    for moment in moments:
-        try:
-            time_s = float(moment)
-        except ValueError:
-            if moment not in ("rest", "max", "end"):
-                raise InputError(
-                    f"--at {moment}: expected rest, max, end or a time [s]; choose another"
-                ) from None
-            samples.append(choose_sample(history, 0 if moment == "rest" else moment)[0])
-            continue
-        if not (len(times) and times[0] - 1e-9 <= time_s <= times[-1] + 1e-9):
-            raise InputError(
-                f"--at {moment}: expected rest, max, end, or a time within the history's "
-                f"{len(times)} samples; choose another"
-            )
-        samples.append(int(np.argmin(np.abs(times - time_s))))
-    return samples
 
 
 def spans_of(time_s, chosen):
@@ -117,7 +100,8 @@ def support_motion(history, snapshot):
 
 
 def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
-    """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
+    """Index into JOINT_STATES of every joint at a sample, (n_joints,), by the criteria of the
+    index."""
     opened = history.opening_m[sample] > threshold
     slipped = (
         history.at_limit[sample]
@@ -128,10 +112,10 @@ def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
 
 
 def state_codes(opened, slipped, broken=False):
-    """Index into STATES of joints, of bool arrays of one shape."""
-    codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
+    """Index into JOINT_STATES of joints, of bool arrays of one shape."""
+    codes = [JOINT_STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
     return np.select(
         [opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))],
         codes,
-        default=STATES.index("intact"),
+        default=JOINT_STATES.index("intact"),
     )

@@ -49,8 +49,7 @@ class History:
     (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]: (n_times,
     n_supports, 3).
     joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of
-    each contact point, None without `--stresses`; point_displacement: (n_times, n_points, 2) along
-    x and z of the material `points` [m], None without `--point`; static_stage: DataFrame, a row a
+    each contact point, None without `--stresses`; static_stage: DataFrame, a row a
     look at the static stage (time_s, unbalanced_force). static: results of the static stage;
     parameters: everything that defined the run, as stored in the file; `loading`, `model` and
     `masonry_wall` return most of it as records; `wall` is the wall's name.
@@ -81,7 +80,6 @@ class History:
     displacement: np.ndarray
     stress_pa: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
-    point_displacement: np.ndarray | None = None
     heard: tuple = ()
 
     opening_m: ClassVar = _at_all_joints("opening_m")
@@ -149,11 +147,6 @@ class History:
     def joint_length_m(self):
         """Tributary length of each contact point, zero on the cut of a brick: (n_joints,) [m]."""
         return np.where(self.joints["kind"] == "brick", 0.0, self.joints["length_m"])
-
-    @property
-    def points(self):
-        """Places (x, z) of the material points in the undeformed wall [m], a list."""
-        return [tuple(place) for place in self.parameters.get("points", [])]
 
     @property
     def sequence(self):
@@ -280,12 +273,11 @@ def opened(path):
 def history_of(path, attributes, values, ended=True):
     """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or
     dataset}."""
-    n_times = _whole_rows(values, "series", "frames", "ground", "stresses", "points")
+    n_times = _whole_rows(values, "series", "frames", "ground", "stresses")
     n_snapshots = _whole_rows(values, "snapshots")
     optional = {
         "stress_pa": ("snapshots/stress_pa", n_snapshots),
         "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
-        "point_displacement": ("points/displacement", n_times),
     }
     collapsed = float(values["run/collapsed_at_s"][()])
     return History(

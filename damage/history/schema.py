@@ -238,13 +238,6 @@ STRESSES = {
         "f4",
     ),
 }
-POINTS = {
-    "displacement": Column(
-        "m",
-        "only with `--point`: of each material point, in the order of the run's parameter "
-        "`points`, along x and z since the end of the static stage",
-    ),
-}
 STATIC_STAGE = {
     "time_s": Column("s", "since the start of the static stage, every 500 steps"),
     "unbalanced_force": Column(
@@ -261,7 +254,7 @@ STATE_COLUMN = Column(
     "model's code",
     "u1",
 )
-OPTIONAL = {"snapshots/stress_pa", "stresses/joint_stress_pa", "points/displacement"}
+OPTIONAL = {"snapshots/stress_pa", "stresses/joint_stress_pa"}
 """Datasets that only some runs have."""
 GROWING = {
     "series": SERIES,
@@ -271,7 +264,6 @@ GROWING = {
     "events": EVENT_COLUMNS,
     "snapshots": SNAPSHOTS,
     "stresses": STRESSES,
-    "points": POINTS,
     "static_stage": STATIC_STAGE,
 }
 """Groups whose datasets grow during a run."""
@@ -300,7 +292,6 @@ SHAPES = {
     "snapshots/displacement": ("snapshots", "bodies", 3),
     "snapshots/stress_pa": ("snapshots", "bodies", 5, 3),
     "stresses": ("samples", "joints", 2),
-    "points": ("samples", "points", 2),
     "static_stage": ("looks",),
 }
 """Of the datasets of a group, or of one: what they have as many of."""
@@ -322,18 +313,3 @@ def is_moving(series):
 def moving(series):
     """Samples of a series outside the settlement and settling stages."""
     return series[is_moving(series)]
-
-
-def markdown(columns):
-    """Markdown table with a row for each of {name: Column}; names that share a row are separated by
-    commas."""
-    return "\n".join(
-        [
-            "| name | unit | meaning |",
-            "| --- | --- | --- |",
-            *(
-                f"| `{name.replace(', ', '`, `')}` | {column.unit} | {column.meaning} |"
-                for name, column in columns.items()
-            ),
-        ]
-    )

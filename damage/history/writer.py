@@ -329,14 +329,12 @@ def growing_columns(layout, parameters):
     kept = {
         "snapshots/stress_pa": layout.strain is not None,
         "stresses/joint_stress_pa": parameters.get("stresses"),
-        "points/displacement": parameters.get("points"),
     }
     sizes = {
         "joints": layout.n_joints,
         "bodies": len(layout.bodies),
         "supports": len(layout.supports),
         "active": 0,
-        "points": len(parameters.get("points", ())),
     }
     found = {}
     for path, column in schema.COLUMNS.items():

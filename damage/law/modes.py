@@ -5,11 +5,12 @@ behind them the strain modes where bricks deform.  A contact at the offset r fro
 moves by (u_x - rotation r_z, u_z + rotation r_x), and by the strain modes' displacements there.
 """
 
+import hashlib
 from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix, diags
+from scipy.sparse import diags
 from scipy.sparse.linalg import eigsh
 
 from damage.errors import InputError
@@ -27,8 +28,8 @@ _OF_HIGHEST = 1e-9
 _MOST_ITERATIONS, _CONVERGED = 1000, 1e-10
 """Of the first mode: the error falls by the ratio of the two lowest squared frequencies each
 time."""
-_MOST_KEPT = 8
-_KEPT = {}  # {all that modes or static displacements depend on: these}
+_MOST_KEPT = 16
+_KEPT = {}  # {all that modes, static displacements or scaled masses depend on: these}
 
 
 @dataclass(frozen=True)
@@ -76,17 +77,6 @@ def kinematic_rows(layout, directions):
         )
         rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *by_modes])
     return found
-
-
-def kinematic_matrix(layout, directions):
-    """Sparse (n_contacts, coordinates n_bodies) of `kinematic_rows`."""
-    rows, contacts = kinematic_rows(layout, directions), layout.contacts
-    size, ends = rows.shape[2], np.stack([contacts.first, contacts.second])
-    side, contact, coordinate = np.nonzero(rows)
-    return coo_matrix(
-        (rows[side, contact, coordinate], (contact, size * ends[side, contact] + coordinate)),
-        shape=(len(contacts), size * len(layout.bodies)),
-    ).tocsr()
 
 
 def joint_stiffness(layout, factors=(1.0, 1.0)):
@@ -152,32 +142,27 @@ def _static_displacement(layout, weighing):
 
 
 def elastic_key(layout):
-    """All that masses and stiffnesses of a layout's intact wall depend on, a tuple of bytes."""
+    """Digest of all that masses and stiffnesses of a layout's intact wall depend on."""
     bodies, contacts = layout.bodies, layout.contacts
     strain = (
         ()
         if layout.strain is None
         else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
     )
-    return tuple(
-        values.tobytes()
-        for values in (
-            bodies.x,
-            bodies.z,
-            bodies.mass,
-            bodies.inertia,
-            contacts.kind,
-            contacts.first,
-            contacts.second,
-            contacts.x,
-            contacts.z,
-            contacts.area,
-            contacts.normal_stiffness,
-            contacts.shear_stiffness,
-            layout.drift_bodies,
-            *strain,
-        )
+    arrays = (
+        *vars(bodies).values(),
+        contacts.kind,
+        contacts.first,
+        contacts.second,
+        contacts.x,
+        contacts.z,
+        contacts.area,
+        contacts.normal_stiffness,
+        contacts.shear_stiffness,
+        layout.drift_bodies,
+        *strain,
     )
+    return hashlib.sha256(b"|".join(values.tobytes() for values in arrays)).digest()
 
 
 def natural_modes(layout, n_modes=6):
@@ -191,12 +176,17 @@ def natural_modes(layout, n_modes=6):
 
 def _kept(function, layout, argument):
     """A copy of what a function returns for this argument and a layout as stiff and as heavy."""
-    key = function, argument, layout.wall.restraints, *elastic_key(layout)
-    if key not in _KEPT:
-        while len(_KEPT) >= _MOST_KEPT:
-            del _KEPT[next(iter(_KEPT))]
-        _KEPT[key] = function(layout, argument)
-    return deepcopy(_KEPT[key])
+    key = function, argument, layout.wall.restraints, elastic_key(layout)
+    return deepcopy(kept(key, lambda: function(layout, argument)))
+
+
+def kept(key, make):
+    """What `make()` returned for this key, should it be among the last ones used."""
+    found = _KEPT.pop(key, None)
+    _KEPT[key] = make() if found is None else found
+    if len(_KEPT) > _MOST_KEPT:
+        del _KEPT[next(iter(_KEPT))]
+    return _KEPT[key]
 
 
 def _natural_modes(layout, n_modes):

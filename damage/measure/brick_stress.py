@@ -10,9 +10,9 @@ supports at its ends. The bricks of such a run stay whole: the measure shows whe
 
 import numpy as np
 
-from damage.history.schema import Column, measure
+from damage.history.schema import Column, each, measure
 
-PLACES = ("lower edge", "centre", "upper edge")
+SECTION_POSITIONS = ("lower edge", "centre", "upper edge")
 """Of the middle section."""
 # of the places of a history
 _WEIGHTS = np.array([[0, 0.5, 0.5, 0, 0], [1, 0, 0, 0, 0], [0, 0, 0, 0.5, 0.5]])
@@ -35,15 +35,31 @@ def has_stresses(history):
     return history.stress_pa is not None and len(history.stress_pa) > 0
 
 
+BRICKS = each(
+    {
+        "brick": Column("1", "row of the history's bodies"),
+        "course": Column("1", "from 0 at the base"),
+        "x_m, z_m": Column("m", "of its centre"),
+        "max_tension_pa, max_compression_pa": Column(
+            "Pa",
+            "largest and smallest principal stress of the middle section "
+            "over all snapshots, tension positive",
+        ),
+        "place": Column("", "of the largest: lower edge, centre or upper edge"),
+        "time_s": Column("s", "of the largest"),
+        "splits_at_s": Column("s", "first snapshot above the tensile strength, empty without one"),
+    }
+)
+
+
 def bricks_table(history):
-    """A row for each brick of a History with deformable bricks, a DataFrame; columns:
-    `damage.measure.dictionary.BRICKS`."""
+    """A row for each brick of a History with deformable bricks, a DataFrame; columns: BRICKS."""
     bodies = history.bodies
     bricks = np.flatnonzero(bodies["course"].to_numpy() >= 0)
     stress = np.einsum("pq,tbqs->tbps", _WEIGHTS, history.stress_pa[:, bricks].astype(float))
     # (n_snapshots, n_bricks, places)
     largest, smallest = np.moveaxis(principal_stresses(stress)[0], -1, 0)
-    times, n_places = history.snapshot_time_s, len(PLACES)
+    times, n_places = history.snapshot_time_s, len(SECTION_POSITIONS)
     flat = np.moveaxis(largest, 1, 0).reshape(len(bricks), -1)
     at = flat.argmax(axis=1)
     strength = history.masonry_wall.brick.tensile_strength
@@ -52,7 +68,7 @@ def bricks_table(history):
     return table.assign(
         max_tension_pa=flat.max(axis=1),
         max_compression_pa=smallest.min(axis=(0, 2)),
-        place=np.array(PLACES)[at % n_places],
+        place=np.array(SECTION_POSITIONS)[at % n_places],
         time_s=times[at // n_places],
         splits_at_s=np.where(above.any(axis=0), times[above.argmax(axis=0)], np.nan),
     )

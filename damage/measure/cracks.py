@@ -24,7 +24,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from damage.checks import check_positive
-from damage.errors import InputError
+from damage.history.moments import choose_sample
 from damage.history.schema import Column, measure
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
@@ -136,12 +136,7 @@ def cracks_at(history, sample, threshold=THRESHOLD):
     sample: index into its series, negative ones from the end; threshold: crack width [m].  Raises
     InputError where there is no such sample.
     """
-    n_times = len(history.series)
-    if not -n_times <= sample < n_times:
-        raise InputError(
-            f"sample {sample!r}: expected a whole number from 0 to {n_times - 1}; "
-            "choose one of them"
-        )
+    sample, _ = choose_sample(history, sample)
     return crack_table(
         tributary_ends(history.joints),
         history.opening_m[sample],

@@ -5,9 +5,8 @@ import numpy as np
 import pandas as pd
 
 from damage.history.schema import Column, measure, moving
-from damage.index import COMPONENTS
 from damage.measure.cracks import psi_history
-from damage.measure.damage_index import CRITERIA
+from damage.measure.damage_index import CRITERION_WORDS, SLIP, index_by_all, index_columns
 from damage.units import MILLIMETRE
 
 
@@ -52,44 +51,31 @@ def _motion_end(series):
     return series.loc[series["stage"] == "motion", "time_s"].max()
 
 
-BY_OTHERS = {
-    f"{prefix}{component}": (slip, component)
-    for slip, prefix in CRITERIA.items()
-    if prefix
-    for component in ("DI_slip", "DI")
+_SPAN = {"start_s": Column("s", "its start"), "end_s": Column("s", "its end")}
+CYCLES = {
+    "shock": Column("1", "number of the shock, from 1"),
+    "cycle": Column("1", "number within the shock, from 1"),
+    "kind": Column(
+        "",
+        "driven: one period of a harmonic motion; free: between upward zero crossings of the drift",
+    ),
+    **_SPAN,
+    "duration_s": Column("s", "from start to end"),
+    "max_drift_ratio": Column("1", "largest absolute drift ratio in the cycle"),
+    **index_columns("max_", "largest in the cycle: "),
+    **{
+        f"cumulative_max_{prefix}DI": Column(
+            "1", "largest index from the shock's start to the cycle's end" + words
+        )
+        for prefix, words in CRITERION_WORDS.items()
+    },
+    **SLIP,
 }
-"""{column: (criterion, component)} of the components that depend on slip, by the other slip
-criteria."""
-CYCLE_COLUMNS = (
-    "shock",
-    "cycle",
-    "kind",
-    "start_s",
-    "end_s",
-    "duration_s",
-    "max_drift_ratio",
-    *(f"max_{name}" for name in COMPONENTS),
-    *(f"max_{name}" for name in BY_OTHERS),
-    "cumulative_max_DI",
-    "cumulative_max_accumulated_DI",
-    "cumulative_max_shear_limit_DI",
-    "slip",
-)
-
-
-def index_by_all(history):
-    """Damage index of a History by all slip criteria: a DataFrame, a row a sample, columns
-    COMPONENTS (slip by displacement), then BY_OTHERS [-]."""
-    index = {slip: history.index(slip=slip) for slip in CRITERIA}
-    return index["displacement"][list(COMPONENTS)].assign(
-        **{name: index[slip][component] for name, (slip, component) in BY_OTHERS.items()}
-    )
 
 
 def cycles_table(history):
     """Table of the cycles of a History, a DataFrame: for each event the driven cycles, then the
-    free ones.  The columns are CYCLE_COLUMNS; `damage.measure.dictionary.CYCLES` says what they
-    are."""
+    free ones.  columns: CYCLES."""
     values = index_by_all(history).assign(
         drift_ratio=history.series["drift_ratio"].abs(), time_s=history.series["time_s"]
     )
@@ -117,12 +103,38 @@ def cycles_table(history):
                 }
                 | {"slip": "displacement"}
             )
-    return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
+    return pd.DataFrame(rows, columns=list(CYCLES))
+
+
+SHOCKS = {
+    "shock": Column("1", "number of the shock, from 1"),
+    "motion": Column("", "name of the motion"),
+    "factor": Column("1", "on the motion"),
+    **_SPAN,
+    "max_drift_ratio": Column("1", "largest absolute drift ratio in the shock"),
+    "residual_drift_ratio": Column("1", "drift ratio at its end, with its sign"),
+    **index_columns("max_", "largest in the shock: "),
+    **index_columns("residual_", "at its end: "),
+    **{
+        f"{kind}_{name}": Column(unit, f"{words}: {meaning}")
+        for kind, words in (("max", "largest in the shock"), ("residual", "at its end"))
+        for name, unit, meaning in (
+            ("psi", "1", "Korswagen's damage parameter of the cracks"),
+            ("crack_width_mm", "mm", "width of the widest crack"),
+        )
+    },
+    "offset_before_mm": Column(
+        "mm", "largest offset of a joint's faces when the event begins, absolute"
+    ),
+    "offset_after_mm": Column("mm", "the same at its end"),
+    "newly_failed": Column("1", "contact points whose bonds failed in the event"),
+    **SLIP,
+}
 
 
 def shocks_table(history):
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
-    `damage.measure.dictionary.SHOCKS`.  Residual values are None of an event without a settling
+    SHOCKS.  Residual values are None of an event without a settling
     stage."""
     cracks, rows = psi_history(history), []
     values = index_by_all(history).assign(

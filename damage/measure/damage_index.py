@@ -15,6 +15,50 @@ from damage.index import COMPONENTS
 
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """{slip criterion: prefix of a component's name in its columns}."""
+BY_OTHERS = {
+    f"{prefix}{component}": (slip, component)
+    for slip, prefix in CRITERIA.items()
+    if prefix
+    for component in ("DI_slip", "DI")
+}
+"""{column: (criterion, component)} of the components that depend on slip, by the other slip
+criteria."""
+CRITERION_WORDS = {
+    "": "",
+    "accumulated_": ", slip accumulated",
+    "shear_limit_": ", slip by the shear limit",
+}
+COMPONENT_WORDS = {
+    "DI": "damage index",
+    "DI_drift": "of it by drift",
+    "DI_open": "of it by opened joints",
+    "DI_slip": "of it by slipped joints",
+}
+SLIP = {"slip": Column("", "criterion of slip in the columns that name none")}
+
+
+def index_by_all(history):
+    """Damage index of a History by all slip criteria: a DataFrame, a row a sample, columns
+    COMPONENTS (slip by displacement), then BY_OTHERS [-]."""
+    index = {slip: history.index(slip=slip) for slip in CRITERIA}
+    return index["displacement"][list(COMPONENTS)].assign(
+        **{name: index[slip][component] for name, (slip, component) in BY_OTHERS.items()}
+    )
+
+
+def index_columns(kind="", what=""):
+    """{column: Column} of `index_by_all`; kind: before the name, what: in the meaning."""
+    plain = {name: ", slip by displacement" * (name in ("DI", "DI_slip")) for name in COMPONENTS}
+    others = {
+        name: CRITERION_WORDS[name.removesuffix(component)]
+        for name, (_, component) in BY_OTHERS.items()
+    }
+    return {
+        f"{kind}{name}": Column(
+            "1", f"{what}{COMPONENT_WORDS[BY_OTHERS.get(name, ('', name))[1]]}{slip}"
+        )
+        for name, slip in (plain | others).items()
+    }
 
 
 def _names(kind, slip):
@@ -100,9 +144,23 @@ def _place(history, place):
     return float(z[chosen].mean()), np.flatnonzero(chosen)
 
 
+STOREYS = {
+    "storey": Column("1", "from the base upwards"),
+    "bottom_m": Column("m", "height of its lower end"),
+    "top_m": Column(
+        "m",
+        "of its upper end: middle of a slab, the course below a timber floor, or the bricks of the "
+        "wall's drift",
+    ),
+    "max_drift_ratio": Column(
+        "1", "largest absolute drift ratio of the storey at the snapshots, every tenth sample"
+    ),
+    "residual_drift_ratio": Column("1", "drift ratio at the last snapshot, with its sign"),
+}
+
+
 def storeys_table(history):
-    """A row for each storey of a History, from the base upwards; columns:
-    `damage.measure.dictionary.STOREYS`."""
+    """A row for each storey of a History, from the base upwards; columns: STOREYS."""
     heights, drift = storey_drifts(history)
     return pd.DataFrame(
         {

@@ -89,9 +89,7 @@ def evidence_for(wall, parameters, result=None):
         rest_s=(parameters.get("events") or [{}])[-1].get("rest_s", parameters.get("rest_s")),
         result=result or {},
         followed=bool(
-            result
-            and result["collapsed_at_s"] is not None
-            and (parameters.get("after_fall") or parameters.get("past_collapse_s"))
+            result and result["collapsed_at_s"] is not None and parameters.get("after_fall")
         ),
     )
     return {one.name: one.judge(run) for one in QUANTITIES if one.value}
@@ -385,19 +383,4 @@ def describe(evidence):
     return (
         f"evidence for this run: outside the range of validity ({PLACE}) in {len(found)} of {known}"
         f" quantities: {', '.join(found)}"
-    )
-
-
-def markdown():
-    """QUANTITIES as a table of the documents."""
-    rows = (
-        f"| {one.name} | {one.supported.format(range=one.range)} | {one.evidence} | {one.beyond} |"
-        for one in QUANTITIES
-    )
-    return "\n".join(
-        [
-            "| quantity | supported by evidence | evidence | beyond it |",
-            "| --- | --- | --- | --- |",
-            *rows,
-        ]
     )

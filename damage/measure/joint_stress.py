@@ -1,5 +1,4 @@
-"""Stresses of joints (`--stresses`): forces in contact points, thrust in piers and arches,
-histories of one joint.
+"""Stresses of joints (`--stresses`): forces in contact points, thrust in piers and arches.
 
 A section of a pier is all of its bed joints at one height, one of an arch all of its upright joints
 at one place.  With the stresses sigma (tension positive), tau and areas A of its contact points, at
@@ -11,8 +10,6 @@ e is the eccentricity: where the thrust passes.  Joints that transmit no tension
 over up to e = 1/6 of the section's length.  Places and directions are those of the undeformed wall:
 a joint that has turned by an angle has its forces along axes turned so.
 """
-
-import re
 
 import numpy as np
 import pandas as pd
@@ -74,7 +71,7 @@ def sections(history):
 
 def _in_arch(history, lintel):
     """Flags (n_joints,) of the contact points of an arch's bricks, whose place is a
-    damage.wall.lintels.Place."""
+    damage.wall.lintels.LintelPlace."""
     joints, course = history.joints, history.bodies["course"].to_numpy()
     first, second = (joints[f"{side}_body"].to_numpy() for side in ("first", "second"))
     of_arch = (course[np.maximum(first, 0)] == ARCH_COURSE) & (first >= 0) | (
@@ -195,115 +192,10 @@ STRESSES = _AT | {
 }
 
 
-def joint_of(history, name):
-    """Row of a contact point by its name: its number, X,Z of the nearest one [m], or bed:X,Z,
-    head:X,Z of a kind.
-
-    Raises InputError where there is none, or the nearest is further away than a brick is long.
-    """
-    joints, words = history.joints, str(name)
-    expected = (
-        f"--joint {words}: expected a row of the joints, 0 to {len(joints) - 1}, a place X,Z [m],"
-        " or bed:X,Z, head:X,Z"
-    )
-    if re.fullmatch(r"\d+", words):
-        if int(words) >= len(joints):
-            raise InputError(f"{expected}; choose another")
-        return int(words)
-    kind, _, place = words.rpartition(":")
-    try:
-        x, z = map(float, place.split(","))
-    except ValueError:
-        raise InputError(f"{expected}; correct it") from None
-    chosen = joints[joints["kind"] == kind] if kind else joints
-    if chosen.empty:
-        raise InputError(f"{expected}: there is no joint of kind {kind}; choose another")
-    away = np.hypot(chosen["x_m"] - x, chosen["z_m"] - z)
-    row = int(away.fillna(np.inf).idxmin())
-    if not away[row] <= history.masonry_wall.brick.length:
-        raise InputError(
-            f"{expected}: the nearest, {row}, is at"
-            f" {joints['x_m'][row]:.4g},{joints['z_m'][row]:.4g}; choose another"
-        )
-    return row
-
-
-def joint_history(history, joint):
-    """Stresses and motion of a contact point over time, a DataFrame, a row a sample; columns:
-    JOINT; joint: as of `joint_of`."""
-    check_stresses(history)
-    row = joint_of(history, joint)
-    normal, shear = history.joint_stress_pa[:, row].T
-    return pd.DataFrame(
-        {
-            "time_s": history.series["time_s"].to_numpy(),
-            "stage": history.series["stage"].astype(str),
-            "normal_stress_pa": normal,
-            "shear_stress_pa": shear,
-            "opening_m": history.opening_m[:, row],
-            "slip_m": history.slip_m[:, row],
-            "offset_m": history.offset_m[:, row],
-            "broken": history.broken[:, row],
-            "at_shear_limit": history.at_limit[:, row],
-        }
-    )
-
-
-JOINT = {
-    "time_s": Column("s", "since the start of the (first) motion"),
-    "stage": Column("", "of the run"),
-    **{name: STRESSES[name] for name in ("normal_stress_pa", "shear_stress_pa")},
-    "opening_m": Column("m", "inelastic opening"),
-    "slip_m": Column("m", "accumulated slip, signed"),
-    "offset_m": Column("m", "offset of the faces, signed"),
-    "broken": Column("bool", "whether the bond has failed"),
-    "at_shear_limit": Column("bool", "whether it has failed in shear or slid, ever"),
-}
-
-
-def points_table(history):
-    """Displacements of the material points of a History (`--point`) over time, a DataFrame, a row a
-    point and sample; columns: POINTS.  Raises InputError where it has none."""
-    if history.point_displacement is None:
-        raise InputError(
-            f"{history.path} has no material points: expected a run with --point X Z; run it"
-            " again so"
-        )
-    places, moved = np.array(history.points, float), history.point_displacement
-    return pd.concat(
-        [
-            pd.DataFrame(
-                {
-                    "point": k + 1,
-                    "x_m": x,
-                    "z_m": z,
-                    "time_s": history.series["time_s"].to_numpy(),
-                    "displacement_x_m": moved[:, k, 0],
-                    "displacement_z_m": moved[:, k, 1],
-                }
-            )
-            for k, (x, z) in enumerate(places)
-        ],
-        ignore_index=True,
-    )
-
-
-POINTS = {
-    "point": Column("1", "number, in the order of --point"),
-    "x_m": STRESSES["x_m"],
-    "z_m": STRESSES["z_m"],
-    "time_s": JOINT["time_s"],
-    "displacement_x_m": Column("m", "along the wall, since the end of the static stage"),
-    "displacement_z_m": Column("m", "the same, upwards"),
-}
-
-
-def stress_report(history, moments=MOMENTS, joints=()):
+def stress_report(history, moments=MOMENTS):
     """The stresses of a History, a dictionary: at each moment extremes over the contact points, and
-    the section of each pier and arch with the largest eccentricity; of chosen joints (`joint_of`)
-    their extremes over time."""
+    the section of each pier and arch with the largest eccentricity."""
     table, of_points = sections_table(history, moments), stresses_table(history, moments)
-    rows = {str(name): joint_of(history, name) for name in joints}
     return {
         "wall": history.wall,
         "moments": [
@@ -314,10 +206,6 @@ def stress_report(history, moments=MOMENTS, joints=()):
                 "sections": _most_eccentric(table[table["moment"] == moment]),
             }
             for moment, one in of_points.groupby("moment", sort=False)
-        ],
-        "joints": [
-            {"name": name, "joint": row, **_extremes(history.joint_stress_pa[:, row])}
-            for name, row in rows.items()
         ],
     }
 
@@ -353,14 +241,7 @@ def describe(report):
             f" {part['eccentricity_over_length']:.3f}"
             for part in one["sections"]
         ]
-    return "\n".join(
-        lines
-        + [
-            f"joint {one['joint']} ({one['name']}): normal {_range(one, 'normal')}, shear "
-            f"{_range(one, 'shear')} MPa"
-            for one in report["joints"]
-        ]
-    )
+    return "\n".join(lines)
 
 
 def _range(numbers, kind):

@@ -8,7 +8,7 @@ from damage.history.schema import Column, measure
 
 
 @dataclass(frozen=True)
-class Limits:
+class DamageClasses:
     """Published limits of a measure, in rising order, and the damage classes between them.
 
     name: column of the table; measure: "drift" (maximum drift ratio), "psi" (maximum Psi) or
@@ -52,21 +52,21 @@ _KORSWAGEN = (
 )
 _LIGHT = ("none", "light", "beyond light")
 LIMITS = (
-    Limits(
+    DamageClasses(
         "drift_class_korswagen_clay",
         "drift",
         (0.00058, 0.0048),
         _LIGHT,
         _KORSWAGEN.format("clay brick", 0.058, 0.48),
     ),
-    Limits(
+    DamageClasses(
         "drift_class_korswagen_calcium_silicate",
         "drift",
         (0.00050, 0.0029),
         _LIGHT,
         _KORSWAGEN.format("calcium silicate", 0.050, 0.29),
     ),
-    Limits(
+    DamageClasses(
         "drift_class_graziotti",
         "drift",
         (0.0007, 0.0012),
@@ -74,7 +74,7 @@ LIMITS = (
         "Graziotti et al., shake-table tests of a terraced house's end unit, as cited by Sarhosis"
         " et al. (2021), section 1: 0.07 % no damage, 0.12 % minor structural damage",
     ),
-    Limits(
+    DamageClasses(
         "drift_class_en_1998_1",
         "drift",
         (0.005, 0.0075, 0.01),
@@ -82,14 +82,14 @@ LIMITS = (
         "EN 1998-1, 4.4.3.2, as cited by Sarhosis et al. (2021), section 2: storey drift under the"
         " frequent earthquake with brittle, ductile, no non-structural elements attached",
     ),
-    Limits(
+    DamageClasses(
         "drift_class_asce_7_16",
         "drift",
         (1 / 600, 1 / 400),
         ("up to 1/600", "up to 1/400", "over 1/400"),
         "ASCE 7-16, as cited by Sarhosis et al. (2021), section 2: usual allowable drift",
     ),
-    Limits(
+    DamageClasses(
         "psi_class",
         "psi",
         (1.0, 2.0, 3.5, 8.0),
@@ -97,7 +97,7 @@ LIMITS = (
         "P. A. Korswagen, dissertation on light damage of masonry, TU Delft: Psi = 1 just visible"
         " (0.1 mm), 2 about 1 mm, 3.5 about 5 mm and the end of light damage, 8 near collapse",
     ),
-    Limits(
+    DamageClasses(
         "crack_width_class",
         "width",
         (0.1, 1.0, 5.0, 15.0, 25.0),

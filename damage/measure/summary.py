@@ -3,7 +3,6 @@
 import pandas as pd
 
 from damage.history.moments import check_samples
-from damage.history.schema import each
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure import (
     brick_stress,
@@ -16,7 +15,6 @@ from damage.measure import (
     limits,
     pushed,
 )
-from damage.measure.columns import PARAMETERS, RUN
 from damage.measure.cracks import PSI_FROM
 from damage.measure.evidence import evidence_for, outside
 from damage.measure.warnings import warnings_of
@@ -49,22 +47,6 @@ MEASURES = {
     for section, functions in REGISTER.items()
 }
 """{section of the document: {names: Column}} of the results."""
-
-
-def unit_in(name):
-    """Unit of a column of summary.csv; "" for text and for unknown columns.
-
-    >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
-    ('mm', '1', '')
-    """
-    return next(
-        (
-            known[name].unit
-            for known in map(each, (PARAMETERS, RUN, *MEASURES.values()))
-            if name in known
-        ),
-        "",
-    )
 
 
 def flat_summary(

@@ -3,10 +3,8 @@
 `python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv,
 _cycles.csv, _static_stage.csv (the unbalanced force over it), for a sequence _shocks.csv, for a
 wall with floors _storeys.csv, of deformable bricks _bricks.csv, with --stresses _stresses.csv and
-_sections.csv, with --point _points.csv, and STEM_info.json, their origin.  `python3 -m damage
-tables summary FILE.h5 ... --out FILE.csv` writes a row for each history. With `--members N`, a run
-repeated with slightly scattered strengths as a measure of its precision, FILE_members.csv beside
-FILE.h5, the history of the first member, has a row for each member with the columns of summary.csv.
+_sections.csv, and STEM_info.json, their origin.  `python3 -m damage
+tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.
 """
 
 from dataclasses import asdict
@@ -16,27 +14,25 @@ import numpy as np
 import pandas as pd
 
 from damage.csv_table import as_words
-from damage.errors import InputError
 from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
 from damage.history.moments import check_samples
 from damage.history.reader import read_history
+from damage.history.schema import EVENT_COLUMNS, JOINTS, STATIC_STAGE, Column
 from damage.index import COMPONENTS
-from damage.measure.brick_stress import bricks_table, has_stresses
-from damage.measure.columns import read_table
-from damage.measure.cycles import cycles_table, index_by_all, shocks_table
-from damage.measure.damage_index import storeys_table
+from damage.measure.brick_stress import BRICKS, bricks_table, has_stresses
+from damage.measure.cycles import CYCLES, SHOCKS, cycles_table, shocks_table
+from damage.measure.damage_index import SLIP, STOREYS, index_by_all, index_columns, storeys_table
 from damage.measure.joint_stress import (
     MOMENTS,
-    joint_history,
-    points_table,
+    SECTIONS,
+    STRESSES,
     sections_table,
     stresses_table,
 )
 from damage.measure.summary import flat_summary
 from damage.motion.intensity import APPLIED
 from damage.provenance import measures_digest
-from damage.units import rounded
 
 
 def summary_row(history, run="", point=""):
@@ -110,8 +106,7 @@ def summary_table(paths):
 
 
 def index_table(history):
-    """Damage index of a History over time, a DataFrame, a row for each sample; columns:
-    `damage.measure.dictionary.INDEX`."""
+    """Damage index of a History over time, a DataFrame, a row for each sample; columns: INDEX."""
     table = history.index()
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
@@ -130,7 +125,7 @@ def events_table(history):
 
 def joints_table(history):
     """Table of the contact points of a History, a DataFrame; columns:
-    `damage.measure.dictionary.JOINTS_OF_A_RUN`."""
+    JOINTS_OF_A_RUN."""
     table = _with_first(
         history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m"
     )
@@ -163,19 +158,47 @@ def _with_first(table, *columns):
     return table[[*columns, *(name for name in table if name not in columns)]]
 
 
-RUN_TABLES = {
-    "index": index_table,
-    "events": events_table,
-    "joints": joints_table,
-    "cycles": cycles_table,
-    "shocks": shocks_table,
-    "storeys": storeys_table,
-    "bricks": bricks_table,
-    "static_stage": lambda history: history.static_stage,
-    "stresses": stresses_table,
-    "sections": sections_table,
-    "points": points_table,
+INDEX = {
+    "time_s": Column("s", "since the start of the (first) motion"),
+    "stage": Column("", "motion, rest, settling"),
+    **index_columns(),
+    "drift_over_limit": Column("1", "absolute drift ratio over its limit, not clipped"),
+    "drift_ratio": Column("1", "top displacement over the height of the top course's centres"),
+    **SLIP,
 }
+EVENTS = {
+    **EVENT_COLUMNS,
+    "joint_kind": Column("code", "bed, head, brick"),
+    "joint_x_m": JOINTS["x_m"],
+    "joint_z_m": JOINTS["z_m"],
+}
+JOINTS_OF_A_RUN = {
+    "joint": Column("index", "row of `joints` of the history"),
+    **JOINTS,
+    "final_opening_m": Column("m", "opening at the last sample"),
+    "max_opening_m": Column("m", "largest opening of all samples"),
+    "final_slip_m": Column("m", "accumulated slip at the last sample, signed"),
+    "max_abs_slip_m": Column("m", "largest absolute accumulated slip of all samples"),
+    "broken": Column("bool", "whether the bond had failed at the last sample"),
+    "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
+    "crushed": Column("bool", "whether it had been crushed by then"),
+    "ended": Column("bool", "whether it had ended by then, as its faces no longer overlapped"),
+    "final_offset_m": Column("m", "offset of the faces at the last sample, signed"),
+    "max_abs_offset_m": Column("m", "largest absolute offset of all samples"),
+}
+RUN_TABLES = {
+    "index": (index_table, INDEX),
+    "events": (events_table, EVENTS),
+    "joints": (joints_table, JOINTS_OF_A_RUN),
+    "cycles": (cycles_table, CYCLES),
+    "shocks": (shocks_table, SHOCKS),
+    "storeys": (storeys_table, STOREYS),
+    "bricks": (bricks_table, BRICKS),
+    "static_stage": (lambda history: history.static_stage, STATIC_STAGE),
+    "stresses": (stresses_table, STRESSES),
+    "sections": (sections_table, SECTIONS),
+}
+"""{end of a file's name: (function of a History, columns of the table)}."""
 
 
 def write_run_tables(history, stem):
@@ -186,29 +209,25 @@ def write_run_tables(history, stem):
         "shocks": history.series["shock"].iloc[-1] > 1,
         "storeys": history.masonry_wall.floors,
         "bricks": has_stresses(history),
-        "points": history.point_displacement is not None,
         **dict.fromkeys(("stresses", "sections"), history.joint_stress_pa is not None),
     }
     return [
         write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
         *(
             write_table(table_of(history), Path(f"{stem}_{name}.csv"))
-            for name, table_of in RUN_TABLES.items()
+            for name, (table_of, _) in RUN_TABLES.items()
             if has.get(name, True)
         ),
     ]
 
 
-def write_stresses(history, folder, moments=MOMENTS, joints=()):
-    """Write stresses.csv and sections.csv of a History at moments, and joint_N.csv of chosen joints
-    over time; returns the paths."""
-    folder = Path(folder)
+def write_stresses(history, folder, moments=MOMENTS):
+    """Write stresses.csv and sections.csv of a History at moments; returns the paths."""
     tables = {
         "stresses": stresses_table(history, moments),
         "sections": sections_table(history, moments),
-        **{f"joint_{row}": joint_history(history, row) for row in joints},
     }
-    return [write_table(table, folder / f"{name}.csv") for name, table in tables.items()]
+    return [write_table(table, Path(folder) / f"{name}.csv") for name, table in tables.items()]
 
 
 def write_table(table, path):
@@ -217,122 +236,3 @@ def write_table(table, path):
     with whole_or_nothing(path) as unfinished:
         as_words(table).to_csv(unfinished, index=False, float_format="%.9g")
     return path
-
-
-def describe_table(table):
-    """The summary table as text for people: the index and its components for each run."""
-    columns = {
-        "max_DI": "DI",
-        "max_DI_drift": "drift",
-        "max_DI_open": "open",
-        "max_DI_slip": "slip",
-        "residual_DI": "residual",
-    }
-    width = max(len("run"), *table["run"].str.len())
-    lines = [
-        f"{'run':{width}s}" + "".join(f"{name:>10s}" for name in columns.values()) + "  status"
-    ]
-    for _, row in table.iterrows():
-        status = row["status"] + (
-            f", collapsed at {row['collapsed_at_s']:.2f} s"
-            if pd.notna(row["collapsed_at_s"])
-            else ""
-        )
-        lines.append(
-            f"{row['run']:{width}s}"
-            + "".join(f"{row[key]:10.3f}" for key in columns)
-            + f"  {status}"
-        )
-    return "\n".join(lines)
-
-
-SHOWN = {
-    "max_DI": ("maximum DI", 1.0, "", None),
-    "residual_DI": ("residual DI", 1.0, "", None),
-    "max_drift_ratio": ("drift ratio", 100.0, " %", 3),
-    "max_crack_width_mm": ("widest crack", 1.0, " mm", 2),
-    "max_psi": ("Psi", 1.0, "", 2),
-    "peak_base_shear_n": ("base shear", 1e-3, " kN", 3),
-}
-"""{column: (name, factor, unit, significant digits)} of the measures whose median and range are
-shown; None for three decimals in place of significant digits."""
-
-
-def repeated(table):
-    """How many runs of a table were repeated in smaller steps (`damage.run.scheme`)."""
-    return int((table.reindex(columns=["repeats"])["repeats"] > 0).sum())
-
-
-def members_path(path):
-    """Path of the table of members beside the history file at `path`."""
-    return Path(path).with_name(f"{Path(path).stem}_members.csv")
-
-
-def member_row(row, path):
-    """A row of summary.csv as that of a member in the table beside the history file at `path`."""
-    point = Path(path).stem
-    return row | {"run": f"{point}_s{row['seed']}", "point": point}
-
-
-def members_of(history):
-    """Table of the members of a History, a DataFrame; None where there is none, or it belongs to
-    another history."""
-    path = members_path(history.path)
-    if not path.is_file():
-        return None
-    try:
-        table = read_table(path, [*SHOWN, "seed", "scatter", "collapsed_at_s"])
-    except InputError:
-        return None
-    own = summary_row(history)
-    same = len(table) > 0 and all(
-        np.isclose(
-            table[name].iloc[0],
-            np.nan if own[name] is None else own[name],
-            rtol=1e-8,
-            atol=0,
-            equal_nan=True,
-        )
-        for name in SHOWN
-    )
-    return table if same else None
-
-
-def spread(table):
-    """Median and range over the members of a table, a plain dictionary.
-
-    count: number of members; collapsed, repeated: how many of them collapsed, or were repeated in
-    smaller steps; and for each column of SHOWN that has values {"median", "min", "max"}.
-    """
-    values = table[list(SHOWN)].astype(float).agg(["median", "min", "max"]).dropna(axis="columns")
-    return {
-        "count": len(table),
-        "collapsed": int(table["collapsed_at_s"].notna().sum()),
-        "repeated": repeated(table),
-    } | values.to_dict()
-
-
-def describe_spread(spread):
-    """The result of `spread` as text, a list of lines."""
-    of_them = "".join(
-        f", {spread[name]} of them {name}" for name in ("collapsed", "repeated") if spread.get(name)
-    )
-    return [
-        f"{spread['count']} members{of_them}: median (min to max)",
-        *(
-            f"  {SHOWN[name][0]:14s}{members_in_words(spread, name)}"
-            for name in SHOWN
-            if name in spread
-        ),
-    ]
-
-
-def members_in_words(spread, name):
-    """Text: median and range of one column of SHOWN, with its unit; spread: the result of
-    `spread`."""
-    _, factor, unit, digits = SHOWN[name]
-    middle, least, most = (
-        f"{value:.3f}" if digits is None else rounded(value, digits)
-        for value in (factor * spread[name][of] for of in ("median", "min", "max"))
-    )
-    return f"{middle} ({least} to {most}){unit}"

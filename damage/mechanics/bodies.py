@@ -7,7 +7,17 @@ inverse mass is zero, the velocity is prescribed.
 
 from damage.elementary import cos, sin
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import (
+from damage.mechanics.rows import (
+    bench_of,
+    first_force,
+    force_of,
+    inverse_mass_of,
+    keep_bench,
+    mass_of,
+    place_of,
+    velocity_of,
+)
+from damage.mechanics.simd import (
     add_part,
     bits,
     either,
@@ -22,16 +32,6 @@ from damage.mechanics.eight import (
     wall_of,
     widest,
     zero,
-)
-from damage.mechanics.rows import (
-    bench_of,
-    first_force,
-    force_of,
-    inverse_mass_of,
-    keep_bench,
-    mass_of,
-    place_of,
-    velocity_of,
 )
 from damage.mechanics.tables import (
     ADAPTIVE,

@@ -33,8 +33,8 @@ from damage.law.joint_law import TENSION
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import add, argument, flags_of, load, store, zero
 from damage.mechanics.rows import inverse_mass_of, place_of, push_body, strengths_of, velocity_of
+from damage.mechanics.simd import add, argument, flags_of, load, store, zero
 from damage.mechanics.tables import (
     COS1,
     DAMPING,

@@ -30,7 +30,7 @@ SOURCES = [
     (Path(__file__).parent / f"{name}.py").resolve()
     for name in (
         "compiled",
-        "eight",
+        "simd",
         "tables",
         "bodies",
         "scaling",

@@ -1,9 +1,9 @@
 """Forces of single contact points: linear springs within their elastic range, the joint law beyond
 it.
 
-`STATES` is the state of a contact point after the last evaluation of the law.  From that state on
-it is a linear spring, until a trial state leaves the elastic range of the state.  `n`: width of the
-step (`damage.mechanics.eight`), in functions that evaluate the law of a single wall.
+`CONTACT_FIELDS` is the state of a contact point after the last evaluation of the law.  From that
+state on it is a linear spring, until a trial state leaves the elastic range of the state.  `n`:
+width of the step (`damage.mechanics.simd`), in functions that evaluate the law of a single wall.
 """
 
 from typing import NamedTuple
@@ -14,12 +14,12 @@ from damage.law import joint_law
 from damage.law.joint_law import INTACT, LawParameters
 from damage.mechanics import rows
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import add, bits, either, load, store, store_where, zero
 from damage.mechanics.interfaces import Resultant
-from damage.mechanics.tables import FRACTURE, FRICTION, OPENED, SLIPPED, STATES, Reading
+from damage.mechanics.simd import add, bits, either, load, store, store_where, zero
+from damage.mechanics.tables import CONTACT_FIELDS, FRACTURE, FRICTION, OPENED, SLIPPED, Reading
 
 NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(
-    STATES.index,
+    CONTACT_FIELDS.index,
     (
         "normal_stress",
         "shear_stress",
@@ -34,8 +34,8 @@ NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDL
     ),
 )
 TENSION_STIFFNESS, LEFT = (
-    STATES.index("elastic_tension_stiffness"),
-    STATES.index("elastic_tensile_strength"),
+    CONTACT_FIELDS.index("elastic_tension_stiffness"),
+    CONTACT_FIELDS.index("elastic_tensile_strength"),
 )
 
 

@@ -6,7 +6,7 @@ import hashlib
 import numpy as np
 
 from damage.law.blocks import factorised
-from damage.law.modes import elastic_key, joint_stiffness, mass_vector
+from damage.law.modes import elastic_key, joint_stiffness, kept, mass_vector
 from damage.mechanics.scaling import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 from damage.wall.soil import radiation_times
@@ -14,8 +14,6 @@ from damage.wall.soil import radiation_times
 MASSLESS = 1e-30
 """What stands for the mass of a coordinate without one, whose velocity is prescribed [kg or kg
 m2]."""
-_MOST_KEPT = 8
-_KEPT = {}  # {key: ScaledMass}, the last used at the end
 
 
 def scaled_mass(layout, time_step, beta, held=()):
@@ -24,11 +22,8 @@ def scaled_mass(layout, time_step, beta, held=()):
     those of the last walls are kept."""
     numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
-    key = hashlib.sha256(b"|".join((*elastic_key(layout), damping, numbers.tobytes()))).digest()
-    _KEPT[key] = _KEPT.pop(key, None) or ScaledMass(key, layout, time_step, beta, list(held))
-    if len(_KEPT) > _MOST_KEPT:
-        del _KEPT[next(iter(_KEPT))]
-    return _KEPT[key]
+    key = hashlib.sha256(b"|".join((elastic_key(layout), damping, numbers.tobytes()))).digest()
+    return kept(key, lambda: ScaledMass(key, layout, time_step, beta, list(held)))
 
 
 class ScaledMass:

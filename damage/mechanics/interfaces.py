@@ -11,14 +11,14 @@ mean rotation of both bodies.  It therefore conserves linear and angular momentu
 gradient of the contact's elastic energy.
 
 All functions accept the values of one interface, or vectors of the values of eight
-(`damage.mechanics.eight`).
+(`damage.mechanics.simd`).
 """
 
 from typing import NamedTuple
 
 from damage.law import joint_law
 from damage.mechanics.compiled import inlined
-from damage.mechanics.eight import either
+from damage.mechanics.simd import either
 
 
 class Line(NamedTuple):
@@ -56,7 +56,7 @@ class Springs(NamedTuple):
     slide_loss: float
 
 
-class Limits(NamedTuple):
+class ElasticLimits(NamedTuple):
     """Up to which an intact interface is elastic: opening at the reach, -inf once a contact point
     has failed, and shear displacement without opening [m]; failed: zero, then FAILED, ENDING, ENDED
     of `damage.law.states`."""
@@ -153,8 +153,8 @@ def relative_motion(line, a, b):
 
 @inlined
 def stays_intact(springs, limits, motion):
-    """Whether all contact points of an intact interface stay within their elastic Limits, by the
-    largest opening."""
+    """Whether all contact points of an intact interface stay within their ElasticLimits, by
+    the largest opening."""
     widest = motion.opening + springs.reach * abs(motion.rotation)
     return joint_law.stays_elastic(
         widest, motion.shear, limits.largest_opening, limits.largest_slide, springs.slide_loss

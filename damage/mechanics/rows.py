@@ -2,7 +2,16 @@
 
 from damage.law.joint_law import ContactState, ElasticRange
 from damage.mechanics.compiled import inlined
-from damage.mechanics.eight import (
+from damage.mechanics.interfaces import (
+    Dashpots,
+    ElasticLimits,
+    Line,
+    Pose,
+    RelativeMotion,
+    Resultant,
+    Springs,
+)
+from damage.mechanics.simd import (
     add,
     add_three,
     column,
@@ -13,16 +22,8 @@ from damage.mechanics.eight import (
     reader,
     writer,
 )
-from damage.mechanics.interfaces import (
-    Dashpots,
-    Limits,
-    Line,
-    Pose,
-    RelativeMotion,
-    Resultant,
-    Springs,
-)
 from damage.mechanics.tables import (
+    CONTACT_FIELDS,
     COS1,
     INVERSE_MASS,
     LAST,
@@ -35,7 +36,6 @@ from damage.mechanics.tables import (
     READINGS,
     RIGID,
     ROTATION,
-    STATES,
     STRENGTHS,
     VELOCITY,
     Bearing,
@@ -46,16 +46,19 @@ from damage.mechanics.tables import (
     Z,
 )
 
-law_state, keep_law_state = reader(ContactState, STATES), writer(ContactState, STATES)
+law_state, keep_law_state = (
+    reader(ContactState, CONTACT_FIELDS),
+    writer(ContactState, CONTACT_FIELDS),
+)
 range_now, keep_range = (
-    reader(ElasticRange, STATES, "elastic_"),
-    writer(ElasticRange, STATES, "elastic_"),
+    reader(ElasticRange, CONTACT_FIELDS, "elastic_"),
+    writer(ElasticRange, CONTACT_FIELDS, "elastic_"),
 )
 strengths_of = reader(Strengths, STRENGTHS)
 reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
 bench_of, keep_bench = reader(Bench, Bench._fields), writer(Bench, Bench._fields)
 bearing_of, keep_bearing = reader(Bearing, Bearing._fields), writer(Bearing, Bearing._fields)
-limits_of = reader(Limits, LIMITS)
+limits_of = reader(ElasticLimits, LIMITS)
 line_in, springs_in = reader(Line, LINES), reader(Springs, LINES)
 last_motion, last_resultant = reader(RelativeMotion, LAST), reader(Resultant, LAST, "last_")
 keep_motion, keep_resultant = writer(RelativeMotion, LAST), writer(Resultant, LAST, "last_")

@@ -14,7 +14,6 @@ from damage.mechanics import contacts
 from damage.mechanics.bodies import energies_of_modes, kinetic_energy
 from damage.mechanics.collisions import energy_stored
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.rows import (
     bench_of,
     force_of,
@@ -25,6 +24,7 @@ from damage.mechanics.rows import (
     velocity_of,
 )
 from damage.mechanics.scaling import scaled_kinetic_energy
+from damage.mechanics.simd import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.tables import HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 from damage.mechanics.bodies import advance, coordinates, put, rates
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import add_part, load, store, zero
 from damage.mechanics.rows import (
     bench_of,
     first_force,
@@ -22,6 +21,7 @@ from damage.mechanics.rows import (
     place_of,
     velocity_of,
 )
+from damage.mechanics.simd import add_part, load, store, zero
 from damage.mechanics.tables import DRIVEN, PLACE, RIGID, ROW, SWEPT_X, TAKEN, X, Z
 
 LOST = 3

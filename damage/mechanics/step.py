@@ -1,7 +1,7 @@
 """The time step: move the bodies, evaluate every interface and every loose contact, sum the forces.
 
 This is the definition of the model.  It runs one wall or eight at once (`n`,
-`damage.mechanics.eight`), compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1); a wall has
+`damage.mechanics.simd`), compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1); a wall has
 the same bits in both widths, whatever the others do.  Of eight walls, some leave their elastic
 range, are failed, or end, which bits of integers say; the joint law is evaluated for one wall at a
 time.
@@ -24,7 +24,10 @@ from damage.mechanics import collisions, contacts, interfaces, rows
 from damage.mechanics.bodies import SMALL, adapt, move_all, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.contacts import Points
-from damage.mechanics.eight import (
+from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
+from damage.mechanics.samples import observe
+from damage.mechanics.scaling import move_scaled
+from damage.mechanics.simd import (
     add,
     add_part,
     argument,
@@ -42,9 +45,6 @@ from damage.mechanics.eight import (
     with_lane,
     zero,
 )
-from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
-from damage.mechanics.samples import observe
-from damage.mechanics.scaling import move_scaled
 from damage.mechanics.tables import (
     ADAPTIVE,
     BETA,

@@ -4,7 +4,7 @@ The joint law is homogeneous in the area.  Its parameters here are those of a co
 its area, so that it returns forces and works in place of stresses and works per area.
 
 What differs between walls is in arrays (rows, fields, W), the wall last, of one wall or of eight
-that step together (`damage.mechanics.eight`); what is equal in all of them has no such axis.
+that step together (`damage.mechanics.simd`); what is equal in all of them has no such axis.
 `System` has the tables of one wall, views of these arrays.
 """
 
@@ -15,7 +15,7 @@ import numba
 import numpy as np
 
 from damage.law.joint_law import ContactState, ElasticRange, Material
-from damage.mechanics.eight import WIDTH, argument
+from damage.mechanics.simd import WIDTH, argument
 
 X, Z, ROTATION = range(3)
 """Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was
@@ -96,49 +96,37 @@ class Reading(NamedTuple):
     tau: float
 
 
-def _row(*fields):
-    """Structured dtype of a table from its fields (name, type, unit, meaning)."""
-    row = np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
+def _row(**fields):
+    """Structured dtype of a table from its fields, {type of numpy: their names}."""
+    row = np.dtype(
+        [(name, kind) for kind, names in fields.items() for name in names.split()], align=True
+    )
     # plain Python, too: fields as attributes
     return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row
 
 
-INTERFACE = _row(  # equal in all walls that step together
-    ("ax", REAL, "m", "arm from the centre of body a to the middle of the contact points, along x"),
-    ("az", REAL, "m", "the same along z"),
-    ("bx", REAL, "m", "arm from the centre of body b, along x"),
-    ("bz", REAL, "m", "the same along z"),
-    ("kn", REAL, "N/m", "normal stiffness of all contact points together"),
-    ("ks", REAL, "N/m", "shear stiffness of all contact points together"),
-    ("kn_offset", REAL, "N", "sum of kn offset over the contact points"),
-    ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
-    ("reach", REAL, "m", "offset of the outermost contact point"),
-    (
-        "slide_loss",
-        REAL,
-        "-",
-        "reduction of the largest elastic shear displacement by an opening at the reach",
-    ),
-    ("head", REAL, "-", "1 for an upright interface, 0 for a bed joint"),
-    ("a", INDEX, "-", "row of body a"),
-    ("b", INDEX, "-", "row of body b"),
-    ("start", INDEX, "-", "row of the first contact point"),
-    ("stop", INDEX, "-", "row after the last one"),
-    ("slide_least", REAL, "m", "shear displacement down to which the two faces overlap"),
-    ("slide_most", REAL, "m", "the same upwards; both infinite on a support"),
+INTERFACE = _row(
+    f8="ax az bx bz kn ks kn_offset kn_offset2 reach slide_loss head slide_least slide_most",
+    u4="a b start stop",
 )
+"""Of an interface, equal in all walls that step together.
+
+ax, az, bx, bz: arms from the centres of bodies a and b to the middle of the contact points [m];
+kn, ks: normal and shear stiffness of all contact points together [N/m]; kn_offset, kn_offset2: sums
+of kn offset [N] and kn offset^2 [N m] over them; reach: offset of the outermost one [m];
+slide_loss: reduction of the largest elastic shear displacement by an opening at the reach [-];
+head: 1 for an upright interface, 0 for a bed joint; slide_least, slide_most: shear displacements
+down and up to which the two faces overlap, infinite on a support [m]; a, b: rows of the bodies;
+start, stop: row of the first contact point, and that after the last one.
+"""
 LIMITS = "largest_opening", "largest_slide", "failed"
-"""Fields of the limits of an interface: of `damage.mechanics.interfaces.Limits`."""
+"""Fields of the limits of an interface: of `damage.mechanics.interfaces.ElasticLimits`."""
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
 LINES = INTERFACE.names[:11]
 """Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
-# of a contact point, equal in all walls that step together; stiffnesses times its area
-CONTACT = _row(
-    ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
-    ("area", REAL, "m2", ""),
-    ("kn", REAL, "N/m", "normal stiffness"),
-    ("ks", REAL, "N/m", "shear stiffness"),
-)
+CONTACT = _row(f8="offset area kn ks")
+"""Of a contact point, equal in all walls that step together: offset from the interface's middle,
+along +x in bed and -z in head joints [m]; area [m2]; normal and shear stiffness times it [N/m]."""
 STRENGTHS, READINGS = Strengths._fields, Reading._fields
 LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
 """Fields of `last`: RelativeMotion and Resultant of the last step."""
@@ -148,7 +136,11 @@ OF_STEP = "shear0", "idle", "passed"
 """Fields of a state that the step adds: shear displacement at which the contact had `shear_stress`
 [m]; opening up to which the law of a failed, open contact is not evaluated, negative before [m];
 thresholds exceeded so far: 1 opened, 2 slipped, 3 both."""
-STATES = *ContactState._fields, *(f"elastic_{name}" for name in ElasticRange._fields), *OF_STEP
+CONTACT_FIELDS = (
+    *ContactState._fields,
+    *(f"elastic_{name}" for name in ElasticRange._fields),
+    *OF_STEP,
+)
 """Fields of the state of a contact point: of the joint law, its elastic range, both times its area,
 and OF_STEP."""
 
@@ -168,7 +160,7 @@ class System(
         mass of zero prescribes a velocity
     trig: (bodies, 2) cosine of the rotation less one, and its sine
     interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states
-        (STATES): contacts in the order of their interfaces
+        (CONTACT_FIELDS): contacts in the order of their interfaces
     readings: (4, contacts) displacements and stresses at the last sample, READINGS
     energy: (4,) INPUT to DAMPING [J]
     events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa],
@@ -245,7 +237,7 @@ def make_tables(
         limits=limits,
         contacts=contacts,
         strengths=zeros(c, len(STRENGTHS)),
-        states=zeros(c, len(STATES)),
+        states=zeros(c, len(CONTACT_FIELDS)),
         readings=zeros(c, len(READINGS)),
         energy=zeros(1, 4),
         events=np.zeros((width, capacity, 3), np.int64),
@@ -331,7 +323,7 @@ def system_of(tables, w):
         contacts=tables.contacts,
         limits=tables.limits[: len(tables.interfaces), :, w],
         strengths=_records(tables.strengths, STRENGTHS, w),
-        states=_records(tables.states, STATES, w),
+        states=_records(tables.states, CONTACT_FIELDS, w),
         readings=tables.readings[..., w].T,
         energy=tables.energy[0, :, w],
         events=tables.events[w],

@@ -39,9 +39,7 @@ _FORTRAN = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3}(?![\d
 """A number in a fixed column, which may touch the one before it by its sign."""
 
 
-def read_columns(
-    path, lines: list[str], unit=None, sample_step_s=None
-) -> tuple[float, float, np.ndarray, str]:
+def read_columns(path, lines, unit=None, sample_step_s=None):
     """Time step and first time [s], accelerations (n_samples,) [m/s2], and their unit with what
     says so, of a table: time and acceleration, or the acceleration alone where `sample_step_s` is
     given.
@@ -92,11 +90,11 @@ def read_columns(
     return step_s, first_s, acceleration * UNITS_M_S2[taken], words
 
 
-def _is_header(line: str) -> bool:
+def _is_header(line):
     return not any(map(is_number, re.split(r"[,;\s]+", line.strip())))
 
 
-def _comment_above(lines, first: int) -> tuple[int, str]:
+def _comment_above(lines, first):
     """The line (number, text) above the first row, the line of this number, where it is a comment,
     as `numpy.savetxt` writes a header; otherwise the row."""
     is_comment = first > 1 and lines[first - 2].lstrip().startswith("#")
@@ -104,7 +102,7 @@ def _comment_above(lines, first: int) -> tuple[int, str]:
     return number, lines[number - 1]
 
 
-def _named_unit(header: str, separator: str | None, alone: bool) -> str | None:
+def _named_unit(header, separator, alone):
     """The unit that a header names, one of UNITS_M_S2, or None; alone: of a single column.
 
     >>> _named_unit("# time [s]; acc [cm/s2]", ";", False), _named_unit("n-s (g)", ",", True)
@@ -120,7 +118,7 @@ def _named_unit(header: str, separator: str | None, alone: bool) -> str | None:
     return unit if unit in UNITS_M_S2 else None
 
 
-def _unit(path, header: tuple[int, str], named, given) -> tuple[str, str]:
+def _unit(path, header, named, given):
     """(unit, words that say it and where it was named) by the header, a line (number, text), and
     the unit that it names or None, or by --unit, which cannot replace it."""
     if given and named and UNITS_M_S2[given] != UNITS_M_S2[named]:
@@ -138,7 +136,7 @@ def _unit(path, header: tuple[int, str], named, given) -> tuple[str, str]:
     return named, f"{named} (line {number}: {_shown(line.strip())})"
 
 
-def _separator(line: str) -> str | None:
+def _separator(line):
     """The separator of the columns of a data line; None: blanks.
 
     >>> lines = "0.01,0.2", "0.01, 0.2", "0,01;0,2", "0,01 0,2", " 0.01  .2 "
@@ -153,7 +151,7 @@ def _separator(line: str) -> str | None:
     return None if len(cells) > 1 and all(map(_DECIMAL.fullmatch, cells)) else ","
 
 
-def _plain_unit(unit: str) -> str:
+def _plain_unit(unit):
     """A unit in the spelling of UNITS_M_S2, where it is one of them.
 
     >>> [_plain_unit(unit) for unit in ("cm/s²", "m/s^2", "cm/sec/sec", "gals", "mm", "m s-2")]
@@ -166,7 +164,7 @@ def _plain_unit(unit: str) -> str:
     return "gal" if unit == "gals" else unit
 
 
-def numbers(path, number: int, line: str) -> list[float]:
+def numbers(path, number, line):
     """The finite numbers of one line, separated by blanks or by the sign of the next fixed
     column."""
     cells = line.split()
@@ -191,7 +189,7 @@ def numbers(path, number: int, line: str) -> list[float]:
     return values
 
 
-def _fixed_columns(cell: str) -> list[str]:
+def _fixed_columns(cell):
     """The numbers of a cell that touch by their signs; the cell where it is no such.
 
     >>> tuple(map(_fixed_columns, ("-0.100E+00-0.200E-01-0.5", "1.52.5", "2018-01-08")))
@@ -203,7 +201,7 @@ def _fixed_columns(cell: str) -> list[str]:
     )
 
 
-def bad_line(path, number: int, line: str, problem: str, expected: str) -> InputError:
+def bad_line(path, number, line, problem, expected):
     """The error of a line that does not fit."""
     return InputError(f"{path}: line {number}: {_shown(line)} {problem}; expected {expected}")
 
@@ -224,7 +222,7 @@ _ROUNDED_SHARE = 0.05
 _WAY_OUT = "write seconds, or give --sample-step S, the time between two samples [s]"
 
 
-def check_step(path, step_s: float):
+def check_step(path, step_s):
     """Raise InputError where samples are too far apart for the motion of a wall."""
     if step_s > LONGEST_STEP_S:
         raise InputError(
@@ -234,7 +232,7 @@ def check_step(path, step_s: float):
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of times that no clock shows, which are refused
-def uniform_step(path, lines: list[int], time_s: np.ndarray, given_s: float | None = None) -> float:
+def uniform_step(path, lines, time_s, given_s=None):
     """The constant step [s] of a column of times (n_samples,) in these lines; given_s: what
     --sample-step says of it.
 
@@ -296,7 +294,7 @@ def _refuse_rounded(path, time_s, steps, usual):
     )
 
 
-def _decimals(time_s) -> int:
+def _decimals(time_s):
     """Decimals with which times are printed, up to nine."""
     for decimals in range(9):
         scaled = time_s * 10.0**decimals
@@ -305,7 +303,7 @@ def _decimals(time_s) -> int:
     return 9
 
 
-def _given_step(path, time_s, given_s: float) -> float:
+def _given_step(path, time_s, given_s):
     """The step by --sample-step; InputError unless the times are multiples of it in seconds or
     milliseconds, as far as they are rounded, or numbers of samples."""
     if not (math.isfinite(given_s) and given_s > 0):

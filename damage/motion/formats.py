@@ -41,7 +41,7 @@ _MINISEED_START = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03")
 _CSV_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
 
 
-def shipped_record_path(name: str = "BGAR_HGE") -> Path:
+def shipped_record_path(name="BGAR_HGE"):
     """Path of a record that comes with the package; damage/data/*/README.md say what each is."""
     shipped = shipped_records()
     if name not in shipped:
@@ -53,14 +53,14 @@ def shipped_record_path(name: str = "BGAR_HGE") -> Path:
 
 
 @cache  # a study asks for each of its runs
-def shipped_records() -> dict[str, Path]:
+def shipped_records():
     """{name: path} of the records that come with the package, in the order of their names."""
     shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
     shipped |= {_csv_name(path): path for path in DATA.glob("*/*_acc_m_s2.csv")}
     return dict(sorted(shipped.items()))
 
 
-def record_path(word) -> Path:
+def record_path(word):
     """Path of a record, given by its path or by the name of a record that ships, like BGAR_HGE; a
     file of that name comes first.  What is neither is taken for a path, but for a name without
     ending: InputError."""
@@ -75,7 +75,7 @@ def record_path(word) -> Path:
     return path
 
 
-def read_record(path, response=None, unit=None, sample_step_s=None) -> Record:
+def read_record(path, response=None, unit=None, sample_step_s=None):
     """Read one component of acceleration from a CSV, PEER AT2 or miniSEED file.
 
     path: of the file, or the name of a record that ships (`record_path`).
@@ -118,7 +118,7 @@ def read_record(path, response=None, unit=None, sample_step_s=None) -> Record:
 
 # both components of a motion, which the members of a study ask for again and again
 @lru_cache(maxsize=2)
-def _read_text(path, data: bytes, unit=None, sample_step_s=None) -> Record:
+def _read_text(path, data, unit=None, sample_step_s=None):
     """The record in the text of a CSV or AT2 file."""
     suffix = Path(path).suffix.lower()
     # a comment may be in any encoding; a binary file fails as a line that is not numeric
@@ -133,7 +133,7 @@ def _read_text(path, data: bytes, unit=None, sample_step_s=None) -> Record:
     return read_at2(path, lines, unit)
 
 
-def write_csv(record: Record, path, comments=()) -> Path:
+def write_csv(record, path, comments=()):
     """Write a record as CSV in m/s2 with seven digits, each comment on a line of its own.
 
     Time has four decimals, so the time step must be a multiple of 0.1 ms.
@@ -145,7 +145,7 @@ def write_csv(record: Record, path, comments=()) -> Path:
     return write_text(path, "\n".join(lines) + "\n")
 
 
-def _read_csv(path, lines: list[str], unit, sample_step_s) -> Record:
+def _read_csv(path, lines, unit, sample_step_s):
     """Columns as `damage.motion.columns` reads them: time and acceleration, or acceleration
     alone."""
     step_s, first_s, acceleration_m_s2, unit = read_columns(path, lines, unit, sample_step_s)
@@ -154,12 +154,12 @@ def _read_csv(path, lines: list[str], unit, sample_step_s) -> Record:
     return Record(_csv_name(path), step_s, acceleration_m_s2, start_utc, str(path), unit=unit)
 
 
-def _csv_name(path) -> str:
+def _csv_name(path):
     """Name of a record by its file's: without the quantity and unit at the end."""
     return re.sub(rf"_acc_({'|'.join(UNITS_M_S2)})$", "", Path(path).stem)
 
 
-def _read_miniseed(path, data: bytes, response) -> Record:
+def _read_miniseed(path, data, response):
     """Counts over the instrument's overall sensitivity, minus the mean of the first 2 s."""
     obspy = _obspy(path)
     trace = _only_trace(obspy, path, data)
@@ -185,7 +185,7 @@ def _read_miniseed(path, data: bytes, response) -> Record:
     )
 
 
-def _counts(path, trace) -> np.ndarray:
+def _counts(path, trace):
     """The samples of a trace, float64; InputError of such as no digitiser gives."""
     counts = trace.data.astype(np.float64)
     off = np.abs(np.where(np.isfinite(counts) & (counts != np.round(counts)), counts, 0.0))
@@ -213,7 +213,7 @@ def _obspy(path):
     return obspy
 
 
-def _only_trace(obspy, path, data: bytes):
+def _only_trace(obspy, path, data):
     """The one trace of a miniSEED file, its contiguous parts joined."""
     stream = _quietly(path, "miniSEED, fetch the file anew", lambda: _stream(obspy, data))
     lengths = {trace.stats.mseed.record_length for trace in stream}
@@ -234,7 +234,7 @@ def _only_trace(obspy, path, data: bytes):
     return stream[0]
 
 
-def _stream(obspy, data: bytes):
+def _stream(obspy, data):
     """The traces of a miniSEED file, parts that continue each other joined; ValueError where they
     are too many, no numbers, or of times that no calendar has."""
     stream = obspy.read(io.BytesIO(data), format="MSEED")
@@ -247,7 +247,7 @@ def _stream(obspy, data: bytes):
     return stream
 
 
-def _sensitivity(obspy, station_xml: Path, trace) -> tuple[float, str]:
+def _sensitivity(obspy, station_xml, trace):
     """Overall sensitivity of the trace's instrument [counts per m/s2], and the SHA-256 of the file
     that gives it."""
     if not station_xml.is_file():
@@ -279,7 +279,7 @@ def _sensitivity(obspy, station_xml: Path, trace) -> tuple[float, str]:
     return found.value, hashlib.sha256(text).hexdigest()
 
 
-def _check_sensitivity(where, overall, stages) -> None:
+def _check_sensitivity(where, overall, stages):
     """InputError where an overall sensitivity is not in counts, or not what the gains of its stages
     say."""
     gains = [stage.stage_gain for stage in stages if stage.stage_gain is not None]
@@ -305,7 +305,7 @@ def _check_sensitivity(where, overall, stages) -> None:
             )
 
 
-def without_entities(xml: bytes) -> bytes:
+def without_entities(xml):
     """XML as it is, if it declares no document type: entities could stand for other files or for
     any length.
 
@@ -343,7 +343,7 @@ def _quietly(path, wanted, read):
     return found
 
 
-def _content(path) -> bytes:
+def _content(path):
     """Bytes of a file that must exist and hold something."""
     try:
         data = check_file(path, "a record file (CSV, AT2 or miniSEED)", MOST_MB).read_bytes()
@@ -427,7 +427,7 @@ FOREIGN = (
 """(format, how a file begins, what to do with it); docs/guides/own-record.md has a row for each."""
 
 
-def foreign(data: bytes) -> tuple[str, str] | None:
+def foreign(data):
     """The format of a file's bytes, where it is one of FOREIGN, and what to do with it.
 
     >>> foreign(b"Origin Time       2018/01/24 19:51:00")[0]
@@ -458,14 +458,14 @@ _IN_G = re.compile(r"\b(?:in|of|are) +\(?g\)? *(?:$|[.,;])", re.IGNORECASE)
 _NOT_ACCELERATION = re.compile(r"\b(?:velocity|displacement)\b", re.IGNORECASE)
 
 
-def is_at2(lines: list[str]) -> bool:
+def is_at2(lines):
     """Whether a text begins as an AT2 file."""
     return any(
         count_and_step(line) for line in lines[:MOST_HEADER] if not line.lstrip().startswith("#")
     )
 
 
-def read_at2(path, lines: list[str], unit=None) -> Record:
+def read_at2(path, lines, unit=None):
     """The record of an AT2 file's lines; unit: one of UNITS_M_S2 where the header does not name
     g."""
     head = next((k for k, line in enumerate(lines[:MOST_HEADER]) if count_and_step(line)), None)
@@ -497,7 +497,7 @@ def read_at2(path, lines: list[str], unit=None) -> Record:
         )
 
 
-def _unit(path, head: list[str], given) -> tuple[str, str]:
+def _unit(path, head, given):
     """(unit, words that say it and where it was named) by the line of a header that names g, or by
     --unit where none does."""
     for number, line in enumerate(head, 1):
@@ -527,7 +527,7 @@ def _unit(path, head: list[str], given) -> tuple[str, str]:
     return "g", f"g (line {number})"
 
 
-def count_and_step(line: str) -> tuple[int, float] | None:
+def count_and_step(line):
     """NPTS and DT [s] of a header line in either of PEER's orders, or None.
 
     >>> lines = "NPTS=  400, DT= 0,005 SEC", "DT= .0050, NPTS= 400", "400 .005 NPTS, DT"

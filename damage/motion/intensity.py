@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # signal and integrate where they are used: half a second
 
 from damage.errors import InputError
-from damage.motion.record import LEAST_A_PERIOD, Record
+from damage.motion.record import LEAST_A_PERIOD
 from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)
@@ -45,17 +45,17 @@ MOST_VALUES = 10**8
 """Instants of an oscillator's response, 8 bytes each."""
 
 
-def pga_g(record: Record) -> float:
+def pga_g(record):
     """Peak ground acceleration [g]."""
     return float(np.abs(record.acceleration_m_s2).max()) / GRAVITY
 
 
-def pgv_cm_s(record: Record) -> float:
+def pgv_cm_s(record):
     """Peak ground velocity as `pgv_m_s` has it [cm/s]."""
     return 100.0 * pgv_m_s(record)
 
 
-def pgv_m_s(record: Record) -> float:
+def pgv_m_s(record):
     """Peak velocity of a base that moves as the record says, from rest at the first sample [m/s].
 
     Exact for acceleration that is linear between samples, which is how a run applies it: the
@@ -70,7 +70,7 @@ def pgv_m_s(record: Record) -> float:
     return float(max(np.abs(at_samples).max(), np.abs(between).max(initial=0.0)))
 
 
-def rotd100(record: Record, across: Record) -> dict:
+def rotd100(record, across):
     """Largest of all horizontal directions (RotD100: D. M. Boore, 2010, Bull. Seism. Soc. Am.
     100(4), 1830-1835) of two components at right angles with the same step, length and start:
     "pga_rotd100_g", "pgv_rotd100_cm_s" and "sa_rotd100_g", the 5 % spectrum, {period [s]: ordinate
@@ -99,7 +99,7 @@ INSTANTS = 16
 velocity."""
 
 
-def pgv_rotd100_m_s(record: Record, across: Record) -> float:
+def pgv_rotd100_m_s(record, across):
     """As `pgv_m_s`, in the direction in which it is largest [m/s]; the velocity is exact at each
     instant looked at."""
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
@@ -112,7 +112,7 @@ def pgv_rotd100_m_s(record: Record, across: Record) -> float:
     return float(np.hypot(velocity(record), velocity(across)).max())
 
 
-def avg_sa_g(record: Record) -> float:
+def avg_sa_g(record):
     """AvgSa: geometric mean of the 5 % pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of
     them is.
 
@@ -125,9 +125,7 @@ def avg_sa_g(record: Record) -> float:
     )
 
 
-def applied_measures(
-    record: Record | None, eigen_period_s: float | None, across: Record | None = None
-) -> dict:
+def applied_measures(record, eigen_period_s, across=None):
     """Measures of the horizontal motion as a run applied it, under the keys APPLIED; None where one
     does not apply.
 
@@ -153,7 +151,7 @@ def applied_measures(
     return {name: _where_it_applies(measures[name]) for name in APPLIED}
 
 
-def sa_g(record: Record, period_s: float) -> float:
+def sa_g(record, period_s):
     """5 % spectral acceleration at a period, the rest after the motion included [g]."""
     return float(response_spectrum(rested(record, period_s), [period_s])[0])
 
@@ -166,20 +164,18 @@ def _where_it_applies(measure):
         return None
 
 
-def rested(record: Record, rest_s: float) -> Record:
+def rested(record, rest_s):
     """The record with at least that time at rest after it [s]."""
     rest = np.zeros(math.ceil(rest_s / record.time_step_s) + 1)
     return replace(record, acceleration_m_s2=np.concatenate((record.acceleration_m_s2, rest)))
 
 
-def arias_m_s(record: Record) -> float:
+def arias_m_s(record):
     """Arias intensity, pi / (2 g) times the integral of the squared acceleration [m/s]."""
     return math.pi / (2 * GRAVITY) * float(_squared_acceleration_integral(record)[-1])
 
 
-def significant_duration_s(
-    record: Record, start_fraction: float = 0.05, end_fraction: float = 0.75
-) -> float:
+def significant_duration_s(record, start_fraction=0.05, end_fraction=0.75):
     """Time between two fractions of the Arias intensity, linear between samples [s]."""
     if not 0 <= start_fraction < end_fraction <= 1:
         raise InputError(
@@ -194,14 +190,14 @@ def significant_duration_s(
     return float(end_s - start_s)
 
 
-def _squared_acceleration_integral(record: Record) -> np.ndarray:
+def _squared_acceleration_integral(record):
     """Running integral of the squared acceleration, trapezoidal, (n_samples,) [m2/s3]."""
     return scipy.integrate.cumulative_trapezoid(
         record.acceleration_m_s2**2, dx=record.time_step_s, initial=0.0
     )
 
 
-def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.ndarray:
+def response_spectrum(record, periods_s, damping=0.05):
     """Pseudo-acceleration of oscillators that start at rest, (n_periods,) [g].
 
     periods_s: (n_periods,) natural periods [s], also far below the time step.
@@ -231,9 +227,7 @@ def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.nd
     )
 
 
-def oscillator_response(
-    acceleration_m_s2: np.ndarray, time_step_s: float, period_s: float, damping: float = 0.05
-) -> np.ndarray:
+def oscillator_response(acceleration_m_s2, time_step_s, period_s, damping=0.05):
     """Displacement times squared angular frequency of an oscillator over time [m/s2].
 
     acceleration_m_s2: (n_samples,), of the base; the response is linear in it.
@@ -269,13 +263,13 @@ def oscillator_response(
     return omega**2 / pole.imag * response
 
 
-def _ramp_weights(exponent: complex, elapsed_s: float) -> tuple[complex, complex]:
+def _ramp_weights(exponent, elapsed_s):
     """phi0 and phi1 [s]: what a constant 1 and a ramp from 0 to 1 leave in q; exponent = p h."""
     growth = np.expm1(exponent)
     return elapsed_s * growth / exponent, elapsed_s * (growth - exponent) / exponent**2
 
 
-def end_velocity_m_s(record: Record) -> float:
+def end_velocity_m_s(record):
     """Velocity of the base at the last sample, from rest at the first [m/s].
 
     It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the
@@ -284,7 +278,7 @@ def end_velocity_m_s(record: Record) -> float:
     return float(scipy.integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
 
 
-def end_warnings(record: Record) -> list[str]:
+def end_warnings(record):
     """Warning of a motion after which the base moves on at more than WARNED_END_VELOCITY of PGV."""
     moving, peak = abs(end_velocity_m_s(record)), pgv_m_s(record)
     if moving <= WARNED_END_VELOCITY * peak:
@@ -296,7 +290,7 @@ def end_warnings(record: Record) -> list[str]:
     ]
 
 
-def summary(record: Record) -> dict:
+def summary(record):
     """Intensity measures of a record as it is, under the keys of the command line's JSON.
 
     PGA [g], PGV and the velocity at the end [cm/s], Arias intensity [m/s], durations [s], AvgSa [g]
@@ -317,7 +311,7 @@ def summary(record: Record) -> dict:
     }
 
 
-def motion_summary(loading, eigen_period_s=None) -> dict:
+def motion_summary(loading, eigen_period_s=None):
     """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared
     it; of a wall with that first period [s] also "sa_eigen_period_g", of the motion `for_period`.
 
@@ -352,7 +346,7 @@ def motion_summary(loading, eigen_period_s=None) -> dict:
 _SPECTRA = "sa_g", "sa_rotd100_g"
 
 
-def _describe_sampling(found: dict) -> str:
+def _describe_sampling(found):
     """How walls take the samples of a `motion_summary`, in words."""
     if found["interpolated_for_s"] is None:
         return (
@@ -366,7 +360,7 @@ def _describe_sampling(found: dict) -> str:
     )
 
 
-def describe(found: dict) -> str:
+def describe(found):
     """A `motion_summary` as lines for people."""
     names = list(found)
     measures = {
@@ -407,17 +401,11 @@ def motion_measures(history):
     """{measure: value} of APPLIED for the strongest event of a History; None where a measure does
     not apply.
 
-    Units: `damage.measure.columns.PARAMETERS`.  They are read from the history.  In older files,
-    which lack them, those of a harmonic motion are computed, and those of a record are None, as its
-    samples are not in the file.
+    Units: `damage.measure.columns.PARAMETERS`.
     """
-    found = {name: history.parameters.get(name) for name in APPLIED}
-    if not any(name in history.parameters for name in APPLIED):
-        found = applied_measures(history.loading.applied(), history.eigen_period_s)
-    factor = history.strongest_factor
+    found, factor = history.parameters, history.strongest_factor
     return {
-        name: value if value is None else value * factor ** _POWERS.get(name, 1)
-        for name, value in found.items()
+        name: found.get(name) and found[name] * factor ** _POWERS.get(name, 1) for name in APPLIED
     }
 
 

@@ -92,32 +92,30 @@ class Loading:
     moves = True
 
     @property
-    def drive(self) -> Drive:
+    def drive(self):
         return Drive(base=self.base_acceleration)
 
-    def length_s(self, height: float) -> float:
+    def length_s(self, height):
         """Time from zero to the end of everything that is prescribed, on a wall whose top is at a
         height [m]: [s]."""
         return self.duration_s
 
-    def preferred_step_s(self, max_step_s: float) -> float:
+    def preferred_step_s(self, max_step_s):
         """The time step that fits the motion, at most max_step_s [s]: here to its first six digits,
         which a run prints, so that it can be repeated from them."""
         return float(f"{max_step_s:.5e}")
 
-    def for_period(self, period_s: float) -> "Loading":
+    def for_period(self, period_s):
         """The loading as it drives a wall of that first period [s]."""
         return self
 
-    def applied(self) -> Record | None:
+    def applied(self):
         """The base's motion along the wall as a record; None where it stands still, and of what a
         history keeps of a recorded motion, which is without its samples."""
-        return None
 
-    def applied_across(self) -> Record | None:
+    def applied_across(self):
         """The motion at right angles to the wall, which is not applied, as a record; None where it
         is not known."""
-        return None
 
 
 @dataclass(frozen=True)
@@ -149,33 +147,33 @@ class Harmonic(Loading):
     __post_init__ = check_fields
 
     @property
-    def name(self) -> str:
+    def name(self):
         count = "" if self.cycles == 3 else f"_{self.cycles:g}cycles"
         return f"harmonic_{self.period_s:g}s_{self.amplitude_g:g}g{count}"
 
     @property
-    def duration_s(self) -> float:
+    def duration_s(self):
         """Time of the last cycle's end [s]."""
         return self.cycles * self.period_s
 
     @property
-    def cycle_edges_s(self) -> np.ndarray:
+    def cycle_edges_s(self):
         return self.period_s * np.arange(self.cycles + 1)
 
     @property
-    def pga_g(self) -> float:
+    def pga_g(self):
         return self.amplitude_g
 
     @property
-    def peak_g(self) -> float:
+    def peak_g(self):
         return self.amplitude_g
 
-    def preferred_step_s(self, max_step_s: float) -> float:
+    def preferred_step_s(self, max_step_s):
         """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
         quarter_s = self.period_s / 4
         return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
-    def applied(self) -> Record | None:
+    def applied(self):
         """As of any Loading, by SINE_SAMPLES a cycle as far as a record's steps allow; None where
         it has too many."""
         shortest, longest = prepare.TIME_STEPS_S
@@ -189,17 +187,17 @@ class Harmonic(Loading):
         time_s = np.arange(samples * self.cycles + 1) * (self.period_s / samples)
         return Record(self.name, self.period_s / samples, self._sine(time_s))
 
-    def base_acceleration(self, time_s) -> np.ndarray:
+    def base_acceleration(self, time_s):
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         driven = (time_s >= 0) & (time_s <= self.duration_s)
         return np.column_stack((np.where(driven, self._sine(time_s), 0.0), np.zeros_like(time_s)))
 
-    def _sine(self, time_s) -> np.ndarray:
+    def _sine(self, time_s):
         """Acceleration (n,) [m/s2] of the sine without its ends at times (n,) [s]."""
         return self.amplitude_g * GRAVITY * sin_of_turns(time_s / self.period_s)
 
-    def as_dict(self) -> dict:
+    def as_dict(self):
         return {
             "kind": "harmonic",
             "name": self.name,
@@ -258,11 +256,11 @@ class Recorded(Loading):
         self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
     @cached_property
-    def motion(self) -> tuple[Record, ...]:
+    def motion(self):
         """The prepared horizontal and, where there is one, vertical record."""
         return tuple(self._prepared(one) for one in (self.record, self.vertical) if one is not None)
 
-    def _prepared(self, record: Record) -> Record:
+    def _prepared(self, record):
         """Filters before the window: they need the quiet parts on both sides."""
         if self.baseline_order is not None:
             record = prepare.baseline_corrected(record, self.baseline_order)
@@ -274,30 +272,30 @@ class Recorded(Loading):
             record = prepare.windowed(record, *self.window_s)
         return prepare.scaled(record, self.scale)
 
-    def for_period(self, period_s: float) -> "Recorded":
+    def for_period(self, period_s):
         """As of any Loading: interpolated where the record has fewer than LEAST_A_PERIOD samples in
         the period."""
         coarse = self.record.time_step_s > period_s / prepare.LEAST_A_PERIOD
         return replace(self, interpolated_for_s=float(period_s)) if coarse else self
 
     @property
-    def lost_by_lines(self) -> float | None:
+    def lost_by_lines(self):
         """Share of the motion at the wall's first period that lines between the record's samples
         would take off, where it is interpolated: 1 - sinc^2(step / period)."""
         if self.interpolated_for_s is None:
             return None
         return float(1 - np.sinc(self.record.time_step_s / self.interpolated_for_s) ** 2)
 
-    def applied(self) -> Record:
+    def applied(self):
         """As of any Loading: the prepared horizontal record."""
         return self.motion[0]
 
-    def applied_across(self) -> Record | None:
+    def applied_across(self):
         """As of any Loading: prepared as the component along the wall."""
         return None if self.across is None else self._prepared(self.across)
 
     @property
-    def name(self) -> str:
+    def name(self):
         parts = [re.sub(r"[^\w.-]+", "_", self.record.name), f"x{self.scale:g}"]
         if self.window_s is not None:
             parts.append("{:g}-{:g}s".format(*self.window_s))
@@ -310,27 +308,27 @@ class Recorded(Loading):
         return "_".join(parts)
 
     @property
-    def duration_s(self) -> float:
+    def duration_s(self):
         """Time of the last sample that is used [s]."""
         return self.motion[0].duration_s
 
     @property
-    def peak_g(self) -> float:
+    def peak_g(self):
         return max(map(pga_g, self.motion))
 
     @property
-    def record_pga_g(self) -> float:
+    def record_pga_g(self):
         """Peak of the horizontal record, prepared but not interpolated [g]: the same for all
         walls."""
         return pga_g(replace(self, interpolated_for_s=None, vertical=None, across=None).motion[0])
 
-    def preferred_step_s(self, max_step_s: float) -> float:
+    def preferred_step_s(self, max_step_s):
         """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost
         between steps."""
         step_s = self.motion[0].time_step_s
         return step_s / prepare.whole_steps(step_s, max_step_s)
 
-    def base_acceleration(self, time_s) -> np.ndarray:
+    def base_acceleration(self, time_s):
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the
         first and after the last."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
@@ -339,7 +337,7 @@ class Recorded(Loading):
             acceleration[:, column] = at_times(time_s, part.time_step_s, part.acceleration_m_s2)
         return acceleration
 
-    def as_dict(self) -> dict:
+    def as_dict(self):
         """Everything that defines the motion but the samples, fit for JSON."""
         return RecordedMotion(
             name=self.name,
@@ -392,7 +390,7 @@ class RecordedMotion(Loading):
             " file; read that"
         )
 
-    def unscaled(self, record: Record) -> Record:
+    def unscaled(self, record):
         """The horizontal component as it was prepared, at scale 1, made from its record."""
         return Recorded(
             record,
@@ -402,7 +400,7 @@ class RecordedMotion(Loading):
             interpolated_for_s=self.interpolated_for_s,
         ).motion[0]
 
-    def as_dict(self) -> dict:
+    def as_dict(self):
         """The table of which `loading_from_dict` makes this again, fit for JSON; a motion whose
         samples were taken as they are says nothing of interpolation, one without another component
         nothing of it."""
@@ -427,15 +425,15 @@ class FreeVibration(Loading):
         check_positive("top velocity [m/s]", self.top_velocity_m_s)
 
     @property
-    def name(self) -> str:
+    def name(self):
         usual = self.top_velocity_m_s == type(self).top_velocity_m_s
         return "free_vibration" + ("" if usual else f"_{self.top_velocity_m_s:g}m_s")
 
     @property
-    def drive(self) -> Drive:
+    def drive(self):
         return Drive(first_mode_m_s=self.top_velocity_m_s)
 
-    def as_dict(self) -> dict:
+    def as_dict(self):
         return {
             "kind": "free_vibration",
             "name": self.name,
@@ -451,7 +449,7 @@ class AtRest(Loading):
     name: ClassVar[str] = "at_rest"
     moves: ClassVar[bool] = False
 
-    def as_dict(self) -> dict:
+    def as_dict(self):
         return {"kind": "at_rest", "name": self.name, "duration_s": self.duration_s}
 
 
@@ -587,7 +585,7 @@ _KINDS = {
 }
 
 
-def loading_from_dict(table: dict) -> Loading:
+def loading_from_dict(table):
     """The record of which a loading's `as_dict` made the table; of a recorded motion all but its
     samples."""
     if table.get("kind") not in _KINDS:
@@ -601,7 +599,7 @@ def loading_from_dict(table: dict) -> Loading:
     )
 
 
-def _check_simultaneous(record: Record, other: Record, name: str) -> None:
+def _check_simultaneous(record, other, name):
     """Both components must hold the same instants."""
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)]
     correction = (
@@ -618,7 +616,7 @@ def _check_simultaneous(record: Record, other: Record, name: str) -> None:
             raise InputError(f"{other.name} starts {late_s:g} s after {record.name}; {correction}")
 
 
-def _check_pair(record: Record, across: Record) -> None:
+def _check_pair(record, across):
     """Two components have to be of one station, by their names where these end in channels as
     HGE."""
     stations = [re.fullmatch(r"(.+)[._][A-Z]{2}[A-Z0-9]", one.name) for one in (record, across)]
@@ -630,7 +628,7 @@ def _check_pair(record: Record, across: Record) -> None:
         )
 
 
-def _origin(record: Record | None) -> dict | None:
+def _origin(record):
     """Origin of a record: the file's name without its folder, which differs by machine."""
     return record and {
         "record": record.name,
@@ -642,5 +640,5 @@ def _origin(record: Record | None) -> dict | None:
     }
 
 
-def _floats(pair) -> list[float] | None:
+def _floats(pair):
     return None if pair is None else [float(value) for value in pair]

@@ -81,29 +81,29 @@ class Record:
         object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
 
     @property
-    def duration_s(self) -> float:
+    def duration_s(self):
         """Time from the first to the last sample [s]."""
         return (self.acceleration_m_s2.size - 1) * self.time_step_s
 
     @property
-    def time_s(self) -> np.ndarray:
+    def time_s(self):
         """Times of the samples, (n_samples,) [s]."""
         return np.arange(self.acceleration_m_s2.size) * self.time_step_s
 
 
-def scaled(record: Record, factor: float) -> Record:
+def scaled(record, factor):
     """The record times a factor; a negative one reverses its direction."""
     check_range("scale factor", factor, -MOST_SCALE, MOST_SCALE)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 
 
-def windowed(record: Record, t0_s: float, t1_s: float) -> Record:
+def windowed(record, t0_s, t1_s):
     """The samples nearest to t0 up to those nearest to t1, both included; time restarts at 0."""
     first, last = _ends(record, t0_s, t1_s)
     return _cut(record, first, record.acceleration_m_s2[first : last + 1])
 
 
-def interpolated(record: Record, window_s: tuple[float, float] | None = None) -> Record:
+def interpolated(record, window_s=None):
     """The record, or the window that `windowed` cuts, with FINER times as many samples,
     band-limited: what a record whose samples hold all of the motion says of the time between them.
 
@@ -121,7 +121,7 @@ def interpolated(record: Record, window_s: tuple[float, float] | None = None) ->
     return replace(_cut(record, first, fine), time_step_s=record.time_step_s / FINER)
 
 
-def _ends(record: Record, t0_s: float, t1_s: float) -> tuple[int, int]:
+def _ends(record, t0_s, t1_s):
     """The first and the last sample of a window."""
     # half a step of room: an end that rounds to the last sample is inside
     if not 0 <= t0_s < t1_s <= record.duration_s + 0.5 * record.time_step_s:
@@ -139,13 +139,13 @@ def _ends(record: Record, t0_s: float, t1_s: float) -> tuple[int, int]:
     return first, last
 
 
-def _cut(record: Record, first: int, acceleration_m_s2: np.ndarray) -> Record:
+def _cut(record, first, acceleration_m_s2):
     """The record with other samples, of which the first is at one of its own."""
     start_utc = _utc(record.start_utc, first * record.time_step_s, record.name)
     return replace(record, acceleration_m_s2=acceleration_m_s2, start_utc=start_utc)
 
 
-def aligned_with(record: Record, reference: Record) -> Record:
+def aligned_with(record, reference):
     """The part of a record that covers the same time as another one, by their start_utc."""
     early_s = start_difference_s(reference, record)
     spare_s = record.duration_s - reference.duration_s
@@ -159,9 +159,7 @@ def aligned_with(record: Record, reference: Record) -> Record:
     return windowed(record, early_s, early_s + reference.duration_s)
 
 
-def on_axis_of(
-    record: Record, reference: Record, window_s: tuple[float, float] | None = None
-) -> Record:
+def on_axis_of(record, reference, window_s=None):
     """A record on the time axis of another one, by their start_utc, zero where it has no samples;
     within the window, by default all of the other one, it has to have them."""
     step_s, late_s = reference.time_step_s, start_difference_s(record, reference)
@@ -187,7 +185,7 @@ def on_axis_of(
     return replace(record, acceleration_m_s2=found, start_utc=reference.start_utc)
 
 
-def start_difference_s(record: Record, other: Record) -> float:
+def start_difference_s(record, other):
     """Start of a record minus the start of another one [s]."""
     for one in (record, other):
         if not one.start_utc:
@@ -195,7 +193,7 @@ def start_difference_s(record: Record, other: Record) -> float:
     return (_datetime(record.start_utc) - _datetime(other.start_utc)).total_seconds()
 
 
-def baseline_corrected(record: Record, order: int = 1) -> Record:
+def baseline_corrected(record, order=1):
     """The record minus its least-squares polynomial of the given order (0: minus the mean)."""
     if order not in range(min(10, record.acceleration_m_s2.size)):
         raise InputError(
@@ -207,7 +205,7 @@ def baseline_corrected(record: Record, order: int = 1) -> Record:
     )
 
 
-def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -> Record:
+def band_passed(record, low_hz, high_hz, order=4):
     """Zero-phase Butterworth band-pass between two corners [Hz].
 
     `order` counts both passes: the filter runs forward and backward with half of it each, so
@@ -232,7 +230,7 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
     return replace(record, acceleration_m_s2=filtered)
 
 
-def whole_steps(interval_s: float, max_step_s: float) -> int:
+def whole_steps(interval_s, max_step_s):
     """Smallest number of equal steps, none above max_step [s], that fill an interval [s]."""
     check_positive("largest time step [s]", max_step_s)
     # the quotient may be rounded up or down, so the definition has the last word
@@ -242,18 +240,18 @@ def whole_steps(interval_s: float, max_step_s: float) -> int:
     return steps
 
 
-def _shown(found) -> str:
+def _shown(found):
     """A piece of input or a foreign message, fit for one line."""
     text = str(found)
     return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
-def _datetime(start_utc: str) -> datetime:
+def _datetime(start_utc):
     moment = datetime.fromisoformat(start_utc)
     return moment.astimezone(UTC) if moment.tzinfo else moment.replace(tzinfo=UTC)
 
 
-def _utc(start_utc: str, later_s: float, where) -> str:
+def _utc(start_utc, later_s, where):
     """An ISO 8601 time, moved by some seconds, with microseconds and a Z; "" stays ""."""
     if not start_utc:
         return ""

@@ -193,15 +193,3 @@ def verdict(found, known):
         )
     )
     return f"{line}, others not ({', '.join(different)}): {why}"
-
-
-def write_table(found):
-    """Replace the table; found: of `digests` of all cases."""
-    rows = [(*place, digest) for place, digest in found.items()]
-    head = (
-        "# Digests of the histories of damage/reference/bits.py; written by benchmarks/same_bits.py"
-        " renew\n"
-    )
-    TABLE.write_text(
-        head + pd.DataFrame(rows, columns=COLUMNS).to_csv(index=False), encoding="utf-8"
-    )

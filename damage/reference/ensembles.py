@@ -8,7 +8,7 @@ a wall do not depend on the others.
 from itertools import accumulate
 
 from damage.reference.lanes import advance_together
-from damage.run.turns import WAITED
+from damage.run.cooperative import WAITED
 
 LEAST_LANES = 5
 """Least number of walls with rigid bricks in a batch.  A batch computes eight SIMD lanes, however
@@ -17,8 +17,8 @@ of a batch with AVX-512 and a fifth with AVX2.  Of walls with deformable bricks 
 
 
 def move(asked):
-    """Advance solvers, as `damage.run.turns.run_each`, those with equal bricks and stiffnesses in
-    batches; returns WAITED for those that wait for others.
+    """Advance solvers, as `damage.run.cooperative.run_each`, those with equal bricks and
+    stiffnesses in batches; returns WAITED for those that wait for others.
 
     asked: (ReferenceSolver, *numbers of steps) of each.
     """

@@ -17,11 +17,11 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.mechanics import step as kernel
 from damage.mechanics import tables
-from damage.mechanics.eight import EIGHT, ONE, WIDTH
 from damage.mechanics.samples import Samples, Sampling
+from damage.mechanics.simd import EIGHT, ONE, WIDTH
 
 MOST_LANES = WIDTH
-"""Largest number of walls in a batch: the SIMD lanes of a vector (`damage.mechanics.eight`)."""
+"""Largest number of walls in a batch: the SIMD lanes of a vector (`damage.mechanics.simd`)."""
 
 
 def run_together(walls, *steps):

@@ -18,9 +18,10 @@ from damage.motion.loading import Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
 from damage.reference.session import BACKEND, PROG
+from damage.run.cooperative import take_turns
 from damage.run.options import free_name, pictures_folder, settings_of
-from damage.run.session import EXIT_INTERRUPTED, attended, prepare, simulate
-from damage.run.turns import take_turns
+from damage.run.session import attended, prepare, simulate
+from damage.start import EXIT_INTERRUPTED
 from damage.wall.file import load_wall, wall_path
 from damage.wall.parameters import Wall
 

@@ -13,22 +13,20 @@ from damage.memory import hold_buffers
 from damage.provenance import shown_path
 from damage.reference.ensembles import move
 from damage.reference.lanes import MOST_LANES
-from damage.reference.settled import SettledWalls
+from damage.reference.rest_cache import RestCache
 from damage.reference.solver import ReferenceSolver
+from damage.run.cooperative import as_they_end
 from damage.run.options import parse_run
 from damage.run.session import (
-    EXIT_INPUT,
-    EXIT_INTERRUPTED,
     Backend,
     attended,
     prepare,
-    reported,
     run_session,
     simulate,
     with_errors_reported,
 )
 from damage.run.settings import SELECTIVE, Softening
-from damage.run.turns import as_they_end
+from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
 from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"
@@ -88,11 +86,11 @@ def run_references(lines, histories=None, settled=None):
     taken when a run can begin, and (None, None) means that there is none now; if no run is in
     progress then, all ends.  histories:
     {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class
-    is replaced by the object.  settled: SettledWalls of earlier runs.
+    is replaced by the object.  settled: RestCache of earlier runs.
 
     Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
     """
-    histories, settled = {} if histories is None else histories, settled or SettledWalls()
+    histories, settled = {} if histories is None else histories, settled or RestCache()
     names, interrupted = [], []
 
     def runs():

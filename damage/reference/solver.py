@@ -3,9 +3,8 @@
 import numpy as np
 
 from damage.elementary import hypot, total
-from damage.errors import InputError
 from damage.law.joint_law import SHEAR, TENSION
-from damage.mechanics.collisions import LARGEST, PAIRS
+from damage.mechanics.collisions import LARGEST
 from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables
 from damage.reference.wall import ReferenceWall
@@ -61,8 +60,8 @@ class ReferenceSolver(ReferenceWall, Solver):
             while self.clock < end:
                 yield self, end - self.clock
             return
-        goes_on = self.clock > 0 or on_samples(self.instants())
-        while goes_on and self.clock < end:
+        continues = self.clock > 0 or on_samples(self.instants())
+        while continues and self.clock < end:
             ends = self._next_ends(sample_steps, end, self.clock if since is None else since)
             try:
                 yield self, *np.diff(ends, prepend=self.clock).tolist()
@@ -72,7 +71,7 @@ class ReferenceSolver(ReferenceWall, Solver):
                     on_samples(self._instants_at(samples))
                 raise
             samples = self._taken(ends, sample_steps)
-            goes_on = not samples or on_samples(self._instants_at(samples))
+            continues = not samples or on_samples(self._instants_at(samples))
 
     def _taken(self, ends, sample_steps):
         """{index in `ends`: step} of the samples taken, fewer than `ends` where the run ended
@@ -214,25 +213,6 @@ class ReferenceSolver(ReferenceWall, Solver):
         } | {"clock": np.array(self.clock), "is_driven": np.array(self._is_driven)}
 
     def restore(self, tables):
-        if self.loose is not None:
-            pairs, order, counts = (
-                tables[f"loose_{name}"] for name in ("pairs", "order", "counts")
-            )
-            n, room = len(order), len(pairs)
-            if not (
-                0 <= pairs.min() <= pairs.max() < n
-                and np.array_equal(np.sort(order), np.arange(n))
-                and counts.min() >= 0
-                and counts[PAIRS] <= room
-            ):
-                raise InputError(
-                    "the loose contacts of the checkpoint are of bodies that this wall does not"
-                    " have; run it again"
-                )
-        if tables["n_events"][0] < 0 or tables["clock"] < 0:
-            raise InputError(
-                "the clock of the checkpoint, or its number of events, is below zero; run it again"
-            )
         for name, table in self._whole().items():
             table[: len(tables[name])] = tables[name]
         self.step, self._is_driven = (

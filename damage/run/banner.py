@@ -4,7 +4,6 @@ import math
 
 from damage.motion.record import FINER
 from damage.run.schedule import sample_steps, stages
-from damage.run.watch import MaterialPoints
 from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.lintels import describe_share, elastic_share
@@ -82,30 +81,16 @@ def event_lines(settings):
     ]
 
 
-def kept_lines(settings, layout, time_step):
-    """Lines on what RunSettings keep beside the usual: bricks of material points, size of the
-    joints' stresses.
-
-    Raises InputError where a point lies in no brick.
-    """
-    lines = [
-        f"point {x:g} {z:g}: in brick {body}, course {layout.bodies.course[body]}"
-        for (x, z), body in zip(
-            settings.points,
-            MaterialPoints(layout, settings.points).bodies if settings.points else (),
-        )
-    ]
+def stress_lines(settings, layout, time_step):
+    """A line on the size of the joints' stresses, none where RunSettings do not keep them."""
     if not settings.stresses:
-        return lines
+        return []
     interval = sample_steps(time_step, settings.mass_scaling)
     samples = stages(settings, layout, time_step, interval)[-1].end_step // interval + 1
     return [
-        *lines,
-        (
-            f"stresses of {layout.n_joints} contact points at {samples} samples: "
-            f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, "
-            "in the file up to four fifths of that"
-        ),
+        f"stresses of {layout.n_joints} contact points at {samples} samples: "
+        f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, "
+        "in the file up to four fifths of that"
     ]
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from damage.errors import InputError, one_line, warn
 from damage.history.reader import opened, read_history
 from damage.history.writer import File, HistoryWriter, lock
-from damage.run.before import as_bytes, read_earlier, unpacked
+from damage.run.initial_state import as_bytes, read_earlier, unpacked
 
 _HEAD = b"masonry-damage-checkpoint 1 sha256 "
 
@@ -124,7 +124,7 @@ def resumed(path, layout, parameters, origin, scene):
     path: its history.
 
     layout, parameters: of the run, which have to be those of the history; scene: as of
-    `read_checkpoint`; origin: as of `damage.run.before.read_earlier`.  Raises InputError.
+    `read_checkpoint`; origin: as of `damage.run.initial_state.read_earlier`.  Raises InputError.
     """
     history = read_earlier(path, layout, origin, option="--resume", ended=False)
     if history.complete:
@@ -185,7 +185,7 @@ def _continued(path, layout, counts, attributes):
 def read_end(path, layout, origin, time_step):
     """State at the end of the run of the history at `path`, of a solver that keeps it in a
     checkpoint alone, {name: array}; time_step [s]; other arguments and errors as of
-    `damage.run.before.read_earlier`."""
+    `damage.run.initial_state.read_earlier`."""
     history = read_earlier(path, layout, origin)
     if history.time_step_s != time_step:
         raise InputError(

@@ -407,7 +407,6 @@ def _run_arguments(solver):
         []
         if solver != "yade"
         else [
-            *_settings("past_collapse_s"),
             flag("--view", "with a screen: the 3D view"),
             arg(
                 "--console",
@@ -428,14 +427,6 @@ def _run_arguments(solver):
             "--stresses",
             "keep normal and shear stress of all joints at every sample"
             " (docs/guides/reading-results.md); the run says first how large they are",
-        ),
-        arg(
-            "--point",
-            nargs=2,
-            type=number_from(-1000, 1000),
-            action="append",
-            metavar=("X_M", "Z_M"),
-            help="keep the displacement of this point of the wall at every sample; repeatable",
         ),
         arg(
             "--checkpoint",
@@ -493,9 +484,10 @@ class Source:
     digest: Callable | None = None
 
 
-SOURCES, RUN_MEMBERS = [], []
+SOURCES, RUN_MEMBERS, SUMMARY = [], [], {}
 """What applications add: each Source, and what runs --members, a function(wall_file, make_wall,
-RunSettings, words of the command line), which returns the exit status."""
+RunSettings, words of the command line), which returns the exit status; to a printed summary, {name:
+(function of a History, None where there is nothing; function of that, a list of lines)}."""
 SOLVERS = "yade", "reference"
 
 
@@ -612,13 +604,11 @@ def words_of(options):
     """
     actions = options_of_a_run()
     return [
-        word
-        for name, value in options.items()
-        for word in _words(_action(actions, name), name, value)
+        word for name, value in options.items() for word in _words(_action(actions, name), value)
     ]
 
 
-def _words(action, name, value):
+def _words(action, value):
     """Words of one option on the command line; none where its value is None or the default of a
     flag."""
     option = action.option_strings[0]
@@ -626,8 +616,6 @@ def _words(action, name, value):
         return []
     if action.nargs == 0:
         return [option] if value is action.const else []
-    if isinstance(action, argparse._AppendAction):
-        return [word for one in _rows(action, name, value) for word in (option, *map(str, one))]
     words = [
         repr(float(one)) if isinstance(one, np.floating) else str(one) for one in _listed(value)
     ]
@@ -638,27 +626,12 @@ def _listed(value):
     return list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
 
 
-def _rows(action, name, value):
-    """Rows of numbers of an option that may be repeated."""
-    try:
-        return np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
-    except (TypeError, ValueError):
-        raise InputError(
-            f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these;"
-            " correct it"
-        ) from None
-
-
 def _value_of(parser, action, name, value):
     """The value of an option, checked and converted as that of a command line is."""
     if action.nargs == 0:
         if not isinstance(value, bool):
             raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return value if value is action.const else action.default
-    if isinstance(action, argparse._AppendAction):
-        return [
-            [_converted(parser, action, one) for one in row] for row in _rows(action, name, value)
-        ]
     values = _listed(value)
     if isinstance(action.nargs, int):
         if len(values) != action.nargs:
@@ -699,7 +672,6 @@ def _settings_of(given, command):
             "alpha_1_s": alpha_1_s,
             "beta_s": beta_s,
             "checkpoint_s": math.inf if given.checkpoint is None else 60 * given.checkpoint,
-            "points": tuple(map(tuple, given.point or ())),
             "resumed": given.resume and str(given.resume),
             "out": given.out or given.resume,
             "command": command,
@@ -745,13 +717,22 @@ def model_of(parsed):
 
 
 _LONGEST_STEM = 200  # bytes; a character has up to four
-_READ = "unit", "sample_step"
 _BELONGS = {
     "cycles": ("harmonic", "cyclic"),
     **dict.fromkeys(("boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")),
     "sequence": ("harmonic", "record"),
     **dict.fromkeys(
-        (*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",)
+        (
+            "unit",
+            "sample_step",
+            "scale",
+            "window",
+            "vertical",
+            "across",
+            "baseline",
+            "band",
+        ),
+        ("record",),
     ),
 }
 
@@ -759,12 +740,12 @@ _BELONGS = {
 def _motion(parsed):
     if not isinstance(parsed.sequence, Path):
         return {"loading": _loading(parsed), "sequence": parsed.sequence or (1.0,)}
-    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
-    if given := [name for name in owned if getattr(parsed, name) is not None]:
-        raise InputError(
-            f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of"
-            " them, as the file has the records, their scales and windows; leave the other out"
-        )
+    refuse_motions(
+        parsed,
+        f"--sequence {parsed.sequence}",
+        "the file has the records, their scales and windows",
+        beside=("sequence", "baseline", "band"),
+    )
     return fields_of_events(
         read_sequence(
             parsed.sequence,
@@ -783,21 +764,10 @@ def fields_of_events(events):
     }
 
 
-def refuse_motions(parsed, option, why):
-    """InputError where a motion, or what prepares one, is among parsed options beside the option of
-    another."""
-    others = (
-        *_MOTIONS,
-        *_READ,
-        "sequence",
-        "cycles",
-        "scale",
-        "window",
-        "vertical",
-        "across",
-        "baseline",
-        "band",
-    )
+def refuse_motions(parsed, option, why, beside=()):
+    """InputError where a motion, or what belongs to one, is among parsed options beside the option
+    of another; beside: those that go with it."""
+    others = [name for name in (*_MOTIONS, *_BELONGS) if name not in beside]
     if given := [name for name in others if getattr(parsed, name) is not None]:
         raise InputError(
             f"{option} and --{given[0].replace('_', '-')}: expected one of them, as {why}; leave"

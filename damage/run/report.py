@@ -4,9 +4,8 @@ from damage.errors import InputError, one_line, warn
 from damage.measure.cycles import shocks_table
 from damage.measure.evidence import describe as describe_evidence
 from damage.measure.summary import summarise
-from damage.measure.tables import describe_spread, members_of, spread
 from damage.measure.warnings import warnings_of
-from damage.run.options import pictures_folder
+from damage.run.options import SUMMARY, pictures_folder
 from damage.units import rounded
 from damage.wall.lintels import ElasticShare, describe_share
 
@@ -21,7 +20,7 @@ def report(history, pictures=True):
         warn(*warnings_of(history))
         print(f"{history.status}: no sample was written")
         return
-    summary = with_members(summarise(history), history)
+    summary = with_added(summarise(history), history)
     warn(*summary["warnings"])
     print(describe(summary))
     if history.series["shock"].iloc[-1] > 1:
@@ -83,13 +82,9 @@ def describe(summary):
     lines.append(
         f"drift ratio up to {rounded(100 * summary['max_drift_ratio'], 3)} %, base shear up to "
         f"{rounded(summary['peak_base_shear_n'] / 1e3, 3)} kN, opening up to "
-        f"{rounded(summary['max_opening_mm'], 2)} mm, "
-        + (
-            ""
-            if summary["max_offset_mm"] is None
-            else f"offset up to {rounded(summary['max_offset_mm'], 2)} mm, "
-        )
-        + f"accumulated slip up to {rounded(summary['max_slip_mm'], 2)} mm"
+        f"{rounded(summary['max_opening_mm'], 2)} mm, offset up to"
+        f" {rounded(summary['max_offset_mm'], 2)} mm, accumulated slip up to"
+        f" {rounded(summary['max_slip_mm'], 2)} mm"
     )
     lines.append(
         f"bonds of contact points failed: {summary['tension_breaks']} in tension,"
@@ -103,25 +98,7 @@ def describe(summary):
         lines.append(
             f"joints that ended, as their faces no longer overlapped: {summary['ended_joints']}"
         )
-    if summary["pgv_m_s"] is not None and summary["avg_sa_g"] is not None:
-        lines.append(
-            f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g}"
-            f" g, Arias intensity {summary['arias_m_s']:.3g} m/s"
-            + (
-                ""
-                if summary["lost_by_lines"] is None
-                else (
-                    "; record interpolated, as lines between its samples would take off"
-                    f" {100 * summary['lost_by_lines']:.2g} % at the first period"
-                )
-            )
-            + (f"; record in {summary['record_unit']}" if summary["record_unit"] else "")
-        )
-    if summary["period_elongation"] is not None:
-        lines.append(
-            f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
-            f"{summary['period_elongation']:.2f} of the intact wall's period"
-        )
+    lines += _motion_lines(summary)
     if summary["energy_error_fraction"] is not None:
         lines.append(
             f"energy balance error {100 * summary['energy_error_fraction']:.3f} % of the input"
@@ -136,9 +113,9 @@ def describe(summary):
     if summary["period_s"] is not None:
         lines.append(f"period of the free vibration {summary['period_s']:.4f} s")
     lines.append(describe_evidence(summary["evidence"]))
-    return "\n".join(
-        [*lines, *(describe_spread(summary["members"]) if summary.get("members") else [])]
-    )
+    for name, (_, lines_of) in SUMMARY.items():
+        lines += lines_of(summary[name]) if name in summary else []
+    return "\n".join(lines)
 
 
 def _ground_lines(summary):
@@ -158,6 +135,31 @@ def _ground_lines(summary):
             "rigid motion of the base, not in the drift: up to "
             f"{rounded(summary['max_base_translation_mm'], 2)} mm and "
             f"{rounded(1e3 * summary['max_base_rotation_rad'], 2)} mrad"
+        )
+    return lines
+
+
+def _motion_lines(summary):
+    """Lines on the motion as applied and the first free cycle after it; none without them."""
+    lines = []
+    if summary["avg_sa_g"] is not None:
+        lines.append(
+            f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g}"
+            f" g, Arias intensity {summary['arias_m_s']:.3g} m/s"
+            + (
+                ""
+                if summary["lost_by_lines"] is None
+                else (
+                    "; record interpolated, as lines between its samples would take off"
+                    f" {100 * summary['lost_by_lines']:.2g} % at the first period"
+                )
+            )
+            + (f"; record in {summary['record_unit']}" if summary["record_unit"] else "")
+        )
+    if summary["period_elongation"] is not None:
+        lines.append(
+            f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
+            f"{summary['period_elongation']:.2f} of the intact wall's period"
         )
     return lines
 
@@ -185,8 +187,7 @@ def describe_events(table):
     return lines
 
 
-def with_members(summary, history):
-    """A summary with what the members of its run say of its scatter, `members`, where there are
-    any."""
-    table = members_of(history)
-    return summary if table is None else summary | {"members": spread(table)}
+def with_added(summary, history):
+    """A summary with what applications add to it (`damage.run.options.SUMMARY`)."""
+    found = {name: of(history) for name, (of, _) in SUMMARY.items()}
+    return summary | {name: value for name, value in found.items() if value is not None}

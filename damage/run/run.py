@@ -12,8 +12,8 @@ from damage.law.modes import first_mode, mass_vector
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.motion.loading import mean_velocities
-from damage.run import schedule, watch
-from damage.run.before import as_bytes, with_zero, zero_of
+from damage.run import monitor, schedule
+from damage.run.initial_state import as_bytes, with_zero, zero_of
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -32,20 +32,20 @@ from damage.wall.strain import stress_by_modes
 
 
 class Run:
-    """The stages of a run, in order: `settle_under_gravity`, `start`, `run_all`.
+    """The stages of a run, in order: `come_to_rest`, `start`, `run_all`.
 
     The first and the last are generators of the steps that the solver hands out, for
-    `damage.run.turns.take_turns`: a run does not know whether it is alone.
+    `damage.run.cooperative.take_turns`: a run does not know whether it is alone.
 
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of
     this layout; writer: a Buffer of a history; keep_going(run, time_s): called now and then,
     returns False to stop (an interrupt); settled: where the wall at rest is found, or kept, as
-    damage.reference.settled.Settled; state: of a solver at the end of another run
-    (`damage.run.before.read_state`, `damage.run.checkpoint.read_end`), which this one continues in
-    place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None; resumed:
-    tables of the checkpoint of this very run from which it continues, or None.
-    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that
-    were followed.
+    damage.reference.rest_cache.Rest; state: of a solver at the end of another run
+    (`damage.run.initial_state.read_state`, `damage.run.checkpoint.read_end`), which this one
+    continues in place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None;
+    resumed: tables of the checkpoint of this very run from which it continues, or None. stage,
+    index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were
+    followed.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Run:
         # (velocities in each interval, what moves by them, first interval)
         self.base, self._prescribed = NO_MOTION, []
         moves = settings.ground_moves or bool(state and state["base_moves"])
-        self._base_motion = watch.BaseMotion(layout) if moves else None
+        self._base_motion = monitor.BaseMotion(layout) if moves else None
         self._zero = None  # instant at the end of the static stage
         # at time zero; energy that came in with it
         self._modal_velocity, self._set_in_motion_j = None, 0.0
@@ -80,9 +80,8 @@ class Run:
         self._last = None
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
         # motion at the end of settling
-        self._lowest, self._at_rest = watch.lowest_places(layout), 0.0
-        self._borne = watch.Borne(layout) if settings.mass_scaling == SELECTIVE else None
-        self._points = watch.MaterialPoints(layout, settings.points) if settings.points else None
+        self._lowest, self._at_rest = monitor.lowest_places(layout), 0.0
+        self._borne = monitor.Borne(layout) if settings.mass_scaling == SELECTIVE else None
         # (time [s], unbalanced force) in the static stage
         solver.with_stresses, self._looks = settings.stresses, []
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring,
@@ -106,7 +105,7 @@ class Run:
         """The damage index now."""
         now = self.solver.instants()
         drift = self._drift(self._motion(now))[-1]
-        return watch.index_now(
+        return monitor.index_now(
             self.layout,
             drift,
             now.joints,
@@ -127,7 +126,7 @@ class Run:
 
     # --- the stages -----------------------------------------------------------------------------
 
-    def settle_under_gravity(self):
+    def come_to_rest(self):
         """The static stage, or what another run ended with; returns True when the wall came to
         rest, False when interrupted."""
         solver, dt = self.solver, self.solver.time_step
@@ -147,7 +146,7 @@ class Run:
             or self._settled is None
             or (looks := self._settled.recall(solver)) is None
         ):
-            finished = yield from self._come_to_rest()
+            finished = yield from self._advance_to_rest()
             if not finished:
                 return False
             if self._settled is not None:
@@ -166,7 +165,7 @@ class Run:
         self._write_events(events, since=-solver.clock)
         return True
 
-    def _come_to_rest(self):
+    def _advance_to_rest(self):
         """Advance until the wall is at rest; returns False when interrupted."""
         while self._continues():
             yield from self._advance(LOOK_STEPS)
@@ -274,9 +273,7 @@ class Run:
                 self.writer.keep_state(as_bytes(state | self._carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
-        if self.collapsed_at_s is not None and (
-            self.settings.past_collapse_s > 0 or self.settings.after_fall
-        ):
+        if self.collapsed_at_s is not None and self.settings.after_fall:
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
 
@@ -337,21 +334,13 @@ class Run:
     def _follow_the_fall(self):
         """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no
         longer describe the wall.  Returns True unless interrupted."""
-        solver, settings = self.solver, self.settings
-        until_rest, moves_until = (
-            settings.after_fall,
-            (len(self.base) - self._zero_step) * solver.time_step,
-        )
-        end = (
-            max(self.time, moves_until) + AFTER_FALL_S
-            if until_rest
-            else self.collapsed_at_s + settings.past_collapse_s
-        )
+        solver = self.solver
+        moves_until = (len(self.base) - self._zero_step) * solver.time_step
+        end = max(self.time, moves_until) + AFTER_FALL_S
         solver.damp(**self._damping("motion"))
         solver.damp_impacts()
-        if until_rest:
-            # beyond the last interval they rest
-            self._prescribe(self.stages[-1].end_step // self.sample_steps)
+        # beyond the last interval they rest
+        self._prescribe(self.stages[-1].end_step // self.sample_steps)
         last = self._last
         while self.time < end:
             if not self.keep_going(self, self.time):
@@ -360,7 +349,7 @@ class Run:
             instant = solver.instants()
             now = self._snapshot(self.time, instant, self._motion(instant), -1)
             self.writer.snapshot(*now)
-            if until_rest and self._rest(last, now, moves_until):
+            if self._rest(last, now, moves_until):
                 break
             last = now
         return True
@@ -371,7 +360,7 @@ class Run:
 
         last, now: snapshots (time [s], motion, ...).
         """
-        fastest = watch.fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
+        fastest = monitor.fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
         if fastest > RESTS_BELOW_M_S or now[0] < moves_until:
             self.rests_at_s = None
         elif self.rests_at_s is None:
@@ -442,7 +431,7 @@ class Run:
         )
 
     def _unbalanced_force(self):
-        return watch.unbalanced_force(self.layout, *self.solver.forces())
+        return monitor.unbalanced_force(self.layout, *self.solver.forces())
 
     def _damping(self, stage):
         """Local or adaptive damping while settling, that of the settings otherwise: both at once
@@ -478,12 +467,12 @@ class Run:
         }
         problem, end = _first_not_finite(rows | {"motion": motion} | now.contacts)
         if self._borne and self.stage != "settlement" and end > 0:
-            watch.check_drop(
+            monitor.check_drop(
                 self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1]
             )
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if self._borne and len(fell) > 0:
-            watch.check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
+            monitor.check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
         # before it is pushed
@@ -508,8 +497,8 @@ class Run:
                     : len(motion), :, 1
                 ].min(axis=1)
                 motion = motion - np.array([0.0, 1.0, 0.0]) * lowest[:, np.newaxis, np.newaxis]
-            return watch.have_fallen(motion, self._lowest)
-        return watch.have_left(
+            return monitor.have_fallen(motion, self._lowest)
+        return monitor.have_left(
             self.layout, motion, now.joints, now.contacts["state"][: len(motion)]
         )
 
@@ -556,16 +545,13 @@ class Run:
 
     def _beside(self, now):
         """Motion of the supports and forces on them; of a run that keeps them stresses of the
-        joints and displacements of material points; as of `Buffer.extend`."""
+        joints; as of `Buffer.extend`."""
         found = {
             "ground/displacement": now.support_displacement - self._zero.support_displacement,
             "ground/force": now.support_force,
         }
         if now.joint_stress_pa is not None:
             found["stresses/joint_stress_pa"] = now.joint_stress_pa
-        if self._points is not None:
-            places = (self._points.of(one.displacement, one.strain) for one in (now, self._zero))
-            found["points/displacement"] = np.subtract(*places)
         return found
 
     def _snapshot(self, time_s, now, motion, k):

@@ -107,18 +107,20 @@ def softening_warnings(settings, time_step, critical_s, softening):
 def deformable_warnings(model, wall):
     """Choices of a ModelOptions and a damage.Wall that do not suit deformable bricks: a list of
     lines."""
-    found, softens = [], wall.joint.softens
-    if model.has_modes and model.contacts != "gauss":
+    if not model.has_modes:
+        return []
+    found = []
+    if model.contacts != "gauss":
         found.append(
             f"--bricks deformable with --contacts {model.contacts}: expected --contacts gauss,"
             " which alone passes the patch test; corner points fail joints at rest"
         )
-    if model.has_modes and not softens:
+    if not wall.joint.softens:
         found.append(
             "--bricks deformable with brittle joints: how many contact points fail depends on their"
             " number; give joints fracture energies (docs/model/model.md)"
         )
-    if model.has_modes and wall.brick.splits:
+    if wall.brick.splits:
         found.append(
             f"--bricks deformable with a tensile strength of {wall.brick.tensile_strength / 1e6:g}"
             " MPa of the bricks: strain modes keep them whole, above it, too; for bricks that"

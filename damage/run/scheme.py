@@ -11,9 +11,9 @@ from dataclasses import replace
 
 from damage.errors import InputError
 from damage.motion.loading import Harmonic, Recorded
+from damage.run.monitor import ENERGY, NotAccepted
 from damage.run.schedule import choose_time_step
 from damage.run.settings import ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
-from damage.run.watch import ENERGY, NotAccepted
 from damage.wall.model_options import ModelOptions
 
 SLENDER_S = 0.15

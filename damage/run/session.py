@@ -1,19 +1,17 @@
 """One run from its command line to its pictures, whichever solver does it."""
 
 import io
-import os
 import signal
 import sys
 import threading
 import time
-import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stdout
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from damage.errors import InputError, RunError, WriteError, warn
+from damage.errors import InputError, RunError, warn
 from damage.history.buffer import Buffer
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
@@ -25,22 +23,20 @@ from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
-from damage.run.banner import event_lines, kept_lines, record_lines, sequence_lines, wall_lines
-from damage.run.before import read_state, without_bond
+from damage.run.banner import event_lines, record_lines, sequence_lines, stress_lines, wall_lines
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
+from damage.run.cooperative import run_each, take_turns
+from damage.run.initial_state import read_state, without_bond
+from damage.run.monitor import DROP, FAILURE
 from damage.run.options import RUN_MEMBERS, free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
 from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
-from damage.run.turns import run_each, take_turns
-from damage.run.watch import DROP, FAILURE
-from damage.start import is_of_output
+from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
-
-EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
 
 @dataclass(frozen=True)
@@ -56,7 +52,7 @@ class Backend:
     keeps_state: whether the history has the state at its end, from which another run continues; it
     is in a checkpoint otherwise;
     begins(run): called with the Run before its first step; move, most: takes steps of so many runs
-    at a time, as of `damage.run.turns.as_they_end`.
+    at a time, as of `damage.run.cooperative.as_they_end`.
     """
 
     name: str
@@ -77,43 +73,6 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command
     line; the exit status: 0 done, 1 failed, 2 bad input, 130 interrupted."""
     return reported(lambda: _run(backend, wall_file, make_wall, arguments, prog))
-
-
-def reported(work):
-    """The exit status of `work()`, which returns one; its errors are printed, in one line where
-    they are no fault of this software.  A WriteError ends this process."""
-    try:
-        return work()
-    except SystemExit as exit_:  # --help
-        return exit_.code or EXIT_OK
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
-    except Exception as error:
-        return report_error(error)
-
-
-def report_error(error, of=""):
-    """Print an error, as `reported` does, with the words `of` before it; returns the exit
-    status."""
-    if isinstance(error, WriteError):
-        print(f"error: {error}", file=sys.stderr, flush=True)
-        sys.stdout.flush()
-        os._exit(EXIT_FAILED)  # HDF5 would crash on the way out
-    if isinstance(error, MemoryError):
-        error = RunError(
-            f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give"
-            " it more, as by ulimit -v, or a shorter one, fewer --cells"
-        )
-    elif isinstance(error, OSError) and is_of_output(error):
-        return EXIT_FAILED
-    elif isinstance(error, OSError):
-        error = InputError(f"{error}: expected what this user may read and write; correct that")
-    if not isinstance(error, InputError | RunError):
-        traceback.print_exception(error)
-        return EXIT_FAILED
-    print(f"error: {of}{error}", file=sys.stderr)
-    return EXIT_INPUT if isinstance(error, InputError) else EXIT_FAILED
 
 
 def with_errors_reported(name, run):
@@ -373,8 +332,7 @@ def _laid_out(wall, settings):
 
 
 def announce(plan):
-    """Print what a RunPlan will be, and warn of what is doubtful in it; raises InputError where a
-    point lies in no brick."""
+    """Print what a RunPlan will be, and warn of what is doubtful in it."""
     settings, wall, loading = plan.settings, plan.layout.wall, plan.settings.loading
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
@@ -399,7 +357,7 @@ def announce(plan):
         *event_lines(settings),
         *record_lines(settings),
         *sequence_lines(settings),
-        *kept_lines(settings, plan.layout, plan.time_step),
+        *stress_lines(settings, plan.layout, plan.time_step),
         sep="\n",
         flush=True,
     )
@@ -451,7 +409,7 @@ def simulate(prepared, keep_going, settled=None):
 def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
-        solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
+        solver = prepared.solver()
         run = Run(
             layout,
             prepared.settings,
@@ -464,7 +422,7 @@ def _simulate(prepared, keep_going, settled):
             resumed=prepared.resumed,
         )
         prepared.backend.begins(run)
-        finished = yield from run.settle_under_gravity()
+        finished = yield from run.come_to_rest()
         if finished:
             run.start()
             finished = yield from run.run_all()

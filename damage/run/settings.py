@@ -86,9 +86,9 @@ class RunSettings:
     (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
     checkpoint_s: computing time between two checkpoints [s], infinity for one at an interruption
-    only; resumed: history of this very run, which continues from its checkpoint, or None; points:
-    places (x, z) in the undeformed wall [m]; out: history file, None for a name of its own below
-    `results/`; console: "before" or "after" the run, or None; command: what asked for it.
+    only; resumed: history of this very run, which continues from its checkpoint, or None; out:
+    history file, None for a name of its own below `results/`; console: "before" or "after" the run,
+    or None; command: what asked for it.
     """
 
     loading: object
@@ -176,21 +176,11 @@ class RunSettings:
             " is measured, and keeps the history of the first"
         ),
     )
-    past_collapse_s: float = quantity(
-        "s",
-        0,
-        LONGEST_S,
-        default=0.0,
-        option="past-collapse",
-        metavar="S",
-        help="follow the bricks for so long after the first one fell (default 0)",
-    )
     checkpoint_s: float = math.inf
     resumed: str | None = None
     new_contacts: bool = False
     after_fall: bool = False
     stresses: bool = False
-    points: tuple[tuple[float, float], ...] = ()
     accept_implausible: bool = False
     out: Path | None = None
     overwrite: bool = False
@@ -216,11 +206,6 @@ class RunSettings:
         check_fields(self, lambda _, one: option_of(one, unit=True))
         for event in self.events:
             check_range("--rest [s]", event.rest_s, 0, LONGEST_S)
-        if self.after_fall and self.past_collapse_s > 0:
-            raise InputError(
-                f"--after-fall with --past-collapse {self.past_collapse_s:g}: expected one of them,"
-                " since both say how long bricks are followed; leave one out"
-            )
         if self.new_contacts and self.model.bricks == "deformable":
             raise InputError(
                 "--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give"
@@ -393,7 +378,6 @@ class RunSettings:
             "relaxation",
             "scatter",
             "seed",
-            "past_collapse_s",
             "new_contacts",
             "after_fall",
             "command",
@@ -402,7 +386,6 @@ class RunSettings:
             "life": self.life,
             "event": self.event,
             "stresses": self.stresses,
-            "points": [list(place) for place in self.points],
         }
         return {
             "loading": self.loading.as_dict(),

@@ -25,7 +25,11 @@ from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
 from damage.wall.restraints import top_of
 from damage.wall.split import cuts_of
 
-PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
+POINT_POSITIONS = {
+    "interior": (0.0,),
+    "corners": (-1.0, 1.0),
+    "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3)),
+}
 """Of the contact points between two facing cells, along the half length from their middle.  Two
 Gauss points integrate what is of third order along the cell exactly, and with it the energy of any
 opening that is linear."""
@@ -182,7 +186,7 @@ def _bed_pairs(plan, bodies, cells, breaks):
 
 def _lintel_rows(plan, options, bodies, cells):
     """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an
-    arch, and beside party walls, and (Place, row) of those on the cuts through beams."""
+    arch, and beside party walls, and (LintelPlace, row) of those on the cuts through beams."""
     number = plan.n_bricks + len(plan.slabs)
     left_cell, right_cell = (
         {body: cell for cell, body in order}
@@ -194,7 +198,7 @@ def _lintel_rows(plan, options, bodies, cells):
     }
     sides = np.flatnonzero(bodies.course == SIDE_COURSE).tolist()
     ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
-    beside, cuts, least = [], [], 2 // len(PLACES[options.contacts])
+    beside, cuts, least = [], [], 2 // len(POINT_POSITIONS[options.contacts])
     for one, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
         cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
         bottom, top = (
@@ -211,7 +215,7 @@ def _lintel_rows(plan, options, bodies, cells):
         both_lintels = place is not None and of_part.get(other)
         segments = round(segments_of(options) * (top - bottom) / (plan.wall.brick.length / 2))
         parts = max(least, segments) if both_lintels else 1
-        size, at = (top - bottom) / parts, PLACES[options.contacts]
+        size, at = (top - bottom) / parts, POINT_POSITIONS[options.contacts]
         beside += [
             (HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
             for k in range(parts)
@@ -263,9 +267,9 @@ def _part_of(brick, bodies, cells, cell):
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alone=False):
-    """Contact points of one pair of facing cells, as `PLACES` says, but two where it is alone in
-    its bed joint; of a cap's glue Gauss points, or else one in the middle of each cell, or two
-    under a cap of a single cell."""
+    """Contact points of one pair of facing cells, as `POINT_POSITIONS` says, but two where it is
+    alone in its bed joint; of a cap's glue Gauss points, or else one in the middle of each cell, or
+    two under a cap of a single cell."""
     second = cells.body[second_cell]
     first = cells.body[first_cell]
     if first_cell == GROUND:  # bricks of the base are the first bodies
@@ -284,7 +288,7 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alon
     where = options.contacts
     if kind == CAP and where != "gauss":
         where = "corners" if hinge else "interior"
-    places = _HALVES if alone and kind == BED and where == "interior" else PLACES[where]
+    places = _HALVES if alone and kind == BED and where == "interior" else POINT_POSITIONS[where]
     return [
         (
             kind,

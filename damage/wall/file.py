@@ -43,16 +43,21 @@ from damage.wall.parameters import Brick, Joint, Opening, Wall, brick_of_masonry
 from damage.wall.restraints import Restraint
 
 MOST_MB = 1
+_NUMBER = {"type": "number"}
 MASONRY_KEYS = {
-    "material": "name of a material",
-    "format": "name of a brick format",
-    "mortar": "of joints [m]",
-    "wythes": "bricks through the thickness",
-    "density": "[kg/m3]",
-    "young_modulus": "of masonry across its bed joints [Pa]; by itself, beside [brick] and [joint]",
+    "material": {"enum": list(MATERIALS), "description": "name of a material"},
+    "format": {"enum": list(FORMATS), "description": "name of a brick format"},
+    "mortar": _NUMBER | {"description": "of joints [m]"},
+    "wythes": {"type": "integer", "description": "bricks through the thickness"},
+    "density": _NUMBER | {"description": "[kg/m3]"},
+    "young_modulus": _NUMBER
+    | {
+        "description": "of masonry across its bed joints [Pa]; by itself, beside [brick] and"
+        " [joint]"
+    },
 }
-"""Keys of the table `masonry`, arguments of `damage.masonry`, which others of its fields come from
-[joint]."""
+"""Schema of the keys of the table `masonry`, arguments of `damage.masonry`, which others of its
+fields come from [joint]."""
 FRICTION = "friction"
 """Key of [joint]: the friction coefficient, in place of the angle."""
 _TABLES = {"brick": Brick, "joint": Joint}
@@ -258,19 +263,11 @@ def _refuse_unknown(what, table, known):
 def wall_schema():
     """The JSON Schema of a wall as TOML, a dictionary fit for JSON: keys, types and choices;
     `read_wall` says what cannot be built."""
-    chosen = {
-        "material": {"enum": list(MATERIALS)},
-        "format": {"enum": list(FORMATS)},
-        "mortar": {"type": "number"},
-        "wythes": {"type": "integer"},
-        "density": {"type": "number"},
-        "young_modulus": {"type": "number"},
-    }
     special = {
         "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$"},
         "outline": {
             "type": "array",
-            "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+            "items": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2},
         },
         "masonry": {
             "type": "object",
@@ -279,9 +276,7 @@ def wall_schema():
                 {"required": ["material", "format"]},
                 {"required": ["young_modulus"], "maxProperties": 1},
             ],
-            "properties": {
-                key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()
-            },
+            "properties": MASONRY_KEYS,
         },
         "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)}, _object(Lintel, {})]},
         "brick": _object(Brick, {}),
@@ -312,7 +307,7 @@ def _object(kind, special, *more):
         "type": "object",
         "additionalProperties": False,
         "required": required,
-        "properties": found | {key: special.get(key, {"type": "number"}) for key in more},
+        "properties": found | {key: special.get(key, _NUMBER) for key in more},
     }
 
 
@@ -321,4 +316,4 @@ def _schema_of(said):
     if said["choices"]:
         return {"enum": list(said["choices"])}
     words = [{"const": word} for word in said["words"]]
-    return {"anyOf": [{"type": "number"}, *words]} if words else {"type": "number"}
+    return {"anyOf": [_NUMBER, *words]} if words else _NUMBER

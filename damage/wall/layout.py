@@ -21,7 +21,13 @@ import numpy as np
 from damage.errors import InputError
 from damage.rounded import to_bits
 from damage.units import GRAVITY
-from damage.wall.contact_points import PLACES, Contacts, make_contacts, scattered, segments_of
+from damage.wall.contact_points import (
+    POINT_POSITIONS,
+    Contacts,
+    make_contacts,
+    scattered,
+    segments_of,
+)
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.floors import with_timber_floors
 from damage.wall.kinds import (
@@ -257,7 +263,7 @@ def _lay_out_alike(wall, options):
     bodies, n_bricks = _make_bodies(plan, options), plan.n_bricks
     breaks = _cell_breaks(plan, options)
     cells = _make_cells(bodies, breaks)
-    points = (len(cells.body) + n_bricks) * len(PLACES[options.contacts])
+    points = (len(cells.body) + n_bricks) * len(POINT_POSITIONS[options.contacts])
     points += (
         CUT_POINTS * n_bricks * (wall.brick.splits * (not options.has_modes) + options.brick_cells)
     )

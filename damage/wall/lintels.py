@@ -164,7 +164,7 @@ def lintel_of(given):
     return given
 
 
-class Place(NamedTuple):
+class LintelPlace(NamedTuple):
     """A lintel in a wall: the part of its length [m], its first course and the first above it, the
     edges (n + 1,) of its segments or bricks, and the height and width of its section [m]."""
 

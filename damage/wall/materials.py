@@ -25,7 +25,7 @@ _PAPER = "V. Sarhosis and others (2021), doi:10.1016/j.engstruct.2021.112529, Ta
 _MORTAR = 0.010  # [m]
 
 
-class Material(NamedTuple):
+class Masonry(NamedTuple):
     """Masonry as tested: what it is; young_modulus of masonry across its bed joints,
     tensile_strength, cohesion of these [Pa], friction coefficient [-], fracture energies [J/m2];
     None where the source has none."""
@@ -41,7 +41,7 @@ class Material(NamedTuple):
 
 
 MATERIALS = {
-    "sarhosis-2021": Material(
+    "sarhosis-2021": Masonry(
         "the paper's calcium silicate brickwork, brittle; its modulus follows from joints of "
         "12e11 Pa/m and bricks of 5.2 GPa, 0.075 m high",
         4.916e9,
@@ -52,7 +52,7 @@ MATERIALS = {
         None,
         _PAPER,
     ),
-    "calcium-silicate": Material(
+    "calcium-silicate": Masonry(
         "solid calcium silicate bricks, general-purpose mortar of 7.2 MPa; modulus of wallets",
         3256e6,
         None,
@@ -62,7 +62,7 @@ MATERIALS = {
         None,
         _CALCIUM_SILICATE,
     ),
-    "clay": Material(
+    "clay": Masonry(
         "solid clay bricks, general-purpose mortar of 4.1 MPa; modulus of wallets, twice that of"
         " the tested walls (docs/validation/laboratory.md)",
         9833e6,
@@ -73,7 +73,7 @@ MATERIALS = {
         None,
         _CLAY,
     ),
-    "clay-weak": Material(
+    "clay-weak": Masonry(
         "clay brickwork, weak",
         3571e6,
         0.112e6,
@@ -83,7 +83,7 @@ MATERIALS = {
         102.0,
         _KORSWAGEN.format("the lowest"),
     ),
-    "clay-standard": Material(
+    "clay-standard": Masonry(
         "clay brickwork, standard",
         3571e6,
         0.16e6,
@@ -93,7 +93,7 @@ MATERIALS = {
         209.0,
         _KORSWAGEN.format("the middle"),
     ),
-    "clay-strong": Material(
+    "clay-strong": Masonry(
         "clay brickwork, strong",
         3571e6,
         0.208e6,
@@ -104,7 +104,7 @@ MATERIALS = {
         _KORSWAGEN.format("the highest"),
     ),
 }
-"""{name: Material}."""
+"""{name: Masonry}."""
 
 
 MISSING = (

@@ -230,16 +230,10 @@ class ModelOptions:
                 " points come in pairs; give --cells 2"
             )
         object.__setattr__(self, "soil", _soil_word(self.soil))
-        for one in fields(self):
-            if (
-                one.name in _OF_SOIL
-                and self.soil == "rigid"
-                and getattr(self, one.name) != one.default
-            ):
-                raise InputError(
-                    f"{option_of(one)} {getattr(self, one.name):g} without --soil: "
-                    "expected the soil's stiffness [N/m3], too; give both, or leave it out"
-                )
+        self._check_default(
+            _OF_SOIL if self.soil == "rigid" else (),
+            "without --soil: expected the soil's stiffness [N/m3], too; give both, or leave it out",
+        )
         if self.brick_cells % 2:
             raise InputError(
                 f"--brick-cells {self.brick_cells}: expected an even number, since bricks lie on"

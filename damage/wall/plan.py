@@ -19,7 +19,7 @@ import numpy as np
 from damage.errors import InputError
 from damage.wall.floors import FloorPlace, floor_places
 from damage.wall.kinds import TINY
-from damage.wall.lintels import Lintel, Place, edges_of
+from damage.wall.lintels import Lintel, LintelPlace, edges_of
 from damage.wall.restraints import top_of
 
 
@@ -55,7 +55,7 @@ class Plan:
     wall: object
     openings: tuple[OpeningPlace, ...]
     floors: tuple[FloorPlace, ...]
-    lintels: tuple[Place, ...]
+    lintels: tuple[LintelPlace, ...]
     runs: tuple[tuple[tuple[float, float], ...], ...]
     bricks: tuple[tuple[tuple[float, float], ...], ...]
     piers: tuple[tuple[float, float], ...]
@@ -208,8 +208,8 @@ def _find_piers(length, openings):
 
 
 def _lintel_places(brick, openings, runs):
-    """The Place of every lintel that is a body, from left to right; runs: parts of each course
-    without them.
+    """The LintelPlace of every lintel that is a body, from left to right; runs: parts of each
+    course without them.
 
     A lintel takes the courses above its opening up to the end of the spandrel, and its bearing on
     both sides; where less than half a brick would be left beside it, it reaches to the end of that
@@ -235,7 +235,7 @@ def _lintel_places(brick, openings, runs):
             one[2] = other[1] = _on_quarters(length, (one[5].right + other[5].left) / 2)
     near = sorted({x for place in openings for x in (place.left, place.right)})
     return tuple(
-        Place(
+        LintelPlace(
             lintel, left, right, first, above, edges_of(lintel, brick, left, right, near), *section
         )
         for lintel, left, right, first, above, _, *section in found

@@ -213,7 +213,6 @@ RUN = {
     "--pushover 0.1 --top-rotation ?": "0 1e-300 1000000000 0.5",
     "--settle hogging --distortion ?": "",
     "--checkpoint ?": "0.5",
-    "--point ? 0.3": "0 -1 1e-300 0.5",
     "--address A --life ?": "1000000000",
     "--bricks deformable --brick-mass ?": "",
     "--bricks deformable --brick-damping ?": "0 1e-300 0.5",
@@ -227,7 +226,6 @@ RUN = {
 }
 """{words of a run, ? the value: which of ODD go}; all others are refused before anything is
 begun."""
-YADE_ALONE = {"--past-collapse ?": "0 1e-300 0.5"}
 COMMANDS = {
     "index H --threshold-mm ?": "0.5",
     "cracks H --at ?": "0 1e-300",
@@ -306,23 +304,10 @@ def test_odd_values_of_options(template, files, complaint_of):
     )
 
 
-@pytest.mark.parametrize("template", YADE_ALONE)
-def test_odd_values_of_options_in_yade(template, complaint_of):
-    assert (
-        that_go(lambda value: prepare(filled(template, {}, value), "yade"), complaint_of)
-        == YADE_ALONE[template]
-    )
-
-
 @pytest.mark.parametrize("solver", ["reference", "yade"])
 def test_every_number_on_a_command_line_is_tried(solver):
     """An option that is added without a row above fails here: it might accept NaN."""
-    tried = {
-        word
-        for template in (*RUN, *YADE_ALONE)
-        for word in template.split()
-        if word.startswith("--")
-    }
+    tried = {word for template in RUN for word in template.split() if word.startswith("--")}
     numbers = {
         option
         for action in make_parser("test", solver)._actions

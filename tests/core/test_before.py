@@ -13,7 +13,7 @@ from damage.applications.cracks.options import Surveyed
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.measure.summary import summarise
-from damage.run.before import without_bond
+from damage.run.initial_state import without_bond
 from damage.run.options import parse_run
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall

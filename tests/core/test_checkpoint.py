@@ -12,8 +12,8 @@ import damage
 from benchmarks.same_bits import differences, values
 from damage.reference.session import run_reference
 from damage.run import run as run_module
-from damage.run.before import read_earlier
 from damage.run.checkpoint import checkpoint_path, read_checkpoint
+from damage.run.initial_state import read_earlier
 from damage.wall.layout import lay_out
 
 SMALL = "walls/variants/small.py"
@@ -27,9 +27,6 @@ RUNS = {
         "--distortion",
         "1/500",
         "--stresses",
-        "--point",
-        "0.3",
-        "0.3",
     ),
     "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
     "falling": (

@@ -7,6 +7,7 @@ import pytest
 from conftest import one_line_error
 
 from damage.applications.studies.fragility import LEVELS, load_runs
+from damage.applications.studies.read import check_names
 from damage.applications.studies.tables import points_of
 from damage.history.schema import OPTIONAL, TABLES, Column, each, measure
 from damage.measure import columns
@@ -60,7 +61,7 @@ def test_a_name_that_would_lead_elsewhere_or_spoil_a_file_is_refused(column, nam
     """Pictures and curves are named after walls, histories are looked for by runs' names."""
     table = pd.DataFrame({"run": ["r"], "point": ["p"], "wall": ["w"], column: [name]})
     said = f"summary.csv: {column} {name!r}: expected a name without slashes"
-    assert said in one_line_error(columns.check_names, table, "summary.csv")
+    assert said in one_line_error(check_names, table, "summary.csv")
     runs = {
         "strength_cov": [0.3],
         "strength_seed": [1],

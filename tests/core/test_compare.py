@@ -9,13 +9,13 @@ from numpy.testing import assert_allclose
 from pytest import approx
 from small_history import make_history
 
+from damage.applications.cracks.compare import cohens_kappa, compare, compare_drift, describe
 from damage.applications.cracks.patterns import (
     compare_patterns,
     cracked,
     fractions_skill_score,
     places_of,
 )
-from damage.measure.compare import cohens_kappa, compare, compare_drift, describe
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
 
@@ -36,11 +36,7 @@ def wave(amplitude=1e-3, period=0.1, late=0.0):
 def test_a_run_agrees_with_itself(tmp_path):
     run = history(tmp_path / "a.h5", wave(), opening={0: 3e-4}, broken={0: 1}, at_limit={1: 1})
     result = compare(run, [run])
-    assert (
-        result["agrees"]
-        and result["drift"]["rms_whole"] == 0.0
-        and result["drift"]["lag_s"] == approx(0)
-    )
+    assert result["agrees"] and result["drift"]["rms_whole"] == 0.0
     assert all(row["first"] == row["median"] for row in result["figures"].values())
     assert "within the tolerances" in describe(result)
     json.dumps(result)

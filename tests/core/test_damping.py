@@ -9,10 +9,10 @@ from numpy.testing import assert_allclose
 from damage.law.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
+from damage.run.monitor import unbalanced_force
 from damage.run.options import parse_run
 from damage.run.schedule import STEP_FACTOR
 from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factors
-from damage.run.watch import unbalanced_force
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Joint, Wall

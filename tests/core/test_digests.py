@@ -119,8 +119,8 @@ def test_the_digest_of_the_model_is_of_its_folders_and_those_of_applications(
         f"damage/{name}.py"
         for name in (
             "rounded",
-            "run/watch",
-            "run/before",
+            "run/monitor",
+            "run/initial_state",
             "applications/cracks/crack_paths",
             "law/joint_law",
             "applications/groningen/exposure/models/bommer_2022",

@@ -8,7 +8,7 @@ from conftest import refused_with
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
-from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
+from damage.law.modes import contact_normals, natural_modes, static_displacement
 from damage.measure.damage_index import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
@@ -19,6 +19,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of
+from verification.limit_analysis import kinematic_matrix
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
 TIMBER, SLAB = Floor(1.0, 800.0, 0.4, 1.6), Floor(2.0, 1500.0, kind="concrete", depth=0.2)

@@ -6,24 +6,19 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import SHORT, one_line_error, wall_file
+from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
-from short_runs import POINTS, SMALL
+from short_runs import SMALL
 
-import damage
 from damage import Brick, Joint, Lintel, Opening, Wall
 from damage.measure.joint_stress import (
     contact_forces,
-    joint_history,
-    joint_of,
-    points_table,
     sections_table,
 )
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.geometry import body_table, joint_table
-from damage.wall.kinematics import rigid_displacement
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
@@ -213,7 +208,7 @@ def test_thrust_of_a_flat_arch_is_the_parabola_of_its_weight():
 
 @pytest.fixture
 def shaken(run_of):
-    """A wall that cracks, with the stresses of its joints and two material points; and the same run
+    """A wall that cracks, with the stresses of its joints; and the same run
     without."""
     return run_of("stresses"), run_of("shaken")
 
@@ -264,87 +259,17 @@ def test_the_static_stage_is_kept_to_where_it_ends(shaken):
     assert stage["unbalanced_force"].iloc[0] > 0.1
 
 
-def test_material_points_move_with_their_bricks(shaken):
-    kept, _ = shaken
-    assert kept.points == POINTS
-    at = np.searchsorted(kept.series["time_s"], kept.snapshot_time_s)
-    for number, (x, z) in enumerate(kept.points):
-        bodies = kept.bodies
-        body = np.flatnonzero(
-            (abs(bodies.x_m - x) <= bodies.length_m / 2 + 1e-9)
-            & (abs(bodies.z_m - z) <= bodies.height_m / 2 + 1e-9)
-        )[0]
-        moved = rigid_displacement(
-            *kept.displacement[:, body].astype(float).T, x - bodies.x_m[body], z - bodies.z_m[body]
-        )
-        assert_allclose(kept.point_displacement[at, number].T, moved, atol=1e-9)
-    assert np.abs(kept.point_displacement).max() > 1e-5
-    table = points_table(kept)
-    assert len(table) == 2 * len(kept.series) and table["point"].iloc[-1] == 2
-    assert_array_equal(
-        table["displacement_z_m"][: len(kept.series)], kept.point_displacement[:, 0, 1]
-    )
-
-
-def test_a_point_of_a_deformable_brick_bends_with_it():
-    """Both sides of an intact bed joint move together; the middle of a brick moves otherwise than
-    its rigid motion."""
-    panel = Wall(
-        "panel",
-        0.6,
-        0.4,
-        precompression=0.3e6,
-        brick=BRICK,
-        joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0),
-    )
-    history = damage.run(
-        panel,
-        pushover=0.005,
-        bricks="deformable",
-        contacts="gauss",
-        point=[(0.3, 0.2999), (0.3, 0.3001), (0.1, 0.25)],
-    )
-    last = history.point_displacement[-1]
-    body = np.flatnonzero(
-        (np.abs(history.bodies.x_m - 0.1) < 0.01) & (np.abs(history.bodies.z_m - 0.25) < 0.01)
-    )[0]
-    # a centre bends away, too
-    assert not np.allclose(last[2], history.displacement[-1, body, :2], rtol=1e-4)
-    # both sides of an intact bed joint
-    assert_allclose(last[0], last[1], atol=0.05 * np.abs(last).max())
-
-
-def test_a_joint_by_its_number_or_place(shaken):
-    kept, _ = shaken
-    joints = kept.joints
-    assert joint_of(kept, "5") == joint_of(kept, 5) == 5
-    row = joint_of(kept, "head:0.225,0.0375")
-    assert joints["kind"][row] == "head" and abs(joints["x_m"][row] - 0.225) < 1e-9
-    assert joints["kind"][joint_of(kept, "bed:0.225,0.0375")] == "bed"
-    table = joint_history(kept, f"{joints['x_m'][7]},{joints['z_m'][7]}")
-    assert_array_equal(table[["normal_stress_pa", "shear_stress_pa"]], kept.joint_stress_pa[:, 7])
-    for name, said in (
-        ("400", "expected a row of the joints, 0 to"),
-        ("9,9", "the nearest, "),
-        ("0.1", "correct it"),
-        ("cut:0,0", "no joint of kind cut"),
-        ("a,b", "correct it"),
-        ("nan,0", "the nearest"),
-    ):
-        assert said in one_line_error(joint_of, kept, name)
-
-
 def test_what_is_shown_of_them(shaken, tmp_path, output_of, error_of):
     kept, without = shaken
-    added = {"run_stresses.csv", "run_sections.csv", "run_points.csv"}
+    added = {"run_stresses.csv", "run_sections.csv"}
     assert added <= {path.name for path in write_run_tables(kept, tmp_path / "run")}
     assert not added & {path.name for path in write_run_tables(without, tmp_path / "run")}
-    words = ["--at", "rest,0.03", "--joint", "0.05,0", "--out", str(tmp_path / "st")]
+    words = ["--at", "rest,0.03", "--out", str(tmp_path / "st")]
     shown = output_of("stresses", kept.path, *words)
-    assert "pier 1 at 0.000 m: N -" in shown and "joint 0 (0.05,0): normal -" in shown
-    row = joint_of(kept, "0.05,0")
-    joints = pd.read_csv(tmp_path / "st" / f"joint_{row}.csv")
-    assert_allclose(joints["normal_stress_pa"], kept.joint_stress_pa[:, row, 0], rtol=1e-7)
+    assert "pier 1 at 0.000 m: N -" in shown
+    table = pd.read_csv(tmp_path / "st" / "stresses.csv")
+    first = table["normal_stress_pa"][: len(kept.joints)]
+    assert_allclose(first, kept.joint_stress_pa[0, :, 0], rtol=1e-7)
     assert (tmp_path / "st" / "contact_forces_0.03.png").exists()
     assert "--at later: expected rest, max, end or a time [s]" in error_of(
         "stresses", kept.path, "--at", "later"
@@ -352,25 +277,6 @@ def test_what_is_shown_of_them(shaken, tmp_path, output_of, error_of):
     assert "has no stresses of joints: expected a run with --stresses" in error_of(
         "stresses", without.path
     )
-
-
-@pytest.mark.parametrize(
-    "place, said",
-    [
-        (
-            ("0.6", "0.25"),
-            (
-                "--point 0.6 0.25: no brick is there; expected x and z in the undeformed wall [m];"
-                " the nearest"
-            ),
-        ),
-    ],
-)
-def test_a_point_outside_the_bricks_is_one_line_and_leaves_no_file(place, said, tmp_path, error_of):
-    assert said in error_of(
-        "reference", "walls/variants/small.py", "--point", *place, "--out", tmp_path / "a.h5"
-    )
-    assert list(tmp_path.iterdir()) == []
 
 
 # --- YADE -----------------------------------------------------------------------------------------
@@ -394,9 +300,6 @@ def test_both_solvers_have_the_same_stresses(tmp_path, in_both):
         "--rest",
         0,
         "--stresses",
-        "--point",
-        0.3,
-        0.1,
         "--fibres",
         4,
         yade=SHORT,
@@ -405,9 +308,4 @@ def test_both_solvers_have_the_same_stresses(tmp_path, in_both):
     assert_allclose(one.joint_stress_pa[0], two.joint_stress_pa[0], atol=1e-3 * largest)
     n = min(len(one.series), len(two.series))
     assert_allclose(one.joint_stress_pa[:n], two.joint_stress_pa[:n], atol=2e-2 * largest)
-    assert_allclose(
-        one.point_displacement[:n],
-        two.point_displacement[:n],
-        atol=0.02 * np.abs(two.point_displacement).max(),
-    )
     assert len(one.static_stage) > 5 and one.static_stage["unbalanced_force"].iloc[-1] < 1e-5

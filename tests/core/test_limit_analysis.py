@@ -123,13 +123,13 @@ class TestTheSolver:
         bound = collapse_load(layout).multiplier
         found = collapse_multiplier(layout, 1.02 * bound, tolerance=4e-3)
         assert_allclose(found.multiplier, PUBLISHED["benchmark"], rtol=0.01)
-        assert found.stands <= bound
+        assert found.stable <= bound
 
     @pytest.mark.long
     @pytest.mark.parametrize("name", WALLS)
     def test_walls_fall_at_or_below_the_bound(self, name):
         result = examine(name)
-        assert result.solver.stands <= result.bound.multiplier
+        assert result.solver.stable <= result.bound.multiplier
         assert result.ratio >= 0.9 if result.friction_governs else result.ratio >= 0.95
 
 

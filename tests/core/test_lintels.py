@@ -9,7 +9,7 @@ import pytest
 from conftest import one_line_error
 from numpy.testing import assert_allclose
 
-from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
+from damage.law.modes import contact_normals, natural_modes, static_displacement
 from damage.run.banner import wall_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
@@ -22,6 +22,7 @@ from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of
 from verification.collapse import settled_wall
+from verification.limit_analysis import kinematic_matrix
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
 

@@ -16,9 +16,9 @@ from damage.mechanics.factor import scaled_mass
 from damage.mechanics.tables import DAMPING
 from damage.reference.lanes import run_together
 from damage.reference.wall import ReferenceWall
-from damage.run import scheme, watch
+from damage.run import monitor, scheme
+from damage.run.monitor import Borne
 from damage.run.options import parse_run
-from damage.run.watch import Borne
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -273,7 +273,7 @@ class TestAcceptance:
         assert (found.parameters["mass_scaling"], found.parameters["repeats"]) == ("selective", 0)
 
     def test_a_falling_brick_makes_the_run_explicit_at_once(self, monkeypatch):
-        monkeypatch.setattr(watch, "ACCEPTED_DROP_M", 1e-6)
+        monkeypatch.setattr(monitor, "ACCEPTED_DROP_M", 1e-6)
         found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4)
         assert (found.parameters["repeats"], found.parameters["repeated_for"]) == (1, "drop")
         assert found.parameters["mass_scaling"] == "none"

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
 from damage.index import damage_index
-from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table, upward_crossings
+from damage.measure.cycles import CYCLES, cycle_measures, cycles_table, upward_crossings
 from damage.measure.energy import (
     DISSIPATED,
     STORED,
@@ -92,7 +92,7 @@ def test_free_cycle_shows_the_softened_period(harmonic):
 def test_cycles_of_the_motion_then_free_ones(harmonic):
     drift = softening(0.25) * np.select([TIME_S < 0.2, TIME_S < 0.4, TIME_S < 0.6], [1, 2, 3], 2)
     table = cycles_table(harmonic(drift))
-    assert list(table.columns) == list(CYCLE_COLUMNS)
+    assert list(table.columns) == list(CYCLES)
     driven, free = (table[table["kind"] == kind] for kind in ("driven", "free"))
     assert driven["start_s"].tolist() == pytest.approx([0, 0.2, 0.4])
     assert driven["duration_s"].tolist() == pytest.approx([0.2] * 3)

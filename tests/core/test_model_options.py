@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from conftest import refused_with
 
-from damage.measure.columns import read_table
+from damage.applications.studies.read import read_table
 from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
 from damage.run.options import free_name, parse_run, settings_of, words_of
@@ -106,11 +106,10 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
             {
                 "settle": "tilt",
                 "distortion": "1/200",
-                "point": [(0.3, 0.3), (0.5, 0.1)],
                 "beta": None,
                 "quiet": False,
             },
-            "--settle tilt --distortion 0.005 --point 0.3 0.3 --point 0.5 0.1",
+            "--settle tilt --distortion 0.005",
         ),
     ],
 )
@@ -146,7 +145,6 @@ def test_a_wrong_option_is_refused_alike_however_it_is_given(options, words, sai
         ({"cycles": 2.5}, "argument --cycles: invalid int value: 2.5"),
         ({"rest": True}, "invalid float value: True"),
         ({"quiet": 1}, "quiet = 1: expected True or False"),
-        ({"point": 3}, "point = 3: expected X_M Z_M"),
         ({"harmonc": 1}, "did you mean harmonic"),
     ],
 )

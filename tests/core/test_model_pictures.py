@@ -11,8 +11,8 @@ from PIL import Image, ImageSequence
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
+from damage.applications.cracks.compare_picture import JOINTS, compare_picture, joint_agreement
 from damage.applications.report.animation import choose_snapshots, write_film
-from damage.draw.compare import JOINTS, compare_picture, joint_agreement
 from damage.draw.preview import modes_picture
 from damage.law.modes import natural_modes
 

@@ -21,8 +21,8 @@ from damage.measure.warnings import warnings_of
 from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from damage.mechanics.tables import FRICTION, HAS_FAILED, INPUT, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
+from damage.run.monitor import fastest_fallen
 from damage.run.settings import RESTS_BELOW_M_S
-from damage.run.watch import fastest_fallen
 from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
 from damage import Joint, ModelOptions, Wall
+from damage.applications.cracks.capacity import drift_at_first_crack
 from damage.applications.cracks.patterns import cracked
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
 from damage.measure.cracks import psi_summary, psi_value
-from damage.measure.pushed import drift_at_first_crack
 from damage.measure.summary import summarise
 from damage.measure.tables import index_table, summary_row
 from damage.reference.solver import ReferenceSolver

@@ -28,7 +28,7 @@ from damage.draw.run import (
 )
 from damage.draw.wall import line_width, wall_shape
 from damage.draw.words import run_title
-from damage.history.moments import STATES
+from damage.history.moments import JOINT_STATES
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.layout import lay_out
@@ -113,7 +113,7 @@ class TestJoints:
     @pytest.mark.parametrize("sample", [0, 4, 10, 20])
     def test_drawn_lengths_are_those_the_index_counts(self, cracked, sample, threshold, slip):
         figure = wall_picture(cracked, sample, slip, threshold, magnify=0)
-        drawn = {state: lengths(collection(figure, state).get_segments()) for state in STATES}
+        drawn = {state: lengths(collection(figure, state).get_segments()) for state in JOINT_STATES}
         counted = cracked.index(threshold=threshold, slip=slip).iloc[sample]
         total = LAYOUT.total_joint_length
         assert sum(drawn.values()) == pytest.approx(total, rel=ROUND_OFF)
@@ -208,7 +208,7 @@ class TestInAxesOfAnother:
         drawn = np.array([path.vertices[:4] for path in bricks.get_paths()])
         assert_allclose(drawn, expected.corners[expected.kinds == "bricks"])
         (lines,) = (one for one in ax.collections if one.get_label() == "both")
-        assert len(lines.get_segments()) == np.sum(expected.state == STATES.index("both"))
+        assert len(lines.get_segments()) == np.sum(expected.state == JOINT_STATES.index("both"))
         assert (
             f"{expected.index:.3f} at {expected.time_s:.3f} s" in ax.get_title()
             and ax.get_aspect() == 1.0

@@ -12,13 +12,13 @@ from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.measure.summary import summarise
 from damage.motion.loading import mean_velocities
+from damage.run.cooperative import take_turns
 from damage.run.options import parse_run
 from damage.run.run import LOOK_STEPS, Run
 from damage.run.schedule import sample_steps
 from damage.run.session import Backend, run_session
 from damage.run.settings import HOLD_AT_MOST_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import Instants
-from damage.run.turns import take_turns
 from damage.units import GRAVITY
 
 DT = 1e-3  # [s]; a sample then lasts ten steps
@@ -195,7 +195,7 @@ def run_through(tmp_path, at_once):
             overwrite=True,
         )
         run = Run(layout, settings, fake, writer, keep_going)
-        (finished,) = take_turns([run.settle_under_gravity()])
+        (finished,) = take_turns([run.come_to_rest()])
         if finished:
             run.start()
             (finished,) = take_turns([run.run_all()])

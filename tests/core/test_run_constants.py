@@ -12,9 +12,15 @@ from small_history import small_layout
 from damage.errors import InputError
 from damage.law.states import BROKEN, ENDED
 from damage.run import settings as run_settings
+from damage.run.monitor import (
+    fastest_fallen,
+    have_fallen,
+    have_left,
+    lowest_places,
+    unbalanced_force,
+)
 from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step
-from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places, unbalanced_force
 
 CRITICAL_S = 4.67e-5
 
@@ -106,7 +112,5 @@ def test_following_bricks_without_contacts_is_refused():
         "test",
         "reference",
     )
-    with pytest.raises(InputError, match="--after-fall with --past-collapse 2: expected one"):
-        parse_run(["--after-fall", "--new-contacts", "--past-collapse", "2"], "test", "yade")
     with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):
         parse_run(["--new-contacts", "--bricks", "deformable"], "test", "reference")

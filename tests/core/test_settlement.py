@@ -12,11 +12,11 @@ from numpy.testing import assert_allclose
 from short_runs import SMALL
 
 import damage
-from damage.draw.compare import joint_agreement
+from damage.applications.cracks.compare import compare, describe
+from damage.applications.cracks.compare_picture import joint_agreement
 from damage.errors import RunError
 from damage.history.reader import read_history
 from damage.law.modes import natural_modes
-from damage.measure.compare import compare, describe
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures
 from damage.measure.pushed import first_loading
@@ -25,11 +25,11 @@ from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
 from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
+from damage.run.cooperative import take_turns
 from damage.run.options import parse_run
 from damage.run.session import prepare, simulate
 from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
-from damage.run.turns import take_turns
 from damage.units import GRAVITY
 from damage.wall.layout import Supports, lay_out
 from damage.wall.model_options import ModelOptions

@@ -190,8 +190,8 @@ def test_drift_leaves_the_rocking_of_the_base_out(run_of):
     [
         (["--soil", "0"], "--soil 0: expected rigid, or the modulus"),
         (["--soil", "soft"], "--soil soft: expected rigid"),
-        (["--footing", "0.6"], "--footing 0.6 without --soil"),
-        (["--soil-velocity", "150"], "--soil-velocity 150 without --soil"),
+        (["--footing", "0.6"], "--footing = 0.6 without --soil"),
+        (["--soil-velocity", "150"], "--soil-velocity = 150.0 without --soil"),
         (["--soil", "1e8", "--soil-shear", "0"], "expected a number from 0.01 to 10"),
     ],
 )

@@ -15,8 +15,8 @@ from conftest import REPOSITORY, TINY, contents, wall_file, without_progress
 
 from damage.history.reader import read_history
 from damage.reference import ensembles, lanes, session, settled
+from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_reference, run_references
-from damage.reference.settled import SettledWalls
 from damage.run.run import LOOK_STEPS
 
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
@@ -116,7 +116,7 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
     """As of the next point of a study: the same joints, another motion.  The first run lays out a
     wall of its own, the others share parts of its layout."""
     wall_file(tiny, TINY.replace("0.6", "0.675"))
-    walls = SettledWalls()
+    walls = RestCache()
 
     def run(folder, numbers, *words):
         (tmp_path / folder).mkdir()
@@ -152,7 +152,7 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
 
 def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
     monkeypatch.setattr(settled, "MOST_BYTES", 32)
-    kept, tables = SettledWalls(), {"place": np.zeros(1), "velocity": np.zeros(1)}
+    kept, tables = RestCache(), {"place": np.zeros(1), "velocity": np.zeros(1)}
     for name in "abc":
         kept.put(name, tables)
     assert list(kept._kept) == ["b", "c"]

@@ -21,7 +21,7 @@ from damage.law.modes import natural_modes
 from damage.law.states import ENDED, FAILED
 from damage.mechanics import bodies, samples, step, tables
 from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
-from damage.mechanics.eight import (
+from damage.mechanics.simd import (
     EIGHT,
     ONE,
     Lane,
@@ -591,8 +591,8 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
         """Where a function is cached, and whether the line was printed that the solver is
         compiled."""
         program = (
-            "from damage.mechanics import bodies, compiled, eight;import numba, numpy as"
-            " np;bodies.turn_far.compile(tuple(map(numba.typeof, (eight.ONE, np.zeros((1, 40, 1)),"
+            "from damage.mechanics import bodies, compiled, simd;import numba, numpy as"
+            " np;bodies.turn_far.compile(tuple(map(numba.typeof, (simd.ONE, np.zeros((1, 40, 1)),"
             " 0, 1, 0.5))));print(compiled.kept_in(), compiled.DIGEST, sep='\\n')"
         )
         *said, folder, digest = run_command(

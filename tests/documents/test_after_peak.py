@@ -6,8 +6,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
 
+from damage.applications.cracks.capacity import draws_needed
 from damage.applications.cracks.pushed import SPECIMENS
-from damage.measure.pushed import draws_needed
 from damage.units import GRAVITY
 from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out

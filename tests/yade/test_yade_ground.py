@@ -7,8 +7,8 @@ from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
 
 import damage
+from damage.applications.cracks.compare import compare_drift
 from damage.applications.cracks.patterns import compare_patterns
-from damage.measure.compare import compare_drift
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import settlement_measures
 

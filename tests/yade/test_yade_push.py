@@ -6,7 +6,7 @@ from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose
 
 import damage
-from damage.measure.pushed import cycle_edges, cycles_table
+from damage.applications.cracks.capacity import cycle_edges, cycles_table
 from damage.measure.summary import summarise
 
 pytestmark = pytest.mark.yade

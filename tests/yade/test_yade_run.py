@@ -226,21 +226,15 @@ def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
         0.5,
         "--out",
         out,
-        "--past-collapse",
-        0.1,
         "--no-pictures",
     )
     assert done.returncode == 0 and "collapsed at" in done.stdout
     history = damage.read_history(out)
     assert history.complete and 0 < history.collapsed_at_s < 0.6
     assert history.series.time_s.iloc[-1] == pytest.approx(history.collapsed_at_s, abs=0.02)
-    # A brick has dropped by half its height, 37.5 mm, when all but snapshots ends; these follow it
-    # on its way down.
+    # a brick has dropped by half its height, 37.5 mm
     times = history.snapshot_time_s
     at = np.flatnonzero(times <= history.series.time_s.iloc[-1])[-1]
     assert -0.06 < history.displacement[at, :, 1].min() < -0.0375
-    assert 0.1 <= times[-1] - history.collapsed_at_s < 0.13 and np.all(np.diff(times) > 0)
-    lowest = -history.displacement[[at, -1], :, 1].min(axis=1)
-    assert lowest[1] > lowest[0] + 9.81 * 0.1**2 / 2 * 0.9  # freely
     # the piers stand
     assert np.all(history.displacement[-1, history.bodies.course == -1, 1] > -0.01)

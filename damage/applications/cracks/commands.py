@@ -1,7 +1,6 @@
 """Commands about cracks and laboratories: pushed walls, digitised cracks, surveys beside runs."""
 
 from damage.commands.table import (
-    BESIDE,
     DRIFT_LIMIT,
     HISTORIES,
     JSON,
@@ -15,8 +14,8 @@ from damage.commands.table import (
     threshold,
 )
 from damage.errors import InputError
+from damage.history.info import origin
 from damage.history.reader import read_history
-from damage.measure.compare import COMPARISONS, Comparison
 from damage.provenance import MEASURES, MODEL, shown_path
 from damage.run.options import WALLS_ARE_CODE, arg, file_arg, group, number_from
 from damage.units import MILLIMETRE
@@ -130,6 +129,40 @@ def _cracks(asked):
     show(asked, report, describe)
 
 
+@command(
+    "compare a history with another, an ensemble, or the survey of a real wall",
+    file_arg("first", "A.h5"),
+    file_arg(
+        "others",
+        "B.h5|SURVEY.csv",
+        "of several histories the median counts; a crack file is compared with "
+        "the end of each history",
+        nargs="+",
+    ),
+    JSON,
+    out("folder for a picture of drift and joints", required=False),
+    examples=("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
+)
+def _compare(asked):
+    from damage.applications.cracks.compare import compare, describe
+
+    paths = asked.first, *asked.others
+    if any(path.suffix.lower() == ".csv" for path in paths):
+        _compare_survey(asked, paths)
+        return
+    first, others = read_history(asked.first), [read_history(path) for path in asked.others]
+    result = compare(first, others)
+    if asked.out:
+        from damage.applications.cracks.compare_picture import compare_picture
+
+        save(
+            [("compare", compare_picture(first, others[0]))],
+            asked.out,
+            "\n".join(map(origin, (first, others[0]))),
+        )
+    show(asked, result, describe)
+
+
 def _compare_survey(asked, paths):
     from damage.applications.cracks.survey import beside, describe_beside, read_survey
 
@@ -155,23 +188,9 @@ def _compare_survey(asked, paths):
     )
 
 
-def _compare_patterns(first, second):
-    from damage.applications.cracks.patterns import compare_patterns
-
-    return compare_patterns(first, second)
-
-
-def _describe_patterns(found):
-    from damage.applications.cracks.patterns import describe_patterns
-
-    return describe_patterns(found)
-
-
 # of --cracked
 MODEL += [f"applications/cracks/{name}.py" for name in ("crack_file", "crack_paths", "survey")]
 MEASURES.append("applications/cracks/kept.py")  # patterns at rest
-BESIDE[".csv"] = _compare_survey
-COMPARISONS["patterns"] = Comparison(_compare_patterns, _describe_patterns)
 
 
 @tables

@@ -132,7 +132,7 @@ def read_cracks(path):
 def _rows(table):
     """Checked columns in SI units; empty: whether a row is; before: the number of the point in the
     row before, NaN where that is of another crack or level."""
-    rows = table.rows.assign(level=table.levels(), mode=table.rows["mode"].replace("", "unknown"))
+    rows = table.rows.assign(level=levels_of(table), mode=table.rows["mode"].replace("", "unknown"))
     for name, known in (("mode", (*MODES, NO_CRACK)), ("offset", tuple(SEEN))):
         for row in np.flatnonzero(~rows[name].isin(known)):
             raise table.error(
@@ -356,3 +356,20 @@ def patterns_of(history, samples, threshold=THRESHOLD):
         pattern_of(cracks_at(history, sample, threshold), number, drift[sample], threshold)
         for number, sample in enumerate(samples, start=1)
     ]
+
+
+MOST_LEVELS = 1000
+"""Load levels of a file: what is read in seconds."""
+
+
+def levels_of(table):
+    """The column `load_level` (n_rows,) of a CsvTable, 1 where there is none."""
+    if "load_level" not in table.names:
+        return np.ones(len(table.rows))
+    table.refuse_empty("load_level")
+    level = table.rows["load_level"].to_numpy()
+    if (found := len(set(level))) > MOST_LEVELS:
+        raise InputError(
+            f"{table.path} has {found} load levels: expected up to {MOST_LEVELS}; take some out"
+        )
+    return level

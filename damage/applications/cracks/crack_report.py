@@ -16,6 +16,7 @@ from damage.applications.cracks.dic import (
     read_field,
 )
 from damage.applications.cracks.dic import report as dic_report
+from damage.applications.cracks.plausible import implausible_places, implausible_width
 from damage.errors import InputError, warn
 from damage.history.moments import choose_samples
 from damage.history.reader import read_history
@@ -24,7 +25,6 @@ from damage.measure.cracks import cracks_at, ends_of, psi, psi_summary
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.plausible import implausible_places, implausible_width
 
 SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""

@@ -16,7 +16,7 @@ from math import isnan
 
 import numpy as np
 
-from damage.applications.cracks.crack_file import OF_LEVEL, pattern_of
+from damage.applications.cracks.crack_file import OF_LEVEL, levels_of, pattern_of
 from damage.checks import check_not_negative
 from damage.csv_table import read_csv
 from damage.errors import InputError, some_of
@@ -100,7 +100,7 @@ def read_field(path):
     the correlation lost, are left out.  Raises InputError with the line."""
     table = read_csv(path, REQUIRED | OF_LEVEL, REQUIRED)
     table.refuse_empty("x_m", "z_m")
-    level = table.levels()
+    level = levels_of(table)
     x, z, ux, uz, drift = table.rows[[*REQUIRED, "drift_pct"]].to_numpy().T
     table.refuse(
         np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither"

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.applications.cracks.crack_file import read_cracks
+from damage.applications.cracks.plausible import implausible_places
 from damage.errors import InputError, warn
 from damage.measure.cracks import ENDS
 from damage.provenance import file_origin
 from damage.run.options import PAST, Source, arg, file_arg, number_from, register
 from damage.units import MILLIMETRE
-from damage.wall.plausible import implausible_places
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ drift."""
 import numpy as np
 from matplotlib.lines import Line2D
 
+from damage.applications.cracks.capacity import capacity_curve, cycles_table, pushed_loading
 from damage.applications.cracks.pushed import test_of
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.run import DRIFT_LIMITS_PCT
@@ -21,7 +22,6 @@ from damage.draw.style import (
 )
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.measure.pushed import capacity_curve, cycles_table, pushed_loading
 
 RUN_LOOKS = (
     (BLUE, "-", "o"),

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from damage.applications.cracks import capacity
 from damage.errors import InputError
 from damage.files import DATA
-from damage.measure import pushed
+from damage.measure.pushed import first_loading
 
 TESTS = DATA / "eucentre" / "tests.csv"
 SPECIMENS = {
@@ -49,7 +50,7 @@ FIGURES = {
     "elastic_drift": ("elastic drift", "%", 0.01),
     "ultimate_drift": ("ultimate drift", "%", 0.01),
 }
-"""{figure of `pushed.capacity` and of a test: (words, unit, its size in SI)}; {}: a drift."""
+"""{figure of `capacity.capacity` and of a test: (words, unit, its size in SI)}; {}: a drift."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ class LaboratoryTest:
         }
         found = {name: float(np.mean(pair)) for name, pair in names.items()}
         return found | {
-            "left_n": pushed.ULTIMATE_SHARE * found["peak_force_n"],
+            "left_n": capacity.ULTIMATE_SHARE * found["peak_force_n"],
             "mean_force_n": float(
                 np.mean(
                     [
@@ -193,8 +194,8 @@ def figures(history, to=None):
     loading; measured: of the test that it models; None where there is no figure.  to: the drift [-]
     of mean forces, None for the test's ultimate drift, without a test the run's."""
     test, measured, to = _measured(history, to)
-    found = pushed.capacity(history, to)
-    initial, shares = pushed.first_loading(history)["initial_stiffness_n_per_m"], found["failure"]
+    found = capacity.capacity(history, to)
+    initial, shares = first_loading(history)["initial_stiffness_n_per_m"], found["failure"]
     rows = [("stiffness, initial", "kN/mm", initial and initial / 1e6, None)]
     for name, (_, unit, size) in FIGURES.items():
         words = _words(name, to) + (
@@ -207,7 +208,7 @@ def figures(history, to=None):
                 *(None if one is None else one / size for one in (found[name], measured.get(name))),
             )
         )
-    crack = pushed.drift_at_first_crack(history)
+    crack = capacity.drift_at_first_crack(history)
     return [
         *rows,
         (
@@ -226,7 +227,7 @@ def figures(history, to=None):
 def pushed_report(history, to=None):
     """Everything about a pushed run as a plain dictionary: cycles, envelope, mode and `figures`."""
     height = history.attributes["drift_height_m"]
-    cyclic, found = pushed.pushed_loading(history).cycles > 0, pushed.capacity(history, to)
+    cyclic, found = capacity.pushed_loading(history).cycles > 0, capacity.capacity(history, to)
     return {
         "wall": history.wall,
         "solver": history.solver,
@@ -234,14 +235,14 @@ def pushed_report(history, to=None):
         "status": history.status,
         "slip": "displacement",
         "test": SPECIMENS.get(history.wall),
-        "cycles": pushed.cycles_table(history).to_dict("records") if cyclic else [],
+        "cycles": capacity.cycles_table(history).to_dict("records") if cyclic else [],
         "bilinear": {
-            side: pushed.bilinear(curve, height)
-            for side, curve in pushed.loaded_curves(history).items()
+            side: capacity.bilinear(curve, height)
+            for side, curve in capacity.loaded_curves(history).items()
         },
-        "first_crack_drift": pushed.drift_at_first_crack(history),
+        "first_crack_drift": capacity.drift_at_first_crack(history),
         "failure": found["failure"],
-        "by_hand_n": pushed.hand_capacities(history),
+        "by_hand_n": capacity.hand_capacities(history),
         "figures": [
             dict(zip(("figure", "unit", "simulated", "measured"), row))
             for row in figures(history, to)
@@ -258,7 +259,7 @@ def draws_report(histories, to=None):
     alike = [
         (
             history.masonry_wall,
-            pushed.pushed_loading(history),
+            capacity.pushed_loading(history),
             replace(history.model, strength_seed=0),
             history.solver,
         )
@@ -282,7 +283,7 @@ def draws_report(histories, to=None):
             )
         drawn[draw] = history.path
     test, measured, to = _measured(first, to)
-    found, rows = [pushed.capacity(history, to) for history in histories], []
+    found, rows = [capacity.capacity(history, to) for history in histories], []
     for name, (_, unit, size) in FIGURES.items():
         values = [one[name] / size for one in found if one[name] is not None]
         whole = len(values) == len(found)
@@ -295,7 +296,7 @@ def draws_report(histories, to=None):
                 "quantile_05": low,
                 "quantile_95": high,
                 "measured": measured.get(name) and measured[name] / size,
-                "draws_needed": pushed.draws_needed(values) if whole else None,
+                "draws_needed": capacity.draws_needed(values) if whole else None,
             }
         )
     return {

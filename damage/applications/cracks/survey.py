@@ -23,6 +23,7 @@ import scipy  # spatial where it is used: it starts slowly
 from damage.applications.cracks.crack_file import CrackPattern, read_cracks
 from damage.applications.cracks.crack_paths import crack_paths
 from damage.applications.cracks.patterns import Places, in_words
+from damage.applications.cracks.plausible import implausible_width
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.measure.cracks import (
@@ -37,7 +38,6 @@ from damage.measure.cracks import (
 from damage.provenance import file_origin
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
-from damage.wall.plausible import implausible_width
 
 LEAST_SHARE = 0.5
 """Share of the drawn length that has to lie on joints [-]."""

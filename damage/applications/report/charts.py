@@ -15,7 +15,7 @@ from damage.draw.style import (
     drift_scale,
 )
 from damage.draw.wall import LEGEND_WIDTHS_MM, WIDEST_PT, line_width, widest_line
-from damage.history.moments import STATES
+from damage.history.moments import JOINT_STATES
 from damage.units import MILLIMETRE
 
 PIXELS = 1.8
@@ -121,7 +121,7 @@ def states_legend(runs=()):
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [
         {
-            "code": STATES.index(name),
+            "code": JOINT_STATES.index(name),
             "name": label,
             "colour": CRACK_COLOURS[name],
             "dash": CRACK_DASHES[name],

@@ -6,19 +6,26 @@ import pandas as pd
 
 from damage.applications.report.packing import as_png, pack_arrays, quantised
 from damage.applications.report.plain import plain
+from damage.applications.studies.spread import members_in_words, members_of, spread
 from damage.draw.preview import wall_preview
 from damage.draw.run import ENERGIES, pictures_beside, wall_picture
 from damage.draw.style import BODY_COLOURS, drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
-from damage.history.moments import STATES, joint_states, nearest_snapshot, spans_of, support_motion
+from damage.history.moments import (
+    JOINT_STATES,
+    joint_states,
+    nearest_snapshot,
+    spans_of,
+    support_motion,
+)
 from damage.history.schema import is_moving
 from damage.index import COMPONENTS
 from damage.measure.energy import energy_groups
 from damage.measure.evidence import QUANTITIES, describe
 from damage.measure.summary import summarise
-from damage.measure.tables import members_in_words, members_of, spread, summary_row
+from damage.measure.tables import summary_row
 from damage.units import GRAVITY, rounded
 from damage.wall.geometry import cuts_of_lintels, kinds_of_bodies, tributary_ends
 
@@ -263,7 +270,7 @@ def _moving_wall(history, chosen):
     of the largest.
     """
     states = np.array([joint_states(history, sample) for sample in chosen])
-    ever = np.flatnonzero((states != STATES.index("intact")).any(axis=0))
+    ever = np.flatnonzero((states != JOINT_STATES.index("intact")).any(axis=0))
     width = np.hypot(
         history.opening_m[chosen][:, ever],
         history.slip_by("displacement")[chosen][:, ever],

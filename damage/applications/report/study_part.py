@@ -14,10 +14,10 @@ from damage.applications.report.tables import cell, digits_of
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.fragility import fit_all, fragility_table, load_runs
 from damage.applications.studies.fragility_picture import fragility_pictures
+from damage.applications.studies.read import read_table
+from damage.applications.studies.spread import repeated
 from damage.applications.studies.states import STUDY_FILE, leading
 from damage.errors import InputError
-from damage.measure.columns import read_table
-from damage.measure.tables import repeated
 from damage.provenance import shown_path
 from damage.toml_file import read_toml
 

@@ -235,7 +235,7 @@ class WallCells:
     def joint_fields(self, sample):
         """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m,
         accumulated_slip_m, offset_m, crack_width_m; state, a code of
-        `damage.history.moments.STATES`, in bodies -1; broken;
+        `damage.history.moments.JOINT_STATES`, in bodies -1; broken;
         at_shear_limit; joint_normal_stress_pa, joint_shear_stress_pa of a run with --stresses."""
         history, slip = self.history, "displacement"
         numbers = {

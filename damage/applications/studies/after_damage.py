@@ -8,9 +8,9 @@ classified by Psi at rest before them, as in P. A. Korswagen's curves for walls 
 import pandas as pd
 
 from damage.applications.studies.fragility import fragility
+from damage.applications.studies.read import read_table
 from damage.applications.studies.states import INTENSITIES, STATES, check_states
 from damage.errors import InputError
-from damage.measure.columns import read_table
 
 BEFORE = {
     "undamaged": (0.0, 0.25),

@@ -5,7 +5,7 @@ from damage.applications.studies.fragility import OVER
 from damage.applications.studies.states import INTENSITIES, LEVELS, unit_of
 from damage.history.schema import Column, each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
-from damage.measure.dictionary import SLIP
+from damage.measure.damage_index import SLIP
 from damage.measure.summary import MEASURES
 
 RUNS = {

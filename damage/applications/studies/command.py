@@ -29,13 +29,13 @@ from damage.applications.studies.folder import (
 from damage.applications.studies.outdated import Results
 from damage.applications.studies.plan import print_plan
 from damage.applications.studies.pool import Pool
+from damage.applications.studies.read import describe_table
 from damage.applications.studies.records import NAME, line_of
 from damage.applications.studies.tables import write_study_tables
 from damage.applications.studies.tasks import KEEP, PICTURES, Point
 from damage.applications.studies.worker import work
 from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
-from damage.measure.tables import describe_table
 from damage.run.options import OneLineParser, file_path, number_from
 from damage.start import EXIT_INTERRUPTED, EXIT_MISSING
 

@@ -1,9 +1,9 @@
 """Commands about studies: run them, what they write, fragility."""
 
+from damage.applications.studies.read import made_by_words
 from damage.commands.table import command, out, program, save, tables
 from damage.errors import InputError
 from damage.files import json_text
-from damage.measure.columns import made_by_words
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.run.options import arg, file_arg, flag, group, number_from

@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import signal
+import stat
 import sys
 import time
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ from ctypes import CDLL
 from pathlib import Path
 
 from damage.errors import InputError
-from damage.files import plain_file, shipped, whole_or_nothing
+from damage.files import shipped, whole_or_nothing
 from damage.start import EXIT_INTERRUPTED
 
 ROOT = shipped("studies").parent
@@ -251,4 +252,23 @@ def forecast(left, histories, folder, keep="all"):
         f"up to {count} runs are left, about {count * mean / 1e6:.2g} MB if they are as large as"
         f" the {len(histories)} there; {folder} has {free / 1e6:.2g} MB free and keeps"
         f" {LEAST_FREE / 1e6:g}: make room meanwhile"
+    )
+
+
+def plain_file(path, flags):
+    """An `opener` for `open`: the descriptor of a regular file at a name that others can guess.
+
+    Raises InputError where a symbolic link, a pipe or a device has that name: a folder that was
+    sent may hold one, and what is written would go elsewhere.
+    """
+    try:
+        descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            return descriptor
+        os.close(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.ELOOP, errno.ENXIO):  # ENXIO: a pipe that nobody reads
+            raise
+    raise InputError(
+        f"{path} is a symbolic link, a pipe or a device: expected a regular file; delete it"
     )

@@ -31,6 +31,7 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.applications.studies.new_record import CONFIDENCE, new_record
+from damage.applications.studies.read import check_names, read_table
 from damage.applications.studies.states import (
     LEVELS,
     STATES,
@@ -43,7 +44,6 @@ from damage.applications.studies.states import (
     unit_of,
 )
 from damage.errors import InputError
-from damage.measure.columns import check_names, read_table
 
 OVER = ("walls", "records", "both")
 """What bootstrap samples draw anew."""

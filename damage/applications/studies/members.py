@@ -15,24 +15,18 @@ from damage.applications.studies.command import last_words
 from damage.applications.studies.definition import StudyRun, option_table, with_paths
 from damage.applications.studies.folder import held
 from damage.applications.studies.pool import Pool
+from damage.applications.studies.spread import member_row, members_path
 from damage.applications.studies.tasks import Task
 from damage.applications.studies.worker import work
 from damage.errors import warn
 from damage.history.reader import read_history
-from damage.measure.tables import member_row, members_path, write_table
+from damage.measure.tables import write_table
 from damage.measure.warnings import energy_warnings
 from damage.reference.session import BACKEND
 from damage.run.report import report
-from damage.run.session import (
-    EXIT_FAILED,
-    EXIT_INTERRUPTED,
-    EXIT_OK,
-    announce,
-    check,
-    output_of,
-    plan_of,
-)
+from damage.run.session import announce, check, output_of, plan_of
 from damage.run.settings import SCATTER
+from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 
 OF_MEMBERS = "members", "seed", "scatter", "out", "overwrite", "no-pictures", "quiet"
 """Options of a run with members that its members have otherwise."""

@@ -23,7 +23,7 @@ from damage.provenance import measures_digest, versions
 from damage.reference.lanes import MOST_LANES
 from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
-from damage.run.session import EXIT_INTERRUPTED
+from damage.start import EXIT_INTERRUPTED
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 

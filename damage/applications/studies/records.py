@@ -18,8 +18,8 @@ import math
 import re
 from dataclasses import dataclass, field
 
+from damage.applications.studies.read import bounds_of
 from damage.errors import InputError
-from damage.measure.columns import bounds_of
 from damage.measure.cycles import cycles_table, shocks_table
 from damage.measure.tables import summary_row
 from damage.provenance import measures_digest

@@ -14,7 +14,9 @@ from typing import NamedTuple
 import pandas as pd
 
 from damage.errors import InputError
-from damage.measure.summary import unit_in
+from damage.history.schema import each
+from damage.measure.columns import PARAMETERS, RUN
+from damage.measure.summary import MEASURES
 from damage.toml_file import read_toml
 
 LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
@@ -217,3 +219,19 @@ def in_picture(column):
 def label(column):
     """The label of an axis of an intensity, or the title of a panel of a measure."""
     return INTENSITIES.get(column, "{} [{}]".format(*in_picture(column)))
+
+
+def unit_in(name):
+    """Unit of a column of summary.csv; "" for text and for unknown columns.
+
+    >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
+    ('mm', '1', '')
+    """
+    return next(
+        (
+            known[name].unit
+            for known in map(each, (PARAMETERS, RUN, *MEASURES.values()))
+            if name in known
+        ),
+        "",
+    )

@@ -17,12 +17,13 @@ import numpy as np
 import pandas as pd
 
 from damage.applications.studies.records import TABLES, is_of_today, read_records
+from damage.applications.studies.spread import repeated
 from damage.errors import InputError, some_of
 from damage.files import whole_or_nothing
 from damage.history.reader import read_history
 from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
-from damage.measure.tables import repeated, summary_row, write_table
+from damage.measure.tables import summary_row, write_table
 
 
 def histories_in(folder):

@@ -30,14 +30,16 @@ from damage.applications.studies.records import record_of
 from damage.applications.studies.tasks import CHANGED, PICTURES
 from damage.errors import InputError, some_of
 from damage.files import YADE
-from damage.history.in_memory import HistoryInMemory, HistoryKept
+from damage.history.buffer import Buffer
+from damage.history.in_memory import HistoryInMemory, Memory
 from damage.history.reader import read_history
+from damage.history.writer import File, run_attributes
 from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
+from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_references
-from damage.reference.settled import SettledWalls
 from damage.run.options import words_of
-from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
@@ -58,7 +60,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({})):
     signal.pthread_sigmask(signal.SIG_UNBLOCK, POLITE_ENDS)
     end_with_parent(parent)
     os.chdir(ROOT)
-    waiting, settled = deque(), SettledWalls()
+    waiting, settled = deque(), RestCache()
     while True:
         try:
             task = waiting.popleft() if waiting else connection.recv()
@@ -295,3 +297,13 @@ def _draw(task):
         print(f"error: {task.name}: {error}", file=sys.stderr)
         return EXIT_FAILED, None
     return EXIT_OK, None
+
+
+class HistoryKept(Buffer):
+    """Replaces a HistoryWriter and writes its file, but returns the History without reading it."""
+
+    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
+        attributes = run_attributes(layout, solver, parameters, versions)
+        super().__init__(
+            layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes)
+        )

@@ -11,15 +11,7 @@ from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
 from damage import Joint, brick_of_masonry
-from damage.applications.cracks.pushed import (
-    SPECIMENS,
-    draws_report,
-    figures,
-    pushed_report,
-    read_test,
-)
-from damage.history.contacts import Contacts
-from damage.measure.pushed import (
+from damage.applications.cracks.capacity import (
     backbone,
     bilinear,
     capacity,
@@ -32,6 +24,14 @@ from damage.measure.pushed import (
     mean_force,
     mode_shares,
 )
+from damage.applications.cracks.pushed import (
+    SPECIMENS,
+    draws_report,
+    figures,
+    pushed_report,
+    read_test,
+)
+from damage.history.contacts import Contacts
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
 

@@ -14,10 +14,10 @@ import pytest
 from conftest import one_line_error, refused_with
 from small_history import make_history, small_layout
 
+from damage.applications.studies.read import read_table
 from damage.applications.studies.tables import points_of
 from damage.draw.run import ENERGIES
 from damage.history.moments import joint_states
-from damage.measure.columns import read_table
 from damage.measure.energy import energy_groups
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row, write_table

@@ -14,7 +14,7 @@ from small_history import make_history, small_layout
 from test_yade_run import PIER
 
 from damage.applications.report.vtkhdf import HEXAHEDRON, LINE, WallCells, write_vtkhdf
-from damage.history.moments import STATES
+from damage.history.moments import JOINT_STATES
 from damage.history.reader import read_history
 from yade_scripts import COMMAND
 
@@ -70,8 +70,8 @@ class TestCells:
 
     def test_joints_have_their_state_and_bodies_have_none(self, history):
         fields, first = WallCells(history).joint_fields(15), len(history.bodies)
-        assert fields["state"][first + 3] == STATES.index("opened")
-        assert fields["state"][first + 5] == STATES.index("slipped")
+        assert fields["state"][first + 3] == JOINT_STATES.index("opened")
+        assert fields["state"][first + 5] == JOINT_STATES.index("slipped")
         assert set(fields["state"][:first]) == {-1}
         assert_allclose(fields["opening_m"][first + 3], 5e-4, rtol=1e-6)
         assert_allclose(fields["crack_width_m"][first + 5], 3e-4, rtol=1e-6)

@@ -14,17 +14,16 @@ from small_history import make_history
 
 from damage.applications.report.run_part import run_part
 from damage.applications.studies import members
-from damage.history.reader import read_history
-from damage.measure.summary import summarise
-from damage.measure.tables import (
+from damage.applications.studies.spread import (
     SHOWN,
     member_row,
     members_of,
     members_path,
     spread,
-    summary_row,
-    write_table,
 )
+from damage.history.reader import read_history
+from damage.measure.summary import summarise
+from damage.measure.tables import summary_row, write_table
 from damage.reference import session
 from damage.reference.session import run_reference
 from damage.run.options import parse_run

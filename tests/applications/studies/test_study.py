@@ -26,9 +26,9 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.applications.studies.definition import load_study, option_table, run_name
+from damage.applications.studies.read import describe_table
 from damage.applications.studies.records import NAME
 from damage.measure.tables import (
-    describe_table,
     joints_table,
     summary_row,
     summary_table,

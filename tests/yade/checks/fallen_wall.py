@@ -16,8 +16,8 @@ import numpy as np
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
 from damage.law.modes import natural_modes
+from damage.run.monitor import have_fallen, lowest_places
 from damage.run.solver import NO_MOTION
-from damage.run.watch import have_fallen, lowest_places
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from llvmlite import ir
 from numba import typeof, types
-from numba.core import cgutils, typing
+from numba.core import cgutils
 from numba.extending import lower_builtin, models, register_jitable, register_model, type_callable
 
 WIDTH = 8
@@ -417,66 +417,61 @@ def _either(_context, builder, signature, values):
     return builder.select(condition, x, y)
 
 
-def _pointer(context, builder, signature, values):
-    """LLVM pointer to a number or a vector of a table; fields of the table follow one another by
-    its width."""
-    n, kind, *kinds = signature.args[:4]
+def _whole(context, builder, signature, values, k):
+    """Argument number k of a call, a whole number, as one of numba's size."""
+    return context.cast(builder, values[k], signature.args[k], types.intp)
+
+
+def _pointer(context, builder, signature, values, row=None, field=None, single=False):
+    """LLVM pointer to the number or vector of a table in a call (n, table, row, field, ...); fields
+    of the table follow one another by its width.
+
+    row, field: others, as `_whole`; single: to the number of a table of one wall.
+    """
+    kind, n = signature.args[1], One if single else signature.args[0].instance_class
+    row = _whole(context, builder, signature, values, 2) if row is None else row
+    field = _whole(context, builder, signature, values, 3) if field is None else field
     array = context.make_array(kind)(context, builder, values[1])
-    row, field = (
-        context.cast(builder, value, one, types.intp) for value, one in zip(values[2:4], kinds)
-    )
-    place = builder.mul(
-        row, _LONG(8) if kind.layout == "F" else cgutils.unpack_tuple(builder, array.strides)[0]
-    )
-    width = 1 if n.instance_class in (One, Rows) else WIDTH
-    apart = (
-        cgutils.unpack_tuple(builder, array.strides)[1] if kind.layout == "F" else _LONG(8 * width)
-    )
-    place = builder.add(place, builder.mul(field, apart))
-    if n.instance_class is Lane:
+    by_rows, by_fields = cgutils.unpack_tuple(builder, array.strides)[:2]
+    if kind.layout == "F":
+        by_rows = _LONG(8)
+    else:
+        by_fields = _LONG(8 * (1 if n in (One, Rows) else WIDTH))
+    place = builder.add(builder.mul(row, by_rows), builder.mul(field, by_fields))
+    if n is Lane:
         place = builder.add(place, builder.mul(builder.extract_value(values[0], 0), _LONG(8)))
     pointer = builder.gep(builder.bitcast(array.data, ir.IntType(8).as_pointer()), [place])
-    return builder.bitcast(pointer, (_VECTORS[NUMBERS] if _is_wide(n) else _REAL).as_pointer())
+    kind = _VECTORS[NUMBERS] if n in (Eight, Rows) else _REAL
+    return builder.bitcast(pointer, kind.as_pointer())
 
 
-def _read(context, builder, signature, values):
-    """The number or vector of a table."""
+def _value(context, builder, n, kind, value):
+    """A value to write, of this type, in the width of the table."""
+    if _is_wide(n):
+        return _spread(builder, kind, value)
+    return context.cast(builder, value, kind, types.float64)
+
+
+@_compiles(load, lambda n, table, row, field: _numbers(n))
+def _load(context, builder, signature, values):
     return builder.load(_pointer(context, builder, signature, values), align=8)
-
-
-def _write(context, builder, signature, values, value):
-    """Write a number or vector into a table."""
-    builder.store(value, _pointer(context, builder, signature, values), align=8)
-    return context.get_dummy_value()
-
-
-def _value(context, builder, signature, values):
-    """The value to write, the last argument, in the width of the table."""
-    if _is_wide(signature.args[0]):
-        return _spread(builder, signature.args[-1], values[-1])
-    return context.cast(builder, values[-1], signature.args[-1], types.float64)
-
-
-_compiles(load, lambda n, table, row, field: _numbers(n))(_read)
 
 
 @_compiles(store, lambda n, table, row, field, value: types.none)
 def _store(context, builder, signature, values):
-    return _write(context, builder, signature, values, _value(context, builder, signature, values))
+    value = _value(context, builder, signature.args[0], signature.args[4], values[4])
+    builder.store(value, _pointer(context, builder, signature, values), align=8)
+    return context.get_dummy_value()
 
 
 @_compiles(add_part, lambda n, sums, kind, row, value: types.none)
 def _add_part(context, builder, signature, values):
-    n, kind, of_kind, of_row = signature.args[:4]
-    part = builder.and_(context.cast(builder, values[3], of_row, types.intp), _LONG(WIDTH - 1))
-    at = _width(One) if n.instance_class is Rows else n
-    pointer = _pointer(
-        context,
-        builder,
-        typing.signature(types.none, at, kind, of_kind, types.intp),
-        [values[0], values[1], values[2], _LONG(0) if n.instance_class is Rows else part],
-    )
-    value = _value(context, builder, signature, values)
+    n, part = signature.args[0], _LONG(0)
+    single = n.instance_class is Rows
+    if not single:
+        part = builder.and_(_whole(context, builder, signature, values, 3), _LONG(WIDTH - 1))
+    pointer = _pointer(context, builder, signature, values, field=part, single=single)
+    value = _value(context, builder, n, signature.args[4], values[4])
     pointer = builder.bitcast(pointer, value.type.as_pointer())
     builder.store(builder.fadd(builder.load(pointer, align=8), value), pointer, align=8)
     return context.get_dummy_value()
@@ -516,20 +511,18 @@ def _as_columns(builder, rows):
 def _named(context, builder, signature, values, rows):
     """Pointers to the first of four fields of each row that argument number `rows` names, an array
     of uint32."""
-    n, kind, names = signature.args[0], signature.args[1], signature.args[rows]
-    places = context.make_array(names)(context, builder, values[rows]).data
-    k, field = (4, 5) if len(values) == 8 else (3, 4)
-    first = context.cast(builder, values[k], signature.args[k], types.intp)
-    kinds = typing.signature(
-        types.none,
-        _width(One) if n.instance_class is Rows else n,
-        kind,
-        names.dtype,
-        signature.args[field],
+    places = context.make_array(signature.args[rows])(context, builder, values[rows]).data
+    single, (k, field) = (
+        signature.args[0].instance_class is Rows,
+        (
+            _whole(context, builder, signature, values, i)
+            for i in ((4, 5) if len(values) == 8 else (3, 4))
+        ),
     )
-    for k in range(WIDTH if n.instance_class is Rows else 1):
-        row = builder.load(builder.gep(places, [builder.add(first, _LONG(k))]))
-        yield _pointer(context, builder, kinds, [values[0], values[1], row, values[field]])
+    for i in range(WIDTH if single else 1):
+        row = builder.load(builder.gep(places, [builder.add(k, _LONG(i))]))
+        row = builder.zext(row, _LONG)
+        yield _pointer(context, builder, signature, values, row, field, single)
 
 
 @_compiles(four, lambda n, table, rows, k, field: types.UniTuple(_numbers(n), 4))
@@ -647,21 +640,11 @@ def writer(kind, names, prefix=""):
     def _keep(context, builder, signature, values):
         # All are read before the first one is written, so that vectors need not wait.
         old = _fields(context, builder, signature, values, places)
-        of_field = typing.signature(types.none, *signature.args[:3], types.intp)
-        for k, (place, before, one) in enumerate(zip(places, old, signature.args[4])):
-            value = _value(
-                context,
-                builder,
-                typing.signature(types.none, signature.args[0], one),
-                [builder.extract_value(values[4], k)],
-            )
-            _write(
-                context,
-                builder,
-                of_field,
-                [*values[:3], _LONG(place)],
-                builder.select(values[3], value, before),
-            )
+        for k, (place, before, kind) in enumerate(zip(places, old, signature.args[4])):
+            value = builder.extract_value(values[4], k)
+            value = _value(context, builder, signature.args[0], kind, value)
+            pointer = _pointer(context, builder, signature, values, field=_LONG(place))
+            builder.store(builder.select(values[3], value, before), pointer, align=8)
         return context.get_dummy_value()
 
     return keep
@@ -669,8 +652,10 @@ def writer(kind, names, prefix=""):
 
 def _fields(context, builder, signature, values, places):
     """What a row has in these fields; the first three arguments: n, table, row."""
-    of_field = typing.signature(types.none, *signature.args[:3], types.intp)
-    return [_read(context, builder, of_field, [*values[:3], _LONG(place)]) for place in places]
+    pointers = (
+        _pointer(context, builder, signature, values, field=_LONG(place)) for place in places
+    )
+    return [builder.load(pointer, align=8) for pointer in pointers]
 
 
 def column(first, apart):

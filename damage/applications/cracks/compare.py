@@ -7,13 +7,12 @@ solver under rounding.  A *first* history is compared with a *second* one, or wi
 several.
 """
 
-from typing import Any, NamedTuple
-
 import numpy as np
 import pandas as pd
 
+from damage.applications.cracks.patterns import compare_patterns, describe_patterns
 from damage.errors import InputError
-from damage.history.moments import BREAKS, STATES, check_samples, state_codes
+from damage.history.moments import BREAKS, JOINT_STATES, check_samples, state_codes
 from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
 from damage.measure.summary import summarise
@@ -42,32 +41,13 @@ the 42 of `crosscheck`.  15 % are 1.6 times the mean width, or 2.5 times the num
 DRIFT_TOLERANCE = 0.005  # RMS difference of the drift before the first failure over its RMS [-]
 
 
-class Comparison(NamedTuple):
-    """Agreement of two runs that an application registers.
-
-    Attributes
-    ----------
-    compare : callable
-        From two Histories of one wall a dictionary fit for JSON.
-    describe : callable
-        From that dictionary a list of lines.
-    """
-
-    compare: Any
-    describe: Any
-
-
-COMPARISONS = {}
-"""Name in the result of `compare` -> Comparison."""
-
-
 def compare(first, others):
     """Comparison of a History with others of the same wall, a plain dictionary.
 
     first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed",
     "agrees"}} of the measures of TOLERANCES.  drift, joints: `compare_drift` and `compare_joints`
-    with the first of the others; so are those of COMPARISONS, by their names.  slip: criterion of
-    DI.  agrees: whether all
+    with the first of the others; patterns: `damage.applications.cracks.patterns.compare_patterns`;
+    slip: criterion of DI.  agrees: whether all
     figures and the drift agree.
 
     Raises InputError where a history has no sample, they are of different walls, or some have a
@@ -96,7 +76,7 @@ def compare(first, others):
         "figures": numbers,
         "drift": drift,
         "joints": compare_joints(first, others[0]),
-        **{name: one.compare(first, others[0]) for name, one in COMPARISONS.items()},
+        "patterns": compare_patterns(first, others[0]),
         "agrees": all(judged),
     }
 
@@ -158,9 +138,9 @@ def compare_drift(first, second):
 
     first_failure_s: time of the first failure in either run [s], None without one;
     rms_before_failure: RMS difference up to it over the RMS of the first run [-], compared with
-    `allowed` in `agrees`, both None where it came before the drift that is compared; lag_s: by how
-    much the second run lags behind the first [s]; diverged_at_s: first time at which they differ by
-    more than DIVERGED of the peak [s], None where they never do;
+    `allowed` in `agrees`, both None where it came before the drift that is compared;
+    diverged_at_s: first time at which they differ by more than DIVERGED of the peak [s], None where
+    they never do;
     rms_whole: the RMS difference of the entire runs [-].
     """
     time, here, there = _common_drift(first, second)
@@ -180,7 +160,6 @@ def compare_drift(first, second):
         "rms_before_failure": rms,
         "allowed": DRIFT_TOLERANCE,
         "agrees": None if rms is None else bool(rms <= DRIFT_TOLERANCE),
-        "lag_s": _lag(time, here, there),
         "diverged_at_s": float(time[apart[0]]) if len(apart) else None,
         "rms_whole": (
             float(np.sqrt(np.mean(difference**2) / np.mean(here**2))) if peak > NOISE else 0.0
@@ -211,20 +190,6 @@ def _common_drift(first, second):
     return time, *(CubicSpline(frame["time_s"], frame["drift_ratio"])(time) for frame in frames)
 
 
-def _lag(time, here, there):
-    """Lag of the second drift behind the first [s]: the peak of their cross-correlation, by a
-    parabola."""
-    if len(time) < 8 or min(np.abs(here).max(), np.abs(there).max()) <= NOISE:
-        return 0.0
-    step = (time[-1] - time[0]) / (len(time) - 1)
-    product = np.correlate(there, here, mode="full")
-    k = int(np.clip(np.argmax(product), 1, len(product) - 2))
-    low, mid, high = product[k - 1 : k + 2]
-    curvature = low - 2 * mid + high
-    fine = 0.5 * (low - high) / curvature if curvature != 0 else 0.0
-    return float((k + fine - (len(here) - 1)) * step)
-
-
 def joints_ever(history):
     """States that the joints of a History ever had: a DataFrame indexed by (first_body,
     second_body).
@@ -234,7 +199,7 @@ def joints_ever(history):
     brick can be, too.
     Columns: opened (by more than THRESHOLD), slipped (ever at the shear limit) and broken (failed),
     bool; first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place;
-    state: index of `damage.history.moments.STATES` from opened and slipped.
+    state: index of `damage.history.moments.JOINT_STATES` from opened and slipped.
     """
     breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
@@ -291,14 +256,17 @@ def cohens_kappa(here, there):
     """Cohen's kappa [-] (1960, doi:10.1177/001316446002000104) of two classifications; None where
     they are empty.
 
-    here, there: (n,) indices of `damage.history.moments.STATES`.  1: they agree in all; 0: as often
-    as by chance.
+    here, there: (n,) indices of `damage.history.moments.JOINT_STATES`.  1: they agree in all; 0: as
+    often as by chance.
     """
     here, there = np.asarray(here), np.asarray(there)
     if len(here) == 0:
         return None
     shares = np.array(
-        [[np.mean(values == state) for state in range(len(STATES))] for values in (here, there)]
+        [
+            [np.mean(values == state) for state in range(len(JOINT_STATES))]
+            for values in (here, there)
+        ]
     )
     chance, observed = float(shares[0] @ shares[1]), float(np.mean(here == there))
     return 1.0 if chance == 1.0 else (observed - chance) / (1 - chance)
@@ -332,18 +300,14 @@ def describe(result):
             f" %)  {'agrees' if drift['agrees'] else 'DIFFERS'}"
         )
     )
-    lines.append(
-        f"drift {span}: {judged}; diverged by 1 % of the peak {diverged}; lag"
-        f" {1e3 * drift['lag_s']:.2f} ms"
-    )
+    lines.append(f"drift {span}: {judged}; diverged by 1 % of the peak {diverged}")
     if joints["kappa"] is not None:
         lines.append(
             f"joints between bricks: {joints['broke_in_either']} failed in either run, "
             f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "
             f"kappa {joints['kappa']:.3f}"
         )
-    for name, one in COMPARISONS.items():
-        lines += one.describe(result[name])
+    lines += describe_patterns(result["patterns"])
     lines.append(
         "verdict: " + ("within the tolerances" if result["agrees"] else "NOT within the tolerances")
     )

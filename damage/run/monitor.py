@@ -4,16 +4,13 @@ fell."""
 import numpy as np
 
 from damage.elementary import hypot, sin
-from damage.errors import InputError, RunError
+from damage.errors import RunError
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.law.states import ENDED
 from damage.run.settings import ACCEPTED_DROP_M
 from damage.units import GRAVITY
 from damage.wall.kinds import ARCH_COURSE, LINTEL_COURSE
-from damage.wall.kinematics import rigid_displacement
-from damage.wall.strain import modes_of
 
-_TINY = 1e-9  # [m]
 ENERGY, DROP, FAILURE = "energy", "drop", "failure"
 
 
@@ -162,55 +159,6 @@ def unbalanced_force(layout, on_bodies, in_contacts):
     # bricks in flight: a number all the same, fit for a history
     least = 1e-9 * GRAVITY * layout.bodies.mass.mean()
     return float(resultant.mean() / max(in_contacts.mean(), least))
-
-
-class MaterialPoints:
-    """Points that are fixed to the bodies of a damage.wall.layout.Layout.
-
-    places: (x, z) in the undeformed wall [m].  Raises InputError where a place lies in no body.
-    """
-
-    def __init__(self, layout, places):
-        bodies, (x, z) = layout.bodies, np.array(places, float).T
-        inside = (np.abs(x[:, None] - bodies.x) <= bodies.length / 2 + _TINY) & (
-            np.abs(z[:, None] - bodies.z) <= bodies.height / 2 + _TINY
-        )
-        for place, found in zip(places, inside):
-            if not found.any():
-                near = int(np.argmin(hypot(bodies.x - place[0], bodies.z - place[1])))
-                raise InputError(
-                    f"--point {place[0]:g} {place[1]:g}: no brick is there; expected x and z in the"
-                    " undeformed wall [m]; the nearest brick has its centre at"
-                    f" {bodies.x[near]:.4g} {bodies.z[near]:.4g}"
-                )
-        self.bodies = inside.argmax(axis=1)
-        self._arms = x - bodies.x[self.bodies], z - bodies.z[self.bodies]
-        self._shapes = (
-            None
-            if layout.strain is None
-            else np.array(
-                [
-                    (
-                        modes_of(layout, body).displacement(*np.array([arms]).T)[0]
-                        if body < layout.n_bricks
-                        else np.zeros((2, layout.strain.n_modes))
-                    )
-                    for body, *arms in zip(self.bodies, *self._arms)
-                ]
-            )
-        )
-
-    def of(self, displacement, strain=None):
-        """Displacements since the wall was built, (n, n_points, 2) [m], by those of the bodies (n,
-        n_bodies, 3) [m, m, rad] and amplitudes of their strain modes (n, n_bodies, n_modes)."""
-        ux, uz, turn = np.moveaxis(displacement[:, self.bodies], 2, 0)
-        x, z = self._arms
-        if strain is not None:
-            # (n, n_points, 2)
-            more = np.sum(self._shapes * strain[:, self.bodies, np.newaxis], axis=-1)
-            x, z = x + more[..., 0], z + more[..., 1]
-        moved = np.stack(rigid_displacement(ux, uz, turn, x, z), axis=2)
-        return moved if strain is None else moved + more
 
 
 class BaseMotion:

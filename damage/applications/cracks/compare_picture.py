@@ -6,10 +6,15 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
+from damage.applications.cracks.compare import (
+    compare_drift,
+    compare_joints,
+    joint_keys,
+    joints_ever,
+)
 from damage.draw import style
 from damage.draw.run import DASHES, JOINT_COLOURS, THIN
 from damage.draw.words import run_title
-from damage.measure.compare import compare_drift, compare_joints, joint_keys, joints_ever
 from damage.wall.geometry import tributary_ends
 
 JOINTS = {  # agreement of a joint: (label, colour, line width [pt])

@@ -16,7 +16,7 @@ MOST_BYTES = 64_000_000
 """Largest size of the cache: about a hundred walls of four hundred bricks."""
 
 
-class SettledWalls:
+class RestCache:
     """Checkpoints of solvers at the end of their static stages, the least recently used deleted
     first."""
 
@@ -25,8 +25,8 @@ class SettledWalls:
         self._kept = OrderedDict()
 
     def of(self, prepared):
-        """Settled of a Prepared run."""
-        return Settled(self, digest_of(prepared))
+        """Rest of a Prepared run."""
+        return Rest(self, digest_of(prepared))
 
     def take(self, digest):
         """(checkpoint, looks) with this digest, None where there is none."""
@@ -45,7 +45,7 @@ class SettledWalls:
             self._kept.popitem(last=False)
 
 
-class Settled:
+class Rest:
     """Access of one run to the cache of walls at rest."""
 
     def __init__(self, walls, digest):

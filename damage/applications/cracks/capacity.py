@@ -1,0 +1,354 @@
+"""Capacity of a pushed wall, from its History: envelope, cycles and failure mode.
+
+Force is the base shear and displacement that of the top course, as measured in a laboratory.
+"""
+
+import numpy as np
+import pandas as pd
+import scipy  # integrate where it is used: it starts slowly
+
+from damage.errors import InputError
+from damage.index import COMPONENTS, THRESHOLD
+from damage.measure.pushed import SECANT_SHARE, since_the_push
+from damage.motion.loading import EASE_S
+from damage.units import GRAVITY
+from damage.wall.kinds import CAP_COURSE, CAP_HEIGHT
+from damage.wall.restraints import top_of
+
+CYCLE_COLUMNS = (
+    "cycle",
+    "amplitude_pct",
+    "max_drift_pct",
+    "min_drift_pct",
+    "max_force_kn",
+    "min_force_kn",
+    "dissipated_j",
+    "equivalent_damping",
+    *(f"{name}_at_max" for name in COMPONENTS),
+    *(f"{name}_at_min" for name in COMPONENTS),
+)
+STAIR_SHARE = 1 / 3
+"""Share of the slipped length on stairs [-] from which a shear mode is diagonal; 0 is sliding along
+a bed joint, 1 an ideal stair."""
+ULTIMATE_SHARE = 0.8
+"""Share of the peak force to which the envelope falls at the ultimate drift (EN 1998-3)."""
+WINDOWS, FAR_ENOUGH = 200, 0.99
+"""Windows up to the largest drift over which the curve of a push is averaged; share of a drift that
+counts as it."""
+
+
+def pushed_loading(history):
+    """The TopDisplacement of a pushed History; raises InputError for another loading."""
+    if history.loading.drive.top is None:
+        raise InputError(
+            f"{history.path} is a run under {history.loading.name}; give one of --pushover or"
+            " --cyclic"
+        )
+    return history.loading
+
+
+def envelope(history, sign=1):
+    """Envelope of a pushed History in one direction, a DataFrame of drift_ratio [-] and force_n,
+    positive on loading.
+
+    Its points are the samples whose drift exceeds all earlier ones.  sign: +1 or -1, the direction
+    along x.
+    """
+    force, drift = (sign * values for values in since_the_push(history)[:2])
+    reached = np.maximum.accumulate(np.concatenate([[0.0], drift[:-1]]))
+    new = drift > reached
+    return pd.DataFrame({"drift_ratio": drift[new], "force_n": force[new]})
+
+
+def backbone(history, sign=1):
+    """Envelope of a cyclic History in one direction as laboratories draw it: a DataFrame as of
+    `envelope`.
+
+    Its points are those of largest force and of largest drift of each cycle whose drift exceeds all
+    earlier ones.  The branch between two cycles is left out: a wall that slides has its full force
+    in the other direction before it is back at zero drift, so that the samples of an `envelope`
+    begin with that force.
+    """
+    force, drift = (sign * values for values in since_the_push(history)[:2])
+    edges, points = cycle_edges(history), [0.0]
+    rows = []
+    for start, end in zip(edges, edges[1:]):
+        for values in (force, drift):
+            most = start + int(np.argmax(values[start : end + 1]))
+            if drift[most] > points[-1]:
+                points.append(drift[most])
+                rows.append((drift[most], force[most]))
+    return pd.DataFrame(rows, columns=["drift_ratio", "force_n"])
+
+
+def capacity_curve(history, sign=1):
+    """The `backbone` of a cyclic History, the `envelope` of one that is pushed over or ended in its
+    first cycle."""
+    curve = backbone(history, sign) if pushed_loading(history).cycles else ()
+    return curve if len(curve) else envelope(history, sign)
+
+
+def averaged(curve, width):
+    """A curve whose points are means over windows of the drift, `width` [-] wide, side by side:
+    without the oscillations that sudden failures cause."""
+    window = np.floor(curve["drift_ratio"] / width)
+    return curve.groupby(window.to_numpy(), sort=True).mean().reset_index(drop=True)
+
+
+def mean_force(curve, drift):
+    """Mean force [N] of an `envelope` from zero to a drift [-]: the energy that it takes up over
+    the displacement."""
+    drifts, force = _from_zero(curve)
+    inside = drifts < drift
+    drifts, force = (
+        np.append(drifts[inside], drift),
+        np.append(force[inside], np.interp(drift, drifts, force)),
+    )
+    return float(scipy.integrate.trapezoid(force, drifts) / drift)
+
+
+def bilinear(curve, height):
+    """Bilinear (elastic-plastic) idealisation of an `envelope`, of equal area up to the ultimate
+    drift.
+
+    The elastic stiffness is the secant at SECANT_SHARE of the peak force.  The ultimate drift is
+    the last one at which the force is at least ULTIMATE_SHARE of the peak.  Between the points of
+    the curve the force is linear.  curve: an `envelope` or `backbone`; height: of the wall [m].
+    Returns {"stiffness_n_per_m", "force_n", "elastic_drift" [-], "ultimate_drift" [-], "energy_j":
+    below the line}.
+    """
+    drift, force = _from_zero(curve)
+    peak = force.max()
+    secant = int(np.argmax(force >= SECANT_SHARE * peak))
+    at = _crossing(drift, force, secant - 1, SECANT_SHARE * peak)
+    stiffness = SECANT_SHARE * peak / (at * height)
+    last = int(np.flatnonzero(force >= ULTIMATE_SHARE * peak)[-1])
+    ultimate = (
+        drift[last]
+        if last + 1 == len(drift)
+        else _crossing(drift, force, last, ULTIMATE_SHARE * peak)
+    )
+    area = mean_force(curve, ultimate) * ultimate * height
+    root = max(0.0, (ultimate * height) ** 2 - 2 * area / stiffness)
+    found = float(stiffness * (ultimate * height - np.sqrt(root)))
+    return {
+        "stiffness_n_per_m": float(stiffness),
+        "force_n": found,
+        "elastic_drift": found / float(stiffness * height),
+        "ultimate_drift": float(ultimate),
+        "energy_j": float(area),
+    }
+
+
+def loaded_curves(history):
+    """{"positive": curve, "negative": curve}, the `capacity_curve` of a History in each direction
+    in which it was loaded; that of a push is `averaged` over WINDOWS windows of the drift.  Raises
+    InputError where there is none."""
+    cyclic = pushed_loading(history).cycles > 0
+    curves = {
+        side: capacity_curve(history, sign)
+        for side, sign in (("positive", 1), ("negative", -1))[: 1 + cyclic]
+    }
+    curves = {
+        side: curve for side, curve in curves.items() if len(curve) and curve["force_n"].max() > 0
+    }
+    if not curves:
+        raise InputError(
+            f"{history.path}: the top was not pushed before the run ended ({history.status});"
+            " expected an envelope; run it again"
+        )
+    if not cyclic:
+        curves = {
+            side: averaged(curve, float(curve["drift_ratio"].max()) / WINDOWS)
+            for side, curve in curves.items()
+        }
+    return curves
+
+
+def capacity(history, to=None):
+    """Figures of a pushed History, means over its `loaded_curves`, a plain dictionary.
+
+    peak_force_n, drift_at_peak [-]: of the curve; those of `bilinear`; mean_force_n: up to the
+    drift `to` [-], of None the ultimate drift, and left_n: force there, both None where the run did
+    not go so far; farthest_drift: what was reached; ended: whether the force fell below
+    ULTIMATE_SHARE of the peak; failure: `mode_shares` up to the ultimate drift.
+    """
+    height, curves = history.attributes["drift_height_m"], loaded_curves(history).values()
+    lines = [bilinear(curve, height) for curve in curves]
+    found = {name: float(np.mean([line[name] for line in lines])) for name in lines[0]}
+    peaks = np.mean(
+        [curve.loc[curve["force_n"].idxmax(), ["force_n", "drift_ratio"]] for curve in curves],
+        axis=0,
+    )
+    to, farthest = (
+        to or found["ultimate_drift"],
+        min(float(curve["drift_ratio"].max()) for curve in curves),
+    )
+    there = [
+        (mean_force(curve, to), np.interp(to, curve["drift_ratio"], curve["force_n"]))
+        for curve in curves
+    ]
+    there = np.mean(there, axis=0).tolist() if farthest >= FAR_ENOUGH * to else (None, None)
+    return {
+        "peak_force_n": float(peaks[0]),
+        "drift_at_peak": float(peaks[1]),
+        **found,
+        "to": to,
+        **dict(zip(("mean_force_n", "left_n"), there)),
+        "farthest_drift": farthest,
+        "ended": found["ultimate_drift"] <= FAR_ENOUGH * farthest,
+        "failure": mode_shares(history, until=found["ultimate_drift"]),
+    }
+
+
+def _from_zero(curve):
+    """Drift and force of a curve, arrays that begin at the origin."""
+    return tuple(np.concatenate([[0.0], curve[name]]) for name in ("drift_ratio", "force_n"))
+
+
+def _crossing(drift, force, before, level):
+    """Drift at which the force reaches a level between the points `before` and the next one."""
+    share = (level - force[before]) / (force[before + 1] - force[before])
+    return drift[before] + share * (drift[before + 1] - drift[before])
+
+
+def drift_at_first_crack(history):
+    """|Drift ratio| at the first sample in which a contact point has opened, or slipped by
+    displacement, by more than 0.1 mm [-]; None without one."""
+    visible = (history.opening_m > THRESHOLD) | (
+        np.abs(history.slip_by("displacement")) > THRESHOLD
+    )
+    first = np.flatnonzero(visible.any(axis=1))
+    return float(abs(since_the_push(history)[1][first[0]])) if len(first) else None
+
+
+def cycle_edges(history):
+    """Samples (n_cycles + 1,) between which the prescribed displacement completes a cycle: from
+    zero up, down and back.
+
+    A run that stopped early has its completed cycles.  Raises InputError for another loading.
+    """
+    loading = pushed_loading(history)
+    bodies, time_s = history.bodies, history.series["time_s"]
+    caps = bodies["z_m"][bodies["course"] == CAP_COURSE]
+    free = len(caps) and top_of(history.masonry_wall) is None
+    height = float(caps.mean()) if free else history.attributes["drift_height_m"]
+    asked = loading.top_displacement(time_s, height)
+    upwards = np.flatnonzero((asked[:-1] <= 0) & (asked[1:] > 0))
+    whole = len(loading.amplitudes_pct) * loading.cycles
+    ended = time_s.iloc[-1] >= loading.schedule(height)[0][-1] - EASE_S
+    return np.append(upwards[:whole], len(asked) - 1) if ended else upwards
+
+
+def cycles_table(history):
+    """Table of the cycles of a cyclic run, a DataFrame with CYCLE_COLUMNS, a row for each cycle.
+
+    The dissipated energy E_d is the area of the loop; equivalent viscous damping is E_d / (4 pi
+    E_s), where E_s is the mean of the elastic energies V u / 2 at both ends of the loop (Chopra,
+    Dynamics of Structures, section 3.9).  The index is that at the samples of largest drift in
+    either direction, not a running maximum.  Raises InputError for another loading.
+    """
+    loading, index = pushed_loading(history), history.index()
+    force, drift, top = since_the_push(history)
+    edges, rows = cycle_edges(history), []
+    for number, (start, end) in enumerate(zip(edges, edges[1:])):
+        inside = slice(start, end + 1)
+        high, low = start + int(np.argmax(drift[inside])), start + int(np.argmin(drift[inside]))
+        lost = float(scipy.integrate.trapezoid(force[inside], top[inside]))
+        stored = (force[high] * top[high] + force[low] * top[low]) / 4
+        rows.append(
+            [
+                number + 1,
+                loading.amplitudes_pct[number // loading.cycles],
+                100 * drift[high],
+                100 * drift[low],
+                force[inside].max() / 1e3,
+                force[inside].min() / 1e3,
+                lost,
+                lost / (4 * np.pi * stored) if stored > 0 else np.nan,
+                *(index[name].iloc[at] for at in (high, low) for name in COMPONENTS),
+            ]
+        )
+    return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
+
+
+def mode_shares(history, until=np.inf):
+    """Failure mode of a wall, from the bed joints at the sample of largest |drift|, a plain
+    dictionary.
+
+    until: samples of a larger |drift| [-] do not count, as of a wall that is pushed on after its
+    ultimate drift. drift_ratio: there [-]; opened_m, slipped_m: lengths that opened, or slipped by
+    displacement, by more than 0.1 mm; opened_m2, slipped_m2: their opening and |slip| times length;
+    stair_share: share of the slipped length beside an opened head joint, as in a stepped crack [-].
+    mode: "flexure" where opened_m2 is at least slipped_m2, else "shear, diagonal" where stair_share
+    is at least STAIR_SHARE, else "shear, sliding"; None where no bed joint opened or slipped.
+    """
+    joints, brick = history.joints, history.masonry_wall.brick
+    drift = since_the_push(history)[1]
+    sample = int(np.argmax(np.where(np.abs(drift) <= until, np.abs(drift), -1.0)))
+    opening, slip = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
+    length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
+    slipped, opened = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD)
+    risers = (joints["kind"] == "head").to_numpy() & (opening > THRESHOLD)
+    x, z = joints["x_m"].to_numpy(), joints["z_m"].to_numpy()
+    beside = (np.abs(x[slipped, None] - x[risers]) < brick.length / 2 * (1 - 1e-6)) & (
+        np.abs(z[slipped, None] - z[risers]) < brick.height / 2 * (1 + 1e-6)
+    )
+    stairs = float(length[slipped][beside.any(axis=1)].sum())
+    shares = {
+        "drift_ratio": float(drift[sample]),
+        "opened_m": float(length[opened].sum()),
+        "slipped_m": float(length[slipped].sum()),
+        "opened_m2": float((length * opening)[opened].sum()),
+        "slipped_m2": float((length * slip)[slipped].sum()),
+    }
+    shares["stair_share"] = stairs / shares["slipped_m"] if slipped.any() else 0.0
+    return {**shares, "mode": _mode(shares)}
+
+
+def _mode(shares):
+    if shares["opened_m2"] == shares["slipped_m2"] == 0:
+        return None
+    if shares["opened_m2"] >= shares["slipped_m2"]:
+        return "flexure"
+    return "shear, diagonal" if shares["stair_share"] >= STAIR_SHARE else "shear, sliding"
+
+
+def hand_capacities(history):
+    """Analytical lateral capacities of a solid wall, {mode: force [N]}; history: of a pushed wall.
+
+    rocking: rigid rotation about toes half the length of a contact point inside the ends; where the
+    top cannot rotate, about the base and about the joint below the top course.  sliding_top,
+    sliding_base: friction without cohesion below the top course and at the base.  diagonal: stepped
+    crack through bed joints in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t /
+    b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a parabolic shear
+    stress.  Empty for a wall with an outline, floors or restraints.  Raises InputError for another
+    loading.
+    """
+    wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
+    if wall.outline or wall.floors or wall.restraints:
+        return {}
+    brick, joint = wall.brick, wall.joint
+    height, area = history.attributes["height_m"], wall.length * brick.thickness
+    course = brick.density * GRAVITY * area * brick.height
+    above, weight = wall.precompression * area, course * height / brick.height
+    arm, friction = wall.length / 2 - brick.length / 8, float(np.tan(joint.friction_angle))
+    middle = (above + weight / 2) / area
+    stress = (joint.cohesion + friction * middle) / (1 + 2 * friction * brick.height / brick.length)
+    rocking = (
+        (2 * above + course + weight) * arm / (height - brick.height)
+        if fixed
+        else (above + weight) * arm / (height + CAP_HEIGHT / 2)
+    )
+    return {
+        "rocking": rocking,
+        "sliding_top": friction * (above + course),
+        "sliding_base": friction * (above + weight),
+        "diagonal": stress * area / 1.5,
+    }
+
+
+def draws_needed(values):
+    """Number of draws whose median's standard error, 1.25 s / sqrt(n), is a fortieth of it: 5 % at
+    95 % confidence."""
+    return int(np.ceil((1.2533 * np.std(values, ddof=1) / (0.025 * np.median(values))) ** 2))

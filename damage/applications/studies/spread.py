@@ -1,0 +1,106 @@
+"""What the members of a run say of its scatter: their table beside the history, median and range.
+
+With `--members N`, a run repeated with slightly scattered strengths as a measure of its precision,
+FILE_members.csv beside FILE.h5, the history of the first member, has a row for each member with the
+columns of summary.csv.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from damage.applications.studies.read import read_table
+from damage.errors import InputError
+from damage.measure.tables import summary_row
+from damage.units import rounded
+
+SHOWN = {
+    "max_DI": ("maximum DI", 1.0, "", None),
+    "residual_DI": ("residual DI", 1.0, "", None),
+    "max_drift_ratio": ("drift ratio", 100.0, " %", 3),
+    "max_crack_width_mm": ("widest crack", 1.0, " mm", 2),
+    "max_psi": ("Psi", 1.0, "", 2),
+    "peak_base_shear_n": ("base shear", 1e-3, " kN", 3),
+}
+"""{column: (name, factor, unit, significant digits)} of the measures whose median and range are
+shown; None for three decimals in place of significant digits."""
+
+
+def repeated(table):
+    """How many runs of a table were repeated in smaller steps (`damage.run.scheme`)."""
+    return int((table.reindex(columns=["repeats"])["repeats"] > 0).sum())
+
+
+def members_path(path):
+    """Path of the table of members beside the history file at `path`."""
+    return Path(path).with_name(f"{Path(path).stem}_members.csv")
+
+
+def member_row(row, path):
+    """A row of summary.csv as that of a member in the table beside the history file at `path`."""
+    point = Path(path).stem
+    return row | {"run": f"{point}_s{row['seed']}", "point": point}
+
+
+def members_of(history):
+    """Table of the members of a History, a DataFrame; None where there is none, or it belongs to
+    another history."""
+    path = members_path(history.path)
+    if not path.is_file():
+        return None
+    try:
+        table = read_table(path, [*SHOWN, "seed", "scatter", "collapsed_at_s"])
+    except InputError:
+        return None
+    own = summary_row(history)
+    same = len(table) > 0 and all(
+        np.isclose(
+            table[name].iloc[0],
+            np.nan if own[name] is None else own[name],
+            rtol=1e-8,
+            atol=0,
+            equal_nan=True,
+        )
+        for name in SHOWN
+    )
+    return table if same else None
+
+
+def spread(table):
+    """Median and range over the members of a table, a plain dictionary.
+
+    count: number of members; collapsed, repeated: how many of them collapsed, or were repeated in
+    smaller steps; and for each column of SHOWN that has values {"median", "min", "max"}.
+    """
+    values = table[list(SHOWN)].astype(float).agg(["median", "min", "max"]).dropna(axis="columns")
+    return {
+        "count": len(table),
+        "collapsed": int(table["collapsed_at_s"].notna().sum()),
+        "repeated": repeated(table),
+    } | values.to_dict()
+
+
+def describe_spread(spread):
+    """The result of `spread` as text, a list of lines."""
+    of_them = "".join(
+        f", {spread[name]} of them {name}" for name in ("collapsed", "repeated") if spread.get(name)
+    )
+    return [
+        f"{spread['count']} members{of_them}: median (min to max)",
+        *(
+            f"  {SHOWN[name][0]:14s}{members_in_words(spread, name)}"
+            for name in SHOWN
+            if name in spread
+        ),
+    ]
+
+
+def members_in_words(spread, name):
+    """Text: median and range of one column of SHOWN, with its unit; spread: the result of
+    `spread`."""
+    _, factor, unit, digits = SHOWN[name]
+    middle, least, most = (
+        f"{value:.3f}" if digits is None else rounded(value, digits)
+        for value in (factor * spread[name][of] for of in ("median", "min", "max"))
+    )
+    return f"{middle} ({least} to {most}){unit}"
