@@ -138,6 +138,21 @@ def run_command(*words, status=None, **options):
     return done
 
 
+def in_python(code, **environment):
+    """Run code beside the tests of the core, in a Python of its own."""
+    path = os.pathsep.join(
+        [str(REPOSITORY), str(REPOSITORY / "tests"), os.environ.get("PYTHONPATH", "")]
+    )
+    run_command(
+        sys.executable,
+        "-c",
+        code,
+        cwd=REPOSITORY / "tests/core",
+        env={**os.environ, **environment, "PYTHONPATH": path},
+        status=0,
+    )
+
+
 @pytest.fixture(scope="session")
 def damage_command():
     def run(*words, **options):

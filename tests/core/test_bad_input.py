@@ -73,10 +73,8 @@ OPTIONS = {
     "--rest 1e12": "0 to 2000",
 }
 IN_YADE = {
-    "parsed": (["--harmonix", "0.2", "0.05"], "--harmonix"),
     "beyond-its-law": (["--beta", "1e-6"], "--beta"),
     "its-view": (["--view"], "screen"),
-    "its-console": (["--console", "during"], "invalid choice: 'during'"),
 }
 
 
@@ -157,11 +155,6 @@ class TestYade:
     def test_bad_option(self, case, yade_command, tmp_path):
         words, complaint = IN_YADE[case]
         done = yade_command(SYMMETRIC, *words, "--out", tmp_path / "out.h5")
-        assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
-
-    def test_bad_wall(self, yade_command, tmp_path):
-        wall, complaint = next(iter(WALLS.items()))
-        done = yade_command(wall_file(tmp_path / "wall.py", wall), "--out", tmp_path / "out.h5")
         assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
 
 

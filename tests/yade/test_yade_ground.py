@@ -147,17 +147,3 @@ def test_a_run_that_continues_starts_from_a_checkpoint_and_says_what_that_execut
         )
     for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
         assert_array_equal(getattr(second, name), getattr(whole, name)[-n:], name)
-
-
-@pytest.mark.parametrize(
-    "change, said",
-    [
-        (("--dt", "2e-5"), "expected that of this run, 2e-05 s; give --dt"),
-        (("--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
-    ],
-)
-def test_what_cannot_continue_is_one_line(halves, change, said):
-    _, run, _ = halves
-    done = run("--continue", "first.h5", "--out", "other.h5", *change)
-    line = done.stderr.strip().splitlines()[-1]
-    assert done.returncode == 2 and said in line and line.startswith("error: ")
