@@ -496,7 +496,7 @@ def all_results(n_walls):
     return results
 
 
-@pytest.mark.parametrize("n_walls", [1, 2])
+@pytest.mark.parametrize("n_walls", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, n_walls):
     """But for fused multiply-adds, which round once instead of twice.  Vectors are arrays there."""
     in_python(

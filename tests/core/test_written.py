@@ -115,7 +115,6 @@ class TestFullDisk:
     def test_yade_too(self, yade_command, tmp_path):
         out = tmp_path / "run.h5"
         done = yade_command(
-            "-j1",
             *SHORT,
             SMALL,
             *SHAKEN,

@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import time
+from contextlib import redirect_stderr, redirect_stdout
 from types import SimpleNamespace
 
 import h5py
@@ -29,6 +30,7 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from benchmarks.resume import kill_tree
+from damage.__main__ import main
 from damage.applications.studies import command, folder, worker
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.inputs import as_json, inputs_of
@@ -76,9 +78,13 @@ class Batches:
         )
 
     def run(self, study, *words, out=None):
-        process = self.start(study, *words, out=out)
-        printed, errors = process.communicate(timeout=300)
-        return SimpleNamespace(returncode=process.returncode, stdout=printed, stderr=errors)
+        """As `start`, in this process."""
+        printed, errors = io.StringIO(), io.StringIO()
+        with redirect_stdout(printed), redirect_stderr(errors):
+            status = main(["study", str(study), "-j2", "--out", str(out or self.out), *words])
+        return SimpleNamespace(
+            returncode=status, stdout=printed.getvalue(), stderr=errors.getvalue()
+        )
 
     def members(self):
         return sorted(path for path in (self.out / "runs").glob("*_s?.h5"))
@@ -474,9 +480,9 @@ def test_all_studies_one_after_the_other_then_figures_and_verdict(batches, monke
     }
     paths = {name: batches.study(text, name) for name, text in points.items()}
     monkeypatch.setattr(command, "shipped_files", lambda *_: paths)
-    from paper.__main__ import main
+    from paper.__main__ import main as of_paper
 
-    assert main(["studies", "--out", str(batches.out), "-j2"]) == 1
+    assert of_paper(["studies", "--out", str(batches.out), "-j2"]) == 1
     printed, errors = capfd.readouterr()
     assert "study bad: FAILED, status 1" in errors and "study good" not in errors
     assert "passed over" in printed and "expected --solver yade" in printed
