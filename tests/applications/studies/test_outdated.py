@@ -348,7 +348,7 @@ samples = 2
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_study_whose_model_changed_between_its_runs(tmp_path):
     """It says which are of another version, in the terminal and in its tables."""
     repository = tmp_path / "repository"  # to be changed
