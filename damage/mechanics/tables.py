@@ -200,7 +200,7 @@ class Tables(
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of
     each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
     first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
-    eight interfaces, LINES, 8), copied by `copy_lines`; radiates: whether `radiation` is used, which
+    eight interfaces, LINES, 8), copied by `copy_lines`; radiates: whether `radiation` is used.  It
     has rows in any case, so that its layout, and with it the type of Tables, is always the same.
 
     Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
