@@ -133,6 +133,20 @@ def test_a_long_name_of_a_run_is_cut(tmp_path, monkeypatch):
 # --- records --------------------------------------------------------------------------------------
 
 AT2 = "PEER\na station\nACCELERATION TIME SERIES IN UNITS OF G\n"
+TEXTS = {
+    "cut.at2": (AT2 + "NPTS= 400, DT= .005 SEC\n.1 .2\n", "2 values"),
+    "counted.at2": (AT2 + "NPTS= " + "9" * 5000 + ", DT= .005 SEC\n.1 .2\n", "NPTS"),
+    "step.at2": (AT2 + "NPTS= 2, DT= 1e-300 SEC\n.1 .2\n", "time step"),
+    "coloured.at2": (AT2 + "NPTS= 2, DT= .005 SEC\n.1 \x1b[31mred\n", "\\x1b"),
+    "unit.at2": (AT2 + "NPTS= 2, DT= .005 SEC\n.1 1e308\n", "inf"),
+    "binary.csv": ("\0\1\2\x1b" * 100, "expected"),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_records_that_are_cut_off_or_garbled(name, tmp_path):
+    text, expected = TEXTS[name]
+    assert expected in one_line_error(read_record, written(tmp_path / name, text))
 
 
 def test_a_record_of_many_samples_or_bytes(tmp_path):
