@@ -39,7 +39,7 @@ BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 TINY = "Wall('tiny', 0.45, 0.6)"
 """Of three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g."""
 # of small walls, which vibrate at 0.05 s or faster
-SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")
+SHORT = ("-j1", BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")
 
 FIRST = (
     "test_widths.py",
@@ -125,6 +125,7 @@ def run_command(*words, status=None, **options):
     """Run a command from the repository with no screen, to this exit status if one is given;
     returns the completed process with text."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
+    environment["OMP_NUM_THREADS"] = "1"  # of YADE: other tests run beside it
     done = subprocess.run(
         [str(word) for word in words],
         capture_output=True,
@@ -136,6 +137,21 @@ def run_command(*words, status=None, **options):
         done.returncode,
     ), f"status {done.returncode}\n{done.stdout}{done.stderr}"
     return done
+
+
+def in_python(code, **environment):
+    """Run code beside the tests of the core, in a Python of its own."""
+    path = os.pathsep.join(
+        [str(REPOSITORY), str(REPOSITORY / "tests"), os.environ.get("PYTHONPATH", "")]
+    )
+    run_command(
+        sys.executable,
+        "-c",
+        code,
+        cwd=REPOSITORY / "tests/core",
+        env={**os.environ, **environment, "PYTHONPATH": path},
+        status=0,
+    )
 
 
 @pytest.fixture(scope="session")

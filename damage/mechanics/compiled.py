@@ -18,7 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import numba
-from numba import njit
+from numba import njit, types
 from numba.core import event
 from numba.core.registry import CPUDispatcher
 
@@ -126,6 +126,10 @@ def _compiler(is_entry=False, inline=False):
 
 class _Internal(CPUDispatcher):
     """A function without the code by which Python would call it: numba would call address zero."""
+
+    def compile(self, sig):
+        """Compile once for all values of a type: LLVM specializes what is inlined."""
+        return super().compile(tuple(map(types.unliteral, sig)))
 
     def __call__(self, *arguments):
         raise TypeError(

@@ -65,6 +65,7 @@ from damage.mechanics.tables import (
     TAKEN,
     TIME_STEP,
     Bearing,
+    Model,
     X,
     Z,
 )
@@ -104,7 +105,7 @@ def advance(n, tables, model, controls, field, clock, stops, sampling):
     (stops, 2) rising numbers of steps from now, and the walls (bits) of which a sample is written
     there, all of them at the last; sampling: Sampling.
     """
-    damped = controls[:, BETA].any() or len(tables.radiation) > 0
+    damped = controls[:, BETA].any() or tables.radiates
     walls, turns = (1 << len(controls)) - 1, tables.turning[:, 0].any()
     # of no literal type, for which numba would compile all of it once more
     step = k = stops[0, 0] * 0
@@ -135,7 +136,9 @@ def step_once(n, tables, model, controls, field, asked):
     move(n, tables, model.strain, model.matrix, controls, field, asked.step - 1)
     if controls[:, ADAPTIVE].any():
         adapt(n, tables, model.strain, controls)
-    find_forces(n, tables, model, asked)
+    # without the matrix, so that the code of forces is the same with mass scaling and without
+    of_forces = Model(model.law, model.strain, model.loose, None)
+    find_forces(n, tables, of_forces, asked)
 
 
 @entry
@@ -500,7 +503,7 @@ def with_wall(resultant, w, of_wall):
 def motion_before(n, tables, strain, points, motion, damped):
     """RelativeMotion of Points of one wall in the last step, stored where the wall damps, else by
     velocities; the present one between deformable bricks."""
-    if damped and (rows.bench_of(n, tables.bench, 0).rate > 0.0 or len(tables.radiation) > 0):
+    if damped and (rows.bench_of(n, tables.bench, 0).rate > 0.0 or tables.radiates):
         return rows.last_motion(n, tables.last, points.row)
     if strain is not None:
         return motion
@@ -541,7 +544,7 @@ def damp(n, tables, row, motion, resultant, changed, which):
     rows.keep_resultant(n, tables.last, row, which, resultant)
     bench = rows.bench_of(table_width(n), tables.bench, 0)
     viscous, work = interfaces.add_viscous(bench.rate, motion, before, resultant, changed)
-    if len(tables.radiation) > 0:
+    if tables.radiates:
         viscous, of_dashpots, more = interfaces.add_dashpots(
             rows.dashpots_of(n, tables.radiation, row),
             rows.dashpots_last(n, tables.radiation, row),

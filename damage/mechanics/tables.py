@@ -182,8 +182,8 @@ class Tables(
     namedtuple(
         "Tables",
         "bodies inertia interfaces limits contacts strengths states readings energy events values"
-        " n_events relaxation last turning bearings radiation bench sums others used lines first"
-        " second every",
+        " n_events relaxation last turning bearings radiation radiates bench sums others used lines"
+        " first second every",
     )
 ):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows,
@@ -192,7 +192,8 @@ class Tables(
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of
     each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
     first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
-    eight interfaces, LINES, 8), copied by `copy_lines`.
+    eight interfaces, LINES, 8), copied by `copy_lines`; radiates: whether `radiation` is used.  It
+    has rows in any case, so that its layout, and with it the type of Tables, is always the same.
 
     Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
     evaluated contact point by contact point; used: (contacts,) 0 where a contact point is an intact
@@ -205,7 +206,7 @@ class Tables(
 
 
 SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
-WORK = "bench", "sums", "others", "used", "lines", "first", "second", "every"
+WORK = "radiates", "bench", "sums", "others", "used", "lines", "first", "second", "every"
 
 
 def make_tables(
@@ -247,7 +248,8 @@ def make_tables(
         last=by_columns(n_last, len(LAST)),
         turning=zeros(n_bodies, 2),
         bearings=zeros(n_bearings, len(Bearing._fields)),
-        radiation=by_columns(n_dashpots, len(RADIATION)),
+        radiation=by_columns(max(n_dashpots, 1), len(RADIATION)),
+        radiates=n_dashpots > 0,
         bench=zeros(1, len(Bench._fields)),
         sums=zeros(SUMS, PARTS),
         others=np.zeros(p, np.uint8),
@@ -283,7 +285,7 @@ def join(members):
         old.inertia.shape[1] // 3,
         old.interfaces.copy(),
         old.contacts.copy(),
-        len(old.radiation),
+        len(old.radiation) * old.radiates,
         len(old.bearings),
         old.events.shape[1],
         width=1 if len(members) == 1 else WIDTH,
@@ -333,7 +335,7 @@ def system_of(tables, w):
         last=tables.last[:damped, :, w],
         turning=tables.turning[..., w],
         bearings=_records(tables.bearings, Bearing._fields, w),
-        radiation=tables.radiation[:damped, :, w],
+        radiation=tables.radiation[: damped * tables.radiates, :, w],
     )
 
 

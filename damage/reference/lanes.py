@@ -67,9 +67,12 @@ class Lanes:
         for w, wall in enumerate(walls):
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
         matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
-        self._model = tables.Model(
-            tables.Law(walls[0].material, THRESHOLD), walls[0].strain, walls[0].loose, matrix
+        of_forces = (
+            tables.Law(walls[0].material, THRESHOLD),
+            walls[0].strain,
+            walls[0].loose,
         )
+        self._model, self._of_forces = (tables.Model(*of_forces, one) for one in (matrix, None))
         self._sampling = self.room(0)
 
     @property
@@ -172,7 +175,7 @@ class Lanes:
         kernel.find_forces(
             self._n,
             self.tables,
-            self._model,
+            self._of_forces,
             kernel.Asked(
                 self._now()[0], 0, walls=1, ending=int(singly), damped=False, turns=turns, since=0.0
             ),

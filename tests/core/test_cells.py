@@ -3,7 +3,7 @@ reference solver."""
 
 import numpy as np
 import pytest
-from conftest import one_line_error, wall_file
+from conftest import SHORT, one_line_error, wall_file
 from numpy.testing import assert_allclose
 from test_deformable import lay
 
@@ -123,6 +123,7 @@ def test_yade_makes_deformable_bricks_of_four_cells():
 def test_cells_vibrate_in_yade_as_the_eigenvalue_says(yade_command, tmp_path):
     wall = wall_file(tmp_path / "pier.py", "Wall('pier', 0.3375, 0.3, precompression=0.3e6)")
     yade_command(
+        *SHORT,
         wall,
         "--bricks",
         "deformable",

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, refused_with
+from conftest import REPOSITORY, in_python, refused_with
 from numpy.testing import assert_allclose
 from scipy.sparse.linalg import splu
 
@@ -22,6 +22,7 @@ from damage.run.options import parse_run
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Wall
 from walls.variants.small import wall as small_wall
 
 SYMMETRIC = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
@@ -73,32 +74,38 @@ def test_a_mode_vibrates_with_the_period_of_the_closed_form(mode, time_step):
     assert abs(now - np.cos(exact * n * time_step)) > 1e-4
 
 
-@pytest.mark.parametrize(
-    "model", [ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")]
-)
-def test_kinetic_energy_with_the_matrix_closes_the_balance_of_a_linear_wall(model):
-    layout = lay_out(softening_wall(), model)
+def keeps_its_energy(layout, samples, steps):
     wall = free_wall(layout, 1e-4)
     wall.velocity = 1e-8 * natural_modes(layout).shape[0]
     total = []
-    for _ in range(20):
+    for _ in range(samples):
         total.append(wall.kinetic_energy() + wall.elastic_energy() + wall.energy[DAMPING])
-        wall.run(13)
+        wall.run(steps)
     assert_allclose(total, total[0], rtol=1e-7)
 
 
-@pytest.mark.parametrize(
-    "model",
-    [
-        ModelOptions(),
-        ModelOptions(bricks="deformable", contacts="gauss"),
-        # compiled once more, for this alone
-        pytest.param(ModelOptions(soil="1e9", soil_velocity=100.0), marks=pytest.mark.long),
-    ],
-)
-@pytest.mark.parametrize("held", [False, True])
-def test_a_step_solves_with_the_matrix_as_scipy_does(model, held):
-    layout = lay_out(softening_wall(), model)
+def test_kinetic_energy_with_the_matrix_closes_the_balance_of_a_linear_wall(layout):
+    keeps_its_energy(layout, 20, 13)
+
+
+def in_plain_python():
+    """Steps of walls whose compilation takes longer than they do."""
+    soil = ModelOptions(soil="1e9", soil_velocity=100.0)
+    deformable = ModelOptions(bricks="deformable", contacts="gauss")
+    for model in (deformable, soil):
+        for held in (False, True):
+            solves_as_scipy_does(lay_out(softening_wall(), model), held)
+    wall = Wall("w", 0.45, 0.3, joint=softening_wall().joint)
+    keeps_its_energy(lay_out(wall, deformable), 3, 7)
+
+
+def test_a_step_solves_with_the_matrix_as_scipy_does(layout):
+    for held in (False, True):
+        solves_as_scipy_does(layout, held)
+    in_python("import test_mass_scaling as t; t.in_plain_python()", NUMBA_DISABLE_JIT="1")
+
+
+def solves_as_scipy_does(layout, held):
     wall = free_wall(layout, 2e-4, beta=1e-6)
     if held:
         wall.hold(layout.pushed_bodies, rotation=True)

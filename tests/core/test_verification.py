@@ -25,9 +25,14 @@ QUICK_IN_YADE = (
     "crushed column",
     "splitting brick",
 )
+LARGE = ("solid wall under its load", "asymmetric wall under its load")
+"""Problems beside which a smaller one is, or another of their kind."""
 
 
-@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.long] if name in LARGE else []) for name in PROBLEMS],
+)
 def test_reference(name):
     result = PROBLEMS[name].judge("reference")
     assert result.holds, result

@@ -10,7 +10,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -25,6 +24,7 @@ from conftest import (
     disk,
     refused_with,
     run_command,
+    run_here,
     running,
     wait_until,
     wall_file,
@@ -37,7 +37,6 @@ import damage
 from damage.history.writer import check_output
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
-from yade_scripts import COMMAND
 
 SMALL = "walls/variants/small.py"
 DAMAGE = (sys.executable, "-m", "damage")
@@ -84,9 +83,7 @@ def history(tmp_path):
 class TestFullDisk:
     @pytest.fixture(scope="class")
     def whole(self, tmp_path_factory):
-        out = tmp_path_factory.mktemp("whole") / "run.h5"
-        run_command(*DAMAGE, "reference", SMALL, *SHAKEN, "--out", out, status=0)
-        return damage.read_history(out)
+        return run_here(tmp_path_factory.mktemp("whole") / "run.h5", REPOSITORY / SMALL, *SHAKEN)
 
     @pytest.mark.parametrize("share", [0.05, 0.9])
     def test_a_run_ends_and_keeps_what_was_flushed(self, share, whole, tmp_path):
@@ -114,10 +111,10 @@ class TestFullDisk:
             )
 
     @pytest.mark.yade
+    @pytest.mark.long
     def test_yade_too(self, yade_command, tmp_path):
         out = tmp_path / "run.h5"
         done = yade_command(
-            "-j1",
             *SHORT,
             SMALL,
             *SHAKEN,
@@ -163,24 +160,12 @@ class TestFullDisk:
         words = " ".join(map(str, [*DAMAGE, "index", history]))
         one_error(run_command("bash", "-c", f"{words} >&-"), "standard output is closed")
 
-    def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(self, tmp_path):
+    def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(self, tmp_path, capsys):
         (tmp_path / "run").write_text("no folder")  # where the pictures would go
-        done = run_command(
-            *DAMAGE,
-            "reference",
-            SMALL,
-            "--harmonic",
-            "0.1",
-            "0.1",
-            "--cycles",
-            "1",
-            "--rest",
-            "0",
-            "--out",
-            tmp_path / "run.h5",
-            status=0,
-        )
-        assert "warning: the history is whole, its pictures failed (cannot write" in done.stderr
+        words = ["--harmonic", "0.1", "0.1", "--cycles", "1", "--rest", "0", "--out"]
+        assert run_reference([str(REPOSITORY / SMALL), *words, str(tmp_path / "run.h5")]) == 0
+        said = capsys.readouterr().err
+        assert "warning: the history is whole, its pictures failed (cannot write" in said
         assert damage.read_history(tmp_path / "run.h5").complete
 
     @ROOT
@@ -337,15 +322,14 @@ class TestSignals:
         _, printed = process.communicate(timeout=60)
         assert process.returncode == 130 and printed in ("", "interrupted\n")
 
-    @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGKILL"])
+    @pytest.mark.parametrize("name", ["SIGTERM", "SIGKILL"])
     def test_an_end_keeps_what_was_seen(self, name, tmp_path):
         process = self.started(tmp_path / "a.h5")
         for _ in range(2):  # a second one, while it ends, changes nothing
             process.send_signal(getattr(signal, name))
         _, printed = process.communicate(timeout=60)
         # the second may meet the summary
-        ended = {130} if name == "SIGINT" else {130, -getattr(signal, name)}
-        assert process.returncode in ended and "Traceback" not in printed
+        assert process.returncode in {130, -getattr(signal, name)} and "Traceback" not in printed
         history = damage.read_history(tmp_path / "a.h5")
         assert (
             history.status == ("unfinished" if name == "SIGKILL" else "interrupted")
@@ -361,21 +345,6 @@ class TestSignals:
         assert process.poll() is None
         process.send_signal(signal.SIGTERM)
         assert process.communicate(timeout=60) and process.returncode == 130
-
-    @pytest.mark.slow
-    @pytest.mark.yade
-    @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
-    def test_yade_too(self, tmp_path):
-        out = tmp_path / "a.h5"
-        process = started(
-            (*COMMAND, SMALL, "--harmonic", "0.1", "0.2", "--no-pictures", "--out", out)
-        )
-        wait_until(lambda: out.exists() or process.poll() is not None)
-        time.sleep(1)  # the file is made, its first flush done
-        process.send_signal(signal.SIGTERM)
-        _, printed = process.communicate(timeout=60)
-        assert process.returncode == 130 and "Traceback" not in printed
-        assert damage.read_history(out).status == "interrupted"
 
 
 def started(words, hangup=signal.SIG_DFL):

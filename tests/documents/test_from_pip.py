@@ -70,6 +70,7 @@ def installed(tmp_path_factory):
     return base
 
 
+@pytest.mark.long
 def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
     environment = {
         **os.environ,

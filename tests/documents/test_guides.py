@@ -106,6 +106,7 @@ def follow(name, clone, after_first=None):
     return output
 
 
+@pytest.mark.long
 def test_the_first_wall_and_what_it_left(clone):
     assert "maximum, shear limit" in follow("first-wall", clone)
     assert damage.read_history(clone / "first.h5").complete

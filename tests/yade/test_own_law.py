@@ -50,10 +50,8 @@ def test_what_is_added_to_the_material_has_a_default():
     assert set(Material._fields) - set(Material._field_defaults) == {"friction"}
 
 
-@pytest.fixture(scope="module")
-def walked(clone, yade_command):  # noqa: F811
-    """A copy in which the walk was followed: its commands run in plain Python, since compiling
-    takes a minute."""
+def walk():
+    """(kind, text) of what CONTRIBUTING.md says to save and type, and the names of both files."""
     section = (
         (REPOSITORY / "CONTRIBUTING.md")
         .read_text()
@@ -62,13 +60,25 @@ def walked(clone, yade_command):  # noqa: F811
     )
     steps = re.findall(r"^```(diff|python|sh)\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
     assert [kind for kind, _ in steps] == ["diff", "python", "sh"]
-    names = re.findall(r"`(law\.diff|kept\.py)`", section)
-    (clone / names[0]).write_text(steps[0][1])
-    (clone / "kept.py").write_text(steps[1][1])
+    return section, [text for _, text in steps], re.findall(r"`(law\.diff|kept\.py)`", section)
+
+
+def test_the_walk_s_diff_still_applies(tmp_path):
+    written(tmp_path / "law.diff", walk()[1][0])
+    run_command("git", "apply", "--check", tmp_path / "law.diff", status=0)
+
+
+@pytest.fixture(scope="module")
+def walked(clone, yade_command):  # noqa: F811
+    """A copy in which the walk was followed: its commands run in plain Python, since compiling
+    takes a minute."""
+    section, (diff, wall, commands), names = walk()
+    (clone / names[0]).write_text(diff)
+    (clone / "kept.py").write_text(wall)
     program = written(clone.parent / "bin" / "python3", SHORT_STAGES.format(python=sys.executable))
     applied = re.search(r"`(git apply law\.diff)`", section)[1]
     done = subprocess.run(
-        ["bash", "-euc", f"{applied}\n{steps[2][1]}"],
+        ["bash", "-euc", f"{applied}\n{commands}"],
         cwd=clone,
         capture_output=True,
         text=True,
@@ -88,6 +98,7 @@ def walked(clone, yade_command):  # noqa: F811
 
 
 @pytest.mark.yade
+@pytest.mark.long
 def test_both_solvers_end_with_the_friction_that_is_kept(walked):
     printed, reference, yade, _ = walked
     assert "verdict: within the tolerances" in printed
@@ -101,6 +112,7 @@ def test_both_solvers_end_with_the_friction_that_is_kept(walked):
 
 
 @pytest.mark.yade
+@pytest.mark.long
 def test_yade_refuses_a_law_that_it_is_not_said_to_follow(walked):
     refused = walked[-1]
     assert refused.returncode == 2 and "Traceback" not in refused.stderr

@@ -72,6 +72,7 @@ def test_both_codes_let_it_fall_at_the_same_time(pushed):
     assert_allclose(*fallen, rtol=0.1)
 
 
+@pytest.mark.long
 def test_a_run_that_continues_after_a_joint_ended_keeps_its_stresses(tmp_path, yade_command):
     """None in the joint that ended before the checkpoint; the weight of two bricks is on the
     ground."""

@@ -54,42 +54,37 @@ def test_a_wall_with_softening_joints_settles_and_is_shaken_alike(tmp_path, in_b
 
 def test_a_wall_on_soil_lifts_off_alike(tmp_path, in_both):
     """With as many fibres as YADE has, undamped.  A base joint has cohesion and no tensile
-    strength, which YADE's law would not check: a wall that cannot lift off drifts by 20 % more.
-    The drift is compared sample by sample up to the first failure, where the short static stage in
-    YADE leaves a vibration of 0.8 %; then the largest drift and uplift, which members with a
-    scatter of 1e-9 share within 0.03 % and 0.3 %.  Their DI differs by 0.005, and by more between
-    processors: it depends on rounding and is not compared."""
-    path = wall_file(tmp_path / "small.py", SMALL.format(joint=SOFT))
+    strength, which YADE's law would not check."""
+    path = wall_file(tmp_path / "pier.py", f"Wall('pier', 0.45, 0.6, joint=Joint({SOFT}))")
     yade, reference = histories = in_both(
         tmp_path,
         path,
         "--harmonic",
         0.1,
-        0.15,
+        0.2,
+        "--cycles",
+        1,
         "--rest",
-        0.1,
+        0.05,
         "--soil",
         3e8,
-        "--lintel",
-        2,
         yade=SHORT,
         reference=("--fibres", 16, "--beta", 0),
     ).values()
     assert_allclose(
-        *(history.series["drift_ratio"].abs().max() for history in histories), rtol=0.03
+        *(history.series["drift_ratio"].abs().max() for history in histories), rtol=0.01
     )
-    assert compare_drift(yade, reference)["rms_before_failure"] < 0.02
+    assert compare_drift(yade, reference)["rms_before_failure"] < 5e-3
     base = (reference.joints["first_body"] < 0).to_numpy()
-    assert reference.broken[-1][base].any()
-    assert_allclose(yade.opening_m[:, base].max(), reference.opening_m[:, base].max(), rtol=0.1)
+    assert reference.broken[-1][base].any() and reference.opening_m[:, base].max() > 5e-4
+    assert_allclose(yade.opening_m[:, base].max(), reference.opening_m[:, base].max(), rtol=0.01)
     assert max(map(energy_error_of, histories)) < 1e-3
 
 
 @pytest.fixture(scope="module")
 def halves(tmp_path_factory, yade_command):
     """A folder with one run of two events, whole.h5, its first event, first.h5, and its second one
-    from the end of the first, second.h5; a function that runs the wall with these words; what the
-    last run printed."""
+    from the end of the first, second.h5; what the last run printed."""
     folder = tmp_path_factory.mktemp("halves")
     path = wall_file(folder / "small.py", SMALL.format(joint=""))
 
@@ -117,11 +112,12 @@ def halves(tmp_path_factory, yade_command):
         run("--sequence", "0.6", "--continue", "first.h5", "--out", "second.h5"),
     ]
     assert [one.returncode for one in done] == [0, 0, 0], done
-    return folder, run, done[-1].stderr
+    return folder, done[-1].stderr
 
 
+@pytest.mark.long
 def test_a_run_that_continues_starts_from_a_checkpoint_and_says_what_that_executes(halves):
-    folder, _, said = halves
+    folder, said = halves
     assert (
         "first.checkpoint: YADE executes the names of the engines in the scene that it holds"
         in said
@@ -147,17 +143,3 @@ def test_a_run_that_continues_starts_from_a_checkpoint_and_says_what_that_execut
         )
     for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
         assert_array_equal(getattr(second, name), getattr(whole, name)[-n:], name)
-
-
-@pytest.mark.parametrize(
-    "change, said",
-    [
-        (("--dt", "2e-5"), "expected that of this run, 2e-05 s; give --dt"),
-        (("--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
-    ],
-)
-def test_what_cannot_continue_is_one_line(halves, change, said):
-    _, run, _ = halves
-    done = run("--continue", "first.h5", "--out", "other.h5", *change)
-    line = done.stderr.strip().splitlines()[-1]
-    assert done.returncode == 2 and said in line and line.startswith("error: ")

@@ -137,8 +137,10 @@ def listening(pid):
 
 @pytest.fixture(
     scope="module",
-    params=[(COMMAND, signal.SIGINT), (("yade", "-n"), signal.SIGKILL)],
-    ids=["launcher", "plain"],
+    params=[
+        pytest.param((COMMAND, signal.SIGINT), id="launcher"),
+        pytest.param((("yade", "-n"), signal.SIGKILL), id="plain", marks=pytest.mark.long),
+    ],
 )
 def ended(request, tmp_path_factory, yade_command):
     """A run of two courses that a signal ends once samples are written: whether by the launcher,

@@ -590,8 +590,6 @@ class TestBadInput:
     @pytest.mark.parametrize(
         "more, status",
         [
-            (["--distortion", "1/500"], 2),
-            (["--at", "52.09", "5.12"], 2),
             (["--cracks", "far.csv"], 2),
             ([], -15),
         ],

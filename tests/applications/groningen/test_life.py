@@ -1,25 +1,22 @@
 """Lives of a wall: what is drawn, that a life is a sequence in lanes and studies, that it
 continues, probabilities."""
 
-import os
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 from conftest import (
-    BATCH,
-    BATCH_ENVIRONMENT,
     contents,
     one_line_error,
     refused_with,
-    run_command,
     wall_file,
     written,
 )
 from scipy import stats
 
 import damage
+from damage.__main__ import main
 from damage.applications.groningen.exposure import places
 from damage.applications.groningen.exposure.catalogue import read_catalogue
 from damage.applications.groningen.exposure.exposure import Exposure
@@ -302,17 +299,8 @@ class TestRuns:
         folder, _point, _together = lived
 
         def batch():
-            run_command(
-                *BATCH,
-                folder / "study.toml",
-                "--keep",
-                "summary",
-                "--out",
-                folder,
-                "-j1",
-                env=os.environ | BATCH_ENVIRONMENT,
-                status=0,
-            )
+            words = ("--keep", "summary", "--out", str(folder), "-j1")
+            assert main(["study", str(folder / "study.toml"), *words]) == 0
             return read_records(folder).runs
 
         whole = batch()

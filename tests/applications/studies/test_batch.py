@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import time
+from contextlib import redirect_stderr, redirect_stdout
 from types import SimpleNamespace
 
 import h5py
@@ -21,7 +22,6 @@ from conftest import (
     TINY,
     is_running,
     refused_with,
-    run_command,
     wait_until,
     wall_file,
     written,
@@ -30,6 +30,7 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from benchmarks.resume import kill_tree
+from damage.__main__ import main
 from damage.applications.studies import command, folder, worker
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.inputs import as_json, inputs_of
@@ -77,9 +78,13 @@ class Batches:
         )
 
     def run(self, study, *words, out=None):
-        process = self.start(study, *words, out=out)
-        printed, errors = process.communicate(timeout=300)
-        return SimpleNamespace(returncode=process.returncode, stdout=printed, stderr=errors)
+        """As `start`, in this process."""
+        printed, errors = io.StringIO(), io.StringIO()
+        with redirect_stdout(printed), redirect_stderr(errors):
+            status = main(["study", str(study), "-j2", "--out", str(out or self.out), *words])
+        return SimpleNamespace(
+            returncode=status, stdout=printed.getvalue(), stderr=errors.getvalue()
+        )
 
     def members(self):
         return sorted(path for path in (self.out / "runs").glob("*_s?.h5"))
@@ -186,19 +191,6 @@ class TestBatch:
         }
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["members"]) == [4] * 4
 
-    def test_a_lost_process_costs_its_runs_alone_which_begin_again(self, batches, whole):
-        study = batches.study(POINTS % "0.5, 0.4, 0.01")
-        batch = batches.start(study)
-        wait_until(
-            lambda: list((batches.out / "runs").glob("*.part.h5")) or batch.poll() is not None
-        )
-        victim, *_ = children(batch.pid)
-        os.kill(victim, signal.SIGKILL)
-        printed, errors = batch.communicate(timeout=300)
-        assert batch.returncode == 0 and "3 of 3 points done" in printed, errors
-        assert "warning: a process was lost (SIGKILL): " in errors and "begin again" in errors
-        assert batches.tables() == whole.tables()
-
     def test_with_histories_of_a_sample_alone_the_tables_are_the_same(self, batches, drawn):
         study, summary = batches.study(DRAWN % 4), batches.folder / "summary"
         assert batches.run(study, "--keep", "summary", out=summary).returncode == 0
@@ -207,14 +199,6 @@ class TestBatch:
         assert batches.tables(summary) == drawn.tables() and len(drawn.tables()) == 15
         shocks = pd.read_csv(io.BytesIO(drawn.tables()["shocks.csv"]))
         assert set(shocks["run"]) == {"alone_reference"} and len(shocks) == 2
-
-        before = {path: path.stat().st_mtime_ns for path in (summary / "runs").glob("*.h5")}
-        more = batches.study(DRAWN % 5)
-        assert batches.run(more, "--keep", "summary", out=summary).returncode == 0
-        assert before == {path: path.stat().st_mtime_ns for path in before}
-        assert len(pd.read_csv(summary / "tables" / "summary.csv")) == 6
-        # five, and one more
-        assert (summary / "logs" / "reference.log").read_text().count("--- ") == 6
 
     def test_slices_by_themselves_then_the_whole(self, batches, drawn):
         """As an array of jobs of a cluster: two at once, then a call that makes the tables."""
@@ -250,12 +234,6 @@ class TestBatch:
             in done.stderr
         )
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
-
-
-def children(pid):
-    """Processes that this one has started, the first one first."""
-    found = run_command("ps", "-o", "pid=", "--ppid", pid)
-    return sorted(map(int, found.stdout.split()))
 
 
 class TestPool:
@@ -502,9 +480,9 @@ def test_all_studies_one_after_the_other_then_figures_and_verdict(batches, monke
     }
     paths = {name: batches.study(text, name) for name, text in points.items()}
     monkeypatch.setattr(command, "shipped_files", lambda *_: paths)
-    from paper.__main__ import main
+    from paper.__main__ import main as of_paper
 
-    assert main(["studies", "--out", str(batches.out), "-j2"]) == 1
+    assert of_paper(["studies", "--out", str(batches.out), "-j2"]) == 1
     printed, errors = capfd.readouterr()
     assert "study bad: FAILED, status 1" in errors and "study good" not in errors
     assert "passed over" in printed and "expected --solver yade" in printed
