@@ -14,7 +14,6 @@ from test_fragility import walls
 from damage.applications.report.curves import coefficients
 from damage.applications.studies.fragility import (
     at_intensities,
-    efficiency_table,
     fit_all,
     fragility_table,
 )
@@ -96,7 +95,6 @@ def test_tables_of_fragility(intensity):
     assert set(fragility_table(fits, intensity).assign(slip="displacement")) <= known(
         "fragility_INTENSITY.csv"
     )
-    assert set(efficiency_table(runs)) == known("efficiency.csv")
     assert set(coefficients(fits)) == known("fragility_coefficients.csv")
     assert set(at_intensities(fits, [0.1])) == known("fragility_INTENSITY_at.csv")
 
