@@ -11,6 +11,8 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
+import pandas as pd
+
 from damage.__main__ import add_commands, guarded
 from damage.commands.table import JSON, command, out, output, save
 from damage.errors import InputError
@@ -196,6 +198,24 @@ def _combinations(asked):
             ]
         )
     )
+
+
+@command(
+    "the same lives by other choices, and a wall's own fragility beside its lives, of a study of"
+    " lives: choices.csv, readings.csv",
+    file_arg("results", "FOLDER", "folder of a study with lives, as results/lives"),
+    out("folder for the tables"),
+)
+def _choices(asked):
+    from damage.applications.groningen.life.results import lives_of
+    from damage.measure.tables import write_table
+    from paper.lives_choices import choices, in_words, readings
+
+    parts = lives_of(asked.results)
+    rows = choices(parts)
+    print(*map(in_words, rows), sep="\n")
+    for name, table in (("choices", rows), ("readings", readings(parts))):
+        print(write_table(pd.DataFrame(table), asked.out / f"{name}.csv"))
 
 
 FRAGILITY = (

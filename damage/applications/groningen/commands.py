@@ -463,10 +463,10 @@ def _app(asked):
     examples=("results/life", "results/life --markdown lives.md --out figures"),
 )
 def _lives(asked):
-    from damage.applications.groningen.life.comparison import largest_alone
     from damage.applications.groningen.life.results import (
         contributions,
         describe,
+        largest_alone,
         lives_of,
         over_time,
         write_lives,
@@ -508,7 +508,6 @@ MODEL.append("applications/groningen/exposure")  # draws motions
 @tables
 def _tables():
     from damage.applications.groningen.exposure.exposure import COLUMNS
-    from damage.applications.groningen.life.comparison import CHOICES, READINGS
     from damage.applications.groningen.life.results import COLUMNS as LIVES
     from damage.applications.groningen.life.results import CONTRIBUTIONS, YEARLY
 
@@ -517,6 +516,4 @@ def _tables():
         "lives.csv": LIVES,
         "life.csv": YEARLY,
         "contributions.csv": CONTRIBUTIONS,
-        "choices.csv": CHOICES,
-        "readings.csv": READINGS,
     }

@@ -121,8 +121,8 @@ AT = _STATE | {
     "undetermined": CURVE["undetermined"],
 }
 TABLES = {
-    "summary.csv, study.h5 runs": RUNS | MEMBERS,
-    "points.csv, study.h5 points": POINTS,
+    "summary.csv": RUNS | MEMBERS,
+    "points.csv": POINTS,
     "fragility_INTENSITY.csv": FRAGILITY,
     "fragility_INTENSITY_at.csv": AT,
 }

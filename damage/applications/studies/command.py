@@ -20,7 +20,6 @@ from damage.applications.studies.folder import (
     ROOT,
     claim,
     environment,
-    forecast,
     is_short,
     lock_as,
     open_records,
@@ -275,10 +274,7 @@ class Batch:
             run.id: Point(run, results, self.asked.keep, self.study.pictures == "all")
             for run in self.runs
         }
-        left = [point.run for point in self.points.values() if not point.done]
-        warn(
-            *said, *filter(None, [forecast(left, results.histories, self.folder, self.asked.keep)])
-        )
+        warn(*said)
         if self.asked.slice:
             name = "records-{}-of-{}.jsonl".format(*self.asked.slice)
         else:

@@ -30,29 +30,17 @@ def _study(words, quiet):
         help="whose runs the study names (default both)",
     ),
     file_arg("--root", "DIR", "where walls and records lie (default: the working folder)"),
-    arg(
-        "-j",
-        dest="jobs",
-        type=number_from(1, 1000, int),
-        default=1,
-        metavar="N",
-        help="processes (default 1)",
-    ),
     examples=(
         "studies/quick.toml results/quick",
-        "my_study.toml results/my_study --solver reference -j 4",
+        "my_study.toml results/my_study --solver reference",
     ),
 )
 def _study_tables(asked):
     from damage.applications.studies.definition import load_study
     from damage.applications.studies.tables import write_study_tables
 
-    print(
-        *write_study_tables(
-            load_study(asked.study, asked.solver, asked.root), asked.folder, asked.jobs
-        ),
-        sep="\n",
-    )
+    study = load_study(asked.study, asked.solver, asked.root)
+    print(*write_study_tables(study, asked.folder), sep="\n")
 
 
 @command(

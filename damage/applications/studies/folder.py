@@ -230,25 +230,3 @@ def shortage(folder):
         f"has {free / 1e6:.2g} MB free:" if free < LEAST_FREE else "had no room left while it ran,"
     )
     return f"{folder} {found} expected {LEAST_FREE / 1e6:g} MB or more; make room"
-
-
-def forecast(left, histories, folder, keep="all"):
-    """A warning where the runs that are left will not fit if they are as large as those that are
-    there, else None.
-
-    left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count,
-    though one may do. histories: {name: path} of those that are there; keep: other than "all" where
-    the history of the first alone stays.
-    """
-    count = sum(run.most_members if keep == "all" else 1 for run in left)
-    if not histories or not count:
-        return None
-    mean = sum(path.stat().st_size for path in histories.values()) / len(histories)
-    free = shutil.disk_usage(folder).free
-    if count * mean + LEAST_FREE <= free:
-        return None
-    return (
-        f"up to {count} runs are left, about {count * mean / 1e6:.2g} MB if they are as large as"
-        f" the {len(histories)} there; {folder} has {free / 1e6:.2g} MB free and keeps"
-        f" {LEAST_FREE / 1e6:g}: make room meanwhile"
-    )

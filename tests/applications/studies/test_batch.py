@@ -11,7 +11,6 @@ import subprocess
 import time
 from types import SimpleNamespace
 
-import h5py
 import pandas as pd
 import pytest
 from conftest import (
@@ -139,12 +138,6 @@ class TestBatch:
             points.loc[0.5, ["max_DI", "max_DI_min", "max_DI_max"]].astype(float),
             [cracked.median(), cracked.min(), cracked.max()],
         )
-        with h5py.File(tables / "study.h5", "r") as file:
-            stored = file["runs"]
-            assert list(stored["run"].asstr()) == list(summary["run"]) and list(stored) == list(
-                summary.columns
-            )
-            assert_allclose(stored["max_DI"], summary["max_DI"], rtol=1e-8)
         assert (
             len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
         )

@@ -13,15 +13,6 @@ import numpy as np
 import pandas as pd
 
 from damage.applications.groningen.exposure.lives import Draws, read_address
-from damage.applications.groningen.life.comparison import (
-    OUTCOMES,
-    POPULATION,
-    VISIBLE,
-    choices,
-    in_words,
-    largest_alone,
-    readings,
-)
 from damage.applications.groningen.life.estimate import probability
 from damage.applications.studies.definition import FROM, load_study
 from damage.applications.studies.records import read_records
@@ -32,6 +23,11 @@ from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.wall.file import wall_path
 
+VISIBLE = 1.0, 2.0
+"""Psi whose probability is reported."""
+OUTCOMES = {"psi": "at rest", "max_psi": "at any moment"}
+POPULATION = 4000
+"""Lives that are drawn and not run, for the distribution of PGV."""
 NAME = "lives.toml"
 POINT, LARGEST = "life", "life_largest"
 
@@ -291,6 +287,34 @@ def together(parts):
     return lives
 
 
+def beside(parts):
+    """[(Lives, other Lives of the same wall and place by other choices, states of both as
+    DataFrames of `Lives.until` with equal rows)] where the name of the other point is that of the
+    first and one word more."""
+    found = []
+    for one, other in product(parts, repeat=2):
+        if (
+            other.point.rpartition("_")[0] == one.point
+            and one.draws.exposure.place == other.draws.exposure.place
+        ):
+            first, second = one.last, other.last
+            both = first.index.intersection(second.index)
+            found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
+    return found
+
+
+def largest_alone(parts):
+    """{point: (lives with all events, the same with the largest alone)} of the points that have
+    both, as DataFrames of `Lives.until` with equal rows."""
+    return {
+        one.point: (first, second)
+        for one, other, first, second in beside(parts)
+        if other.draws.choices
+        == replace(one.draws.choices, largest_alone=True)
+        != one.draws.choices
+    }
+
+
 def over_time(lives):
     """DataFrame with a row a year: medians over the lives, and probabilities with 95 % intervals;
     columns: YEARLY."""
@@ -381,7 +405,7 @@ def describe(parts):
                     f" (median of {int(damaged.sum())} damaged walls; quartiles"
                     f" {share.quantile(0.25):.2f} to {share.quantile(0.75):.2f})"
                 )
-    return "\n".join([*lines, *map(in_words, choices(parts))])
+    return "\n".join(lines)
 
 
 def _of_the_settlement(table):
@@ -400,16 +424,12 @@ def _of_the_settlement(table):
 def write_lives(parts, folder):
     """Write the tables of lives into a folder; returns their paths.
 
-    lives.csv: events; life.csv: year by year; contributions.csv: of each event; and, where there
-    are points to compare, choices.csv and readings.csv
-    (`damage.applications.groningen.life.comparison`).
+    lives.csv: events; life.csv: year by year; contributions.csv: of each event.
     """
     folder = Path(folder)
     tables = {
         "lives.csv": pd.concat([one.table for one in parts]),
         "life.csv": pd.concat(map(over_time, parts)),
         "contributions.csv": pd.concat(map(contributions, parts)),
-        "choices.csv": pd.DataFrame(choices(parts)),
-        "readings.csv": pd.DataFrame(readings(parts)),
     }
-    return [write_table(table, folder / name) for name, table in tables.items() if len(table)]
+    return [write_table(table, folder / name) for name, table in tables.items()]
