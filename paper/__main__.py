@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 
 from damage.__main__ import add_commands, guarded
-from damage.commands.table import JSON, command, out, output, save
+from damage.commands.table import HISTORIES, JSON, command, out, output, save
 from damage.errors import InputError
 from damage.files import json_text, write_text
 from damage.measure.columns import made_by_words
@@ -216,6 +216,14 @@ def _choices(asked):
     print(*map(in_words, rows), sep="\n")
     for name, table in (("choices", rows), ("readings", readings(parts))):
         print(write_table(pd.DataFrame(table), asked.out / f"{name}.csv"))
+
+
+@command("pushed laboratory walls beside their tests", HISTORIES, out("folder for the pictures"))
+def _specimens(asked):
+    from damage.history.reader import read_history
+    from paper.beside_test import save
+
+    print(*save(map(read_history, asked.histories), asked.out), sep="\n")
 
 
 FRAGILITY = (

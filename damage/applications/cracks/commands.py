@@ -55,18 +55,6 @@ def _cycles(asked):
 
 
 @command(
-    "pushed laboratory walls beside their tests",
-    HISTORIES,
-    out("folder for the pictures"),
-    examples=("squat.h5 --out pictures", "comp2_1.h5 comp2_3.h5 --out pictures"),
-)
-def _laboratory(asked):
-    from damage.applications.cracks.pictures import save
-
-    print(*save(map(read_history, asked.histories), asked.out), sep="\n")
-
-
-@command(
     "cracks, Psi and index of a history, of digitised cracks or of a DIC field",
     file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
     group(

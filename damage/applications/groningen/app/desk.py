@@ -18,10 +18,8 @@ from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_crac
 from damage.applications.cracks.survey import read_survey
 from damage.applications.groningen.app.photo import cleaned, rectified
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
-from damage.applications.groningen.exposure.catalogue import read_catalogue
-from damage.applications.groningen.exposure.exposure import Exposure, strongest
-from damage.applications.groningen.exposure.ground_motion import model_named
-from damage.applications.groningen.exposure.places import at
+from damage.applications.groningen.exposure.exposure import strongest
+from damage.applications.groningen.exposure.lives import draws_of
 from damage.applications.report.words import LANGUAGES, all_words
 from damage.applications.studies.folder import end_with_parent, environment, open_log
 from damage.checks import check_choice, check_range, check_whole
@@ -96,7 +94,7 @@ class Desk:
         """The earthquakes at an address."""
         for what, value in (("latitude", latitude), ("longitude", longitude)):
             check_range(what, value, -180, 180)
-        exposure = Exposure(at(latitude, longitude), read_catalogue(), model_named("bommer-2022"))
+        exposure = draws_of({"latitude": latitude, "longitude": longitude}).exposure
         found = exposure.as_dict()
         return found | {"events": strongest(found, EVENTS)}
 

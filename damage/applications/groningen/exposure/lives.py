@@ -374,16 +374,7 @@ def _read(path, text):
             f"{did_you_mean(unknown[0], KEYS)}"
         )
     try:
-        return Draws(
-            _exposure(table, path),
-            Choices(
-                **{
-                    name: value
-                    for name, value in table.items()
-                    if name in Choices.__dataclass_fields__
-                }
-            ),
-        )
+        return draws_of(table, Path(path).parent)
     except (InputError, TypeError) as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -393,7 +384,14 @@ def read_address(path):
     return _read(str(path), toml_text(path, *ADDRESS_FILE))
 
 
-def _exposure(table, path):
+def draws_of(table, folder=Path()):
+    """Draws of a table with keys of KEYS; folder: from where the path of its catalogue starts.
+    Raises InputError."""
+    choices = {name: table[name] for name in Choices.__dataclass_fields__ if name in table}
+    return Draws(_exposure(table, folder), Choices(**choices))
+
+
+def _exposure(table, folder):
     places = [
         pair
         for pair in (("latitude", "longitude"), ("easting_rd_m", "northing_rd_m"))
@@ -409,7 +407,7 @@ def _exposure(table, path):
     first, second = (float(table[name]) for name in places[0])
     catalogue = SHIPPED
     if "catalogue" in table:
-        beside = Path(path).parent / str(table["catalogue"])
+        beside = folder / str(table["catalogue"])
         catalogue = beside if is_there(beside) else str(table["catalogue"])
     return Exposure(
         at(first, second) if places[0][0] == "latitude" else at_rd(first, second),
