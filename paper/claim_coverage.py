@@ -81,9 +81,17 @@ class Library:
         kept = (self.shown & others).ravel()[self.shown.ravel()]
         strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
         weight = kernel(away, self.shown)[:, others]
-        return answers(
-            self.twins.at(others), Likeness(away[:, others], weight, strange), survey.as_dict()
-        )
+        likeness = Likeness(away[:, others], weight, strange)
+        return answers(some_of(self.twins, others), likeness, survey.as_dict())
+
+
+def some_of(twins, which):
+    """The Twins at flags."""
+    parts = {
+        name: {state: values[which] for state, values in getattr(twins, name).items()}
+        for name in ("opening_m", "offset_m", "fell")
+    }
+    return replace(twins, numbers=twins.numbers[which], **parts)
 
 
 def surveyed_wall(library, state, k, rng, offsets):

@@ -15,8 +15,10 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
+from scipy.special import bdtr
 
 from damage.applications.studies.fragility import exceeding, fragility
+from damage.applications.studies.new_record import TAILS
 from damage.applications.studies.states import STATES, check_intensity, check_states, there, unit_of
 from damage.errors import InputError
 
@@ -93,7 +95,7 @@ def _rows(others, of_record, state, intensity):
             "pooled": one.probability(value),
         }
         if one.new_record:
-            low, high = one.new_record.share_bounds(value, len(shaken))
+            low, high = share_bounds(one.new_record, value, len(shaken))
             row |= {
                 "predicted": one.new_record.probability([value])[0],
                 "low": low,
@@ -101,6 +103,14 @@ def _rows(others, of_record, state, intensity):
                 "inside": int(low <= row["observed"] <= high),
             }
         yield row | medians
+
+
+def share_bounds(new_record, intensity, n_runs):
+    """Lower and upper bound (2,) of the share of n_runs that exceed at one intensity of a
+    NewRecord."""
+    curves, weights = new_record.curves([intensity])
+    chances = bdtr(np.arange(n_runs + 1.0)[:, None], n_runs, curves[0]) @ weights
+    return np.searchsorted(chances, np.array(TAILS) * (1 - 1e-12)) / n_runs
 
 
 def _medians(predicted, of_record, state, intensity):

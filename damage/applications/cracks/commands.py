@@ -100,13 +100,7 @@ def _cycles(asked):
 def _cracks(asked):
     from damage.applications.cracks.crack_report import crack_report, describe
 
-    report, drawn = crack_report(
-        **{
-            name: value
-            for name, value in vars(asked).items()
-            if name not in ("command", "json", "version", "quiet")
-        }
-    )
+    report, drawn = crack_report(asked)
     if asked.out:
         from damage.applications.cracks.crack_picture import crack_pictures
 

@@ -273,7 +273,6 @@ def _lives_options(within, strong):
             help="lives (default 100)",
         ),
     ),
-    group("batch", flag("--slurm", "as jobs of a SLURM cluster")),
     out("folder of the study: tables, pictures, report"),
     examples=(
         "symmetric --at 53.36 6.75 --out results/life",
@@ -312,7 +311,6 @@ def _life(asked):
                 "--keep",
                 "summary",
                 *(["-j", str(asked.jobs)] if asked.jobs else []),
-                *(["--slurm"] if asked.slurm else []),
                 *(["--remake"] if asked.remake else []),
             ],
             lock,

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from damage.applications.studies import cluster
 from damage.applications.studies.definition import CONCLUSION, load_study
 from damage.applications.studies.folder import (
     RESULTS,
@@ -21,7 +20,6 @@ from damage.applications.studies.folder import (
     claim,
     environment,
     is_short,
-    lock_as,
     open_records,
     shortage,
 )
@@ -30,21 +28,21 @@ from damage.applications.studies.plan import print_plan
 from damage.applications.studies.pool import Pool
 from damage.applications.studies.records import NAME, line_of
 from damage.applications.studies.tables import write_study_tables
-from damage.applications.studies.tasks import KEEP, PICTURES, Point
+from damage.applications.studies.tasks import KEEP, PICTURES, Point, slices
 from damage.applications.studies.worker import work
 from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
 from damage.measure.tables import describe_table
 from damage.run.options import OneLineParser, file_path, number_from
-from damage.start import EXIT_INTERRUPTED, EXIT_MISSING
+from damage.start import EXIT_INTERRUPTED
 
 ALL = "all"
 
 
 def run_study(arguments, lock=None):
     """Run the study, or all that ship, that words of a command line ask for; returns the exit
-    status: 0 all done, 1 a run failed or was not made, 2 bad input, 3 software is missing, 130
-    interrupted.  Raises InputError.
+    status: 0 all done, 1 a run failed or was not made, 2 bad input, 130 interrupted.
+    Raises InputError.
 
     lock: of the study's folder, where the caller holds it
     (`damage.applications.studies.folder.held`)."""
@@ -54,28 +52,14 @@ def run_study(arguments, lock=None):
             f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]"
         )
     asked = parse(words)
-    if asked.slice and asked.slurm:
-        raise InputError(
-            "--slice and --slurm given together; expected one of them, leave the other out"
-        )
-    if (asked.cores or asked.shard) and not asked.slurm:
-        warn("--cores and --shard have no effect without --slurm: -j is how many processes work")
     if asked.solver != "reference" and not (ROOT / "yade_scripts").is_dir():
         raise InputError(
             f"--solver {asked.solver}: YADE's programs are in a clone of the repository only,"
             " beside YADE; expected --solver reference, or ./run_all.sh in a clone"
         )
-    try:
-        if asked.slurm and not asked.dry_run:
-            cluster.check()
-        return (
-            _all_studies(asked)
-            if str(asked.study) == ALL
-            else _one_study(asked, study_path(asked.study), lock)
-        )
-    except cluster.NoPlugin as error:
-        print(f"error: {error}", file=sys.stderr)
-        return EXIT_MISSING
+    if str(asked.study) == ALL:
+        return _all_studies(asked)
+    return _one_study(asked, study_path(asked.study), lock)
 
 
 def parse(words):
@@ -100,7 +84,7 @@ def parse(words):
         type=number_from(1, 9999, int),
         default=os.cpu_count(),
         metavar="N",
-        help="simulations at a time (default: one for each core); with --slurm jobs at a time",
+        help="simulations at a time (default: one for each core)",
     )
     parser.add_argument(
         "--out", type=file_path, metavar="DIR", help="where everything goes (default results/NAME)"
@@ -134,24 +118,6 @@ def parse(words):
         type=_slice,
         metavar="K/N",
         help="the K-th of N parts alone, without tables of the whole study: a job of a cluster",
-    )
-    parser.add_argument(
-        "--slurm", action="store_true", help="as jobs of a SLURM cluster, by Snakemake"
-    )
-    parser.add_argument(
-        "--cores",
-        type=number_from(1, 9_999_999, int),
-        metavar="N",
-        help="with --slurm: processors for each job (default 1)",
-    )
-    parser.add_argument(
-        "--shard",
-        type=number_from(1, 9_999_999, int),
-        metavar="RUNS",
-        help=(
-            "with --slurm: runs of a "
-            f"job (default about an hour's, {cluster.RUNS_AN_HOUR} a processor)"
-        ),
     )
     return parser.parse_args(words)
 
@@ -218,11 +184,7 @@ def _one_study(asked, path, lock=None):
     if asked.dry_run:
         print_plan(study, folder, asked.remake)
         return 0
-    runs = (
-        cluster.slices(study.runs, asked.slice[1])[asked.slice[0] - 1]
-        if asked.slice
-        else study.runs
-    )
+    runs = slices(study.runs, asked.slice[1])[asked.slice[0] - 1] if asked.slice else study.runs
     lock = claim(folder, study, asked.slice is not None, lock)
     try:
         with chdir(ROOT):
@@ -280,8 +242,6 @@ class Batch:
         else:
             name = NAME
             results.write(verdict)
-        if self.asked.slurm:
-            return self._on_cluster()
         with open_records(self.folder / name) as file:
             if self.asked.slice:
                 file.write(results.lines_of(verdict))
@@ -344,39 +304,6 @@ class Batch:
         status = self._report(pool.failed) or status
         _say_changed(pool.changed)
         return status or int(bool(pool.changed))
-
-    def _on_cluster(self):
-        """Run slices as jobs, then the tables; returns the exit status."""
-        cores = self.asked.cores or 1
-        size = self.asked.shard or cluster.RUNS_AN_HOUR * cores
-        n = cluster.number_of_slices(self.runs, size)
-        left = {
-            point.run for point in self.points.values() if not point.done or point.next_pictures()
-        }
-        only = [
-            k
-            for k, runs in enumerate(cluster.slices(self.runs, n), start=1)
-            if left.intersection(runs)
-        ]
-        options = ["--solver", self.asked.solver, "--keep", self.asked.keep]
-        status = 0
-        if only:
-            lock_as(self.lock, self.folder, shared=True)
-            status = cluster.run_slices(
-                self.study, self.folder, options, n, only, self.asked.jobs, cores, say
-            )
-            lock_as(self.lock, self.folder)
-        results = Results(self.folder)
-        verdict = results.judge(self.runs)
-        if verdict.changed:  # slices began with other inputs than these
-            warn(*results.bring_up_to_date(verdict, self.asked.remake))
-        results.write(verdict)
-        self.points = {run.id: Point(run, results, self.asked.keep, False) for run in self.runs}
-        failed = [task for point in self.points.values() for task in point.next_tasks()]
-        if status == EXIT_INTERRUPTED:
-            self._count()
-            return status
-        return max(self._sum_up(), self._report(failed), min(status, 1))
 
     @property
     def _done(self):
