@@ -16,7 +16,7 @@ import pandas as pd
 from damage.__main__ import add_commands, guarded
 from damage.commands.table import HISTORIES, JSON, command, out, output, save
 from damage.errors import InputError
-from damage.files import json_text, write_text
+from damage.files import json_text, shipped_files, write_text
 from damage.measure.columns import made_by_words
 from damage.provenance import shown_path
 from damage.run.options import OneLineParser, arg, file_arg
@@ -88,12 +88,16 @@ def _run(arguments):
 def _studies(words):
     """Run every study that ships, with options of `python3 -m damage study`, then figures and
     verdict; returns the worst exit status."""
-    from damage.applications.studies.command import RESULTS, parse, run_study
+    from damage.applications.studies.command import RESULTS, parse
 
-    asked, status = parse(["all", *words]), run_study(["all", *words])
+    asked = parse(["all", *words])
+    if asked.slice:
+        raise InputError("--slice is of one study; name it")
+    out = asked.out or RESULTS
+    status = _run_all(asked, out)
     if asked.dry_run or status in (EXIT_INPUT, EXIT_INTERRUPTED):
         return status
-    out, records = asked.out or RESULTS, Path(__file__).parents[1] / "records"
+    records = Path(__file__).parents[1] / "records"
     print("figures and verdict", flush=True)
     return max(
         status,
@@ -109,6 +113,39 @@ def _studies(words):
             ]
         ),
     )
+
+
+def _run_all(asked, out):
+    """Run every study that ships and has a run for the solver, one after the other; returns the
+    worst exit status."""
+    from damage.applications.studies.command import ROOT, load_study, run_one
+
+    ended = {}
+    for name, path in shipped_files("studies", ".toml").items():
+        try:
+            load_study(path, asked.solver, ROOT)
+        except InputError as error:
+            print(f"passed over: {error}", flush=True)
+            continue
+        asked.out = out / name
+        try:
+            ended[name] = run_one(asked, path)
+        except InputError as error:
+            print(f"error: {error}", file=sys.stderr)
+            ended[name] = EXIT_INPUT
+        if ended[name] == EXIT_INTERRUPTED:
+            return EXIT_INTERRUPTED
+    if not ended:
+        raise InputError(
+            f"--solver {asked.solver}: no study has a run for this solver; choose another"
+        )
+    for name, status in ended.items():
+        if status != 0:
+            print(
+                f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}",
+                file=sys.stderr,
+            )
+    return max(ended.values())
 
 
 @command(

@@ -36,12 +36,10 @@ from damage.measure.tables import describe_table
 from damage.run.options import OneLineParser, file_path, number_from
 from damage.start import EXIT_INTERRUPTED
 
-ALL = "all"
-
 
 def run_study(arguments, lock=None):
-    """Run the study, or all that ship, that words of a command line ask for; returns the exit
-    status: 0 all done, 1 a run failed or was not made, 2 bad input, 130 interrupted.
+    """Run the study that words of a command line ask for; returns the exit status: 0
+    all done, 1 a run failed or was not made, 2 bad input, 130 interrupted.
     Raises InputError.
 
     lock: of the study's folder, where the caller holds it
@@ -57,9 +55,7 @@ def run_study(arguments, lock=None):
             f"--solver {asked.solver}: YADE's programs are in a clone of the repository only,"
             " beside YADE; expected --solver reference, or ./run_all.sh in a clone"
         )
-    if str(asked.study) == ALL:
-        return _all_studies(asked)
-    return _one_study(asked, study_path(asked.study), lock)
+    return run_one(asked, study_path(asked.study), lock)
 
 
 def parse(words):
@@ -76,7 +72,7 @@ def parse(words):
     parser.add_argument(
         "study",
         metavar="STUDY",
-        help="a study file (.toml), the name of one that ships, or all: every one that ships",
+        help="a study file (.toml), or the name of one that ships",
     )
     parser.add_argument(
         "-j",
@@ -144,41 +140,9 @@ def study_path(word):
     )
 
 
-def _all_studies(asked):
-    """Run every study that ships and has a run for the solver, one after the other; returns the
-    worst exit status."""
-    if asked.slice:
-        raise InputError("--slice is of one study; name it")
-    ended, out = {}, asked.out or RESULTS
-    for name, path in shipped_files("studies", ".toml").items():
-        try:
-            load_study(path, asked.solver, ROOT)
-        except InputError as error:
-            print(f"passed over: {error}", flush=True)
-            continue
-        asked.out = out / name
-        try:
-            ended[name] = _one_study(asked, path)
-        except InputError as error:
-            print(f"error: {error}", file=sys.stderr)
-            ended[name] = 2
-        if ended[name] == EXIT_INTERRUPTED:
-            return EXIT_INTERRUPTED
-    if not ended:
-        raise InputError(
-            f"--solver {asked.solver}: no study has a run for this solver; choose another"
-        )
-    for name, status in ended.items():
-        if status != 0:
-            print(
-                f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}",
-                file=sys.stderr,
-            )
-    return max(ended.values())
-
-
-def _one_study(asked, path, lock=None):
-    """Run one study; returns the exit status; lock: as of `run_study`."""
+def run_one(asked, path, lock=None):
+    """Run the study at a path as parsed words ask for; returns the exit status; lock: as of
+    `run_study`."""
     study = load_study(path.absolute(), asked.solver, ROOT)
     folder = (asked.out or RESULTS / study.name).absolute()
     if asked.dry_run:

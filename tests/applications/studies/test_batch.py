@@ -486,10 +486,11 @@ def test_all_studies_one_after_the_other_then_figures_and_verdict(batches, monke
         ),
     }
     paths = {name: batches.study(text, name) for name, text in points.items()}
-    monkeypatch.setattr(command, "shipped_files", lambda *_: paths)
-    from paper.__main__ import main
+    from paper import __main__
 
-    assert main(["studies", "--out", str(batches.out), "-j2"]) == 1
+    monkeypatch.setattr(__main__, "shipped_files", lambda *_: paths)
+
+    assert __main__.main(["studies", "--out", str(batches.out), "-j2"]) == 1
     printed, errors = capfd.readouterr()
     assert "study bad: FAILED, status 1" in errors and "study good" not in errors
     assert "passed over" in printed and "expected --solver yade" in printed

@@ -2,8 +2,6 @@
 folder --out."""
 
 import contextlib
-import csv
-import io
 import os
 import signal
 import subprocess
@@ -13,6 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_cracks
 from damage.applications.cracks.survey import read_survey
@@ -385,11 +384,8 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
         or len(cracks) + len(areas) > MOST_LINES
     ):
         raise InputError(f"the survey: expected up to {MOST_LINES} cracks and areas; take some out")
-    names = [*REQUIRED, "width_mm", "mode", *OF_SURVEY]
-    file = io.StringIO()
-    writer = csv.DictWriter(file, names, restval="", lineterminator="\n")
-    writer.writeheader()
     accuracy = {"detection_limit_mm": float(limit_mm), "width_error_mm": float(error_mm)}
+    rows = []
     for number, crack in enumerate(cracks, start=1):
         points = _points(
             f"crack {number}",
@@ -399,36 +395,21 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
         )
         check_range(f"width of crack {number} [mm]", crack.get("width_mm"), 0.001, 1000)
         check_choice(f"offset of crack {number}", crack.get("offset"), ("yes", "no", "unknown"))
-        for k, (x, z) in enumerate(points, start=1):
-            sizes = (
-                {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]}
-                if k < len(points)
-                else {}
-            )
-            writer.writerow(
-                {
-                    "crack": number,
-                    "point": k,
-                    "x_m": round(x, 4),
-                    "z_m": round(z, 4),
-                    **sizes,
-                    **accuracy,
-                }
-            )
+        sizes = {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]}
+        last = len(points)
+        rows += [
+            {"crack": number, "point": k, "x_m": x, "z_m": z, **(sizes if k < last else {})}
+            for k, (x, z) in enumerate(points, start=1)
+        ]
     for number, area in enumerate(areas, start=1):
         corners = np.sort(_points(f"area {number}", area, 2, 2), axis=0)
-        for k, (x, z) in enumerate(corners, start=1):
-            writer.writerow(
-                {
-                    "crack": f"area{number}",
-                    "point": k,
-                    "x_m": round(x, 4),
-                    "z_m": round(z, 4),
-                    "mode": "none",
-                    **accuracy,
-                }
-            )
-    return file.getvalue()
+        rows += [
+            {"crack": f"area{number}", "point": k, "x_m": x, "z_m": z, "mode": "none"}
+            for k, (x, z) in enumerate(corners, start=1)
+        ]
+    table = pd.DataFrame(rows, columns=[*REQUIRED, "width_mm", "mode", *OF_SURVEY])
+    table = table.round({"x_m": 4, "z_m": 4}).assign(**accuracy)
+    return table.to_csv(index=False, lineterminator="\n")
 
 
 def words():
