@@ -4,12 +4,13 @@ event did."""
 from textwrap import fill
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
-from damage.applications.groningen.exposure.places import TOWNS_DEG, to_rd
+from damage.applications.groningen.exposure.places import TOWNS, to_rd
 from damage.draw import style
 from damage.draw.panels import from_zero, letter
 
@@ -137,7 +138,7 @@ def _towns(ax):
     ax.apply_aspect()
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     ax.set(xlim=(left, right), ylim=(low, high))
-    for name, degrees in TOWNS_DEG.items():
+    for name, *degrees in pd.read_csv(TOWNS).itertuples(index=False):
         x, y = (float(value) / 1e3 for value in to_rd(*degrees))
         if left < x < right and low < y < high:
             ax.plot(x, y, "s", color=style.DARK, ms=2, mew=0, zorder=3)

@@ -45,16 +45,24 @@ def claim(folder, study, shared=False, lock=None):
     lock: that its caller holds already, None for a new one.
     """
     lock = locked(folder, study.name, shared) if lock is None else os.dup(lock)
-    try:
+    with _writable(folder):
         with whole_or_nothing(folder / KEPT) as unfinished:
             shutil.copyfile(study.path, unfinished)
         for name in ("logs", "runs", "tables"):
             (folder / name).mkdir(exist_ok=True)
+    return lock
+
+
+@contextmanager
+def _writable(folder):
+    """Raise InputError where what is written in a folder while this lasts cannot be."""
+    try:
+        yield
     except OSError as error:
         raise InputError(
-            f"cannot write to {folder}: {error.strerror}; choose another --out"
+            f"cannot write to {folder}: {error.strerror}; expected a folder that can be written to,"
+            " or made; choose another --out"
         ) from error
-    return lock
 
 
 def locked(folder, name, shared=False):
@@ -64,20 +72,11 @@ def locked(folder, name, shared=False):
     with the processes that hold it, so that none is ever stale.  Raises InputError where another
     study or batch has the folder, or where it cannot be written.
     """
-    try:
+    with _writable(folder):
         folder.mkdir(parents=True, exist_ok=True)
         if is_short(folder):
             raise InputError(f"{shortage(folder)}, or choose another --out")
         lock = _open_lock(folder)
-    except (FileExistsError, NotADirectoryError) as error:
-        raise InputError(
-            f"cannot write to {folder}: it, or a folder above it, is no folder; expected one;"
-            " choose another --out"
-        ) from error
-    except OSError as error:
-        raise InputError(
-            f"cannot write to {folder}: {error.strerror}; choose another --out"
-        ) from error
     try:
         lock_as(lock, folder, shared)
         owner = _name_in(folder / KEPT)
