@@ -482,13 +482,6 @@ MODEL.append("applications/groningen/exposure")  # draws motions
 
 @tables
 def _tables():
-    from damage.applications.groningen.exposure.exposure import COLUMNS
-    from damage.applications.groningen.life.results import COLUMNS as LIVES
-    from damage.applications.groningen.life.results import CONTRIBUTIONS, YEARLY
+    from damage.applications.groningen.exposure.columns import TABLES
 
-    return {
-        "exposure.csv": COLUMNS,
-        "lives.csv": LIVES,
-        "life.csv": YEARLY,
-        "contributions.csv": CONTRIBUTIONS,
-    }
+    return TABLES

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.applications.groningen.exposure.columns import TABLES
 from damage.applications.groningen.exposure.lives import Draws, read_address
 from damage.applications.groningen.life.estimate import probability
 from damage.applications.studies.definition import FROM, load_study
 from damage.applications.studies.records import read_records
 from damage.errors import InputError
 from damage.files import write_text
-from damage.history.schema import Column
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.wall.file import wall_path
@@ -76,34 +76,6 @@ def _toml(table):
     return [f"{name} = {json.dumps(value)}" for name, value in table.items()]
 
 
-COLUMNS = {
-    "point": Column("", "of the study"),
-    "seed": Column("1", "seed of the address's file"),
-    "life": Column("1", "number of the life, from 1"),
-    "event": Column(
-        "1",
-        "number of the event in the life, from 1; 0: the ground's settlement before the first one",
-    ),
-    "time_utc": Column(
-        "", "of the event; of the settlement the start of the catalogue's first year"
-    ),
-    "magnitude": Column("1", "local magnitude ML"),
-    "place": Column("", "place nearest to the epicentre"),
-    "id": Column("", "identifier of the catalogue"),
-    "pgv_mm_s": Column("mm/s", "PGV that was drawn"),
-    "record": Column("", "record that stands for the motion"),
-    "scale": Column("1", "factor on it"),
-    "largest_mm_s": Column("mm/s", "largest PGV of the life"),
-    "max_psi": Column("1", "largest Psi in the event"),
-    "psi": Column("1", "Psi at rest after it; largest of a wall that fell"),
-    "max_DI": Column("1", "largest damage index in the event"),
-    "DI": Column("1", "the same at rest after it"),
-    "crack_width_mm": Column("mm", "width of the widest crack at rest"),
-    "offset_after_mm": Column("mm", "largest offset of a joint's faces at rest"),
-    "newly_failed": Column("1", "contact points whose bonds failed in it"),
-    "fell": Column("bool", "whether the wall fell in it"),
-}
-"""Columns of lives.csv."""
 SETTLEMENT = "settlement"
 """Place and identifier of event 0 of a life on ground that settled."""
 _SETTLED = {
@@ -122,46 +94,13 @@ _SOURCES = {
     "offset_after_mm": "offset_after_mm",
     "newly_failed": "newly_failed",
 }
-_BY_YEAR = {"psi": "at rest at the end of the year", "max_psi": "at any moment up to then"}
-YEARLY = {
-    "point": Column("", "of the study"),
-    "year": Column("", "at whose end"),
-    "lives": Column("1", "their number"),
-    "median_psi": Column("1", "median over the lives of Psi at rest"),
-    "median_max_psi": Column("1", "median of the largest Psi so far"),
-    "median_DI": Column("1", "median of the damage index at rest"),
-    "median_crack_width_mm": Column("mm", "median of the widest crack at rest"),
-    **{
-        f"p_{name}_{level:g}{end}": Column("1", f"{words}probability of Psi >= {level:g} {when}")
-        for name, when in _BY_YEAR.items()
-        for level in VISIBLE
-        for end, words in (
-            ("", ""),
-            ("_low", "lower 95 % bound of the "),
-            ("_high", "upper 95 % bound of the "),
-        )
-    },
-}
-"""Columns of life.csv."""
-CONTRIBUTIONS = {
-    "point": Column("", "of the study"),
-    "time_utc": Column("", "of the event"),
-    "magnitude": Column("1", "local magnitude ML"),
-    "place": Column("", "place nearest to the epicentre"),
-    "id": Column("", "identifier of the catalogue"),
-    "lives": Column("1", "number of lives that it is part of"),
-    "mean_psi": Column("1", "mean over all lives of its increase of Psi at rest"),
-    "share": Column("1", "of the sum over all events"),
-    "largest": Column("1", "share of lives in which no other event increases Psi as much"),
-}
-"""Columns of contributions.csv."""
 
 
 @dataclass(frozen=True)
 class Lives:
     """The lives of a point.
 
-    draws: Draws of its address; table: a row an event, of COLUMNS.
+    draws: Draws of its address; table: a row an event, with the columns of lives.csv.
     """
 
     point: str
@@ -219,7 +158,7 @@ def lives_of(folder):
 
 
 def life_of(record, draws, number):
-    """Table of a life, from its record: a row an event, with the columns of COLUMNS but `point`.
+    """Table of a life, from its record: a row an event, with the columns of lives.csv but `point`.
 
     A settlement of the ground is event 0.  A wall that fell undergoes no further event.
     """
@@ -283,7 +222,7 @@ def together(parts):
             rows = pd.concat(tables, ignore_index=True).drop_duplicates(
                 ["seed", "life", "event"], keep="first"
             )
-            lives.append(replace(several[0], table=rows[list(COLUMNS)]))
+            lives.append(replace(several[0], table=rows[list(TABLES["lives.csv"])]))
     return lives
 
 
@@ -317,7 +256,7 @@ def largest_alone(parts):
 
 def over_time(lives):
     """DataFrame with a row a year: medians over the lives, and probabilities with 95 % intervals;
-    columns: YEARLY."""
+    columns of life.csv."""
     rows, population = [], lives.population()
     for year in range(lives.years[0], lives.years[1] + 1):
         now = lives.until(year)
@@ -337,12 +276,12 @@ def over_time(lives):
                 (found.p, *found.interval),
             )
         rows.append(row)
-    return pd.DataFrame(rows)[list(YEARLY)]
+    return pd.DataFrame(rows)[list(TABLES["life.csv"])]
 
 
 def contributions(lives):
-    """What each event of the catalogue contributes, DataFrame with the largest first; columns:
-    CONTRIBUTIONS."""
+    """What each event of the catalogue contributes, DataFrame with the largest first; columns of
+    contributions.csv."""
     table, keys = lives.table.copy(), ["seed", "life"]
     table["gain"] = table["psi"] - table.groupby(keys)["psi"].shift(fill_value=0.0)
     table["leads"] = (table["gain"] > 0) & (
@@ -364,7 +303,8 @@ def contributions(lives):
     found[["mean_psi", "largest"]] /= n_lives
     total = found["mean_psi"].sum()
     found = found.assign(point=lives.point, share=found["mean_psi"] / total if total else 0.0)
-    return found.sort_values("mean_psi", ascending=False, ignore_index=True)[list(CONTRIBUTIONS)]
+    found = found.sort_values("mean_psi", ascending=False, ignore_index=True)
+    return found[list(TABLES["contributions.csv"])]
 
 
 def describe(parts):
