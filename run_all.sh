@@ -14,7 +14,7 @@ shipped() {
 usage() {
     cat <<END
 usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--keep all|summary]
-                          [--slice K/N] [--slurm] [--cores N] [--shard RUNS] [--remake] [--dry-run]
+                          [--slice K/N] [--remake] [--dry-run]
 
 STUDY is one of: $(shipped | paste -sd' '),
 the path of a study file of your own (.toml; copy studies/quick.toml), or all: every one that ships, each into
@@ -25,10 +25,6 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
   --keep WHAT    histories: all (default), or summary: those of each point's first run, and what failed
   --slice K/N    the K-th of N parts alone, without tables of the whole study: a job of a cluster
-  --slurm        as jobs of a SLURM cluster that shares this folder, by Snakemake; SBATCH_PARTITION and the like
-                 choose where (docs/reference/studies.md); -j is the number of jobs at a time
-  --cores N      with --slurm: processors of a job (default 1)
-  --shard RUNS   with --slurm: runs of a job (default: about an hour's, 1500 a processor)
   --remake       make runs again that another version of the model made (without it they are kept, and named), or
                  whose index and measures another version made (without it refused where no history is left)
   --dry-run      make nothing: say which runs are there, which are to be made
@@ -58,13 +54,13 @@ while [ $# -gt 0 ]; do
             usage
             exit 0
             ;;
-        --slurm | --remake | --dry-run)
+        --remake | --dry-run)
             flags+=("$1")
             shift
             ;;
-        --out=* | --solver=* | --keep=* | --cores=* | --shard=* | --slice=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
+        --out=* | --solver=* | --keep=* | --slice=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
         -j?*) set -- -j "${1#-j}" "${@:2}" ;;
-        -j | --out | --solver | --keep | --cores | --shard | --slice)
+        -j | --out | --solver | --keep | --slice)
             [ -n "${2:-}" ] || fail "$1 without a value: expected one after it; see --help"
             case $1 in
                 -j) jobs=$2 ;;
@@ -75,12 +71,10 @@ while [ $# -gt 0 ]; do
             case $1$2 in
                 --keepall | --keepsummary) ;;
                 --keep*) fail "--keep $2: expected all or summary; correct it" ;;
-                --cores* | --shard*) [[ $2 =~ ^[1-9][0-9]{0,6}$ ]] ||
-                    fail "$1 $2: expected a whole number, 1 or more; correct it" ;;
             esac
             shift 2
             ;;
-        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --slice, --slurm, --cores, --shard, --remake or --dry-run; see --help" ;;
+        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --slice, --remake or --dry-run; see --help" ;;
         *)
             [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
             study=$1
@@ -90,7 +84,6 @@ while [ $# -gt 0 ]; do
 done
 
 [ -n "$study" ] || fail "no study given: expected $(shipped | paste -sd' ') or a study file; see --help"
-[[ " ${flags[*]} " != *" --slurm "* ]] || [ -n "$(type -P sbatch)" ] || fail "--slurm without sbatch on PATH: run it where SLURM is, or leave it out"
 [[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || fail "-j $jobs: expected a whole number, 1 or more; correct it"
 case $solver in
     yade | reference | both) ;;
@@ -115,10 +108,8 @@ if [ "$memory" != unlimited ] && [ $((memory * 1024 / 1000000)) -lt $least ]; th
     echo "error: out of memory: ulimit -v is $((memory * 1024 / 1000000)) MB: expected $least MB or more; raise it" >&2
     exit 1
 fi
-purpose=run
-[[ " ${flags[*]} " != *" --slurm "* ]] || purpose=cluster
 # shellcheck source=scripts/environment.sh
-source "$root/scripts/environment.sh" $purpose
+source "$root/scripts/environment.sh" run
 # Runs side by side are what uses the processors; threads of linear algebra would only wait on them.
 export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 

@@ -28,7 +28,6 @@ from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from yade_scripts.leaving import run_and_leave
-from yade_scripts.shapes import HAS_POLYHEDRA
 from yade_scripts.solver import YadeSolver
 
 STEPS, PARTS, OVERLAP_M = 20, 3, 1e-4
@@ -90,7 +89,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=3)
     rounds = parser.parse_args(sys.argv[1:]).rounds
-    if not HAS_POLYHEDRA:
+    if not hasattr(utils, "polyhedron"):
         print("this YADE has no polyhedra: no stock law to compare with")
         return EXIT_MISSING
     layout = lay_out(load_wall("walls/symmetric.py"))

@@ -11,11 +11,15 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
+import pandas as pd
+
 from damage.__main__ import add_commands
-from damage.commands.table import JSON, command, out, output
+from damage.applications.studies.read import made_by_words
+from damage.commands.table import HISTORIES, JSON, command, out, output, save
 from damage.errors import InputError
-from damage.files import json_text, write_text
-from damage.run.options import OneLineParser, file_arg
+from damage.files import json_text, shipped_files, write_text
+from damage.provenance import shown_path
+from damage.run.options import OneLineParser, arg, file_arg
 
 PROGRAMS = (
     "accumulation",
@@ -83,12 +87,16 @@ def _run(arguments):
 def _studies(words):
     """Run every study that ships, with options of `python3 -m damage study`, then figures and
     verdict; returns the worst exit status."""
-    from damage.applications.studies.command import RESULTS, parse, run_study
+    from damage.applications.studies.command import RESULTS, parse
 
-    asked, status = parse(["all", *words]), run_study(["all", *words])
+    asked = parse(["all", *words])
+    if asked.slice:
+        raise InputError("--slice is of one study; name it")
+    out = asked.out or RESULTS
+    status = _run_all(asked, out)
     if asked.dry_run or status in (EXIT_INPUT, EXIT_INTERRUPTED):
         return status
-    out, records = asked.out or RESULTS, Path(__file__).parents[1] / "records"
+    records = Path(__file__).parents[1] / "records"
     print("figures and verdict", flush=True)
     return max(
         status,
@@ -104,6 +112,39 @@ def _studies(words):
             ]
         ),
     )
+
+
+def _run_all(asked, out):
+    """Run every study that ships and has a run for the solver, one after the other; returns the
+    worst exit status."""
+    from damage.applications.studies.command import ROOT, load_study, run_one
+
+    ended = {}
+    for name, path in shipped_files("studies", ".toml").items():
+        try:
+            load_study(path, asked.solver, ROOT)
+        except InputError as error:
+            print(f"passed over: {error}", flush=True)
+            continue
+        asked.out = out / name
+        try:
+            ended[name] = run_one(asked, path)
+        except InputError as error:
+            print(f"error: {error}", file=sys.stderr)
+            ended[name] = EXIT_INPUT
+        if ended[name] == EXIT_INTERRUPTED:
+            return EXIT_INTERRUPTED
+    if not ended:
+        raise InputError(
+            f"--solver {asked.solver}: no study has a run for this solver; choose another"
+        )
+    for name, status in ended.items():
+        if status != 0:
+            print(
+                f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}",
+                file=sys.stderr,
+            )
+    return max(ended.values())
 
 
 @command(
@@ -193,6 +234,88 @@ def _combinations(asked):
             ]
         )
     )
+
+
+@command(
+    "the same lives by other choices, and a wall's own fragility beside its lives, of a study of"
+    " lives: choices.csv, readings.csv",
+    file_arg("results", "FOLDER", "folder of a study with lives, as results/lives"),
+    out("folder for the tables"),
+)
+def _choices(asked):
+    from damage.applications.groningen.life.results import lives_of
+    from damage.measure.tables import write_table
+    from paper.lives_choices import choices, in_words, readings
+
+    parts = lives_of(asked.results)
+    rows = choices(parts)
+    print(*map(in_words, rows), sep="\n")
+    for name, table in (("choices", rows), ("readings", readings(parts))):
+        print(write_table(pd.DataFrame(table), asked.out / f"{name}.csv"))
+
+
+@command("pushed laboratory walls beside their tests", HISTORIES, out("folder for the pictures"))
+def _specimens(asked):
+    from damage.history.reader import read_history
+    from paper.beside_test import save
+
+    print(*save(map(read_history, asked.histories), asked.out), sep="\n")
+
+
+FRAGILITY = (
+    file_arg("study", "STUDY_DIR", "folder of a study, as results/stations"),
+    arg("--intensity", metavar="COLUMN", help="as of python3 -m damage fragility, as is --state"),
+    arg("--state", action="append", dest="states", metavar="STATE"),
+    out("folder for tables and pictures"),
+)
+
+
+@command(
+    "intensities beside one another: how efficient each is, and each record of a study beside"
+    " curves of the others",
+    *FRAGILITY,
+    file_arg("--unseen", "STUDY_DIR", "records of this other study instead"),
+)
+def _intensities(asked):
+    from damage.applications.studies.fragility import choices_of, load_runs
+    from damage.measure.tables import write_table
+    from paper.intensities import beside_unseen, efficiency_table, leave_one_out, scores
+
+    runs, intensity, states = choices_of(asked.study, asked.intensity, asked.states)
+    if asked.unseen:
+        name, compared = "unseen", beside_unseen(runs, load_runs(asked.unseen), states)
+    else:
+        name, compared = "left_out", leave_one_out(runs, states)
+    tables = {
+        "efficiency": efficiency_table(runs, states, intensity),
+        f"{name}_scores": scores(compared),
+    }
+    for title, table in tables.items():
+        print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
+        print(write_table(table, asked.out / f"{title}.csv"))
+    print(write_table(compared, asked.out / f"{name}.csv"))
+
+
+@command("fragility by Psi before each event, of a study of sequences", *FRAGILITY)
+def _shocks(asked):
+    from damage.applications.studies.fragility import choices_of
+    from damage.measure.tables import write_table
+    from paper.after_damage import load_shocks, picture_after_damage, table_after_damage
+
+    runs, intensity, states = choices_of(asked.study, asked.intensity, asked.states)
+    shocks = load_shocks(runs, asked.study, states)
+    table = table_after_damage(shocks, intensity, states)
+    print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
+    print(write_table(table, asked.out / f"fragility_after_damage_{intensity}.csv"))
+    drawn = {} if asked.states is None else {"states": states}
+    figures = [
+        (
+            f"fragility_after_damage_{wall}_{intensity}",
+            picture_after_damage(wall, of_wall, table[table["wall"] == wall], intensity, **drawn),
+        )
+        for wall, of_wall in shocks.groupby("wall")
+    ]
+    save(figures, asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
 
 
 if __name__ == "__main__":

@@ -92,9 +92,18 @@ class Library:
         others = np.arange(len(self.twins)) != left_out
         kept = (self.shown & others).ravel()[self.shown.ravel()]
         strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
-        weight, twins = kernel(away, self.shown)[:, others], self.twins.at(others)
+        weight, twins = kernel(away, self.shown)[:, others], some_of(self.twins, others)
         found = answers(twins, Likeness(away[:, others], weight, strange), survey.as_dict())
         return found | {"cracks": of_cracks(twins, weight, survey)}
+
+
+def some_of(twins, which):
+    """The Twins at flags."""
+    parts = {
+        name: {state: values[which] for state, values in getattr(twins, name).items()}
+        for name in ("opening_m", "offset_m", "fell")
+    }
+    return replace(twins, numbers=twins.numbers[which], **parts)
 
 
 def surveyed_wall(library, state, k, rng, offsets):

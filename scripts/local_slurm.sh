@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Starts a SLURM of one node on this machine, runs a command with it, and stops it.  As root:
 #
-#     scripts/local_slurm.sh ./run_all.sh STUDY --slurm -j 2 [...]
+#     scripts/local_slurm.sh snakemake ... --cluster "sbatch --parsable" [...]   # docs/guides/cluster.md
 #     scripts/local_slurm.sh squeue
 #
 # It shows that a study runs on a SLURM cluster without there being one; it is no way to speed anything up.

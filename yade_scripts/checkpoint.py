@@ -53,6 +53,7 @@ _PARTS = {
     ),
 }
 """Arrays, lists of numbers and numbers of each part of a solver; arrays keep their identity."""
+_OWN = "NewtonIntegrator", "ForceResetter", "InsertionSortCollider", "InteractionLoop"
 _KINDS = "tension", "shear", "opened", "slipped"
 
 
@@ -165,20 +166,13 @@ def _load_scene(scene, solver):
         path = Path(folder) / "scene.yade"
         path.write_bytes(scene.tobytes())
         O.load(str(path), quiet=True)
-    loaded = {type(engine): engine for engine in O.engines}
-    own = {
-        type(engine)
-        for engine in engines
-        if type(engine).__name__
-        in ("NewtonIntegrator", "ForceResetter", "InsertionSortCollider", "InteractionLoop")
-    }
-    O.engines = [loaded[type(engine)] if type(engine) in own else engine for engine in engines]
+    loaded = {type(engine).__name__: engine for engine in O.engines}
+    O.engines = [
+        loaded[name] if (name := type(engine).__name__) in _OWN else engine for engine in engines
+    ]
     model = solver.model
-    (model.newton,) = (
-        engine for engine in O.engines if type(engine).__name__ == "NewtonIntegrator"
-    )
-    (loop,) = (engine for engine in O.engines if type(engine).__name__ == "InteractionLoop")
-    model.law, model.work._law = loop.lawDispatcher.functors[:2]
+    model.newton = loaded["NewtonIntegrator"]
+    model.law, model.work._law = loaded["InteractionLoop"].lawDispatcher.functors[:2]
     model._material = O.materials["tip"]
 
 

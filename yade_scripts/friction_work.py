@@ -9,6 +9,8 @@ difference.  It does so at every step, since lightly compressed contacts open an
 step to the next.
 """
 
+from dataclasses import dataclass
+
 from yade import Vector3
 
 # [m], opening from which a contact is not checked until the next choice (up to 0.3 m/s)
@@ -44,7 +46,9 @@ class FrictionWork:
         """Add or update an interaction with its present state, stiffness and shear force."""
         geom, phys, key = contact.geom, contact.phys, (contact.id1, contact.id2)
         # YADE returns references: these vectors always have the present values.
-        self._watched[key] = _Watched(geom, phys.shearForce, geom.shearInc, 0.5 / phys.ks)
+        self._watched[key] = _Watched(
+            geom, phys.shearForce, geom.shearInc, 0.5 / phys.ks, Vector3(phys.shearForce)
+        )
         self._near = list(self._watched.values())
 
     def forget(self, contact):
@@ -64,10 +68,10 @@ class FrictionWork:
         self._watched = {}
         for key, (*before, closed, half, _) in zip(map(tuple, keys), states):
             contact = contacts[key]
-            one = self._watched[key] = _Watched(
-                contact.geom, contact.phys.shearForce, contact.geom.shearInc, half
+            geom, force = contact.geom, contact.phys.shearForce
+            self._watched[key] = _Watched(
+                geom, force, geom.shearInc, half, Vector3(before), bool(closed)
             )
-            one.before, one.closed = Vector3(before), bool(closed)
         self._near = [one for one, state in zip(self._watched.values(), states) if state[-1]]
         self._law.initPlasticDissipation(slid)
 
@@ -83,21 +87,18 @@ class FrictionWork:
         self._rest += sum(map(_what_is_left_out, self._near))
 
 
+@dataclass(slots=True)
 class _Watched:
     """State of a contact: geom; force, increment: references to its shear force [N] and shear
     increment [m]; half its shear compliance [m/N]; before: shear force in the last step [N];
     closed: in the last step."""
 
-    __slots__ = "before", "closed", "force", "geom", "half_compliance", "increment"
-
-    def __init__(self, geom, force, increment, half_compliance):
-        self.geom, self.force, self.increment, self.half_compliance = (
-            geom,
-            force,
-            increment,
-            half_compliance,
-        )
-        self.before, self.closed = Vector3(force), True
+    geom: object
+    force: Vector3
+    increment: Vector3
+    half_compliance: float
+    before: Vector3
+    closed: bool = True
 
 
 def _what_is_left_out(one):

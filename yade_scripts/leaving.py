@@ -4,7 +4,6 @@ prompt."""
 import os
 import shutil
 import sys
-import time
 import traceback
 from pathlib import Path
 
@@ -38,16 +37,8 @@ def close_with_a_word():
     """Close YADE's servers, and say so."""
     if close_servers() and "--quiet" not in sys.argv:
         print(
-            f"YADE's servers listened on all network interfaces during the first {_age_s():.1f} s;"
-            f" they are closed. {Path(__file__).resolve().parents[1] / 'yade'} starts YADE without"
-            " them",
+            "YADE's servers listened on all network interfaces until now; they are closed."
+            f" {Path(__file__).resolve().parents[1] / 'yade'} starts YADE without them",
             file=sys.stderr,
             flush=True,
         )
-
-
-def _age_s():
-    """Age of this process [s]."""
-    # [ticks since the system's boot]
-    started = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
-    return time.clock_gettime(time.CLOCK_BOOTTIME) - started / os.sysconf("SC_CLK_TCK")

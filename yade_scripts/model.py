@@ -29,7 +29,6 @@ from damage.law.joint_law import friction_left, material_of
 from damage.units import GRAVITY
 from damage.wall.kinds import GROUND, rows
 from yade_scripts.friction_work import FrictionWork
-from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
 # [N], of joints without tensile strength: YADE's law takes zero for one that it need not check
@@ -533,12 +532,11 @@ class _Parts:
             for kind in kinds
         ]
         points = self._add_points(body)
-        looks = [brick_shape(centre, half, self.tip, color)] if HAS_POLYHEDRA else []
-        clump, ids = O.bodies.appendClumped([*boxes, *points, *looks])
+        clump, ids = O.bodies.appendClumped([*boxes, *points])
         self.faces.update({(body, kind): identity for kind, identity in zip(kinds, ids)})
         self._note(body, ids[len(boxes) :])
         self.clumps.append(clump)
-        self.members.append(list(ids[: len(boxes) + len(points)]))
+        self.members.append(list(ids))
         _set_clump(
             O.bodies[clump].state, bodies.mass[body], bodies.inertia[body], self.layout.held[body]
         )

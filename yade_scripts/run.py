@@ -51,14 +51,13 @@ def _run(make_wall, path, engines):
         from damage.run.session import run_session
         from damage.wall.file import wall_of
         from yade_scripts.opened import Scene, engines_beside, name_of, prompt
-        from yade_scripts.shapes import BRICK_SHAPE
     except ImportError as error:
         if not missing_library(error):
             raise
         print(f"error: {missing_library(error)}", file=sys.stderr)
         return EXIT_MISSING
     if "--quiet" not in sys.argv:
-        print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
+        print(f"YADE {yade.config.version}", flush=True)
 
     def run():
         beside = engines_beside(engines)
@@ -86,11 +85,10 @@ def _backend(engines):
     from damage.run.session import Backend
     from damage.run.settings import Softening
     from yade_scripts.opened import Scene, name_of, prompt
-    from yade_scripts.shapes import BRICK_SHAPE
     from yade_scripts.solver import YadeSolver
     from yade_scripts.view import open_view
 
-    versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
+    versions = {"yade": yade.config.version}
     if engines:
         versions["yade_engines"] = ", ".join(map(name_of, engines))  # they may have moved the wall
 

@@ -235,12 +235,13 @@ class SceneReader:
 
     def base_shear(self):
         """Horizontal force of the wall on all supports [N]."""
-        return sum(
-            O.forces.f(member, True)[0] for members in self.model.ground for member in members
-        )
+        return self._on_supports(0)
 
     def base_reaction(self):
         """Vertical force of the wall on all supports, downwards positive [N]."""
-        return -sum(
-            O.forces.f(member, True)[2] for members in self.model.ground for member in members
+        return -self._on_supports(2)
+
+    def _on_supports(self, axis):
+        return sum(
+            O.forces.f(member, True)[axis] for members in self.model.ground for member in members
         )

@@ -30,7 +30,6 @@ GROUPS = {
         "export",
         "cracks",
         "cycles",
-        "laboratory",
     ),
     "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
     "lives at an address": ("life", "lives", "claim", "app"),

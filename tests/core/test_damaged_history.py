@@ -174,9 +174,7 @@ def test_check_says_what_each_file_is_worth(files, finished, tmp_path, capsys):
     assert status == 1 and [one["status"] for one in json.loads(out)] == ["complete", "unfinished"]
 
 
-@pytest.mark.parametrize(
-    "command", ["index ?", "plot ? --out x", "laboratory ? --out x", "tables summary ? --out x.csv"]
-)
+@pytest.mark.parametrize("command", ["index ?", "plot ? --out x", "tables summary ? --out x.csv"])
 def test_a_command_refuses_a_damaged_history_in_one_line(
     command, finished, tmp_path, monkeypatch, error_of
 ):

@@ -14,7 +14,7 @@ import pytest
 from conftest import REPOSITORY, TINY, contents, wall_file, without_progress
 
 from damage.history.reader import read_history
-from damage.reference import ensembles, lanes, session, settled
+from damage.reference import ensembles, lanes, rest_cache, session
 from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_reference, run_references
 from damage.run.run import LOOK_STEPS
@@ -151,7 +151,7 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
 
 
 def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
-    monkeypatch.setattr(settled, "MOST_BYTES", 32)
+    monkeypatch.setattr(rest_cache, "MOST_BYTES", 32)
     kept, tables = RestCache(), {"place": np.zeros(1), "velocity": np.zeros(1)}
     for name in "abc":
         kept.put(name, tables)

@@ -14,12 +14,11 @@ from test_fragility import walls
 from damage.applications.report.curves import coefficients
 from damage.applications.studies.fragility import (
     at_intensities,
-    efficiency_table,
     fit_all,
     fragility_table,
 )
 from damage.applications.studies.states import INTENSITIES
-from damage.applications.studies.tables import points_of, write_hdf5
+from damage.applications.studies.tables import points_of
 from damage.commands.table import all_tables
 from damage.history.schema import OPTIONAL
 from damage.measure.dictionary import TABLES, dictionary_table, write_dictionary
@@ -68,7 +67,7 @@ def test_every_file_of_a_run_has_its_table(history, tmp_path):
     }
 
 
-def test_tables_of_a_study(history, tmp_path):
+def test_tables_of_a_study(history):
     runs = pd.DataFrame([summary_row(history)])
     assert set(runs) | {"members"} == known("summary.csv")
     # A number for each that is missing: then all have their NAME_min.
@@ -76,14 +75,11 @@ def test_tables_of_a_study(history, tmp_path):
         **{name: runs[name].astype(float).fillna(1.0) for name in runs if name in _numbers()}
     )
     assert set(points_of(full)) == known("points.csv")
-    write_hdf5({"runs": runs, "points": points_of(full)}, tmp_path / "study.h5")
-    with h5py.File(tmp_path / "study.h5") as file:
-        assert set(file) == {"runs", "points"}
 
 
 def _numbers():
     table = dictionary_table(all_tables())
-    return set(table[(table.table == "summary.csv, study.h5 runs") & (table.unit != "")].column)
+    return set(table[(table.table == "summary.csv") & (table.unit != "")].column)
 
 
 @pytest.mark.parametrize("intensity", INTENSITIES)
@@ -94,7 +90,6 @@ def test_tables_of_fragility(intensity):
     assert set(fragility_table(fits, intensity).assign(slip="displacement")) <= known(
         "fragility_INTENSITY.csv"
     )
-    assert set(efficiency_table(runs)) == known("efficiency.csv")
     assert set(coefficients(fits)) == known("fragility_coefficients.csv")
     assert set(at_intensities(fits, [0.1])) == known("fragility_INTENSITY_at.csv")
 

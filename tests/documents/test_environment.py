@@ -161,8 +161,8 @@ class TestRunAll:
             (
                 ("quick", "--fast"),
                 (
-                    "unknown option --fast: expected -j, --out, --solver, --keep, --slice, --slurm,"
-                    " --cores, --shard, --remake or --dry-run"
+                    "unknown option --fast: expected -j, --out, --solver, --keep, --slice, --remake"
+                    " or --dry-run"
                 ),
             ),
             (("quick", "-j", "0"), "-j 0: expected a whole number"),

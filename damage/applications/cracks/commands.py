@@ -54,18 +54,6 @@ def _cycles(asked):
 
 
 @command(
-    "pushed laboratory walls beside their tests",
-    HISTORIES,
-    out("folder for the pictures"),
-    examples=("squat.h5 --out pictures", "comp2_1.h5 comp2_3.h5 --out pictures"),
-)
-def _laboratory(asked):
-    from damage.applications.cracks.pictures import save
-
-    print(*save(map(read_history, asked.histories), asked.out), sep="\n")
-
-
-@command(
     "cracks, Psi and index of a history, of digitised cracks or of a DIC field",
     file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
     group(
@@ -111,13 +99,7 @@ def _laboratory(asked):
 def _cracks(asked):
     from damage.applications.cracks.crack_report import crack_report, describe
 
-    report, drawn = crack_report(
-        **{
-            name: value
-            for name, value in vars(asked).items()
-            if name not in ("command", "json", "version", "quiet")
-        }
-    )
+    report, drawn = crack_report(asked)
     if asked.out:
         from damage.applications.cracks.crack_picture import crack_pictures
 

@@ -245,19 +245,19 @@ class _Network:
         n, n_parts = len(near), len(parts)
         # (n, n_parts + 1)
         turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - line, axis=2)
-        copy, source = n * np.arange(n_parts), n * n_parts
+        # of the network there is a copy for each part, and an end and a corner cost on the way on
+        nodes, source = np.arange(n), n * n_parts
+        copy = n * np.arange(n_parts)[:, np.newaxis]
+        edges = [
+            (first + copy, second + copy, cost.T),
+            (second + copy, first + copy, cost.T),
+            (nodes + copy[:-1], nodes + copy[1:], turn[:, 1:-1].T),
+            (source, nodes, turn[:, 0]),
+            (nodes + copy[-1], source + 1, turn[:, -1]),
+        ]
         start, end, weight = (
-            np.concatenate(one)
-            for one in zip(
-                *((first + k, second + k, cost[:, p]) for p, k in enumerate(copy)),
-                *((second + k, first + k, cost[:, p]) for p, k in enumerate(copy)),
-                *(
-                    (np.arange(n) + k, np.arange(n) + k + n, turn[:, p + 1])
-                    for p, k in enumerate(copy[:-1])
-                ),
-                (np.full(n, source), np.arange(n), turn[:, 0]),
-                (np.arange(n) + copy[-1], np.full(n, source + 1), turn[:, -1]),
-            )
+            np.concatenate([np.broadcast_to(edge[k], np.shape(edge[2])).ravel() for edge in edges])
+            for k in range(3)
         )
         graph = scipy.sparse.csr_matrix((weight + 1e-12, (start, end)), shape=(source + 2,) * 2)
         _, before = scipy.sparse.csgraph.dijkstra(graph, indices=source, return_predecessors=True)

@@ -30,62 +30,37 @@ SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
 
 
-def crack_report(
-    source,
-    *,
-    dic,
-    wall,
-    export,
-    at,
-    threshold_mm,
-    psi_from_mm,
-    drift_limit_pct,
-    tolerance_mm,
-    margin_mm,
-    out,
-):
-    """(report, what `crack_pictures` draws) of the command's options: of a history, a crack file or
-    a DIC field.
+def crack_report(asked):
+    """(report, what `crack_pictures` draws) of the command's parsed options: of a history, a crack
+    file or a DIC field.
 
     Options that do not belong to what there is are refused; of a history without `out` nothing is
     drawn.
     """
-    given = {
-        name
-        for name, value in {
-            "wall": wall,
-            "export": export,
-            "at": at,
-            "tolerance-mm": tolerance_mm,
-            "margin-mm": margin_mm,
-            "out": out,
-        }.items()
-        if value is not None
-    }
-    if (source is None) == (dic is None):
+    if (asked.source is None) == (asked.dic is None):
         raise InputError(
             "expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field"
         )
     limits = {
-        "threshold": threshold_mm * MILLIMETRE,
-        "drift_limit": drift_limit_pct / 100,
-        "psi_from": psi_from_mm * MILLIMETRE,
+        "threshold": asked.threshold_mm * MILLIMETRE,
+        "drift_limit": asked.drift_limit_pct / 100,
+        "psi_from": asked.psi_from_mm * MILLIMETRE,
     }
-    if dic:
-        _only_with("a DIC field", given, without=("at", "tolerance-mm"))
-        margin = MARGIN if margin_mm is None else margin_mm * MILLIMETRE
-        report, *drawn = field_report(dic, wall, margin, export=export, **limits)
-    elif Path(source).suffix == ".h5" or h5py.is_hdf5(source):
-        _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm"))
-        history = read_history(source)
-        samples = choose_samples(history, ("max,end" if at is None else at).split(","))
-        report = history_report(history, samples, export=export, **limits)
-        drawn = out and history_drawn(history, samples, limits["threshold"])
+    if asked.dic:
+        _only_with("a DIC field", asked, "wall", without=("at", "tolerance_mm"))
+        margin = MARGIN if asked.margin_mm is None else asked.margin_mm * MILLIMETRE
+        report, *drawn = field_report(asked.dic, asked.wall, margin, export=asked.export, **limits)
+    elif Path(asked.source).suffix == ".h5" or h5py.is_hdf5(asked.source):
+        _only_with("a history", asked, without=("wall", "tolerance_mm", "margin_mm"))
+        history = read_history(asked.source)
+        samples = choose_samples(history, ("max,end" if asked.at is None else asked.at).split(","))
+        report = history_report(history, samples, export=asked.export, **limits)
+        drawn = asked.out and history_drawn(history, samples, limits["threshold"])
     else:
-        _only_with("a crack file", given, without=("at", "export", "margin-mm"))
-        patterns, layout = read_cracks(source), lay_out(load_wall(wall))
+        _only_with("a crack file", asked, "wall", without=("at", "export", "margin_mm"))
+        patterns, layout = read_cracks(asked.source), lay_out(load_wall(asked.wall))
         warn(*_implausible(patterns, layout.wall))
-        tolerance = None if tolerance_mm is None else tolerance_mm * MILLIMETRE
+        tolerance = asked.tolerance_mm and asked.tolerance_mm * MILLIMETRE
         report, mapped = pattern_report(patterns, layout, tolerance=tolerance, **limits)
         drawn = mapped, patterns, layout
     return report, drawn
@@ -101,14 +76,13 @@ def _implausible(patterns, wall):
     return list(filter(None, [implausible_places(ends_of(stretches), wall), widths]))
 
 
-def _only_with(what, given, needs=("wall",), without=()):
-    """Refuse options that do not belong to `what`, and a missing one that does; given: names."""
-    for name in needs:
-        if name not in given:
-            raise InputError(f"{what} needs --{name}; give it, as in --wall walls/solid.py")
+def _only_with(what, asked, needed=None, without=()):
+    """Refuse options that do not belong to `what`, and a missing one that does."""
+    if needed and getattr(asked, needed) is None:
+        raise InputError(f"{what} needs --{needed}; give it, as in --wall walls/solid.py")
     for name in without:
-        if name in given:
-            raise InputError(f"--{name} does not belong to {what}; leave it out")
+        if getattr(asked, name) is not None:
+            raise InputError(f"--{name.replace('_', '-')} does not belong to {what}; leave it out")
 
 
 def history_report(history, samples, threshold, drift_limit, psi_from, export):

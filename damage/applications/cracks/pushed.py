@@ -122,14 +122,6 @@ class LaboratoryTest:
             ),
         }
 
-    def bilinear_curve(self, direction):
-        """Drift ratios and forces [N] of the idealised envelope, (3,) each; direction 0 or 1."""
-        force = self.bilinear_force_n[direction]
-        return (
-            np.array([0.0, self.elastic_drift[direction], self.ultimate_drift[direction]]),
-            np.array([0.0, force, force]),
-        )
-
 
 def read_test(specimen):
     """The LaboratoryTest of that name."""
@@ -152,16 +144,6 @@ def read_test(specimen):
         pair("du", "pct", 0.01),
         0.01 * row["dcr+_pct"] if np.isfinite(row["dcr+_pct"]) else None,
     )
-
-
-def test_of(history):
-    """The LaboratoryTest that a run's wall models; InputError where it models none."""
-    if history.wall not in SPECIMENS:
-        raise InputError(
-            f"{history.path}: wall {history.wall} models no test; expected one of"
-            f" {', '.join(SPECIMENS)}"
-        )
-    return read_test(SPECIMENS[history.wall])
 
 
 def _measured(history, to=None):

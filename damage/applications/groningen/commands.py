@@ -7,15 +7,11 @@ from pathlib import Path
 
 from damage.applications.groningen.exposure.catalogue import (
     SHIPPED,
-    read_catalogue,
     with_later,
     write_catalogue,
 )
-from damage.applications.groningen.exposure.exposure import Exposure
 from damage.applications.groningen.exposure.exposure import describe as describe_exposure
-from damage.applications.groningen.exposure.ground_motion import model_named
-from damage.applications.groningen.exposure.lives import Choices, Draws
-from damage.applications.groningen.exposure.places import at, at_rd
+from damage.applications.groningen.exposure.lives import KEYS, draws_of
 from damage.commands.table import JSON, WALL, command, out, output, save, show, tables
 from damage.errors import InputError, warn
 from damage.files import is_there, write_text
@@ -59,6 +55,7 @@ _ADDRESS = (
         ),
         arg(
             "--vs30",
+            dest="vs30_m_s",
             type=float,
             default=200.0,
             metavar="M_S",
@@ -69,14 +66,14 @@ _ADDRESS = (
         "earthquakes and ground motion",
         arg(
             "--from",
-            dest="first",
+            dest="first_year",
             type=int,
             metavar="YEAR",
             help="first year (default: the catalogue's)",
         ),
         arg(
             "--to",
-            dest="last",
+            dest="last_year",
             type=int,
             metavar="YEAR",
             help="last year (default: the catalogue's)",
@@ -103,21 +100,25 @@ _ADDRESS = (
         ),
     ),
 )
-"""Options of the commands that are about an address; `_exposure_of` reads them."""
+"""Options of the commands that are about an address; `_address_of` reads them."""
+OF_THE_RUN = "settle", "distortion"
+"""Keys whose options are of a run, not of the address."""
 
 
-def _exposure_of(asked):
+def _address_of(asked):
+    """{key of `damage.applications.groningen.exposure.lives.KEYS`: value} of parsed options."""
     if (asked.at is None) == (asked.rd is None):
         raise InputError(
             f"which address? {'both' if asked.at else 'none'} given: expected --at LAT LON or --rd"
             " X Y; give one of them"
         )
-    return Exposure(
-        at(*asked.at) if asked.at else at_rd(*asked.rd),
-        read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
-        model_named(asked.model, asked.component),
-        asked.vs30,
-    )
+    degrees, metres = ("latitude", "longitude"), ("easting_rd_m", "northing_rd_m")
+    address = dict(zip(degrees, asked.at) if asked.at else zip(metres, asked.rd))
+    for name in KEYS:
+        value = getattr(asked, name, None)
+        if value is not None and name not in OF_THE_RUN:
+            address[name] = str(value.resolve()) if name == "catalogue" else value
+    return address
 
 
 @command(
@@ -129,7 +130,7 @@ def _exposure_of(asked):
     examples=("--at 53.36 6.75", "--rd 246000 597000 --vs30 180 --from 2012 --out exposure"),
 )
 def _exposure(asked):
-    exposure = _exposure_of(asked)
+    exposure = draws_of(_address_of(asked)).exposure
     if asked.out:
         from damage.applications.groningen.pictures import exposure_picture
         from damage.measure.tables import write_table
@@ -168,29 +169,6 @@ def _catalogue(asked):
     )
 
 
-def _address_of(asked):
-    """Keys of `damage.applications.groningen.exposure.lives.KEYS` of parsed options, None where not
-    given."""
-    place = (
-        dict(zip(("latitude", "longitude"), asked.at))
-        if asked.at
-        else dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
-    )
-    return place | {
-        "vs30_m_s": asked.vs30,
-        "first_year": asked.first,
-        "last_year": asked.last,
-        "catalogue": asked.catalogue and str(asked.catalogue.resolve()),
-        "component": asked.component,
-        "model": asked.model,
-        "above_mm_s": asked.above,
-        "within_km": asked.within,
-        "scale_to": asked.scale_to,
-        "strong": list(asked.strong),
-        "seed": asked.seed,
-    }
-
-
 def _lives_options(within, strong):
     """Options of how lives are drawn and run, with these defaults."""
     return (
@@ -205,6 +183,7 @@ def _lives_options(within, strong):
             ),
             arg(
                 "--above",
+                dest="above_mm_s",
                 type=number_from(0.01, 1000),
                 default=8.0,
                 metavar="MM_S",
@@ -212,6 +191,7 @@ def _lives_options(within, strong):
             ),
             arg(
                 "--within",
+                dest="within_km",
                 type=number_from(0.1, 1000),
                 default=within,
                 metavar="KM",
@@ -293,7 +273,6 @@ def _lives_options(within, strong):
             help="lives (default 100)",
         ),
     ),
-    group("batch", flag("--slurm", "as jobs of a SLURM cluster")),
     out("folder of the study: tables, pictures, report"),
     examples=(
         "symmetric --at 53.36 6.75 --out results/life",
@@ -305,12 +284,11 @@ def _life(asked):
     from damage.applications.studies.command import run_study
     from damage.applications.studies.folder import held
 
-    exposure = _exposure_of(asked)
-    Draws(
-        exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)
-    ).life(1)  # says what is wrong before anything is written
+    address = _address_of(asked)
+    draws = draws_of(address)
+    draws.life(1)  # says what is wrong before anything is written
     wall_path(asked.wall)
-    warn(*exposure.warnings)
+    warn(*draws.exposure.warnings)
     options = {
         "rest": asked.rest,
         "strength-cov": asked.strength_cov,
@@ -321,7 +299,7 @@ def _life(asked):
         study = write_study(
             asked.out,
             asked.wall,
-            _address_of(asked),
+            address,
             {name: value for name, value in options.items() if value is not None},
             asked.draws,
         )
@@ -333,7 +311,6 @@ def _life(asked):
                 "--keep",
                 "summary",
                 *(["-j", str(asked.jobs)] if asked.jobs else []),
-                *(["--slurm"] if asked.slurm else []),
                 *(["--remake"] if asked.remake else []),
             ],
             lock,
@@ -410,12 +387,10 @@ def _claim(asked):
         for name, value in (("settle", settle), ("distortion", asked.distortion))
         if value
     }
-    exposure = _exposure_of(asked)  # before _address_of, which fails where no address is given
     return make_claim(
         Claim(
             asked.wall,
             _address_of(asked),
-            exposure,
             asked.cracks,
             {"rest": asked.rest, "strength-cov": asked.strength_cov},
             settlement,
@@ -464,10 +439,10 @@ def _app(asked):
     examples=("results/life", "results/life --markdown lives.md --out figures"),
 )
 def _lives(asked):
-    from damage.applications.groningen.life.comparison import largest_alone
     from damage.applications.groningen.life.results import (
         contributions,
         describe,
+        largest_alone,
         lives_of,
         over_time,
         write_lives,
@@ -508,18 +483,6 @@ MODEL.append("applications/groningen/exposure")  # draws motions
 
 @tables
 def _tables():
-    from damage.applications.groningen.exposure.exposure import COLUMNS
-    from damage.applications.groningen.life.claimed import CLAIMED
-    from damage.applications.groningen.life.comparison import CHOICES, READINGS
-    from damage.applications.groningen.life.results import COLUMNS as LIVES
-    from damage.applications.groningen.life.results import CONTRIBUTIONS, YEARLY
+    from damage.applications.groningen.exposure.columns import TABLES
 
-    return {
-        "exposure.csv": COLUMNS,
-        "lives.csv": LIVES,
-        "life.csv": YEARLY,
-        "contributions.csv": CONTRIBUTIONS,
-        "claimed.csv": CLAIMED,
-        "choices.csv": CHOICES,
-        "readings.csv": READINGS,
-    }
+    return TABLES

@@ -4,19 +4,19 @@ event did."""
 from textwrap import fill
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
-from damage.applications.groningen.exposure.places import TOWNS_DEG, to_rd
+from damage.applications.groningen.exposure.places import TOWNS, to_rd
 from damage.draw import style
 from damage.draw.panels import from_zero, letter
 
 FROM_MM_S = 0.1
 """Median PGV from which events are drawn in the picture [mm/s]: nobody feels less."""
 DOT_SIZE = 6  # area of a dot on the map over its PGV [points² / (mm/s)]
-SCALE_KM = 5  # length of the bar on the map
 _NAMED = 3  # events whose places are named
 _HALO = [withStroke(linewidth=1.5, foreground="white")]
 
@@ -107,7 +107,7 @@ def _on_a_map(ax, place, table, shown, named):
         )
     ax.set_aspect("equal", adjustable="datalim")
     ax.grid(color=style.LIGHT, lw=0.5)
-    _towns_and_scale(ax)
+    _towns(ax)
     ax.set(xlabel="easting, RD [km]", ylabel="northing, RD [km]")
     sizes = [pgv for pgv in (1, 2, 5, 20) if pgv <= 1.5 * table["median_mm_s"].max()]
     ax.legend(
@@ -133,13 +133,12 @@ def _on_a_map(ax, place, table, shown, named):
     )
 
 
-def _towns_and_scale(ax):
-    """Names of the towns within what the axes show, which stays as it is, and a bar of SCALE_KM, on
-    the map."""
+def _towns(ax):
+    """Names of the towns within what the axes show, which stays as it is, on the map."""
     ax.apply_aspect()
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     ax.set(xlim=(left, right), ylim=(low, high))
-    for name, degrees in TOWNS_DEG.items():
+    for name, *degrees in pd.read_csv(TOWNS).itertuples(index=False):
         x, y = (float(value) / 1e3 for value in to_rd(*degrees))
         if left < x < right and low < y < high:
             ax.plot(x, y, "s", color=style.DARK, ms=2, mew=0, zorder=3)
@@ -155,26 +154,6 @@ def _towns_and_scale(ax):
                 path_effects=_HALO,
                 clip_on=True,
             )
-    x, y = left + 0.04 * (right - left), low + 0.03 * (high - low)
-    ax.plot(
-        [x, x + SCALE_KM],
-        [y, y],
-        color=style.BLACK,
-        lw=1.5,
-        marker="|",
-        ms=4,
-        solid_capstyle="butt",
-        zorder=4,
-    )
-    ax.annotate(
-        f"{SCALE_KM:g} km",
-        (x + SCALE_KM / 2, y),
-        (0, 3),
-        textcoords="offset points",
-        ha="center",
-        path_effects=_HALO,
-        zorder=4,
-    )
 
 
 SECONDS_OF_A_YEAR = 31556952.0

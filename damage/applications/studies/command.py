@@ -13,16 +13,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from damage.applications.studies import cluster
 from damage.applications.studies.definition import CONCLUSION, load_study
 from damage.applications.studies.folder import (
     RESULTS,
     ROOT,
     claim,
     environment,
-    forecast,
     is_short,
-    lock_as,
     open_records,
     shortage,
 )
@@ -32,20 +29,18 @@ from damage.applications.studies.pool import Pool
 from damage.applications.studies.read import describe_table
 from damage.applications.studies.records import NAME, line_of
 from damage.applications.studies.tables import write_study_tables
-from damage.applications.studies.tasks import KEEP, PICTURES, Point
+from damage.applications.studies.tasks import KEEP, PICTURES, Point, slices
 from damage.applications.studies.worker import work
 from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
 from damage.run.options import OneLineParser, file_path, number_from
-from damage.start import EXIT_INTERRUPTED, EXIT_MISSING
-
-ALL = "all"
+from damage.start import EXIT_INTERRUPTED
 
 
 def run_study(arguments, lock=None):
-    """Run the study, or all that ship, that words of a command line ask for; returns the exit
-    status: 0 all done, 1 a run failed or was not made, 2 bad input, 3 software is missing, 130
-    interrupted.  Raises InputError.
+    """Run the study that words of a command line ask for; returns the exit status: 0
+    all done, 1 a run failed or was not made, 2 bad input, 130 interrupted.
+    Raises InputError.
 
     lock: of the study's folder, where the caller holds it
     (`damage.applications.studies.folder.held`)."""
@@ -55,28 +50,12 @@ def run_study(arguments, lock=None):
             f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]"
         )
     asked = parse(words)
-    if asked.slice and asked.slurm:
-        raise InputError(
-            "--slice and --slurm given together; expected one of them, leave the other out"
-        )
-    if (asked.cores or asked.shard) and not asked.slurm:
-        warn("--cores and --shard have no effect without --slurm: -j is how many processes work")
     if asked.solver != "reference" and not (ROOT / "yade_scripts").is_dir():
         raise InputError(
             f"--solver {asked.solver}: YADE's programs are in a clone of the repository only,"
             " beside YADE; expected --solver reference, or ./run_all.sh in a clone"
         )
-    try:
-        if asked.slurm and not asked.dry_run:
-            cluster.check()
-        return (
-            _all_studies(asked)
-            if str(asked.study) == ALL
-            else _one_study(asked, study_path(asked.study), lock)
-        )
-    except cluster.NoPlugin as error:
-        print(f"error: {error}", file=sys.stderr)
-        return EXIT_MISSING
+    return run_one(asked, study_path(asked.study), lock)
 
 
 def parse(words):
@@ -93,7 +72,7 @@ def parse(words):
     parser.add_argument(
         "study",
         metavar="STUDY",
-        help="a study file (.toml), the name of one that ships, or all: every one that ships",
+        help="a study file (.toml), or the name of one that ships",
     )
     parser.add_argument(
         "-j",
@@ -101,7 +80,7 @@ def parse(words):
         type=number_from(1, 9999, int),
         default=os.cpu_count(),
         metavar="N",
-        help="simulations at a time (default: one for each core); with --slurm jobs at a time",
+        help="simulations at a time (default: one for each core)",
     )
     parser.add_argument(
         "--out", type=file_path, metavar="DIR", help="where everything goes (default results/NAME)"
@@ -136,24 +115,6 @@ def parse(words):
         metavar="K/N",
         help="the K-th of N parts alone, without tables of the whole study: a job of a cluster",
     )
-    parser.add_argument(
-        "--slurm", action="store_true", help="as jobs of a SLURM cluster, by Snakemake"
-    )
-    parser.add_argument(
-        "--cores",
-        type=number_from(1, 9_999_999, int),
-        metavar="N",
-        help="with --slurm: processors for each job (default 1)",
-    )
-    parser.add_argument(
-        "--shard",
-        type=number_from(1, 9_999_999, int),
-        metavar="RUNS",
-        help=(
-            "with --slurm: runs of a "
-            f"job (default about an hour's, {cluster.RUNS_AN_HOUR} a processor)"
-        ),
-    )
     return parser.parse_args(words)
 
 
@@ -179,51 +140,15 @@ def study_path(word):
     )
 
 
-def _all_studies(asked):
-    """Run every study that ships and has a run for the solver, one after the other; returns the
-    worst exit status."""
-    if asked.slice:
-        raise InputError("--slice is of one study; name it")
-    ended, out = {}, asked.out or RESULTS
-    for name, path in shipped_files("studies", ".toml").items():
-        try:
-            load_study(path, asked.solver, ROOT)
-        except InputError as error:
-            print(f"passed over: {error}", flush=True)
-            continue
-        asked.out = out / name
-        try:
-            ended[name] = _one_study(asked, path)
-        except InputError as error:
-            print(f"error: {error}", file=sys.stderr)
-            ended[name] = 2
-        if ended[name] == EXIT_INTERRUPTED:
-            return EXIT_INTERRUPTED
-    if not ended:
-        raise InputError(
-            f"--solver {asked.solver}: no study has a run for this solver; choose another"
-        )
-    for name, status in ended.items():
-        if status != 0:
-            print(
-                f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}",
-                file=sys.stderr,
-            )
-    return max(ended.values())
-
-
-def _one_study(asked, path, lock=None):
-    """Run one study; returns the exit status; lock: as of `run_study`."""
+def run_one(asked, path, lock=None):
+    """Run the study at a path as parsed words ask for; returns the exit status; lock: as of
+    `run_study`."""
     study = load_study(path.absolute(), asked.solver, ROOT)
     folder = (asked.out or RESULTS / study.name).absolute()
     if asked.dry_run:
         print_plan(study, folder, asked.remake)
         return 0
-    runs = (
-        cluster.slices(study.runs, asked.slice[1])[asked.slice[0] - 1]
-        if asked.slice
-        else study.runs
-    )
+    runs = slices(study.runs, asked.slice[1])[asked.slice[0] - 1] if asked.slice else study.runs
     lock = claim(folder, study, asked.slice is not None, lock)
     try:
         with chdir(ROOT):
@@ -275,17 +200,12 @@ class Batch:
             run.id: Point(run, results, self.asked.keep, self.study.pictures == "all")
             for run in self.runs
         }
-        left = [point.run for point in self.points.values() if not point.done]
-        warn(
-            *said, *filter(None, [forecast(left, results.histories, self.folder, self.asked.keep)])
-        )
+        warn(*said)
         if self.asked.slice:
             name = "records-{}-of-{}.jsonl".format(*self.asked.slice)
         else:
             name = NAME
             results.write(verdict)
-        if self.asked.slurm:
-            return self._on_cluster()
         with open_records(self.folder / name) as file:
             if self.asked.slice:
                 file.write(results.lines_of(verdict))
@@ -348,39 +268,6 @@ class Batch:
         status = self._report(pool.failed) or status
         _say_changed(pool.changed)
         return status or int(bool(pool.changed))
-
-    def _on_cluster(self):
-        """Run slices as jobs, then the tables; returns the exit status."""
-        cores = self.asked.cores or 1
-        size = self.asked.shard or cluster.RUNS_AN_HOUR * cores
-        n = cluster.number_of_slices(self.runs, size)
-        left = {
-            point.run for point in self.points.values() if not point.done or point.next_pictures()
-        }
-        only = [
-            k
-            for k, runs in enumerate(cluster.slices(self.runs, n), start=1)
-            if left.intersection(runs)
-        ]
-        options = ["--solver", self.asked.solver, "--keep", self.asked.keep]
-        status = 0
-        if only:
-            lock_as(self.lock, self.folder, shared=True)
-            status = cluster.run_slices(
-                self.study, self.folder, options, n, only, self.asked.jobs, cores, say
-            )
-            lock_as(self.lock, self.folder)
-        results = Results(self.folder)
-        verdict = results.judge(self.runs)
-        if verdict.changed:  # slices began with other inputs than these
-            warn(*results.bring_up_to_date(verdict, self.asked.remake))
-        results.write(verdict)
-        self.points = {run.id: Point(run, results, self.asked.keep, False) for run in self.runs}
-        failed = [task for point in self.points.values() for task in point.next_tasks()]
-        if status == EXIT_INTERRUPTED:
-            self._count()
-            return status
-        return max(self._sum_up(), self._report(failed), min(status, 1))
 
     @property
     def _done(self):

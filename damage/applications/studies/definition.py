@@ -331,7 +331,7 @@ def _points(grid, where, folder, root):
         raise InputError(
             f"{where}: rows = {grid['rows']!r}; expected the path of a CSV table; correct it"
         )
-    return expand(grid, where, read_rows(root / _find(grid["rows"], where, folder, root), where))
+    return expand(grid, where, read_rows(root / _find(where, folder, root, grid["rows"]), where))
 
 
 def _load_entry(table, where, folder, root):
@@ -350,9 +350,9 @@ def _load_entry(table, where, folder, root):
     options = option_table(_existing_files(table.get("options", {}), where, folder, root), where)
     if reserved := [name for name in options if name in RESERVED_OPTIONS]:
         raise InputError(f"{where}: --{reserved[0]} is set by the batch itself; take it out")
-    wall = _find(table["wall"], where, folder, root)
+    wall = _find(where, folder, root, table["wall"])
     try:
-        options = with_paths(options, lambda path: _find(path, where, folder, root))
+        options = with_paths(options, lambda path: _find(where, folder, root, path))
         name = table.get("id", run_name(wall, options))
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
@@ -429,22 +429,12 @@ def _existing_files(options, where, folder, root):
     """The options with each list of paths replaced by its first existing file."""
     if not isinstance(options, dict):
         return options
-    chosen = dict(options)
-    for name in file_options():
-        paths = options.get(name)
-        if isinstance(paths, list):
-            there = [
-                path
-                for path in paths
-                if isinstance(path, str) and any(map(is_there, _candidates(path, folder, root)))
-            ]
-            if not there:
-                raise InputError(
-                    f"{where}: none of the files {name} = {paths!r} is there; expected one beside"
-                    " the study or in the repository; correct a path"
-                )
-            chosen[name] = there[0]
-    return chosen
+    lists = {name: options[name] for name in file_options() if isinstance(options.get(name), list)}
+    return options | {
+        name: _find(where, folder, root, *paths)
+        for name, paths in lists.items()
+        if paths and all(isinstance(path, str) for path in paths)
+    }
 
 
 def option_table(options, where="options"):
@@ -504,18 +494,20 @@ def _candidates(path, folder, root):
     )
 
 
-def _find(path, where, folder, root):
-    """The path of a file named beside the study, in the repository or among what ships: relative
-    within the repository, else absolute."""
-    check_path(path)
-    for candidate in _candidates(path, folder, root):
-        if is_there(candidate):
-            found = candidate.resolve()
-            return str(found.relative_to(root) if found.is_relative_to(root) else found)
+def _find(where, folder, root, *paths):
+    """The path of the first of these files that is beside the study, in the repository or among
+    what ships: relative within the repository, else absolute."""
+    for path in paths:
+        check_path(path)
+        for candidate in _candidates(path, folder, root):
+            if is_there(candidate):
+                found = candidate.resolve()
+                return str(found.relative_to(root) if found.is_relative_to(root) else found)
     known = [*shipped_walls(), *shipped_records()]
     raise InputError(
-        f"{where}: no file {path}; expected one beside the study or in the repository, or the name"
-        f" of a wall or record that ships{did_you_mean(Path(path).stem, known)}"
+        f"{where}: no file {' or '.join(paths)}; expected one beside the study or in the"
+        " repository, or the name of a wall or record that ships"
+        f"{did_you_mean(Path(paths[0]).stem, known)}"
     )
 
 

@@ -46,16 +46,24 @@ def claim(folder, study, shared=False, lock=None):
     lock: that its caller holds already, None for a new one.
     """
     lock = locked(folder, study.name, shared) if lock is None else os.dup(lock)
-    try:
+    with _writable(folder):
         with whole_or_nothing(folder / KEPT) as unfinished:
             shutil.copyfile(study.path, unfinished)
         for name in ("logs", "runs", "tables"):
             (folder / name).mkdir(exist_ok=True)
+    return lock
+
+
+@contextmanager
+def _writable(folder):
+    """Raise InputError where what is written in a folder while this lasts cannot be."""
+    try:
+        yield
     except OSError as error:
         raise InputError(
-            f"cannot write to {folder}: {error.strerror}; choose another --out"
+            f"cannot write to {folder}: {error.strerror}; expected a folder that can be written to,"
+            " or made; choose another --out"
         ) from error
-    return lock
 
 
 def locked(folder, name, shared=False):
@@ -65,20 +73,11 @@ def locked(folder, name, shared=False):
     with the processes that hold it, so that none is ever stale.  Raises InputError where another
     study or batch has the folder, or where it cannot be written.
     """
-    try:
+    with _writable(folder):
         folder.mkdir(parents=True, exist_ok=True)
         if is_short(folder):
             raise InputError(f"{shortage(folder)}, or choose another --out")
         lock = _open_lock(folder)
-    except (FileExistsError, NotADirectoryError) as error:
-        raise InputError(
-            f"cannot write to {folder}: it, or a folder above it, is no folder; expected one;"
-            " choose another --out"
-        ) from error
-    except OSError as error:
-        raise InputError(
-            f"cannot write to {folder}: {error.strerror}; choose another --out"
-        ) from error
     try:
         lock_as(lock, folder, shared)
         owner = _name_in(folder / KEPT)
@@ -231,28 +230,6 @@ def shortage(folder):
         f"has {free / 1e6:.2g} MB free:" if free < LEAST_FREE else "had no room left while it ran,"
     )
     return f"{folder} {found} expected {LEAST_FREE / 1e6:g} MB or more; make room"
-
-
-def forecast(left, histories, folder, keep="all"):
-    """A warning where the runs that are left will not fit if they are as large as those that are
-    there, else None.
-
-    left: StudyRuns to be made; of an ensemble with adaptive members all that it may come to count,
-    though one may do. histories: {name: path} of those that are there; keep: other than "all" where
-    the history of the first alone stays.
-    """
-    count = sum(run.most_members if keep == "all" else 1 for run in left)
-    if not histories or not count:
-        return None
-    mean = sum(path.stat().st_size for path in histories.values()) / len(histories)
-    free = shutil.disk_usage(folder).free
-    if count * mean + LEAST_FREE <= free:
-        return None
-    return (
-        f"up to {count} runs are left, about {count * mean / 1e6:.2g} MB if they are as large as"
-        f" the {len(histories)} there; {folder} has {free / 1e6:.2g} MB free and keeps"
-        f" {LEAST_FREE / 1e6:g}: make room meanwhile"
-    )
 
 
 def plain_file(path, flags):

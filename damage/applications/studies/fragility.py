@@ -21,7 +21,6 @@ is NaN otherwise.
 
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,7 +39,8 @@ from damage.applications.studies.states import (
     check_states,
     in_unit,
     leading,
-    there,
+    parse_state,
+    study_choices,
     unit_of,
 )
 from damage.errors import InputError
@@ -470,6 +470,20 @@ def load_runs(folder):
     return runs
 
 
+def choices_of(folder, intensity=None, states=()):
+    """(runs, intensity, states) of a study's folder: `load_runs`, the column and the tuple of State
+    that are asked for, else those of the study file, else the defaults.
+
+    intensity: a column, None where none is asked for; states: texts as of `parse_state`.
+    """
+    chosen, runs = study_choices(folder), load_runs(folder)
+    return (
+        runs,
+        intensity or chosen["intensity"] or leading(runs),
+        tuple(map(parse_state, states or chosen["states"])) or STATES,
+    )
+
+
 def fit_all(runs, intensity=None, replicates=REPLICATES, states=STATES):
     """{wall: [Fragility of each State]} of runs; intensity: a column of theirs, None for the first
     of INTENSITIES that they have."""
@@ -571,60 +585,3 @@ def at_intensities(fits, values):
                 }
             )
     return pd.DataFrame(rows)
-
-
-def efficiency_table(runs, states=STATES, intensity=None):
-    """Efficiency of intensities: a DataFrame with a row for each wall, State and intensity, best
-    first.
-
-    dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN
-    where the runs determine none, undetermined: the reason.  scatter: standard deviation of
-    ln(measure) about a straight line over ln(intensity), of the runs that stand and have some
-    damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
-    intensity efficient where it is small.  median: in `unit`.  intensity: one more than
-    INTENSITIES.
-    """
-    rows = []
-    for wall, of_wall in runs.groupby("wall", sort=False):
-        for name, state in product(
-            dict.fromkeys([*there(runs), *([intensity] if intensity else [])]), states
-        ):
-            one = fragility(
-                of_wall, state.measure, state.level, name, replicates=0, name=state.name
-            )
-            rows.append(
-                {
-                    "wall": wall,
-                    "state": one.state,
-                    "measure": one.measure,
-                    "level": one.level,
-                    "intensity": name,
-                    "dispersion": one.dispersion,
-                    "undetermined": one.why,
-                    "scatter": _scatter(of_wall, one.measure, name),
-                    "median": one.median,
-                    "unit": unit_of(name)[1],
-                    "runs": one.n_runs,
-                    "exceeding": one.n_exceeding,
-                    "records": one.n_records,
-                }
-            )
-    measures = list(dict.fromkeys(state.measure for state in states))
-    return pd.DataFrame(rows).sort_values(
-        ["wall", "measure", "level", "dispersion", "scatter"],
-        kind="stable",
-        ignore_index=True,
-        key=lambda column: column.map(measures.index) if column.name == "measure" else column,
-    )
-
-
-def _scatter(runs, measure, intensity):
-    """Standard deviation of ln(measure) about its line over ln(intensity), NaN of fewer than three
-    runs."""
-    x, y = (runs[name].astype(float) for name in (intensity, measure))
-    chosen = (x > 0) & (y > 0) & runs["collapsed_at_s"].isna()
-    x, y = np.log(x[chosen]), np.log(y[chosen])
-    if x.nunique() < 2 or len(x) < 3:
-        return np.nan
-    rest = y - np.polynomial.Polynomial.fit(x, y, 1)(x)
-    return float(np.sqrt(np.sum(rest**2) / (len(x) - 2)))

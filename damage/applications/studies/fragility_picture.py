@@ -7,13 +7,10 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.applications.studies.fragility import FEW_RECORDS, curve, exceeding
+from damage.applications.studies.fragility import FEW_RECORDS, exceeding
 from damage.applications.studies.new_record import CONFIDENCE
 from damage.applications.studies.states import (
     LEVELS,
-    State,
-    in_picture,
-    in_unit,
     label,
     leading,
     unit_of,
@@ -33,9 +30,7 @@ _BANDS = {
 there is one record."""
 MOST_NAMED = 9
 """Records that a heading names one by one."""
-PSI = tuple(State("max_psi", level) for level in LEVELS["max_psi"])
-"""The states that a figure of the damage before shows by default."""
-_STYLES = (
+STYLES = (
     (BLUE, "o", "-"),
     (GREEN, "s", "--"),
     (ORANGE, "^", "-."),
@@ -78,7 +73,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
         figure,
         f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
         f"variation {runs['strength_cov'].iloc[0]:g}",
-        _named(records),
+        records_named(records),
         few_note(len(records)),
     )
     bands = [
@@ -107,7 +102,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
 
 def _panel(ax, number, x, runs, fits, intensity):
     """The curves of one measure; returns the kinds of bands that are drawn, a set."""
-    styled_fits = list(zip(fits, cycle(_STYLES)))
+    styled_fits = list(zip(fits, cycle(STYLES)))
     handles, kinds = zip(*(_draw(ax, x, runs, one, style, intensity) for one, style in styled_fits))
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
     measure = fits[0].measure
@@ -116,7 +111,7 @@ def _panel(ax, number, x, runs, fits, intensity):
     return set().union(*kinds)
 
 
-def _named(records):
+def records_named(records):
     """Records as a heading names them: each, or their number where they are many."""
     return (
         f"{len(records)} records"
@@ -175,69 +170,3 @@ def _draw(ax, x, runs, one, style, intensity):
         words += f": no curve, {one.n_exceeding} of {one.n_runs} runs exceed it"
         words += f"\n{one.why}" if 0 < one.n_exceeding < one.n_runs else ""
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=words), list(bands)
-
-
-@styled
-def picture_after_damage(wall, shocks, table, intensity, states=PSI):
-    """A panel for each State, a curve for each class of the damage before; shocks, table: of one
-    wall, of `damage.applications.studies.after_damage`."""
-    figure, axes = grid(1, len(states), 3.0)
-    x = np.linspace(0.005, 1.08, 200) * shocks[intensity].max()
-    for number, (ax, state) in enumerate(zip(axes[0], states)):
-        rows = table[table["state"] == state.words]
-        handles = [
-            _draw_after(ax, x, shocks, row, style, intensity)
-            for (_, row), style in zip(rows.iterrows(), cycle(_STYLES))
-        ]
-        ax.legend(
-            handles=handles, loc="lower left", bbox_to_anchor=(0, 1.1), ncols=1, borderaxespad=0
-        )
-        words, unit = in_picture(state.measure)
-        words = words.removeprefix("maximum ") if state.measure in LEVELS else words
-        letter(ax, number, state.name or f"{words} > {state.level:g} {unit.strip('-')}")
-        ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
-    axes[0, 0].set_ylabel("probability of exceeding")
-    records = shocks["record"].dropna().unique()
-    add_heading(
-        figure,
-        f"{wall} wall, {len(shocks)} shocks, by the damage before",
-        _named(records),
-        few_note(len(records)),
-    )
-    return finish(
-        figure,
-        [
-            Line2D([], [], color="0.3", label="lognormal fit"),
-            Line2D(
-                [],
-                [],
-                color="0.3",
-                marker="o",
-                ls="",
-                ms=3,
-                label="share of the shocks at one intensity",
-            ),
-        ],
-        columns=2,
-    )
-
-
-def _draw_after(ax, x, shocks, row, style, intensity):
-    """Shares and curve of one class of the damage before; returns the legend's entry."""
-    colour, marker, line = style
-    mine, median = shocks[shocks["before"] == row["before"]], row[in_unit("median", intensity)]
-    shares = exceeding(mine, row["measure"], row["level"]).groupby(mine[intensity].round(6)).mean()
-    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
-    text = f"{row['before']}: no curve, {row['exceeding']} of {row['runs']} shocks exceed it"
-    if np.isfinite(median):
-        ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)
-        unit = unit_of(intensity)[1]
-        low, high = (row[in_unit(f"median_walls_{end}", intensity)] for end in ("low", "high"))
-        text = f"{row['before']}: " + (
-            f"median {median:#.3g} {unit}, dispersion {row['dispersion']:.2f}"
-            if row["dispersion"] > 0
-            else f"between {low:#.3g} and {high:#.3g} {unit}"
-        )
-    return Line2D(
-        [], [], color=colour, marker=marker, ls=line, ms=3, label=text.replace("Psi", r"$\Psi$")
-    )

@@ -21,13 +21,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
-from scipy.special import bdtr, log_ndtr, ndtr
+from scipy.special import log_ndtr, ndtr
 
 LEAST_RECORDS = 3
 """In which some runs exceed the level and some do not; fewer do not bound tau: Student's quantile
 of two is 6.3."""
 CONFIDENCE = 0.9
-_TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
+TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
 _STEP, _MARGIN = 0.02, 5.0
 """Of the grid of ln m: its step, and by how much it is longer than the intensities at either
 end."""
@@ -52,26 +52,19 @@ class NewRecord:
     def median_bounds(self):
         """Lower and upper bound (2,) of the new record's own median."""
         share = np.cumsum(self.weights.sum(axis=0))
-        return np.exp(np.interp(_TAILS, share, np.log(self.medians) + _STEP / 2))
+        return np.exp(np.interp(TAILS, share, np.log(self.medians) + _STEP / 2))
 
     def probability(self, intensity):
         """P(exceeded) at intensities (n,) in a record of which nothing is known."""
-        curves, weights = self._curves(intensity)
+        curves, weights = self.curves(intensity)
         return curves @ weights
 
     def bounds(self, intensity):
         """Lower and upper bound (2, n) of the new record's own probability at intensities (n,)."""
-        curves, weights = self._curves(intensity)
-        return np.array([_percentiles(one, weights, _TAILS) for one in curves]).T
+        curves, weights = self.curves(intensity)
+        return np.array([_percentiles(one, weights, TAILS) for one in curves]).T
 
-    def share_bounds(self, intensity, n_runs):
-        """Lower and upper bound (2,) of the share of n_runs that exceed at one intensity of a new
-        record."""
-        curves, weights = self._curves([intensity])
-        chances = bdtr(np.arange(n_runs + 1.0)[:, None], n_runs, curves[0]) @ weights
-        return np.searchsorted(chances, np.array(_TAILS) * (1 - 1e-12)) / n_runs
-
-    def _curves(self, intensity):
+    def curves(self, intensity):
         """Probabilities (n, k) of all curves that count at intensities (n,), and their weights
         (k,)."""
         counts = self.weights > _LEAST_WEIGHT * self.weights.max()

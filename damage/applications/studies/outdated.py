@@ -24,10 +24,9 @@ from damage.applications.studies.records import (
     point_of,
     read_records,
 )
-from damage.applications.studies.tables import histories_in, refuse_other_measures
+from damage.applications.studies.tables import histories_in
 from damage.errors import InputError, some_of
 from damage.files import write_text
-from damage.history.head import read_head
 from damage.provenance import model_digest
 
 CODE = {"reference": Path(__file__).parents[2] / "reference", "yade": ROOT / "yade_scripts"}
@@ -43,12 +42,11 @@ _FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
 @dataclass
 class Verdict:
     """inputs: {StudyRun: (key, its inputs as JSON)}; changed: {StudyRun of other inputs: how they
-    differ, words}; unknown: single runs without a note of their inputs, which are kept; models:
+    differ, words}; models:
     {name of a run: the other model that made it}; measures: names of runs of other measures."""
 
     inputs: dict = field(default_factory=dict)
     changed: dict = field(default_factory=dict)
-    unknown: list = field(default_factory=list)
     models: dict = field(default_factory=dict)
     measures: list = field(default_factory=list)
 
@@ -68,7 +66,7 @@ class Results:
 
     def names_of(self, run):
         """Names of the runs of a StudyRun in their order, empty where it is not done."""
-        return self.records.names_of(run, self.histories)
+        return self.records.names_of(run)
 
     def judge(self, runs):
         """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is
@@ -87,11 +85,10 @@ class Results:
                     for one in self.changes(run, inputs, key)
                 )
             )
-            if differing == [_NO_NOTE] and not run.is_ensemble:
-                verdict.unknown.append(run)
-            elif differing:
+            if differing:
                 verdict.changed[run] = differing
-            for name in names if run not in verdict.changed else ():
+                continue
+            for name in self.records.runs.keys() & names:
                 self._versions(name, verdict)
         return verdict
 
@@ -109,11 +106,11 @@ class Results:
         return differences(then, inputs)
 
     def _versions(self, name, verdict):
-        row = self.records.runs.get(name, {}).get("row")
-        model = f"{row['solver']} {row['model_digest']}" if row else _model_of(self.histories[name])
-        if model not in (_today(model), None):
+        row = self.records.runs[name]["row"]
+        model = f"{row['solver']} {row['model_digest']}"
+        if model != _today(row["solver"], model):
             verdict.models[name] = model
-        if row and not is_of_today(row):
+        if not is_of_today(row):
             verdict.measures.append(name)
 
     def bring_up_to_date(self, verdict, remake=False):
@@ -122,13 +119,14 @@ class Results:
         remake: runs of another model, and of other measures without a history, too; otherwise the
         latter raise InputError, before anything is done.
         """
-        if not remake:
-            refuse_other_measures(
-                {name: self.records.runs[name]["row"] for name in verdict.measures},
-                self.histories,
-                self.folder,
-            )
         lost = [name for name in verdict.measures if name not in self.histories]
+        if lost and not remake:
+            raise InputError(
+                f"{self.folder}: the index or measures of {len(lost)} runs are defined as in"
+                f" another version, and their histories were not kept: {some_of(lost)}; expected"
+                " one definition in a table, give --remake to make these runs again, or continue"
+                " with the version that made them"
+            )
         changed = {run.id for run in verdict.changed}
         gone = [name for name in {*self.records.runs, *self._files} if point_of(name) in changed]
         for name in [*gone, *lost, *(verdict.models if remake else ())]:
@@ -137,7 +135,7 @@ class Results:
             self._forget(name)
         # tables of the whole have rows that are gone
         if gone or verdict.measures or (remake and verdict.models):
-            for name in ("summary.csv", "points.csv", "study.h5"):
+            for name in ("summary.csv", "points.csv"):
                 (self.folder / "tables" / name).unlink(missing_ok=True)
         return [*self.records.faults, *_warnings(verdict, remake)]
 
@@ -209,12 +207,6 @@ def _warnings(verdict, remake):
                 _DIFFERENCES,
             )
         )
-    if verdict.unknown:
-        said.append(
-            f"{len(verdict.unknown)} points have no note of their inputs and "
-            "are kept without a comparison; delete a run's history to have it made again: "
-            + some_of([run.id for run in verdict.unknown], _DIFFERENCES)
-        )
     if verdict.models:
         what = "are made again" if remake else "are kept; --remake makes them again"
         said.append(
@@ -225,21 +217,6 @@ def _warnings(verdict, remake):
     return said
 
 
-def _today(model):
-    """Today's model of the solver that made a run; None where its code is not here."""
-    solver = (model or "").partition(" ")[0]
-    return (
-        f"{solver} {model_digest(CODE[solver])}"
-        if solver in CODE and CODE[solver].is_dir()
-        else None
-    )
-
-
-def _model_of(path):
-    """The solver and digest of the model's code that made a history; None of a file that is no
-    history."""
-    try:
-        head = read_head(path)
-    except InputError:
-        return None
-    return head.model
+def _today(solver, model):
+    """Today's model of a solver; the given one where its code is not here."""
+    return f"{solver} {model_digest(CODE[solver])}" if CODE[solver].is_dir() else model

@@ -32,8 +32,6 @@ def print_plan(study, folder, remake=False):
 def _there(study, folder, remake):
     """{StudyRun: names of its runs that a batch would keep, empty where it is not done}."""
     results = Results(folder)
-    if not results.records.runs and not results.histories:
-        return {run: [] for run in study.runs}
     verdict = results.judge(study.runs)
     lost = {*verdict.models, *verdict.measures} if remake else set()
     there = {}

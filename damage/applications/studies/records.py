@@ -46,11 +46,8 @@ class Records:
     faults: list = field(default_factory=list)
     orderly: bool = True
 
-    def names_of(self, run, histories=frozenset()):
-        """Names of the runs of a StudyRun in their order, empty where it is not done; histories:
-        names of those that are whole, which count without a record, too."""
-        if not run.is_ensemble:
-            return [run.id] if run.id in self.runs or run.id in histories else []
+    def names_of(self, run):
+        """Names of the runs of a StudyRun in their order, empty where it is not done."""
         count = run.runs_needed(self.of_point(run))
         names = [run.name(number) for number in range(1, count + 1)]
         return names if all(name in self.runs for name in names) else []

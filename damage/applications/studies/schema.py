@@ -46,10 +46,8 @@ def _identifier(longest=None):
     )
 
 
-def _varied(schema, grid):
-    """In a grid a value may be the name of a varied one, too: a string with a name in braces."""
-    if not grid:
-        return schema
+def _varied(schema):
+    """A value may be the name of a varied one of a grid, too: a string with a name in braces."""
     if "enum" in schema:
         return {"anyOf": [schema, {"type": "string", "pattern": _NAMED}]}
     types = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
@@ -63,8 +61,8 @@ def _varied(schema, grid):
 
 def _entry(grid):
     """A table of one point, or of a grid."""
-    whole = _varied({"type": "integer", "minimum": 1, "maximum": definition.MOST_MEMBERS}, grid)
-    positive = _varied({"type": "number", "exclusiveMinimum": 0}, grid)
+    whole = _varied({"type": "integer", "minimum": 1, "maximum": definition.MOST_MEMBERS})
+    positive = _varied({"type": "number", "exclusiveMinimum": 0})
     entry = {
         "type": "object",
         "additionalProperties": False,
@@ -72,9 +70,9 @@ def _entry(grid):
         "properties": _described(
             definition.ENTRY_KEYS,
             {
-                "id": _varied(_identifier(definition.LONGEST_ID), grid),
+                "id": _varied(_identifier(definition.LONGEST_ID)),
                 "wall": {"type": "string"},
-                "options": _options(grid),
+                "options": _options(),
                 "solvers": {
                     "type": "array",
                     "items": {"enum": list(definition.SOLVERS)},
@@ -119,7 +117,7 @@ def _described(meanings, schemas):
     return {name: {"description": meaning, **schemas[name]} for name, meaning in meanings.items()}
 
 
-def _options(grid):
+def _options():
     """A table of a run's options, those of either solver, or a list of words."""
     actions = {
         action.option_strings[0]: action
@@ -129,7 +127,7 @@ def _options(grid):
     properties = {
         name.removeprefix("--"): {
             "description": action.help,
-            **_varied(_option(action, grid), grid),
+            **_varied(_option(action)),
         }
         for name, action in actions.items()
     }
@@ -141,14 +139,14 @@ def _options(grid):
     }
 
 
-def _option(action, grid):
+def _option(action):
     if action.nargs == 0:
         return {"type": "boolean"}
     one = _word(action)
     if isinstance(action.nargs, int):
         return {
             "type": "array",
-            "items": _varied(one, grid),
+            "items": _varied(one),
             "minItems": action.nargs,
             "maxItems": action.nargs,
         }

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from damage.applications.cracks import kept
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.folder import ROOT
@@ -12,6 +14,8 @@ from damage.applications.studies.folder import ROOT
 RUN, PICTURES = "run", "pictures"
 CHANGED = -1
 """In place of an exit status: the run was not made, as its inputs changed since the study began."""
+YADE = 200
+"""For how many runs of the reference solver one in YADE counts."""
 KEEP = "all", "summary", "patterns"
 """What stays of runs: all histories; those of each point's first run; these, and of each run its
 patterns at rest."""
@@ -87,6 +91,16 @@ def company_of(point):
         settings.alpha_1_s,
         settings.beta_s,
     )
+
+
+def slices(runs, n):
+    """Lists of the StudyRuns of n slices, of about as many runs each; neighbours, which are alike,
+    stay together."""
+    weights = np.array(
+        [run.most_members * (1 if run.solver == "reference" else YADE) for run in runs], float
+    )
+    place = np.minimum((np.cumsum(weights) - weights / 2) * n / weights.sum(), n - 1).astype(int)
+    return [[run for run, here in zip(runs, place) if here == k] for k in range(n)]
 
 
 class Point:

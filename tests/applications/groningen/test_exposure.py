@@ -15,7 +15,8 @@ from scipy import stats
 from damage.__main__ import main
 from damage.applications.groningen.exposure import places
 from damage.applications.groningen.exposure.catalogue import read_catalogue
-from damage.applications.groningen.exposure.exposure import COLUMNS, Exposure
+from damage.applications.groningen.exposure.columns import TABLES
+from damage.applications.groningen.exposure.exposure import Exposure
 from damage.applications.groningen.exposure.ground_motion import COMPONENTS, ZEERIJP, model_named
 from damage.applications.groningen.exposure.models.bommer_2022 import Model
 from damage.csv_table import from_words
@@ -362,9 +363,10 @@ class TestCommand:
         found = json.loads(output_of("exposure", "--at", *LOPPERSUM, "--json", "--out", tmp_path))
         assert found["largest_median_mm_s"] == pytest.approx(12.96, abs=5e-3)
         assert found["one_percent_mm_s"] == pytest.approx(48.97, abs=5e-3)
-        assert len(found["events"]) == 1474 and set(found["events"][0]) == set(COLUMNS)
+        columns = list(TABLES["exposure.csv"])
+        assert len(found["events"]) == 1474 and set(found["events"][0]) == set(columns)
         table = pd.read_csv(tmp_path / "exposure.csv")
-        assert list(table) == list(COLUMNS) and table["median_mm_s"].max() == pytest.approx(
+        assert list(table) == columns and table["median_mm_s"].max() == pytest.approx(
             12.96, abs=5e-3
         )
         assert {path.name for path in tmp_path.iterdir()} == {

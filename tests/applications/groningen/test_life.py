@@ -24,12 +24,12 @@ from damage.applications.groningen.exposure.ground_motion import COMPONENTS
 from damage.applications.groningen.exposure.lives import Choices, Draws, events_of, read_address
 from damage.applications.groningen.exposure.models.bommer_2022 import Model
 from damage.applications.groningen.life.claimed import claimed
-from damage.applications.groningen.life.comparison import largest_alone
-from damage.applications.groningen.life.estimate import paired, probability, strata
+from damage.applications.groningen.life.estimate import probability, strata
 from damage.applications.groningen.life.results import (
     Lives,
     contributions,
     describe,
+    largest_alone,
     life_of,
     lives_of,
     over_time,
@@ -45,6 +45,7 @@ from damage.rounded import to_bits
 from damage.run.banner import event_lines
 from damage.run.options import parse_run, words_of
 from paper.accumulation import after
+from paper.lives_choices import choices, in_words, paired, readings
 
 WALL = "Wall('narrow', 0.9, 1.5)"
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
@@ -426,8 +427,8 @@ class TestEstimate:
 class TestResults:
     @pytest.fixture(autouse=True)
     def few(self, monkeypatch):
-        for module in ("results", "comparison"):
-            monkeypatch.setattr(f"damage.applications.groningen.life.{module}.POPULATION", 50)
+        for module in ("damage.applications.groningen.life.results", "paper.lives_choices"):
+            monkeypatch.setattr(f"{module}.POPULATION", 50)
 
     @pytest.fixture
     def lives(self, exposure):
@@ -532,7 +533,13 @@ class TestResults:
         assert list(pair[0].index) == list(pair[1].index) == [(0, 1), (0, 2), (0, 3), (0, 4)]
         said = describe([lives, alone])
         assert "1.00 of the final Psi" in said  # of lives 1 and 4, the fallen one not counted
-        assert "p_largest beside p, 4 equal lives: P(Psi >= 1) at rest +0.000" in said
+        (row,) = choices([lives, alone])
+        assert in_words(row).startswith(
+            "p_largest beside p, 4 equal lives: P(Psi >= 1) at rest +0.000"
+        )
+        found = readings([lives, alone])
+        assert [one["p"] for one in found] == [one["p_largest"] for one in found]
+        assert all(np.isnan(one["p_by_largest"]) for one in found)  # all of one PGV: no curve
 
 
 class TestReadings:

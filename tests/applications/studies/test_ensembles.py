@@ -98,7 +98,7 @@ class TestGrid:
             (f'[[runs]]\n{WALL}{SINE}solvers = ["yade"]', "expected --solver yade"),
             (
                 f'[[runs]]\n{WALL}options = {{ record = ["no.csv", "nor.csv"] }}',
-                "none of the files",
+                "no file no.csv or nor.csv",
             ),
             (f'pictures = "some"\n[[runs]]\n{WALL}{SINE}', "TOML"),
         ],

@@ -12,10 +12,8 @@ from scipy.special import ndtr
 from scipy.stats import binom
 from scipy.stats import t as student
 
-from damage.applications.studies.after_damage import load_shocks
 from damage.applications.studies.fragility import (
     curve,
-    efficiency_table,
     fit_all,
     fragility,
     in_words,
@@ -23,7 +21,6 @@ from damage.applications.studies.fragility import (
     solve,
 )
 from damage.applications.studies.fragility_picture import fragility_pictures
-from damage.applications.studies.left_out import leave_one_out, scores
 from damage.applications.studies.new_record import new_record
 from damage.applications.studies.states import (
     LEVELS,
@@ -32,6 +29,9 @@ from damage.applications.studies.states import (
     parse_state,
 )
 from damage.measure.tables import write_table
+from paper.__main__ import main as paper
+from paper.after_damage import load_shocks
+from paper.intensities import efficiency_table, leave_one_out, scores
 
 MEDIAN_G, DISPERSION = 0.2, 0.4
 INTENSITIES_G = np.arange(1, 9) / 20
@@ -219,7 +219,6 @@ class TestUndetermined:
         assert [path.name for path in (tmp_path / "e").iterdir()] == ["fragility_coefficients.csv"]
         for table in (
             "f/fragility_pga_g.csv",
-            "f/efficiency.csv",
             "f/fragility_pga_g_at.csv",
             "e/fragility_coefficients.csv",
         ):
@@ -247,7 +246,7 @@ class TestUndetermined:
         assert f"w, max_DI > 0.05: no curve: {fragility(runs, 'max_DI', 0.05).n_exceeding} of" in (
             printed
         )
-        for table in ("fragility_pga_g.csv", "efficiency.csv", "fragility_pga_g_at.csv"):
+        for table in ("fragility_pga_g.csv", "fragility_pga_g_at.csv"):
             row = pd.read_csv(tmp_path / "f" / table).iloc[0]
             assert row["undetermined"] == why
             assert row.filter(regex="^(median|dispersion|new_record|prob)").isna().all()
@@ -347,6 +346,14 @@ class TestLeftOut:
         assert found.index[0] == "pgv_m_s"
         assert found.loc["pgv_m_s", "brier"] < 0.5 * found.loc["pga_g", "brier"]
         assert (found["compared"] == 36).all() and (found["inside"] >= 30).all()
+
+    def test_the_command_writes_its_tables(self, tmp_path):
+        write_table(recorded(6, 0.6, seed=1), tmp_path / "tables" / "summary.csv")
+        words = [str(tmp_path), "--out", str(tmp_path / "f"), "--state", "max_DI > 0.1"]
+        assert paper(["intensities", *words]) == 0
+        found = pd.read_csv(tmp_path / "f" / "left_out_scores.csv")
+        assert list(found["intensity"]) == ["pgv_m_s", "pga_g"]
+        assert len(pd.read_csv(tmp_path / "f" / "efficiency.csv")) == 2
 
     def test_a_curve_of_all_records_is_surer_of_a_new_one_than_it_can_be(self, table):
         found = scores(table).set_index("intensity").loc["pga_g"]
@@ -464,7 +471,6 @@ def test_the_command_writes_table_and_picture(tmp_path, output_of, error_of):
         ".png",
         ".pdf",
     }
-    assert set(pd.read_csv(tmp_path / "f" / "efficiency.csv")["intensity"]) == {"pga_g"}
     error_of("fragility", tmp_path, "--out", tmp_path, "--intensity", "sa_0.2_s_g")
 
 
@@ -540,8 +546,8 @@ class TestAfterDamage:
         assert_allclose(one["arias_m_s"], [0.25, 1.0])
         assert_allclose(one["max_psi"], [0.75 / 0.9, 3 / 0.9])
 
-    def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, output_of):
-        output_of("fragility", study, "--out", tmp_path / "f", "--after-damage", "--replicates", 5)
+    def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path):
+        assert paper(["shocks", str(study), "--out", str(tmp_path / "f")]) == 0
         table = pd.read_csv(tmp_path / "f" / "fragility_after_damage_pga_g.csv")
         median = table[(table["measure"] == "max_psi") & (table["level"] == 1.0)].set_index(
             "before"

@@ -1,5 +1,5 @@
-"""A study on a real SLURM of one node gives the tables that it gives without; a status for every
-state of a job."""
+"""A study as jobs of Snakemake, here and on a real SLURM of one node, gives the tables that it
+gives without."""
 
 import os
 import shutil
@@ -11,33 +11,6 @@ import pytest
 from conftest import REPOSITORY, TINY, run_command, wall_file
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
-
-
-def test_slurm_is_asked_for_in_one_line_where_it_is_missing(tmp_path):
-    done = subprocess.run(
-        [REPOSITORY / "run_all.sh", "quick", "--slurm"],
-        capture_output=True,
-        text=True,
-        env={
-            "PATH": (
-                "/nowhere:/bin"
-                if not shutil.which("sbatch", path="/bin")
-                else _without_slurm(tmp_path)
-            )
-        },
-    )
-    assert (
-        done.returncode == 2
-        and "--slurm without sbatch" in done.stderr
-        and done.stderr.count("\n") == 1
-    )
-
-
-def _without_slurm(folder):
-    """A PATH with what run_all.sh needs before it looks for sbatch."""
-    for name in ("bash", "env", "dirname", "readlink", "basename", "nproc", "paste", "cat"):
-        (folder / name).symlink_to(shutil.which(name))
-    return str(folder)
 
 
 def on_slurm(test):
@@ -72,52 +45,77 @@ exec "$@"
 """
 
 
+def jobs(folder, slices, *more):
+    """A command that runs tiny.py's study in slices by Snakemake."""
+    return [
+        sys.executable,
+        "-m",
+        "snakemake",
+        "--snakefile",
+        REPOSITORY / "damage" / "applications" / "studies" / "Snakefile",
+        "--directory",
+        folder / "jobs",
+        "--jobs",
+        "2",
+        *more,
+        "--config",
+        f"study={folder / 'study.toml'}",
+        f"slices={slices}",
+        "options=--solver reference",
+    ]
+
+
+def tables(folder):
+    return {path.name: path.read_bytes() for path in (folder / "tables").glob("*.csv")}
+
+
+def whole(folder, environment):
+    """The tables of the study without slices."""
+    words = [REPOSITORY / "run_all.sh", folder / "study.toml", "--solver", "reference", "-j2"]
+    out = folder / "here"
+    run_command(*words, "--out", out, timeout=900, env=environment, status=0)
+    return tables(out)
+
+
+@pytest.mark.slow
+def test_slices_by_snakemake_give_the_tables_of_the_whole(tmp_path):
+    pytest.importorskip("snakemake")
+    wall_file(tmp_path / "tiny.py", TINY)
+    (tmp_path / "study.toml").write_text(DRAWN.replace("samples = 50", "samples = 2"))
+    environment = {**os.environ, "PYTHONPATH": str(REPOSITORY), "PYTHON": sys.executable}
+    run_command(*jobs(tmp_path, 2), timeout=300, env=environment, status=0)
+    assert len(list((tmp_path / "jobs" / "logs").glob("slice-*-of-2.done"))) == 2
+    assert tables(tmp_path / "jobs") == whole(tmp_path, environment)
+
+
 @on_slurm
 def test_two_hundred_runs_in_slices_killed_and_gone_on_with(tmp_path):
     wall_file(tmp_path / "tiny.py", TINY)
     (tmp_path / "study.toml").write_text(DRAWN)
-    batch = [
-        REPOSITORY / "run_all.sh",
-        tmp_path / "study.toml",
-        "--solver",
-        "reference",
-        "-j2",
-        "--out",
-    ]
     environment = {
         **os.environ,
+        "PYTHONPATH": str(REPOSITORY),
         "PYTHON": sys.executable,
         "CPUS": "2",
-        "OUT": str(tmp_path / "slurm"),
+        "OUT": str(tmp_path / "jobs"),
     }
+    submit = "sbatch --parsable --job-name=drawn --cpus-per-task={threads}"
     done = run_command(
         REPOSITORY / "scripts" / "local_slurm.sh",
         "bash",
         "-c",
         KILLED,
         "-",
-        *batch,
-        tmp_path / "slurm",
-        "--slurm",
-        "--shard",
-        "50",
+        *jobs(tmp_path, 4, "--cluster", submit, "--nolock", "--rerun-incomplete"),
         timeout=900,
         env=environment,
     )
     if done.returncode == 3:
         pytest.skip(f"SLURM does not start here: {done.stderr[-200:]}")
     assert done.returncode == 0, done.stdout + done.stderr
-    kept = (tmp_path / "slurm" / "before").read_text().splitlines()
+    kept = (tmp_path / "jobs" / "before").read_text().splitlines()
     assert 20 <= len(kept) < 200
-    subprocess.run(["sha256sum", "--check", "--quiet", tmp_path / "slurm" / "before"], check=True)
-    run_command(
-        *batch, tmp_path / "here", "--keep", "summary", timeout=900, env=environment, status=0
-    )
-    tables = [
-        {path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
-        for name in ("slurm", "here")
-    ]
-    assert len(tables[0]) == 4 * 4 + 3 and tables[0] == tables[1]
-    assert len(list((tmp_path / "slurm" / "logs").glob("slice-*-of-4.done"))) == 4
-    assert len(list((tmp_path / "slurm" / "runs").glob("*.h5"))) == 200
-    assert len(list((tmp_path / "here" / "runs").glob("*.h5"))) == 4
+    subprocess.run(["sha256sum", "--check", "--quiet", tmp_path / "jobs" / "before"], check=True)
+    assert tables(tmp_path / "jobs") == whole(tmp_path, environment)
+    assert len(list((tmp_path / "jobs" / "logs").glob("slice-*-of-4.done"))) == 4
+    assert len(list((tmp_path / "jobs" / "runs").glob("*.h5"))) == 200

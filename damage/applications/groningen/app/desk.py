@@ -2,8 +2,6 @@
 folder --out."""
 
 import contextlib
-import csv
-import io
 import os
 import signal
 import subprocess
@@ -13,15 +11,14 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_cracks
 from damage.applications.cracks.survey import read_survey
 from damage.applications.groningen.app.photo import cleaned, rectified
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
-from damage.applications.groningen.exposure.catalogue import read_catalogue
-from damage.applications.groningen.exposure.exposure import Exposure, strongest
-from damage.applications.groningen.exposure.ground_motion import model_named
-from damage.applications.groningen.exposure.places import at
+from damage.applications.groningen.exposure.exposure import strongest
+from damage.applications.groningen.exposure.lives import draws_of
 from damage.applications.report.words import LANGUAGES, all_words
 from damage.applications.studies.folder import end_with_parent, environment, open_log
 from damage.checks import check_choice, check_range, check_whole
@@ -98,7 +95,7 @@ class Desk:
         """The earthquakes at an address."""
         for what, value in (("latitude", latitude), ("longitude", longitude)):
             check_range(what, value, -180, 180)
-        exposure = Exposure(at(latitude, longitude), read_catalogue(), model_named("bommer-2022"))
+        exposure = draws_of({"latitude": latitude, "longitude": longitude}).exposure
         found = exposure.as_dict()
         return found | {"events": strongest(found, EVENTS)}
 
@@ -276,13 +273,9 @@ class Desk:
     def _check_sent(self, shown, settle):
         """InputError where the page shows another front, survey or levels than it sent: they would
         not be in the run."""
-        if not isinstance(shown, dict) or set(shown) != {"front", "survey", "levels"}:
-            raise InputError(
-                "what the page shows: expected front, survey and levels; load the page again"
-            )
         parts = [
             (HOUSE, "the front", shown["front"]),
-            (SURVEY, "the survey that is drawn", _as_csv(**_parts(shown))),
+            (SURVEY, "the survey that is drawn", _as_csv(**shown["survey"])),
         ]
         parts += [(LEVELS, "the table of levels", shown["levels"])] * (settle == "levels")
         for name, what, text in parts:
@@ -389,17 +382,6 @@ def _redrawn(pattern):
     }
 
 
-def _parts(shown):
-    """The arguments of `Desk.survey` that the page shows; InputError for anything else."""
-    names = "cracks", "areas", "limit_mm", "error_mm"
-    survey = shown["survey"]
-    if not isinstance(survey, dict) or set(survey) != set(names):
-        raise InputError(
-            f"the survey that is drawn: expected {', '.join(names)}; load the page again"
-        )
-    return survey
-
-
 def _points(what, points, least, most):
     """An array (n, 2) of points from the page; InputError for anything else."""
     if not isinstance(points, list) or not least <= len(points) <= most:
@@ -422,11 +404,8 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
         or len(cracks) + len(areas) > MOST_LINES
     ):
         raise InputError(f"the survey: expected up to {MOST_LINES} cracks and areas; take some out")
-    names = [*REQUIRED, "width_mm", "mode", *OF_SURVEY]
-    file = io.StringIO()
-    writer = csv.DictWriter(file, names, restval="", lineterminator="\n")
-    writer.writeheader()
     accuracy = {"detection_limit_mm": float(limit_mm), "width_error_mm": float(error_mm)}
+    rows = []
     for number, crack in enumerate(cracks, start=1):
         points = _points(
             f"crack {number}",
@@ -436,36 +415,21 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
         )
         check_range(f"width of crack {number} [mm]", crack.get("width_mm"), 0.001, 1000)
         check_choice(f"offset of crack {number}", crack.get("offset"), ("yes", "no", "unknown"))
-        for k, (x, z) in enumerate(points, start=1):
-            sizes = (
-                {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]}
-                if k < len(points)
-                else {}
-            )
-            writer.writerow(
-                {
-                    "crack": number,
-                    "point": k,
-                    "x_m": round(x, 4),
-                    "z_m": round(z, 4),
-                    **sizes,
-                    **accuracy,
-                }
-            )
+        sizes = {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]}
+        last = len(points)
+        rows += [
+            {"crack": number, "point": k, "x_m": x, "z_m": z, **(sizes if k < last else {})}
+            for k, (x, z) in enumerate(points, start=1)
+        ]
     for number, area in enumerate(areas, start=1):
         corners = np.sort(_points(f"area {number}", area, 2, 2), axis=0)
-        for k, (x, z) in enumerate(corners, start=1):
-            writer.writerow(
-                {
-                    "crack": f"area{number}",
-                    "point": k,
-                    "x_m": round(x, 4),
-                    "z_m": round(z, 4),
-                    "mode": "none",
-                    **accuracy,
-                }
-            )
-    return file.getvalue()
+        rows += [
+            {"crack": f"area{number}", "point": k, "x_m": x, "z_m": z, "mode": "none"}
+            for k, (x, z) in enumerate(corners, start=1)
+        ]
+    table = pd.DataFrame(rows, columns=[*REQUIRED, "width_mm", "mode", *OF_SURVEY])
+    table = table.round({"x_m": 4, "z_m": 4}).assign(**accuracy)
+    return table.to_csv(index=False, lineterminator="\n")
 
 
 def words():

@@ -9,20 +9,20 @@ path: browsers send cookies to every port of a machine.  The page asks for nothi
 machine; its Content-Security-Policy forbids it.
 """
 
-import json
 import os
 import secrets
 import socket
 import threading
 import webbrowser
 from contextlib import contextmanager, nullcontext
+from inspect import signature
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
 from damage.applications.groningen.app.desk import SHOWN, Desk, words
 from damage.applications.groningen.app.photo import MOST_BYTES
 from damage.applications.report.words import LANGUAGES
-from damage.errors import InputError, RunError, one_line
+from damage.errors import InputError, RunError
 from damage.files import json_text
 
 PAGE = Path(__file__).parent / "page"
@@ -43,8 +43,8 @@ HEADERS = {
 }
 SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Of the sheet, which has its style and pictures in itself; it can be printed."""
-MOST_JSON = 2_000_000
-"""Bytes of what the page sends but for a photograph."""
+CALLS = "address", "front", "straighten", "survey", "levels", "start", "stop"
+"""Methods of Desk that the page asks for."""
 COOKIE, HEADER = "damage_app", "X-Damage-Token"
 WITHOUT_PORT = 80
 """The port that browsers leave out of Host and Origin."""
@@ -143,26 +143,16 @@ def _pages(app, token, root):
 
 def _calls(app, root):
     """What the page asks for: POST /api/NAME with a JSON object of the arguments of a method of
-    Desk."""
+    Desk; a request that it does not make is answered with its status alone."""
     from flask import Response, abort, request
 
-    methods = {
-        "address": ("latitude", "longitude"),
-        "front": ("text",),
-        "straighten": ("pixels", "places"),
-        "survey": ("cracks", "areas", "limit_mm", "error_mm"),
-        "levels": ("text",),
-        "start": ("latitude", "longitude", "settle", "distortion", "draws", "language"),
-        "stop": (),
-    }
-    optional = {"start": ("shown",)}
     lock = threading.Lock()
 
     def answer(work):
         try:
             with lock:
                 return Response(json_text(work()), content_type="application/json")
-        except (InputError, RunError, OSError) as error:
+        except (InputError, RunError, OSError, UnicodeError) as error:
             # no fault of the page
             return Response(json_text({"error": str(error)}), content_type="application/json")
 
@@ -178,52 +168,14 @@ def _calls(app, root):
 
     @app.post(f"{root}/api/<name>")
     def call(name):
-        if name not in methods:
+        if name not in CALLS:
             abort(404)
-        given = _object(request)
-        if not set(methods[name]) <= set(given) <= {*methods[name], *optional.get(name, ())}:
-            abort(
-                _bad_request(
-                    f"{name} with {', '.join(given) or 'nothing'}: expected "
-                    f"{', '.join(methods[name]) or 'nothing'}; correct it"
-                )
-            )
-        return answer(lambda: getattr(app.desk, name)(**given))
-
-
-def _object(request):
-    """The JSON object that a request has; anything else ends it."""
-    from flask import abort
-
-    if not request.is_json:
-        abort(415)
-    if request.content_length > MOST_JSON:
-        abort(413)
-    try:
-        given = json.loads(request.get_data().decode())
-        json.dumps(given, ensure_ascii=False).encode()  # half a surrogate is no text
-    except (ValueError, RecursionError) as error:
-        why = "nested too deeply" if isinstance(error, RecursionError) else str(error)
-        abort(
-            _bad_request(f"the request is no JSON in UTF-8 ({why}); expected an object; correct it")
-        )
-    return (
-        given
-        if isinstance(given, dict)
-        else abort(
-            _bad_request(
-                "the request is JSON but no object; expected an object of the call's arguments;"
-                " correct it"
-            )
-        )
-    )
-
-
-def _bad_request(text):
-    """The response to a request that the page does not make, with one line that says why."""
-    from flask import Response
-
-    return Response(json_text({"error": one_line(text)}), 400, content_type="application/json")
+        method = getattr(app.desk, name)
+        try:
+            given = signature(method).bind(**request.get_json())
+        except (TypeError, RecursionError):  # no object, or one of other arguments
+            abort(400)
+        return answer(lambda: method(**given.arguments))
 
 
 def serve(out, port=0, opened=True):

@@ -22,8 +22,7 @@ from damage.applications.groningen.claim.twins import (
     read_twins,
     write_twins,
 )
-from damage.applications.groningen.exposure.exposure import Exposure
-from damage.applications.groningen.exposure.lives import Choices, Draws, read_address
+from damage.applications.groningen.exposure.lives import draws_of, read_address
 from damage.applications.report.words import number, words
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, held
@@ -45,14 +44,13 @@ an interval of ±10 of 100 takes."""
 @dataclass(frozen=True)
 class Claim:
     """What a claim is about: wall: its file, or the name of one that ships; address: {key of
-    `damage.applications.groningen.exposure.lives.KEYS`: value}; exposure: at it; survey: the file
+    `damage.applications.groningen.exposure.lives.KEYS`: value}; survey: the file
     of cracks; options: of each run; settlement: options of a settlement of known shape and size, {}
     for none that is known; draws: their number, None for as many as the intervals or an answer
     need; language: of the sheet."""
 
     wall: str
     address: dict
-    exposure: Exposure
     survey: Path
     options: dict = field(default_factory=dict)
     settlement: dict = field(default_factory=dict)
@@ -67,20 +65,14 @@ def make_claim(claim, out, jobs, remake=False):
     remake: draws of another version, which are refused otherwise.
     """
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
-    choices = Choices(
-        **{
-            name: claim.address[name]
-            for name in Choices.__dataclass_fields__
-            if name in claim.address
-        }
-    )
-    Draws(claim.exposure, choices).life(1)  # says what is wrong before anything is written
+    drawn_from = draws_of(claim.address)
+    drawn_from.life(1)  # says what is wrong before anything is written
     layout = layout_of(claim.wall)
     settled = settings_of(claim.settlement, "", "reference").settlement
     if settled is not None:
         settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)
-    warn(*claim.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
+    warn(*drawn_from.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
     print(on_joints(survey.as_dict()))
     with held(out, Path(NAME).stem) as lock:
         _state_runs(jobs, steps)
@@ -95,9 +87,7 @@ def make_claim(claim, out, jobs, remake=False):
                     " cracks were put on; give the same command again"
                 )
             twins = read_twins(out, layout)
-            given = {
-                name: value for name, value in claim.address.items() if value is not None
-            } | claim.options
+            given = claim.address | claim.options
             exposure = read_address(out / f"{SHAKEN}.address.toml").exposure  # that the runs have
             numbers = numbers_of(
                 twins, survey, layout, exposure, given, _ground(claim), _evidence(first)

@@ -143,38 +143,11 @@ def draws_needed(numbers):
 def shaking(exposure, twins):
     """What shook the house: the events of the largest median PGV, and the end of the list."""
     found, gain = exposure.as_dict(), mean_gains(twins.events[SHAKEN])
-    names = (
-        "time_utc",
-        "magnitude",
-        "place",
-        "id",
-        "epicentral_km",
-        "median_mm_s",
-        "one_percent_mm_s",
-    )
-    return {
-        **{
-            name: found[name]
-            for name in (
-                "latitude",
-                "longitude",
-                "vs30_m_s",
-                "model",
-                "component",
-                "from",
-                "to",
-                "catalogue_ends",
-                "largest_of_all_median_mm_s",
-                "largest_of_all_one_percent_mm_s",
-                "warnings",
-            )
-        },
-        "n_events": len(found["events"]),
-        "events": [
-            {**{name: event[name] for name in names}, "mean_psi_added": gain.get(event["id"], 0.0)}
-            for event in strongest(found, SHOWN_EVENTS)
-        ],
-    }
+    events = [
+        event | {"mean_psi_added": gain.get(event["id"], 0.0)}
+        for event in strongest(found, SHOWN_EVENTS)
+    ]
+    return found | {"n_events": len(found["events"]), "events": events}
 
 
 def mean_gains(events):

@@ -85,22 +85,6 @@ class Twins:
     def __len__(self):
         return len(self.numbers)
 
-    def at(self, which):
-        """Those at an index or flags."""
-        of = lambda table: {name: values[which] for name, values in table.items()}  # noqa: E731
-        numbers = self.numbers[which]
-        return Twins(
-            numbers,
-            of(self.opening_m),
-            of(self.offset_m),
-            of(self.fell),
-            self.ends,
-            self.length_m,
-            {name: table[table["life"].isin(numbers)] for name, table in self.events.items()},
-            self.settlement.iloc[which],
-            self.made_by,
-        )
-
     @cached_property
     def width_m(self):
         """{of STATES: width of the widest crack (n,) [m]}, infinite of a wall that fell."""

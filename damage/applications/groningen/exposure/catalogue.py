@@ -22,7 +22,7 @@ from damage.applications.groningen.exposure.places import (
     within,
 )
 from damage.checks import check_file
-from damage.csv_table import MOST_MB, MOST_ROWS, as_words, read_csv
+from damage.csv_table import MOST_MB, MOST_ROWS, CsvTable, as_words, read_csv, uncommented
 from damage.elementary import hypot
 from damage.errors import InputError, some_of
 from damage.fields import Column
@@ -30,7 +30,6 @@ from damage.files import DATA, text_lines, write_text
 
 SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
 """The catalogue that ships: its README says what it is."""
-MAGNITUDES = (-3.0, 10.0)
 SHALLOW_KM, DEEPEST_KM = 5.0, 10.0
 """Depths beyond which events are named, since models take the field's 3 km, and are left out: 10 km
 is what agencies without near stations fix, and no gas field is deeper."""
@@ -48,25 +47,24 @@ _NO_TYPE = "", "not reported", "unknown"
 _GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
 _WORDS = Column("", "", "U")
 _CSV = {
-    "date_utc": _WORDS,
-    "time_utc": _WORDS,
-    "magnitude": Column("1", "local magnitude"),
+    **dict.fromkeys(("date_utc", "time_utc", "field", "place", "knmi_id"), _WORDS),
+    "magnitude": Column("1", "local magnitude", least=-3, most=10),
     **dict.fromkeys(_GRID, Column("m", "epicentre in RD")),
     **dict.fromkeys(_DEGREES, Column("degrees", "epicentre")),
     "depth_km": Column("km", "depth"),
-    **dict.fromkeys(("field", "place", "knmi_id"), _WORDS),
 }
+_SERVICE = _CSV | dict.fromkeys(("time", "type", "agency"), _WORDS)
 _FDSN = {
-    "eventid": "id",
+    "eventid": "knmi_id",
     "time": "time",
     "latitude": "latitude",
     "longitude": "longitude",
     "magnitude": "magnitude",
     "eventlocationname": "place",
-    "depth/km": "depth",
+    "depth/km": "depth_km",
     "eventtype": "type",
     "catalog": "agency",
-}  # heading in lower case: name here; others are passed over
+}  # heading in lower case: column of _SERVICE; others are passed over
 _KNMI = {
     "YYMMDD": "date_utc",
     "TIME": "time_utc",
@@ -210,130 +208,83 @@ def write_catalogue(catalogue, path):
     return write_text(path, rows.to_csv(index=False, lineterminator="\n"))
 
 
+def _read_csv(path):
+    table = read_csv(path, _CSV, ("date_utc", "time_utc", "magnitude"))
+    return _catalogue(path, table, table.rows["date_utc"] + "T" + table.rows["time_utc"])
+
+
 def _read_knmi(path):
     """KNMI's list of all induced earthquakes of the country: what lies in the sea beside it is left
     out."""
-    table = read_csv(
-        path,
-        dict.fromkeys((*_KNMI, "EVALMODE"), _WORDS)
-        | {known: _CSV[name] for known, name in _KNMI.items()},
-        tuple(_KNMI),
-    )
+    known = {name: _CSV[ours] for name, ours in _KNMI.items()} | {"EVALMODE": _WORDS}
+    table = read_csv(path, known, tuple(_KNMI))
+    table.rows = table.rows.rename(columns=_KNMI)
     # a spreadsheet takes zeros off
-    digits = table.rows["TIME"].str.extract(r"^(\d{1,6})(\.\d*)?$").fillna("")
+    digits = table.rows["time_utc"].str.extract(r"^(\d{1,6})(\.\d*)?$").fillna("")
     table.refuse(
-        ~table.rows["YYMMDD"].str.fullmatch(r"\d{8}") | (digits[0] == ""),
+        ~table.rows["date_utc"].str.fullmatch(r"\d{8}") | (digits[0] == ""),
         "expected a date YYYYMMDD and a time HHMMSS.ss, such as 20180419 and 093307.59; correct it",
     )
     clock = digits[0].str.zfill(6).str.replace(r"(..)(..)(..)", r"\1:\2:\3", regex=True)
-    table.rows = table.rows.rename(columns=_KNMI).assign(
-        knmi_id="", time_utc=clock + digits[1].where(digits[1] != ".", "")
-    )
-    return _from_table(path, table, leave_out=True)
-
-
-def _read_csv(path):
-    return _from_table(path, read_csv(path, _CSV, ("date_utc", "time_utc", "magnitude")))
-
-
-def _from_table(path, table, leave_out=False):
-    """The Catalogue of a CsvTable with the columns of CSV; leave_out: whether to take events
-    outside the country out rather than to refuse the file."""
-    names = [_KNMI.get(name, name) for name in table.names]
-    pairs = [pair for pair in (_GRID, _DEGREES) if all(name in names for name in pair)]
-    if not pairs:
-        raise InputError(
-            f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
-            f"{' and '.join(_DEGREES)} [degrees]"
-        )
-    table.refuse_empty(*pairs[0], "magnitude")
-    rows = table.rows.rename(columns={"knmi_id": "id", "depth_km": "depth"}).assign(line=table.line)
-    times = [
-        _time(f"{row.date_utc}T{row.time_utc}", f"{path} line {row.line}")
-        for row in rows.itertuples()
-    ]
-    given = rows[[*pairs[0], "magnitude", "line", "place", "id", "depth"]]
-    return _catalogue(path, times, given.assign(type="", agency=""), leave_out)
+    clock += digits[1].where(digits[1] != ".", "")
+    return _catalogue(path, table, table.rows["date_utc"] + "T" + clock, leave_out=True)
 
 
 def _read_fdsn(path):
-    lines = text_lines(path, Path(path).read_bytes(), 2 * MOST_ROWS, errors="replace")
-    heads = [_FDSN.get(word.strip().lower()) for word in lines[0].lstrip("#").split("|")]
-    if missing := [name for name in _FDSN_NEEDED if name not in heads]:
+    head, *lines = text_lines(path, Path(path).read_bytes(), 2 * MOST_ROWS, errors="replace")
+    names = [_FDSN.get(word.strip().lower(), word) for word in head.lstrip("#").split("|")]
+    if missing := [name for name in _FDSN_NEEDED if name not in names]:
         raise InputError(
             f"{path} line 1: no column {', '.join(missing)}; expected FDSN text that begins with "
             "#EventID|Time|Latitude|Longitude|Depth/km|Author|...|Magnitude|..."
         )
-    rows, times = [], []
-    for number, line in enumerate(lines[1:], 2):
-        if not line.strip() or line.startswith("#"):
-            continue
-        cells, where = [cell.strip() for cell in line.split("|")], f"{path} line {number}"
-        if len(cells) != len(heads):
-            raise InputError(
-                f"{where}: {len(cells)} cells, the first line has {len(heads)}: expected as many,"
-                " with | between"
-            )
-        row = {
-            "place": "",
-            "id": "",
-            "depth": "",
-            "type": "",
-            "agency": "",
-            **dict(zip(heads, cells)),
-        }
-        numbers = {
-            name: _number(row[name], name, where) for name in ("magnitude", "latitude", "longitude")
-        }
-        depth = _number(row["depth"], "depth", where) if row["depth"] else np.nan
-        rows.append(row | numbers | {"depth": depth, "line": number})
-        times.append(_time(row["time"], where))
-    if not rows:
+    numbered = uncommented(["#", *lines])
+    if not numbered:
         raise InputError(f"{path}: no event; expected at least one line below the first")
-    return _catalogue(path, times, pd.DataFrame(rows))
+    table = CsvTable(path, names, numbered, "|", _SERVICE)
+    return _catalogue(path, table, table.rows["time"])
 
 
-def _catalogue(path, times, table, leave_out=False):
-    """A Catalogue of events, after a check of their ranges.
-
-    times: datetimes; table: columns line (number in the file), magnitude, those of _GRID or of
-    _DEGREES, place, id, depth [km], type and agency; depth NaN, the last two "" where the file does
-    not say; leave_out: as of `_from_table`.
-    """
-    least, most = MAGNITUDES
-    in_grid = _GRID[0] in table
-    bounds, pair = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)
-    epicentres, magnitude = [table[name].to_numpy(float) for name in pair], table["magnitude"]
+def _catalogue(path, table, times, leave_out=False):
+    """The Catalogue of a CsvTable with columns of _SERVICE; times: words in ISO 8601; leave_out:
+    whether to take events outside the country out rather than to refuse the file."""
+    rows = table.rows
+    pair = next((two for two in (_GRID, _DEGREES) if two[0] in rows and rows[two[0]].any()), None)
+    if pair is None:
+        raise InputError(
+            f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
+            f"{' and '.join(_DEGREES)} [degrees]"
+        )
+    table.refuse_empty(*pair, "magnitude")
+    bounds = NETHERLANDS_RD_M if pair == _GRID else NETHERLANDS_DEG
+    epicentres = [rows[name].to_numpy() for name in pair]
     outside = ~within(bounds, *epicentres)
-    for wrong, problem in (
-        (
-            (magnitude < least) | (magnitude > most),
-            f"expected a magnitude from {least:g} to {most:g}",
-        ),
-        (
-            outside & ~(leave_out & ~outside.all()),
-            (
-                f"epicentre outside the Netherlands; expected {pair[0]} from {bounds[0][0]:g} to"
-                f" {bounds[0][1]:g} and {pair[1]} from {bounds[1][0]:g} to {bounds[1][1]:g}"
-            ),
-        ),
-    ):
-        if wrong.any():
-            raise InputError(
-                f"{path} line {table['line'][int(np.argmax(wrong))]}: {problem}; correct it"
-            )
-    lines, (x_m, y_m) = table["line"].to_numpy(), epicentres if in_grid else to_rd(*epicentres)
-    table, notes = table.assign(x_m=x_m, y_m=y_m, time=pd.Series(times, dtype=object)), []
-    table = table[~outside].sort_values("time", kind="stable", ignore_index=True)
+    table.refuse(
+        outside & ~(leave_out & ~outside.all()),
+        f"epicentre outside the Netherlands; expected {pair[0]} from {bounds[0][0]:g} to"
+        f" {bounds[0][1]:g} and {pair[1]} from {bounds[1][0]:g} to {bounds[1][1]:g}; correct it",
+    )
+    x_m, y_m = epicentres if pair == _GRID else to_rd(*epicentres)
+    time = pd.Series([_time(table, row, words) for row, words in enumerate(times)], dtype=object)
+    found = rows.rename(columns={"knmi_id": "id", "depth_km": "depth"})
+    found = found.assign(
+        x_m=x_m,
+        y_m=y_m,
+        time=time,
+        line=table.line,
+        **{name: "" for name in ("id", "type", "agency") if name not in found},
+    )
+    away = found["line"][outside]
+    found, notes = found[~outside].sort_values("time", kind="stable", ignore_index=True), []
     if Path(path) != SHIPPED:
-        away, (table, notes) = lines[outside], _of_the_field(table)
+        found, notes = _of_the_field(found)
         notes = [f"left out as outside the Netherlands: {_lines(away)}"] * bool(len(away)) + notes
-        if table.empty:
+        if found.empty:
             raise InputError(
                 f"{path}: no event that the ground-motion models are for; expected induced"
                 f" earthquakes of the Groningen field; {notes[0]}"
             )
-    columns = [table[name].to_numpy() for name in _COLUMNS]
+    columns = [found[name].to_numpy() for name in _COLUMNS]
     for column in columns:
         column.setflags(write=False)
     return Catalogue(*columns, str(path), tuple(f"{path}: {note}" for note in notes))
@@ -409,21 +360,12 @@ def _lines(numbers):
     return f"line{'s' * (len(numbers) > 1)} {some_of(list(map(str, sorted(numbers))))}"
 
 
-def _time(words, where):
+def _time(table, row, words):
+    """The time of a row, UTC."""
     try:
         time = datetime.fromisoformat(words.strip())
     except ValueError:
-        raise InputError(
-            f"{where}: time {words!r}; expected such as 2018-01-08T14:00:52; correct it"
+        raise table.error(
+            row, f"time {words!r}; expected such as 2018-01-08T14:00:52; correct it"
         ) from None
     return time.astimezone(UTC) if time.tzinfo else time.replace(tzinfo=UTC)
-
-
-def _number(word, name, where):
-    try:
-        value = float(word)
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        raise InputError(f"{where}: {name} = {word!r}; expected a number; correct it")
-    return value

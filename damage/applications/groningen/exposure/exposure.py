@@ -11,11 +11,11 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr
 
 from damage.applications.groningen.exposure.catalogue import Catalogue, from_field_km
+from damage.applications.groningen.exposure.columns import TABLES
 from damage.applications.groningen.exposure.ground_motion import GroundMotionModel, checked_vs30
 from damage.applications.groningen.exposure.places import Place, to_wgs84
 from damage.elementary import hypot
 from damage.errors import InputError
-from damage.history.schema import Column
 from damage.provenance import shown_path
 
 LEVELS_MM_S = (1, 2, 5, 10)
@@ -26,25 +26,6 @@ REACH_KM = 25.0
 """Farthest that a place may be from the nearest epicentre of the field [km]: to there the model was
 compared with records."""
 _NODES = 64  # of the quadrature over the site term
-
-COLUMNS = {
-    "time_utc": Column("", "origin time"),
-    "magnitude": Column("1", "local magnitude ML"),
-    "place": Column("", "place nearest to the epicentre"),
-    "id": Column("", "identifier of the catalogue"),
-    "latitude": Column("degree", "of the epicentre, WGS84"),
-    "longitude": Column("degree", "of the epicentre, WGS84"),
-    "easting_rd_m": Column("m", "of the epicentre, RD New"),
-    "northing_rd_m": Column("m", "of the epicentre, RD New"),
-    "epicentral_km": Column("km", "distance of the epicentre"),
-    "median_mm_s": Column("mm/s", "median PGV"),
-    "one_percent_mm_s": Column("mm/s", "PGV that is exceeded with a probability of 1 %"),
-    **{
-        f"p_over_{level}_mm_s": Column("1", f"probability of a PGV over {level} mm/s")
-        for level in LEVELS_MM_S
-    },
-}
-"""Columns of `Exposure.table`."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +108,7 @@ class Exposure:
         )
 
     def table(self):
-        """DataFrame with a row an event in the order of time; columns: COLUMNS."""
+        """DataFrame with a row an event in the order of time; columns: `TABLES`."""
         events, median = self.catalogue, self.median_mm_s
         latitude, longitude = to_wgs84(events.x_m.astype(float), events.y_m.astype(float))
         columns = [
@@ -144,7 +125,7 @@ class Exposure:
             self.model.exceeded_mm_s(median, RARE),
             *(self.model.exceedance(median, level) for level in LEVELS_MM_S),
         ]
-        return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))
+        return pd.DataFrame(dict(zip(TABLES["exposure.csv"], columns, strict=True)))
 
     def as_dict(self):
         """Everything that was found, fit for JSON; `events` is a list in the order of time."""

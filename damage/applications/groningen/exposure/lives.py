@@ -111,39 +111,37 @@ class Choices:
                 f"largest_alone = {self.largest_alone!r}: expected true or false; correct it"
             )
         if self.strong is not None:
-            strong = tuple(self.strong) if isinstance(self.strong, list | tuple) else ()
-            if len(strong) != 2:
-                raise InputError(
-                    f"strong = {self.strong!r}: expected two shares, like [0.05, 0.05]; correct it"
-                )
-            for share in strong:
-                check_range("strong", share, 0, 0.49)
-            object.__setattr__(self, "strong", strong)
-        if (self.settle, self.distortion) != (None, None):
-            for name, value in zip(("settle", "distortion"), self._checked_ground()):
-                object.__setattr__(self, name, value)
-
-    def _checked_ground(self):
-        """Profiles and bounds as tuples; InputError where they are none."""
-        settle, bounds = (
-            tuple(one) if isinstance(one, list | tuple) else ()
-            for one in (self.settle, self.distortion)
-        )
-        if not settle or len(bounds) != 2:
+            object.__setattr__(self, "strong", _pair("strong", self.strong, 0, 0.49))
+        if (self.settle, self.distortion) == (None, None):
+            return
+        settle = tuple(self.settle) if isinstance(self.settle, list | tuple) else ()
+        if not settle:
             raise InputError(
-                f"settle = {self.settle!r}, distortion = {self.distortion!r}: expected profiles and"
-                ' two bounds, like settle = ["hogging"] and distortion = [0.0002, 0.002]; correct'
-                " them"
+                f"settle = {self.settle!r}: expected profiles beside distortion, like"
+                ' settle = ["hogging"] and distortion = [0.0002, 0.002]; correct them'
             )
         for profile in settle:
             check_choice("settle", profile, PROFILES)
-        for bound in bounds:
-            check_range("distortion", bound, *DISTORTIONS)
+        bounds = _pair("distortion", self.distortion, *DISTORTIONS)
         if bounds[0] > bounds[1]:
             raise InputError(
                 f"distortion = {list(bounds)}: expected the smaller one first; exchange them"
             )
-        return settle, tuple(map(float, bounds))
+        object.__setattr__(self, "settle", settle)
+        object.__setattr__(self, "distortion", bounds)
+
+
+def _pair(name, value, least, most):
+    """Two numbers within bounds, a tuple of float; InputError for anything else."""
+    pair = tuple(value) if isinstance(value, list | tuple) else ()
+    if len(pair) != 2:
+        raise InputError(
+            f"{name} = {value!r}: expected two numbers from {least:g} to {most:g}, as"
+            f" {name} = [0.001, 0.002]; correct it"
+        )
+    for one in pair:
+        check_range(name, one, least, most)
+    return tuple(map(float, pair))
 
 
 @dataclass(frozen=True)
@@ -334,7 +332,6 @@ class Draws:
             "events": len(exposure.median_mm_s),
             "sum_of_medians_mm_s": float(exposure.median_mm_s.sum()),
             **choices,
-            "strong": choices["strong"] and list(map(float, choices["strong"])),
         }
 
 
@@ -374,16 +371,7 @@ def _read(path, text):
             f"{did_you_mean(unknown[0], KEYS)}"
         )
     try:
-        return Draws(
-            _exposure(table, path),
-            Choices(
-                **{
-                    name: value
-                    for name, value in table.items()
-                    if name in Choices.__dataclass_fields__
-                }
-            ),
-        )
+        return draws_of(table, Path(path).parent)
     except (InputError, TypeError) as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -393,7 +381,14 @@ def read_address(path):
     return _read(str(path), toml_text(path, *ADDRESS_FILE))
 
 
-def _exposure(table, path):
+def draws_of(table, folder=Path()):
+    """Draws of a table with keys of KEYS; folder: from where the path of its catalogue starts.
+    Raises InputError."""
+    choices = {name: table[name] for name in Choices.__dataclass_fields__ if name in table}
+    return Draws(_exposure(table, folder), Choices(**choices))
+
+
+def _exposure(table, folder):
     places = [
         pair
         for pair in (("latitude", "longitude"), ("easting_rd_m", "northing_rd_m"))
@@ -409,7 +404,7 @@ def _exposure(table, path):
     first, second = (float(table[name]) for name in places[0])
     catalogue = SHIPPED
     if "catalogue" in table:
-        beside = Path(path).parent / str(table["catalogue"])
+        beside = folder / str(table["catalogue"])
         catalogue = beside if is_there(beside) else str(table["catalogue"])
     return Exposure(
         at(first, second) if places[0][0] == "latitude" else at_rd(first, second),

@@ -10,84 +10,27 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from damage.checks import check_range
 from damage.errors import InputError
+from damage.files import DATA
 
 NETHERLANDS_RD_M = (0.0, 300e3), (300e3, 630e3)
 """Bounds of easting and northing in RD [m]."""
 NETHERLANDS_DEG = (50.5, 53.8), (3.0, 7.5)
 """Bounds of latitude and longitude [degrees], a little wider than the country."""
-TOWNS_DEG = {
-    "Groningen": (53.219, 6.567),
-    "Winsum": (53.330, 6.520),
-    "Bedum": (53.300, 6.602),
-    "Uithuizen": (53.407, 6.676),
-    "Ten Boer": (53.276, 6.694),
-    "Loppersum": (53.333, 6.748),
-    "Hoogezand": (53.162, 6.761),
-    "Slochteren": (53.221, 6.806),
-    "Appingedam": (53.321, 6.858),
-    "Delfzijl": (53.330, 6.918),
-    "Veendam": (53.106, 6.879),
-    "Winschoten": (53.144, 7.037),
-    "Assen": (52.997, 6.562),
-}
+TOWNS = DATA / "groningen" / "towns.csv"
 """Latitude and longitude of towns in and around the field, to about 1 km, for maps [degrees,
 WGS84]."""
-
+_TERMS = {
+    name: list(of[["i", "j", "factor"]].itertuples(index=False, name=None))
+    for name, of in pd.read_csv(
+        DATA / "groningen" / "rd_wgs84.csv", float_precision="round_trip"
+    ).groupby("of")
+}
+"""{result: [(power of the first, power of the second, coefficient)]}."""
 _ORIGIN_RD, _ORIGIN_DEG = (155000.0, 463000.0), (52.15517440, 5.38720621)  # Amersfoort
-# (power of the first, power of the second, coefficient)
-_LATITUDE = (
-    (0, 1, 3235.65389),
-    (2, 0, -32.58297),
-    (0, 2, -0.2475),
-    (2, 1, -0.84978),
-    (0, 3, -0.0655),
-    (2, 2, -0.01709),
-    (1, 0, -0.00738),
-    (4, 0, 0.0053),
-    (2, 3, -0.00039),
-    (4, 1, 0.00033),
-    (1, 1, -0.00012),
-)
-_LONGITUDE = (
-    (1, 0, 5260.52916),
-    (1, 1, 105.94684),
-    (1, 2, 2.45656),
-    (3, 0, -0.81885),
-    (1, 3, 0.05594),
-    (3, 1, -0.05607),
-    (0, 1, 0.01199),
-    (3, 2, -0.00256),
-    (1, 4, 0.00128),
-    (0, 2, 0.00022),
-    (2, 0, -0.00022),
-    (5, 0, 0.00026),
-)
-_EASTING = (
-    (0, 1, 190094.945),
-    (1, 1, -11832.228),
-    (2, 1, -114.221),
-    (0, 3, -32.391),
-    (1, 0, -0.705),
-    (3, 1, -2.34),
-    (1, 3, -0.608),
-    (0, 2, -0.008),
-    (2, 3, 0.148),
-)
-_NORTHING = (
-    (1, 0, 309056.544),
-    (0, 2, 3638.893),
-    (2, 0, 73.077),
-    (1, 2, -157.984),
-    (3, 0, 59.788),
-    (0, 1, 0.433),
-    (2, 2, -6.439),
-    (1, 1, -0.032),
-    (0, 4, 0.092),
-    (1, 4, -0.054),
-)
 
 
 @dataclass(frozen=True)
@@ -147,8 +90,8 @@ def to_rd(latitude, longitude):
         for value, origin in zip((latitude, longitude), _ORIGIN_DEG)
     )
     return tuple(
-        origin + _polynomial(terms, p, q)
-        for origin, terms in zip(_ORIGIN_RD, (_EASTING, _NORTHING))
+        origin + _polynomial(name, p, q)
+        for origin, name in zip(_ORIGIN_RD, ("easting", "northing"))
     )
 
 
@@ -160,13 +103,13 @@ def to_wgs84(x_m, y_m):
         for value, origin in zip((x_m, y_m), _ORIGIN_RD)
     )
     return tuple(
-        origin + _polynomial(terms, p, q) / 3600
-        for origin, terms in zip(_ORIGIN_DEG, (_LATITUDE, _LONGITUDE))
+        origin + _polynomial(name, p, q) / 3600
+        for origin, name in zip(_ORIGIN_DEG, ("latitude", "longitude"))
     )
 
 
-def _polynomial(terms, p, q):
+def _polynomial(name, p, q):
     total = 0.0
-    for i, j, factor in terms:
+    for i, j, factor in _TERMS[name]:
         total = total + math.prod([p] * i + [q] * j, start=factor)
     return total

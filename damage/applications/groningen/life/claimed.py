@@ -10,28 +10,18 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from damage.applications.groningen.life.comparison import VISIBLE, bounds
+from damage.applications.groningen.exposure.columns import TABLES
 from damage.applications.groningen.life.estimate import probability
-from damage.history.schema import Column
 
 DEDUCTIBLES = 0.0, 0.25, 0.5, 1.0
 """Psi that an event has to add."""
-CLAIMED = {
-    "point": Column("", "of the study"),
-    "psi": Column("1", "Psi at rest that is reached"),
-    "deductible_psi": Column("1", "Psi that one event has to add for a claim"),
-    "lives": Column("1", "number of lives"),
-    **bounds("p", "probability that the lives reach it"),
-    **bounds("p_settled", "that the settlement before the first event does"),
-    **bounds("p_largest", "that they first reach it in the event of their largest PGV"),
-    **bounds("p_claim", "that they first reach it in an event that adds the deductible"),
-}
-"""Columns of claimed.csv."""
+VISIBLE = 1.0, 2.0
+"""Psi that is reached."""
 
 
 def claimed(lives):
-    """How `damage.applications.groningen.life.results.Lives` first reach each of VISIBLE: DataFrame
-    of CLAIMED, a row a level and deductible.
+    """How `damage.applications.groningen.life.results.Lives` first reach each of VISIBLE: a row
+    of claimed.csv a level and deductible.
 
     A wall that falls reaches every level.
     """
@@ -58,4 +48,4 @@ def claimed(lives):
             found = probability(of, largest, population)
             row |= zip((name, f"{name}_low", f"{name}_high"), (found.p, *found.interval))
         rows.append(row)
-    return pd.DataFrame(rows)[list(CLAIMED)]
+    return pd.DataFrame(rows)[list(TABLES["claimed.csv"])]

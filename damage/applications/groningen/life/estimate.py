@@ -73,13 +73,3 @@ def strata(largest, population):
         if np.bincount(np.searchsorted(edges, largest), minlength=k).min() >= LEAST_IN_STRATUM:
             return edges
     return np.zeros(0)
-
-
-def paired(first, second):
-    """Mean of first - second (n,) over pairs with common random numbers, and its 95 % interval:
-    (mean, low, high)."""
-    difference = np.asarray(first, float) - np.asarray(second, float)
-    if len(difference) < 2:
-        raise InputError(f"{len(difference)} pairs of lives: expected at least two")
-    mean, half = difference.mean(), Z95 * difference.std(ddof=1) / np.sqrt(len(difference))
-    return float(mean), float(mean - half), float(mean + half)

@@ -12,27 +12,21 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.applications.groningen.exposure.columns import TABLES
 from damage.applications.groningen.exposure.lives import Draws, read_address
-from damage.applications.groningen.life.claimed import claimed
-from damage.applications.groningen.life.comparison import (
-    OUTCOMES,
-    POPULATION,
-    VISIBLE,
-    choices,
-    in_words,
-    largest_alone,
-    readings,
-)
+from damage.applications.groningen.life.claimed import VISIBLE, claimed
 from damage.applications.groningen.life.estimate import probability
 from damage.applications.studies.definition import FROM, load_study
 from damage.applications.studies.records import read_records
 from damage.errors import InputError
 from damage.files import write_text
-from damage.history.schema import Column
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.wall.file import wall_path
 
+OUTCOMES = {"psi": "at rest", "max_psi": "at any moment"}
+POPULATION = 4000
+"""Lives that are drawn and not run, for the distribution of PGV."""
 NAME = "lives.toml"
 POINT, LARGEST = "life", "life_largest"
 
@@ -81,34 +75,6 @@ def _toml(table):
     return [f"{name} = {json.dumps(value)}" for name, value in table.items()]
 
 
-COLUMNS = {
-    "point": Column("", "of the study"),
-    "seed": Column("1", "seed of the address's file"),
-    "life": Column("1", "number of the life, from 1"),
-    "event": Column(
-        "1",
-        "number of the event in the life, from 1; 0: the ground's settlement before the first one",
-    ),
-    "time_utc": Column(
-        "", "of the event; of the settlement the start of the catalogue's first year"
-    ),
-    "magnitude": Column("1", "local magnitude ML"),
-    "place": Column("", "place nearest to the epicentre"),
-    "id": Column("", "identifier of the catalogue"),
-    "pgv_mm_s": Column("mm/s", "PGV that was drawn"),
-    "record": Column("", "record that stands for the motion"),
-    "scale": Column("1", "factor on it"),
-    "largest_mm_s": Column("mm/s", "largest PGV of the life"),
-    "max_psi": Column("1", "largest Psi in the event"),
-    "psi": Column("1", "Psi at rest after it; largest of a wall that fell"),
-    "max_DI": Column("1", "largest damage index in the event"),
-    "DI": Column("1", "the same at rest after it"),
-    "crack_width_mm": Column("mm", "width of the widest crack at rest"),
-    "offset_after_mm": Column("mm", "largest offset of a joint's faces at rest"),
-    "newly_failed": Column("1", "contact points whose bonds failed in it"),
-    "fell": Column("bool", "whether the wall fell in it"),
-}
-"""Columns of lives.csv."""
 SETTLEMENT = "settlement"
 """Place and identifier of event 0 of a life on ground that settled."""
 _SETTLED = {
@@ -127,46 +93,13 @@ _SOURCES = {
     "offset_after_mm": "offset_after_mm",
     "newly_failed": "newly_failed",
 }
-_BY_YEAR = {"psi": "at rest at the end of the year", "max_psi": "at any moment up to then"}
-YEARLY = {
-    "point": Column("", "of the study"),
-    "year": Column("", "at whose end"),
-    "lives": Column("1", "their number"),
-    "median_psi": Column("1", "median over the lives of Psi at rest"),
-    "median_max_psi": Column("1", "median of the largest Psi so far"),
-    "median_DI": Column("1", "median of the damage index at rest"),
-    "median_crack_width_mm": Column("mm", "median of the widest crack at rest"),
-    **{
-        f"p_{name}_{level:g}{end}": Column("1", f"{words}probability of Psi >= {level:g} {when}")
-        for name, when in _BY_YEAR.items()
-        for level in VISIBLE
-        for end, words in (
-            ("", ""),
-            ("_low", "lower 95 % bound of the "),
-            ("_high", "upper 95 % bound of the "),
-        )
-    },
-}
-"""Columns of life.csv."""
-CONTRIBUTIONS = {
-    "point": Column("", "of the study"),
-    "time_utc": Column("", "of the event"),
-    "magnitude": Column("1", "local magnitude ML"),
-    "place": Column("", "place nearest to the epicentre"),
-    "id": Column("", "identifier of the catalogue"),
-    "lives": Column("1", "number of lives that it is part of"),
-    "mean_psi": Column("1", "mean over all lives of its increase of Psi at rest"),
-    "share": Column("1", "of the sum over all events"),
-    "largest": Column("1", "share of lives in which no other event increases Psi as much"),
-}
-"""Columns of contributions.csv."""
 
 
 @dataclass(frozen=True)
 class Lives:
     """The lives of a point.
 
-    draws: Draws of its address; table: a row an event, of COLUMNS.
+    draws: Draws of its address; table: a row an event, with the columns of lives.csv.
     """
 
     point: str
@@ -224,7 +157,7 @@ def lives_of(folder):
 
 
 def life_of(record, draws, number):
-    """Table of a life, from its record: a row an event, with the columns of COLUMNS but `point`.
+    """Table of a life, from its record: a row an event, with the columns of lives.csv but `point`.
 
     A settlement of the ground is event 0.  A wall that fell undergoes no further event.
     """
@@ -288,13 +221,41 @@ def together(parts):
             rows = pd.concat(tables, ignore_index=True).drop_duplicates(
                 ["seed", "life", "event"], keep="first"
             )
-            lives.append(replace(several[0], table=rows[list(COLUMNS)]))
+            lives.append(replace(several[0], table=rows[list(TABLES["lives.csv"])]))
     return lives
+
+
+def beside(parts):
+    """[(Lives, other Lives of the same wall and place by other choices, states of both as
+    DataFrames of `Lives.until` with equal rows)] where the name of the other point is that of the
+    first and one word more."""
+    found = []
+    for one, other in product(parts, repeat=2):
+        if (
+            other.point.rpartition("_")[0] == one.point
+            and one.draws.exposure.place == other.draws.exposure.place
+        ):
+            first, second = one.last, other.last
+            both = first.index.intersection(second.index)
+            found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
+    return found
+
+
+def largest_alone(parts):
+    """{point: (lives with all events, the same with the largest alone)} of the points that have
+    both, as DataFrames of `Lives.until` with equal rows."""
+    return {
+        one.point: (first, second)
+        for one, other, first, second in beside(parts)
+        if other.draws.choices
+        == replace(one.draws.choices, largest_alone=True)
+        != one.draws.choices
+    }
 
 
 def over_time(lives):
     """DataFrame with a row a year: medians over the lives, and probabilities with 95 % intervals;
-    columns: YEARLY."""
+    columns of life.csv."""
     rows, population = [], lives.population()
     for year in range(lives.years[0], lives.years[1] + 1):
         now = lives.until(year)
@@ -314,12 +275,12 @@ def over_time(lives):
                 (found.p, *found.interval),
             )
         rows.append(row)
-    return pd.DataFrame(rows)[list(YEARLY)]
+    return pd.DataFrame(rows)[list(TABLES["life.csv"])]
 
 
 def contributions(lives):
-    """What each event of the catalogue contributes, DataFrame with the largest first; columns:
-    CONTRIBUTIONS."""
+    """What each event of the catalogue contributes, DataFrame with the largest first; columns of
+    contributions.csv."""
     table, keys = lives.table.copy(), ["seed", "life"]
     table["gain"] = table["psi"] - table.groupby(keys)["psi"].shift(fill_value=0.0)
     table["leads"] = (table["gain"] > 0) & (
@@ -341,7 +302,8 @@ def contributions(lives):
     found[["mean_psi", "largest"]] /= n_lives
     total = found["mean_psi"].sum()
     found = found.assign(point=lives.point, share=found["mean_psi"] / total if total else 0.0)
-    return found.sort_values("mean_psi", ascending=False, ignore_index=True)[list(CONTRIBUTIONS)]
+    found = found.sort_values("mean_psi", ascending=False, ignore_index=True)
+    return found[list(TABLES["contributions.csv"])]
 
 
 def describe(parts):
@@ -382,7 +344,7 @@ def describe(parts):
                     f" (median of {int(damaged.sum())} damaged walls; quartiles"
                     f" {share.quantile(0.25):.2f} to {share.quantile(0.75):.2f})"
                 )
-    return "\n".join([*lines, *map(in_words, choices(parts))])
+    return "\n".join(lines)
 
 
 def _of_the_settlement(table):
@@ -402,9 +364,7 @@ def write_lives(parts, folder):
     """Write the tables of lives into a folder; returns their paths.
 
     lives.csv: events; life.csv: year by year; contributions.csv: of each event; claimed.csv:
-    first exceedance by deductible; and, where there
-    are points to compare, choices.csv and readings.csv
-    (`damage.applications.groningen.life.comparison`).
+    first exceedance by deductible.
     """
     folder = Path(folder)
     tables = {
@@ -412,7 +372,5 @@ def write_lives(parts, folder):
         "life.csv": pd.concat(map(over_time, parts)),
         "contributions.csv": pd.concat(map(contributions, parts)),
         "claimed.csv": pd.concat(map(claimed, parts)),
-        "choices.csv": pd.DataFrame(choices(parts)),
-        "readings.csv": pd.DataFrame(readings(parts)),
     }
-    return [write_table(table, folder / name) for name, table in tables.items() if len(table)]
+    return [write_table(table, folder / name) for name, table in tables.items()]

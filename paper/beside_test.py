@@ -1,11 +1,11 @@
-"""Pictures of laboratory walls: simulated envelopes beside the test's, and the index against the
-drift."""
+"""Pictures of laboratory walls (`python3 -m paper specimens`): simulated envelopes beside the
+test's, and the index against the drift."""
 
 import numpy as np
 from matplotlib.lines import Line2D
 
 from damage.applications.cracks.capacity import capacity_curve, cycles_table, pushed_loading
-from damage.applications.cracks.pushed import test_of
+from damage.applications.cracks.pushed import SPECIMENS, read_test
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.run import DRIFT_LIMITS_PCT
 from damage.draw.style import (
@@ -32,6 +32,16 @@ RUN_LOOKS = (
 )
 """Colour, line and marker of each run, so that runs are distinguishable in grey, too."""
 SIDES = ((1, 0), (-1, 1))  # direction of loading, its place in a test's pairs
+
+
+def test_of(history):
+    """The LaboratoryTest that a run's wall models; InputError where it models none."""
+    if history.wall not in SPECIMENS:
+        raise InputError(
+            f"{history.path}: wall {history.wall} models no test; expected one of"
+            f" {', '.join(SPECIMENS)}"
+        )
+    return read_test(SPECIMENS[history.wall])
 
 
 @styled
@@ -120,7 +130,9 @@ def _draw_run(left, right, history, colour, line, marker):
 
 def _draw_test(ax, test, sides):
     for sign, side in sides:
-        drift, force = test.bilinear_curve(side)
+        force = test.bilinear_force_n[side]
+        drift = np.array([0.0, test.elastic_drift[side], test.ultimate_drift[side]])
+        force = np.array([0.0, force, force])
         lines = ax.plot(
             100 * sign * drift,
             sign * force / 1e3,

@@ -1,15 +1,33 @@
-"""Fragility by the damage before an event: each event of a sequence as a run of its own.
+"""Fragility by the damage before an event: each event of a sequence as a run of its own
+(`python3 -m paper shocks`).
 
 A wall enters its second event with the cracks of the first, which Psi counts, so events are
 classified by Psi at rest before them, as in P. A. Korswagen's curves for walls with damage
 (docs/paper/published-fragility.md).
 """
 
-import pandas as pd
+from itertools import cycle
 
-from damage.applications.studies.fragility import fragility
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+from damage.applications.studies.fragility import REPLICATES, curve, exceeding, fragility
+from damage.applications.studies.fragility_picture import STYLES, few_note, records_named
 from damage.applications.studies.read import read_table
-from damage.applications.studies.states import INTENSITIES, STATES, check_states
+from damage.applications.studies.states import (
+    INTENSITIES,
+    LEVELS,
+    STATES,
+    State,
+    check_states,
+    in_picture,
+    in_unit,
+    label,
+    unit_of,
+)
+from damage.draw.panels import add_heading, finish, grid, letter
+from damage.draw.style import styled
 from damage.errors import InputError
 
 BEFORE = {
@@ -21,6 +39,8 @@ BEFORE = {
 """Words for Psi at rest before a shock: from, up to [-]; a single crack of 0.02 mm is 0.62."""
 LEAST_SHOCKS = 20
 """Fewer of a class of damage before are not fitted."""
+PSI = tuple(State("max_psi", level) for level in LEVELS["max_psi"])
+"""The states that a figure shows by default."""
 _SQUARED = ("arias_m_s",)
 """Intensities that go with the square of the motion."""
 
@@ -97,14 +117,14 @@ def _class(psi):
     return next((words for words, (low, high) in BEFORE.items() if low <= psi < high), "more")
 
 
-def table_after_damage(shocks, intensity, replicates, states=STATES):
+def table_after_damage(shocks, intensity, states=STATES, replicates=REPLICATES):
     """A DataFrame with a row for each wall, class of the damage before and State: fits of
     `fragility`.
 
     intensity: a name of INTENSITIES.  Raises InputError where no class has enough events."""
     if intensity not in INTENSITIES or shocks[intensity].isna().any():
         raise InputError(
-            f"--after-damage --intensity {intensity}: expected one of {', '.join(INTENSITIES)} that"
+            f"--intensity {intensity}: expected one of {', '.join(INTENSITIES)} that"
             " every run has, as how it follows a shock's factor must be known; choose one"
         )
     rows = []
@@ -125,4 +145,70 @@ def table_after_damage(shocks, intensity, replicates, states=STATES):
     order = {words: place for place, words in enumerate([*BEFORE, "more"])}
     return table.sort_values(
         "before", key=lambda column: column.map(order), kind="stable", ignore_index=True
+    )
+
+
+@styled
+def picture_after_damage(wall, shocks, table, intensity, states=PSI):
+    """A panel for each State, a curve for each class of the damage before; shocks, table: of one
+    wall, of `damage.applications.studies.after_damage`."""
+    figure, axes = grid(1, len(states), 3.0)
+    x = np.linspace(0.005, 1.08, 200) * shocks[intensity].max()
+    for number, (ax, state) in enumerate(zip(axes[0], states)):
+        rows = table[table["state"] == state.words]
+        handles = [
+            _draw_after(ax, x, shocks, row, style, intensity)
+            for (_, row), style in zip(rows.iterrows(), cycle(STYLES))
+        ]
+        ax.legend(
+            handles=handles, loc="lower left", bbox_to_anchor=(0, 1.1), ncols=1, borderaxespad=0
+        )
+        words, unit = in_picture(state.measure)
+        words = words.removeprefix("maximum ") if state.measure in LEVELS else words
+        letter(ax, number, state.name or f"{words} > {state.level:g} {unit.strip('-')}")
+        ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
+    axes[0, 0].set_ylabel("probability of exceeding")
+    records = shocks["record"].dropna().unique()
+    add_heading(
+        figure,
+        f"{wall} wall, {len(shocks)} shocks, by the damage before",
+        records_named(records),
+        few_note(len(records)),
+    )
+    return finish(
+        figure,
+        [
+            Line2D([], [], color="0.3", label="lognormal fit"),
+            Line2D(
+                [],
+                [],
+                color="0.3",
+                marker="o",
+                ls="",
+                ms=3,
+                label="share of the shocks at one intensity",
+            ),
+        ],
+        columns=2,
+    )
+
+
+def _draw_after(ax, x, shocks, row, style, intensity):
+    """Shares and curve of one class of the damage before; returns the legend's entry."""
+    colour, marker, line = style
+    mine, median = shocks[shocks["before"] == row["before"]], row[in_unit("median", intensity)]
+    shares = exceeding(mine, row["measure"], row["level"]).groupby(mine[intensity].round(6)).mean()
+    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
+    text = f"{row['before']}: no curve, {row['exceeding']} of {row['runs']} shocks exceed it"
+    if np.isfinite(median):
+        ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)
+        unit = unit_of(intensity)[1]
+        low, high = (row[in_unit(f"median_walls_{end}", intensity)] for end in ("low", "high"))
+        text = f"{row['before']}: " + (
+            f"median {median:#.3g} {unit}, dispersion {row['dispersion']:.2f}"
+            if row["dispersion"] > 0
+            else f"between {low:#.3g} and {high:#.3g} {unit}"
+        )
+    return Line2D(
+        [], [], color=colour, marker=marker, ls=line, ms=3, label=text.replace("Psi", r"$\Psi$")
     )

@@ -1,5 +1,5 @@
-"""Lives beside lives: the same lives by other choices, and what a wall's own fragility says of many
-events.
+"""Lives beside lives (`python3 -m paper choices`): the same lives by other choices, and what a
+wall's own fragility says of many events.
 
 The fragility of a wall in a single event says nothing about many.  Two readings of it bound what
 may be expected: every event draws anew whether it damages the wall, or only the largest counts.
@@ -7,89 +7,22 @@ may be expected: every event draws anew whether it damages the wall, or only the
 all events.
 """
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
-from damage.applications.groningen.life.estimate import paired, probability
+from damage.applications.groningen.life.estimate import Z95, probability
+from damage.applications.groningen.life.results import OUTCOMES, POPULATION, VISIBLE, beside
 from damage.applications.studies.fragility import curve, solve
-from damage.history.schema import Column
+from damage.errors import InputError
 
-VISIBLE = 1.0, 2.0
-"""Psi whose probability is reported."""
-OUTCOMES = {"psi": "at rest", "max_psi": "at any moment"}
-POPULATION = 4000
-"""Lives that are drawn and not run, for the distribution of PGV."""
 _FELL = 9.0  # Psi by which a fallen wall counts in differences
 
 
-def bounds(name, meaning):
-    """Columns of a value with its 95 % interval."""
-    return {
-        name: Column("1", meaning),
-        f"{name}_low": Column("1", f"lower 95 % bound of {name}"),
-        f"{name}_high": Column("1", f"upper 95 % bound of {name}"),
-    }
-
-
-CHOICES = {
-    "point": Column("", "of the study"),
-    "other": Column("", "point of the same lives by another choice"),
-    "lives": Column("1", "number of lives that both have"),
-    **bounds("change_p_psi_1", "difference of P(Psi >= 1) at rest at the end, other minus point"),
-    **bounds("change_p_max_psi_1", "the same of P(Psi >= 1) at any moment"),
-    "mean_change_psi": Column("1", "mean absolute difference of Psi at rest at the end"),
-    "most_change_psi": Column("1", "largest absolute difference of it"),
-}
-"""Columns of choices.csv."""
-READINGS = {
-    "point": Column("", "of the study"),
-    "psi": Column("1", "Psi that is reached or not"),
-    "outcome": Column("", "at rest at the end, or at any moment"),
-    "lives": Column("1", "number of lives"),
-    **bounds("p", "probability with all events"),
-    "lives_largest": Column("1", "number of lives with the largest event alone"),
-    **bounds("p_largest", "probability with the largest event alone"),
-    "median_mm_s": Column("mm/s", "median PGV of the wall's fragility in a single event"),
-    "dispersion": Column("1", "its logarithmic standard deviation"),
-    "undetermined": Column("", "why the lives determine no curve, empty where they do"),
-    "p_by_each_event": Column("1", "probability by this curve if every event draws anew"),
-    "p_by_largest": Column("1", "probability by this curve if only the largest event counts"),
-}
-"""Columns of readings.csv."""
-
-
-def beside(parts):
-    """[(Lives, other Lives of the same wall and place by other choices, states of both as
-    DataFrames of `Lives.until` with equal rows)] where the name of the other point is that of the
-    first and one word more."""
-    found = []
-    for one, other in product(parts, repeat=2):
-        if (
-            other.point.rpartition("_")[0] == one.point
-            and one.draws.exposure.place == other.draws.exposure.place
-        ):
-            first, second = one.last, other.last
-            both = first.index.intersection(second.index)
-            found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
-    return found
-
-
-def largest_alone(parts):
-    """{point: (lives with all events, the same with the largest alone)} of the points that have
-    both, as DataFrames of `Lives.until` with equal rows."""
-    return {
-        one.point: (first, second)
-        for one, other, first, second in beside(parts)
-        if other.draws.choices
-        == replace(one.draws.choices, largest_alone=True)
-        != one.draws.choices
-    }
-
-
 def choices(parts):
-    """How outcomes of the same lives differ by other choices: a list of rows of CHOICES."""
+    """How outcomes of the same lives differ by other choices, a list of rows of choices.csv: for
+    each pair of points the difference of P(Psi >= 1), other minus point, with its 95 % interval,
+    and the mean and largest difference of Psi at rest."""
     rows = []
     for one, other, first, second in beside(parts):
         row = {"point": one.point, "other": other.point, "lives": len(first)}
@@ -117,7 +50,7 @@ def in_words(row):
 
 def readings(parts):
     """Lives with all events beside two readings of the same wall's single events: a list of rows of
-    READINGS.
+    readings.csv.
 
     Points without lives of the largest event alone are left out.
     """
@@ -165,3 +98,13 @@ def by_own_curve(largest, hits, pgv):
         "p_by_each_event": float(np.mean(1 - np.prod(1 - single, axis=1))),
         "p_by_largest": float(np.mean(single.max(axis=1))),
     }
+
+
+def paired(first, second):
+    """Mean of first - second (n,) over pairs with common random numbers, and its 95 % interval:
+    (mean, low, high)."""
+    difference = np.asarray(first, float) - np.asarray(second, float)
+    if len(difference) < 2:
+        raise InputError(f"{len(difference)} pairs of lives: expected at least two")
+    mean, half = difference.mean(), Z95 * difference.std(ddof=1) / np.sqrt(len(difference))
+    return float(mean), float(mean - half), float(mean + half)

@@ -1,5 +1,6 @@
-"""Fragility curves beside records that they were not fitted to: each record of a study left out in
-turn, or the records of another study.
+"""Intensities of a motion beside one another (`python3 -m paper intensities`): how efficient each
+is, and fragility curves beside records that they were not fitted to: each record of a study left
+out in turn, or the records of another study.
 
 What is compared is, at each intensity of such a record, the share of the runs that exceed a level
 with the probability that the other records give it: of the single lognormal curve (`pooled`), and
@@ -10,10 +11,14 @@ and outcome, and the logarithmic one; less is better, and 0.25 and 0.69 are thos
 of one half (T. Gneiting, A. E. Raftery, 2007, doi:10.1198/016214506000001437).
 """
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
+from scipy.special import bdtr
 
 from damage.applications.studies.fragility import exceeding, fragility
+from damage.applications.studies.new_record import TAILS
 from damage.applications.studies.states import STATES, check_intensity, check_states, there, unit_of
 from damage.errors import InputError
 
@@ -90,7 +95,7 @@ def _rows(others, of_record, state, intensity):
             "pooled": one.probability(value),
         }
         if one.new_record:
-            low, high = one.new_record.share_bounds(value, len(shaken))
+            low, high = share_bounds(one.new_record, value, len(shaken))
             row |= {
                 "predicted": one.new_record.probability([value])[0],
                 "low": low,
@@ -98,6 +103,14 @@ def _rows(others, of_record, state, intensity):
                 "inside": int(low <= row["observed"] <= high),
             }
         yield row | medians
+
+
+def share_bounds(new_record, intensity, n_runs):
+    """Lower and upper bound (2,) of the share of n_runs that exceed at one intensity of a
+    NewRecord."""
+    curves, weights = new_record.curves([intensity])
+    chances = bdtr(np.arange(n_runs + 1.0)[:, None], n_runs, curves[0]) @ weights
+    return np.searchsorted(chances, np.array(TAILS) * (1 - 1e-12)) / n_runs
 
 
 def _medians(predicted, of_record, state, intensity):
@@ -180,3 +193,60 @@ def scores(table):
         ignore_index=True,
         key=lambda column: column.map(first) if column.name == "state" else column,
     )
+
+
+def efficiency_table(runs, states=STATES, intensity=None):
+    """Efficiency of intensities: a DataFrame with a row for each wall, State and intensity, best
+    first.
+
+    dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN
+    where the runs determine none, undetermined: the reason.  scatter: standard deviation of
+    ln(measure) about a straight line over ln(intensity), of the runs that stand and have some
+    damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
+    intensity efficient where it is small.  median: in `unit`.  intensity: one more than
+    INTENSITIES.
+    """
+    rows = []
+    for wall, of_wall in runs.groupby("wall", sort=False):
+        for name, state in product(
+            dict.fromkeys([*there(runs), *([intensity] if intensity else [])]), states
+        ):
+            one = fragility(
+                of_wall, state.measure, state.level, name, replicates=0, name=state.name
+            )
+            rows.append(
+                {
+                    "wall": wall,
+                    "state": one.state,
+                    "measure": one.measure,
+                    "level": one.level,
+                    "intensity": name,
+                    "dispersion": one.dispersion,
+                    "undetermined": one.why,
+                    "scatter": _scatter(of_wall, one.measure, name),
+                    "median": one.median,
+                    "unit": unit_of(name)[1],
+                    "runs": one.n_runs,
+                    "exceeding": one.n_exceeding,
+                    "records": one.n_records,
+                }
+            )
+    measures = list(dict.fromkeys(state.measure for state in states))
+    return pd.DataFrame(rows).sort_values(
+        ["wall", "measure", "level", "dispersion", "scatter"],
+        kind="stable",
+        ignore_index=True,
+        key=lambda column: column.map(measures.index) if column.name == "measure" else column,
+    )
+
+
+def _scatter(runs, measure, intensity):
+    """Standard deviation of ln(measure) about its line over ln(intensity), NaN of fewer than three
+    runs."""
+    x, y = (runs[name].astype(float) for name in (intensity, measure))
+    chosen = (x > 0) & (y > 0) & runs["collapsed_at_s"].isna()
+    x, y = np.log(x[chosen]), np.log(y[chosen])
+    if x.nunique() < 2 or len(x) < 3:
+        return np.nan
+    rest = y - np.polynomial.Polynomial.fit(x, y, 1)(x)
+    return float(np.sqrt(np.sum(rest**2) / (len(x) - 2)))
