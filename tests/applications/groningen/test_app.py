@@ -279,6 +279,10 @@ def test_a_photograph_of_many_scans_is_refused_and_their_bytes_elsewhere_are_not
     ],
     ids=["empty", "svg", "cut", "bomb", "huge", "bytes"],
 )
+def test_what_is_no_photograph_is_one_line(data, said):
+    refused_with(said, cleaned, data)
+
+
 def test_a_photograph_is_straightened_by_corners_of_the_outline(client):
     """Of a gabled front the eaves and not the height of its ridge, which would stretch it."""
     gable = "outline = [[0, 0.6], [0.5625, 0.75], [1.125, 0.6]]\nheight = 0.75"
