@@ -27,36 +27,20 @@ def cleaned(data):
     """
     from PIL import Image, ImageOps
 
-    if len(data) > MOST_BYTES:
-        raise InputError(
-            f"the photograph has {len(data) / 1e6:.3g} MB; expected up to {MOST_BYTES / 1e6:g};"
-            " make it smaller"
-        )
-    if _scans(data) > MOST_SCANS:
-        raise InputError(
-            f"the photograph has more than {MOST_SCANS} scans; expected fewer; save it as another"
-            " JPEG"
-        )
     try:
+        if len(data) > MOST_BYTES or _scans(data) > MOST_SCANS:
+            raise ValueError
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             picture = Image.open(io.BytesIO(data), formats=FORMATS)
             if picture.width * picture.height > MOST_PIXELS:
-                raise InputError(
-                    f"the photograph has {picture.width} x {picture.height} pixels; expected up to "
-                    f"{MOST_PIXELS / 1e6:g} million; make it smaller"
-                )
+                raise ValueError
             upright = ImageOps.exif_transpose(picture).convert("RGB")
-    except InputError:
-        raise
-    except Image.DecompressionBombError as error:
-        raise InputError(
-            f"the photograph has too many pixels; expected up to {MOST_PIXELS / 1e6:g} million;"
-            " make it smaller"
-        ) from error
     except Exception as error:  # of a damaged file Pillow raises many kinds
         raise InputError(
-            f"the photograph cannot be read; expected {' or '.join(FORMATS)}; save it as such"
+            f"the photograph cannot be read; expected {' or '.join(FORMATS)} of up to"
+            f" {MOST_BYTES / 1e6:g} MB, {MOST_PIXELS / 1e6:g} million pixels and {MOST_SCANS} scans;"
+            " save it as such"
         ) from error
     upright.thumbnail((LONGEST_PX, LONGEST_PX))
     return _as_jpeg(Image.frombytes("RGB", upright.size, upright.tobytes()))  # pixels alone
