@@ -39,8 +39,8 @@ def cleaned(data):
     except Exception as error:  # of a damaged file Pillow raises many kinds
         raise InputError(
             f"the photograph cannot be read; expected {' or '.join(FORMATS)} of up to"
-            f" {MOST_BYTES / 1e6:g} MB, {MOST_PIXELS / 1e6:g} million pixels and {MOST_SCANS} scans;"
-            " save it as such"
+            f" {MOST_BYTES / 1e6:g} MB, {MOST_PIXELS / 1e6:g} million pixels and {MOST_SCANS}"
+            " scans; save it as such"
         ) from error
     upright.thumbnail((LONGEST_PX, LONGEST_PX))
     return _as_jpeg(Image.frombytes("RGB", upright.size, upright.tobytes()))  # pixels alone
