@@ -67,6 +67,30 @@ def _laboratory(asked):
 
 
 @command(
+    "joint stiffnesses, cohesion and friction from tests of couplets and triplets",
+    file_arg("tests", "TEST.csv|RUN.h5", "rows of tests, or pushed walls of one course", nargs="+"),
+    JSON,
+    output(file_arg("--csv", "FILE.csv", "the rows of all of them, as one file of tests")),
+    examples=("triplets.csv couplets.csv", "triplet_*.h5 --csv tests.csv"),
+)
+def _calibrate(asked):
+    import pandas as pd
+
+    from damage.applications.cracks.calibrate import calibrated, describe, read_tests, rows_of
+
+    rows = pd.concat(
+        [
+            rows_of(read_history(path)) if path.suffix == ".h5" else read_tests(path)
+            for path in asked.tests
+        ],
+        ignore_index=True,
+    )
+    if asked.csv:
+        rows.to_csv(asked.csv, index=False)
+    show(asked, calibrated(rows), describe)
+
+
+@command(
     "cracks, Psi and index of a history, of digitised cracks or of a DIC field",
     file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
     group(
@@ -176,6 +200,6 @@ COMPARISONS["patterns"] = Comparison(_compare_patterns, _describe_patterns)
 
 @tables
 def _tables():
-    from damage.applications.cracks.crack_file import COLUMNS
+    from damage.applications.cracks import calibrate, crack_file
 
-    return {"crack files": COLUMNS}
+    return {"crack files": crack_file.COLUMNS, "tests of joints": calibrate.COLUMNS}
