@@ -46,9 +46,9 @@ CRACKS = (
     "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\n"
 )
 CLAIM = (
-    "--at 53.36786 6.71359 --from 2012 --to 2014 --above 12 --strong 0.2 0.3 --rest 0.1 --draws 6"
-    " --cracks survey.csv"
-).split()
+    *("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--above", "12"),
+    *("--strong", "0.2", "0.3", "--rest", "0.1", "--draws", "6", "--cracks", "survey.csv"),
+)
 MOST_CALLS = 3
 """Of the same command after a kill, the last of which must complete."""
 LEAVES_S = 5.0

@@ -75,9 +75,8 @@ class Bearing(NamedTuple):
 
 
 class Beam(NamedTuple):
-    """The row of `beam`, a spreader beam between a machine and the bodies that share its force: place
-    where the machine will be after the next step, since the wall was built [m], its velocity [m/s]
-    and its force now [N]."""
+    """The row of `beam`, a spreader beam between a machine and bodies: place where the machine will
+    be after the next step, since the wall was built [m], its velocity [m/s] and force now [N]."""
 
     place: float
     velocity: float
@@ -201,8 +200,8 @@ class Tables(
     namedtuple(
         "Tables",
         "bodies inertia interfaces limits contacts strengths states readings energy events values"
-        " n_events relaxation last turning beam bearings radiation bench sums others used lines first"
-        " second every",
+        " n_events relaxation last turning beam bearings radiation bench sums others used lines"
+        " first second every",
     )
 ):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows,

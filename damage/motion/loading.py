@@ -591,6 +591,7 @@ class TopDisplacement(Loading):
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
     def as_dict(self) -> dict:
+        shares = {"floor_shares": [[*one] for one in self.floor_shares]}
         return {
             "kind": "cyclic" if self.cycles else "pushover",
             "name": self.name,
@@ -601,7 +602,7 @@ class TopDisplacement(Loading):
             "ease_s": EASE_S,
             "local_damping": float(self.local_damping),
             "top_rotation": float(self.top_rotation),
-            **({"floor_shares": [[*one] for one in self.floor_shares]} if self.floor_shares else {}),
+            **(shares if self.floor_shares else {}),
         }
 
 

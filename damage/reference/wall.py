@@ -302,7 +302,7 @@ class ReferenceWall:
             Lanes([self])
 
     def spread(self, shares):
-        """Move bodies by a spreader beam from now on, first not at all: forces in the ratio of these
+        """Move bodies by a spreader beam from now on, first not at all: by forces in the ratio of
         shares (n_bodies,), whose sum is 1, so that the mean displacement of the bodies by these
         shares follows `push`."""
         bodies = slice(len(self.layout.bodies))

@@ -153,8 +153,8 @@ def stages(settings, layout, time_step, sample_steps):
         start = sample_steps * math.ceil(length_s / (sample_steps * time_step))
         found = [Stage(1, "settlement", 0, start)]
     if settings.loading.drive.quasi_static:
-        floor_shares = settings.loading.drive.floor_shares
-        n = math.ceil(settings.loading.length_s(layout.height_of_push(floor_shares)) / (sample_steps * time_step))
+        height = layout.height_of_push(settings.loading.drive.floor_shares)
+        n = math.ceil(settings.loading.length_s(height) / (sample_steps * time_step))
         return [*found, Stage(1, "motion", start, start + n * sample_steps)]
     if not settings.loading.moves:
         return found

@@ -108,7 +108,8 @@ def test_the_strongest_event_of_a_sequence_of_records_counts():
 
 def test_what_rounding_of_inputs_adds_to_a_limit_is_inside():
     """A push to the limit of 0.3 % ends as far beyond it as its amplitude was rounded up."""
-    assert (end := to_bits(0.003)) > 0.003 * (1 + 4e-9)
+    end = to_bits(0.003)
+    assert end > 0.003 * (1 + 4e-9)
     judged = [
         evidence_for(WALL, {"loading": {"kind": "pushover"}}, {**RESULT, "max_drift_ratio": drift})
         for drift in (end, 0.003 * (1 + 2**-24), 0.00300001)

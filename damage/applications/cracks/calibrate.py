@@ -187,5 +187,6 @@ def describe(found):
             said.append(f"characteristic {one['characteristic']:.3g}")
         lines.append(f"{name} = {one['value']:.4g}".ljust(34) + f"# {', '.join(said)}")
     if "cohesion" in found:
-        lines.append(f"# strengths of a wall's joints: --strength-cov {found['cohesion']['scatter']:.2g}")
+        scatter = found["cohesion"]["scatter"]
+        lines.append(f"# strengths of a wall's joints: --strength-cov {scatter:.2g}")
     return "\n".join([*lines, *(f"# note: {note}" for note in found["notes"])])

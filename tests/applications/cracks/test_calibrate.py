@@ -50,7 +50,7 @@ def test_virtual_tests_give_their_inputs_back(tmp_path, damage_command):
 
 
 def test_a_line_by_hand(tmp_path):
-    """Nine peaks at 0.2 + 0.6 sigma, each of a level 0.01 MPa off by turns: least squares by hand."""
+    """Nine peaks at 0.2 + 0.6 sigma, of a level 0.01 MPa off by turns: least squares by hand."""
     stresses, off = np.repeat([0.2, 0.6, 1.0], 3), np.tile([-0.01, 0.0, 0.01], 3)
     shear = 0.2 + 0.6 * stresses + off
     rows = [
@@ -58,7 +58,9 @@ def test_a_line_by_hand(tmp_path):
         for k, (sigma, tau) in enumerate(zip(stresses, shear))
         for share in (0, 0.2, 0.4, 1.0, 0.7)
     ]
-    pressed = [f"c{k},{-share},{-share / (90 + 10 * k)},," for k in (0, 1, 2) for share in (0, 1, 2, 5)]
+    pressed = [
+        f"c{k},{-share},{-share / (90 + 10 * k)},," for k in (0, 1, 2) for share in (0, 1, 2, 5)
+    ]
     tests = read_tests(written(tmp_path / "a.csv", HEAD + "\n".join(rows + pressed)))
     found = calibrated(tests)
     error = np.sqrt(6e-4 / 7)  # of one peak
@@ -72,7 +74,8 @@ def test_a_line_by_hand(tmp_path):
             "characteristic": 0.48,
         }
     )
-    assert found["cohesion"]["standard_error"] == approx(1e6 * error * np.sqrt(1 / 9 + 0.36 / spread))
+    of_line = error * np.sqrt(1 / 9 + 0.36 / spread)
+    assert found["cohesion"]["standard_error"] == approx(1e6 * of_line)
     assert found["cohesion"]["scatter"] == approx(np.sqrt(np.sum((off / (shear - off)) ** 2) / 7))
     assert found["shear_stiffness"]["value"] == approx(50e9)
     assert found["normal_stiffness"] == approx(

@@ -618,9 +618,7 @@ def group(leader):
 def test_a_computation_that_does_not_end_politely_is_killed_with_its_children(tmp_path):
     desk = Desk(tmp_path / "out")
     shell = "trap '' TERM; (trap '' TERM; sleep 600) & echo; wait"
-    desk.job = subprocess.Popen(
-        ["sh", "-c", shell], start_new_session=True, stdout=subprocess.PIPE
-    )
+    desk.job = subprocess.Popen(["sh", "-c", shell], start_new_session=True, stdout=subprocess.PIPE)
     desk.job.stdout.readline()
     assert len(group(desk.job.pid)) >= 2
     desk.stop(0.1)

@@ -492,7 +492,6 @@ class TestInputsThatChange:
             ["wall.height 0.6 -> 0.45"],
         ) and sent == ["ran"]
 
-
     def test_a_module_that_the_wall_imports_is_compared_as_the_solver_has_read_it(
         self, tmp_path, monkeypatch
     ):
