@@ -87,6 +87,16 @@ def rows_of(history):
     return pd.DataFrame({"specimen": history.path.stem, **rows}).reindex(columns=list(COLUMNS))
 
 
+def joined(tables):
+    """Rows of several tables as one.  Raises InputError where two have a specimen of one name."""
+    names = pd.Series([name for one in tables for name in one["specimen"].unique()])
+    for name in names[names.duplicated()][:1]:
+        raise InputError(
+            f"specimen {name} is in two files: expected a name for each; rename one, or its file"
+        )
+    return pd.concat(tables, ignore_index=True)
+
+
 def calibrated(tests):
     """Joint properties from rows with COLUMNS, a plain dictionary; what no specimen shows is left
     out.

@@ -74,20 +74,18 @@ def _laboratory(asked):
     examples=("triplets.csv couplets.csv", "triplet_*.h5 --csv tests.csv"),
 )
 def _calibrate(asked):
-    import pandas as pd
+    from damage.applications.cracks import calibrate
+    from damage.applications.cracks.calibrate import read_tests, rows_of
 
-    from damage.applications.cracks.calibrate import calibrated, describe, read_tests, rows_of
-
-    rows = pd.concat(
+    rows = calibrate.joined(
         [
             rows_of(read_history(path)) if path.suffix == ".h5" else read_tests(path)
             for path in asked.tests
-        ],
-        ignore_index=True,
+        ]
     )
     if asked.csv:
         rows.to_csv(asked.csv, index=False)
-    show(asked, calibrated(rows), describe)
+    show(asked, calibrate.calibrated(rows), calibrate.describe)
 
 
 @command(

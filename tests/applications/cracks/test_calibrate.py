@@ -99,5 +99,10 @@ def test_tests_that_say_too_little(tmp_path, rows, words):
     refused_with(words, lambda: calibrated(read_tests(path)))
 
 
+def test_a_specimen_of_two_files(tmp_path, error_of):
+    path = written(tmp_path / "a.csv", HEAD + "c1,-0.1,0,,")
+    assert "specimen c1 is in two files" in error_of("calibrate", path, path)
+
+
 def test_a_wall_is_no_specimen(still_history):
     refused_with("give one of --pushover", rows_of, still_history)
