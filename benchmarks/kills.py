@@ -1,11 +1,13 @@
-"""Processes of a small study killed by SIGKILL at random times, each kill followed by the same
-command: the proof that it always completes, with the tables of a study that was left alone.
+"""Processes of a small study or claim killed by SIGKILL at random times, each kill followed by the
+same command: the proof that no process stays, and that it always completes, with the tables of one
+that was left alone.
 
-    python3 benchmarks/kills.py --out DIR [--kills 20] [--who worker|any] [--seed N] [-j 2]
+    python3 benchmarks/kills.py --out DIR [--kills 20] [--who worker|any] [--what study|claim]
+                                [--seed N] [-j 2]
 
 A worker is a process in which runs of the reference solver step, which begin again; any: also the
 batch itself. Studies keep all histories and only those of a summary in turns.  DIR must be new.
-Exit status: 0 all completed with equal tables, 1 not.
+Exit status: 0 all completed with equal tables and no process left, 1 not.
 """
 
 import argparse
@@ -39,8 +41,18 @@ id = "alone"
 wall = "tiny.py"
 options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
 """
+CRACKS = (
+    "crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
+    "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\n"
+)
+CLAIM = (
+    *("--at", "53.36786", "6.71359", "--from", "2012", "--to", "2014", "--above", "12"),
+    *("--strong", "0.2", "0.3", "--rest", "0.1", "--draws", "6", "--cracks", "survey.csv"),
+)
 MOST_CALLS = 3
 """Of the same command after a kill, the last of which must complete."""
+LEAVES_S = 5.0
+"""Time within which the processes of a batch that was killed have to end [s]."""
 
 
 def main():
@@ -49,6 +61,7 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--who", choices=("worker", "any"), default="worker")
+    parser.add_argument("--what", choices=("study", "claim"), default="study")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-j", dest="jobs", default="2")
     asked = parser.parse_args()
@@ -58,8 +71,9 @@ def main():
     out.mkdir(parents=True)
     (out / "tiny.py").write_text(WALL)
     (out / "study.toml").write_text(STUDY)
+    (out / "survey.csv").write_text(CRACKS)
     draw = random.Random(asked.seed)
-    proof = Proof(out, asked.jobs, asked.who)
+    proof = Proof(out, asked.jobs, asked.who, asked.what)
     longest_s = proof.run_alone("alone")
     whole, good, kills = tables(out / "alone"), 0, 0
     while kills < asked.kills:
@@ -72,45 +86,50 @@ def main():
         calls = next(
             (n for n in range(1, MOST_CALLS + 1) if proof.run_to_end(name, keep) == 0), None
         )
-        equal = tables(out / name) == whole
-        good += equal and calls is not None
+        equal, left = tables(out / name) == whole, len(proof.left())
+        good += equal and calls is not None and "0 left" in killed and not left
         print(
             f"{kills}: {killed}, --keep {keep};"
             f" {f'completed by call {calls}' if calls else f'NOT complete by call {MOST_CALLS}'},"
-            f" {len(whole)} tables {'equal' if equal else 'DIFFER'}",
+            f" {len(whole)} tables {'equal' if equal else 'DIFFER'}, {left} left at the end",
             flush=True,
         )
-    print(f"{good} of {kills} kills ended complete with equal tables")
+    print(f"{good} of {kills} kills ended complete with equal tables and no process left")
     return 0 if good == kills else 1
 
 
 class Proof:
     """Batches of the study in one folder."""
 
-    def __init__(self, out, jobs, who):
-        self.out, self.jobs, self.who = out, jobs, who
+    def __init__(self, out, jobs, who, what):
+        self.out, self.jobs, self.who, self.what = out, jobs, who, what
 
     def start(self, name, keep="all"):
         """Start the batch in a folder of this name."""
+        words = (
+            ["study", "study.toml", "--keep", keep]
+            if self.what == "study"
+            else ["claim", "tiny.py", *CLAIM]
+        )
         return subprocess.Popen(
-            [
-                sys.executable,
-                "-m",
-                "damage",
-                "study",
-                self.out / "study.toml",
-                "-j",
-                self.jobs,
-                "--out",
-                self.out / name,
-                "--keep",
-                keep,
-            ],
-            cwd=ROOT,
-            env=os.environ | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
+            [sys.executable, "-m", "damage", *words, "-j", self.jobs, "--out", self.out / name],
+            cwd=self.out,
+            env=os.environ
+            | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "KILLS": str(self.out)},
             stdout=subprocess.DEVNULL,
             stderr=(self.out / f"{name}.log").open("a"),
         )
+
+    def left(self):
+        """Pids of processes that the batches have started and that still run."""
+        mark, found = f"KILLS={self.out}\0".encode(), []
+        for process in Path("/proc").glob("[0-9]*"):
+            try:
+                if mark in (process / "environ").read_bytes():
+                    found.append(process.name)
+            except OSError:  # ended meanwhile, or another user's
+                pass
+        return found
 
     def run_alone(self, name):
         """Leave the batch alone; returns how long there was something to kill [s]."""
@@ -146,8 +165,14 @@ class Proof:
             os.kill(pid, signal.SIGKILL)
         except ProcessLookupError:
             pass
-        status = batch.wait()
-        return f"{program} killed after {time.monotonic() - began:.1f} s, status {status}"
+        after_s, status = time.monotonic() - began, batch.wait()
+        ended = time.monotonic()
+        while self.left() and time.monotonic() < ended + LEAVES_S:
+            time.sleep(0.02)
+        return (
+            f"{program} killed after {after_s:.1f} s, status {status},"
+            f" {len(self.left())} left {time.monotonic() - ended:.2f} s later"
+        )
 
 
 def victims(pid, who):
@@ -180,8 +205,9 @@ def words(pid):
 
 
 def tables(folder):
-    """{name: content} of the tables of a study."""
-    return {path.name: path.read_bytes() for path in (folder / "tables").glob("*.csv")}
+    """{name: content} of the tables of a study, or of the answer and patterns of a claim."""
+    found = (*folder.glob("tables/*.csv"), *folder.glob("claim.json"), *folder.glob("patterns/*"))
+    return {path.name: path.read_bytes() for path in found}
 
 
 if __name__ == "__main__":

@@ -274,7 +274,7 @@ def wall_file(path, expression):
 import sys
 
 sys.path.insert(0, {str(REPOSITORY)!r})
-from damage import Brick, Joint, Opening, Wall
+from damage import Brick, Floor, Joint, Opening, Wall
 
 
 def wall():

@@ -39,6 +39,7 @@ _PARTS = {
     "model.work": ("_rest",),
     "": (
         "_velocity",
+        "_place",
         "_top_rest",
         "_top_stiffness",
         "_supports",

@@ -63,6 +63,8 @@ class YadeSolver(Solver):
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         # bodies whose horizontal velocity is prescribed [m/s]
         self._held, self._velocity = None, 0.0
+        # of a spreader beam: shares of these bodies, where it will be after the next step [m]
+        self._shares, self._place = None, 0.0
         # of rotational springs on these, and where they have no moment
         self._top_stiffness, self._top_rest = 0.0, 0.0
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
@@ -117,6 +119,31 @@ class YadeSolver(Solver):
             self.scene.states[body].blockedDOFs = "xyXYZ" if rotation else "xyXZ"
         self.scene.follows[np.ix_(bodies, [0, 2] if rotation else [0])] = 0.0
 
+    def spread(self, shares):
+        self._held = np.flatnonzero(shares)
+        self._shares = shares[self._held]
+        self._place = float(self._shares @ self.scene.motion(self._held)[self._held, 0])
+
+    def _spread(self):
+        """Add the force of the spreader beam to those of the next step, after which the mean
+        displacement of its bodies by their shares is that of the machine; damped by YADE's rule."""
+        dt, held, shares = self.time_step, self._held, self._shares
+        mass, place = self.layout.bodies.mass[held], self.scene.motion(held)[held, 0]
+        speed = np.array([self.scene.states[body].vel[0] for body in held])
+        own = np.array(
+            [sum(O.forces.f(cell, True)[0] for cell in self.scene.members[body]) for body in held]
+        )
+        force = self._push_force()
+        change = (self._place - shares @ place) / dt - shares @ speed
+        for _ in range(4):
+            rate = (own + shares * force) / mass
+            kept = 1 - self.model.newton.damping * np.sign(rate * (speed + dt / 2 * rate))
+            force = (change / dt - shares @ (kept * own / mass)) / (shares @ (kept * shares / mass))
+        self._place += dt * self._velocity
+        self.scene.on_top[held, 0] = shares * force
+        for body, share in zip(held, shares):
+            O.forces.addF(self.model.clumps[body], Vector3(share * force, 0, 0))
+
     def _held_rotations(self):
         """Rotations of the held bodies [rad]."""
         return self.scene.motion(self._held)[self._held, 2]
@@ -129,6 +156,8 @@ class YadeSolver(Solver):
                 O.forces.addT(self.model.clumps[body], Vector3(0, self._top_stiffness * angle, 0))
         if self._restraint:
             self._hold_top()
+        if self._shares is not None:
+            self._spread()
 
     def _hold_top(self):
         """Add the forces of a restraint's bearing and of its constant load to those of the next
@@ -167,10 +196,10 @@ class YadeSolver(Solver):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy
         is input."""
         old, self._velocity = self._velocity, float(velocity)
-        for body in self._held:
+        for body in self._held if self._shares is None else ():
             state = self.scene.states[body]
             state.vel = (self._velocity, state.vel[1], state.vel[2])
-        mass = float(self.layout.bodies.mass[self._held].sum())
+        mass = float(self.layout.bodies.mass[self._held].sum()) * (self._shares is None)
         self._input_energy += 0.5 * mass * (self._velocity**2 - old**2)
         self._input_power = self._power()
 
@@ -371,7 +400,9 @@ class YadeSolver(Solver):
 
     def _push_force(self):
         """Horizontal force on the held bodies by their prescribed motion [N]: minus that of the
-        joints on them."""
+        joints on them; or that of the spreader beam."""
+        if self._shares is not None:
+            return float(self.scene.on_top[self._held, 0].sum())
         return -sum(
             O.forces.f(cell, True)[0] for body in self._held for cell in self.scene.members[body]
         )

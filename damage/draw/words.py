@@ -153,12 +153,14 @@ def _top_words(loading):
         ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct),
         _TOPS[loading.boundary],
     )
+    at = ", ".join(f"{share:g} at {level:g} m" for level, share in loading.floor_shares)
+    what, top = (f"floors ({at})", "forces in this ratio") if at else ("top", top)
     if loading.cycles == 0:
-        return f"top pushed to a drift of {loading.amplitudes_pct[0]:g} %, {top}"
+        return f"{what} pushed to a drift of {loading.amplitudes_pct[0]:g} %, {top}"
     each = " each" if len(loading.amplitudes_pct) > 1 else ""
     by = "drifts" if each else "a drift"
     return (
-        f"top moved to and fro by {by} of {drifts} %, {counted(loading.cycles, 'cycle')}{each},"
+        f"{what} moved to and fro by {by} of {drifts} %, {counted(loading.cycles, 'cycle')}{each},"
         f" {top}"
     )
 

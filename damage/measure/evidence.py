@@ -16,8 +16,9 @@ from damage.units import MILLIMETRE
 
 PLACE = "docs/model/validity.md"
 PERCENT, MEGA = 0.01, 1e6
-_ROUNDING = 1e-9
-"""Share of a limit [-] up to which a value beyond it is rounding."""
+_ROUNDING = 1e-6
+"""Share of a limit [-] up to which a value beyond it is rounding: that of inputs
+(`damage.rounded`), of which a push to 0.3 % and motions have up to a tenth."""
 
 
 class Quantity(NamedTuple):

@@ -6,7 +6,8 @@ function therefore gives the same bits in each SIMD lane as for a single value.
 numba compares the file of a function with its cache, but not the files of the functions and
 constants that are inlined into it.  Their digest is therefore part of the qualified name of each
 function, and so of the names of its cached files: machine code of other sources is never loaded,
-whatever the times of the files are.
+whatever the times of the files are.  It also takes the place of these times, so that the same
+sources are not compiled again where a file was written anew.
 """
 
 import atexit
@@ -23,7 +24,7 @@ from numba.core import event
 from numba.core.registry import CPUDispatcher
 
 COMPILING = (
-    "compiling the solver (once for each version on each machine, about half a minute of processor"
+    "compiling the solver (once for each kind of run and version, about half a minute of processor"
     " time) ..."
 )
 SOURCES = [
@@ -117,6 +118,8 @@ def _compiler(is_entry=False, inline=False):
     def decorate(function):
         function.__qualname__ = f"{function.__qualname__}-{DIGEST}"
         made = compiler(function)
+        with suppress(AttributeError):  # where numba is switched off: nothing is cached
+            made._cache._cache_file._source_stamp = DIGEST
         if not is_entry and isinstance(made, CPUDispatcher):  # not where numba is switched off
             made.__class__ = _Internal
         return made

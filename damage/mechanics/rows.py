@@ -38,6 +38,7 @@ from damage.mechanics.tables import (
     ROTATION,
     STRENGTHS,
     VELOCITY,
+    Beam,
     Bearing,
     Bench,
     Reading,
@@ -58,6 +59,7 @@ strengths_of = reader(Strengths, STRENGTHS)
 reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
 bench_of, keep_bench = reader(Bench, Bench._fields), writer(Bench, Bench._fields)
 bearing_of, keep_bearing = reader(Bearing, Bearing._fields), writer(Bearing, Bearing._fields)
+beam_of, keep_beam = reader(Beam, Beam._fields), writer(Beam, Beam._fields)
 limits_of = reader(ElasticLimits, LIMITS)
 line_in, springs_in = reader(Line, LINES), reader(Springs, LINES)
 last_motion, last_resultant = reader(RelativeMotion, LAST), reader(Resultant, LAST, "last_")

@@ -64,6 +64,7 @@ from damage.mechanics.tables import (
     SWEPT_Z,
     TAKEN,
     TIME_STEP,
+    Beam,
     Bearing,
     Model,
     X,
@@ -78,8 +79,8 @@ class Asked(NamedTuple):
     clock: (walls,) numbers of steps before those that are counted here; step: number of steps from
     there, which is added in the log of events; ending: walls (bits) whose contact points are all
     evaluated by themselves and read, as for samples, so that forces are the sums of the stresses to
-    the last bit; damped: whether interfaces damp; turns: whether bodies are held by rotational
-    springs; since: time since the last forces [s], zero where nothing has moved.
+    the last bit; damped: whether interfaces damp; holds: whether bodies are held by rotational
+    springs or a spreader beam; since: time since the last forces [s], zero where nothing has moved.
     """
 
     clock: np.ndarray
@@ -87,7 +88,7 @@ class Asked(NamedTuple):
     walls: int
     ending: int
     damped: bool
-    turns: bool
+    holds: bool
     since: float
 
 
@@ -106,7 +107,7 @@ def advance(n, tables, model, controls, field, clock, stops, sampling):
     there, all of them at the last; sampling: Sampling.
     """
     damped = controls[:, BETA].any() or tables.radiates
-    walls, turns = (1 << len(controls)) - 1, tables.turning[:, 0].any()
+    walls, holds = (1 << len(controls)) - 1, tables.turning[:, :2].any()
     # of no literal type, for which numba would compile all of it once more
     step = k = stops[0, 0] * 0
     mark_used(n, tables, model.strain, walls)
@@ -121,7 +122,7 @@ def advance(n, tables, model, controls, field, clock, stops, sampling):
             model,
             controls,
             field,
-            Asked(clock, step, walls, ending, damped, turns, controls[0, TIME_STEP]),
+            Asked(clock, step, walls, ending, damped, holds, controls[0, TIME_STEP]),
         )
         if ending:
             look(n, tables, model, controls, field, step, ending, sampling)
@@ -196,11 +197,13 @@ def find_forces(n, tables, model, asked):
     singly = asked.ending == asked.walls or deforms(model.strain)
     if singly or forces_of_springs(n, tables, model.loose, asked):
         forces_of_others(n, tables, model, asked, singly)
-    if asked.turns:
+    if asked.holds:
         hold_rotations(n, tables)
     if len(tables.bearings) > 0:
         hold_top(n, tables)
     collisions.add_forces(n, tables, model.loose, asked.since)
+    if asked.holds and asked.since > 0.0:
+        spread(n, tables)
     if asked.damped:
         total(n, tables.sums, DAMPED)
         store(
@@ -225,7 +228,7 @@ def mark_used(n, tables, strain, walls):
 def hold_rotations(n, tables):
     """Add the moments of the rotational springs by which bodies are held."""
     for b in range(len(tables.turning)):
-        stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
+        stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 2)
         moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
         add(
             n,
@@ -234,6 +237,41 @@ def hold_rotations(n, tables):
             rows.first_force(tables.bodies) + ROTATION,
             -either(stiffness > 0.0, moment, 0.0),
         )
+
+
+@compiled
+def spread(n, tables):
+    """Add the force of a spreader beam, by the share of each body, to those of the bodies; add its
+    work to the input.
+
+    It is the force with which the mean displacement of these bodies, weighted by their shares, is
+    that of the machine after the next step: of a beam of levers, whose forces keep their ratio.
+    Local damping takes or gives a share of each body's rate by its sign: a few iterations find it.
+    """
+    bench = rows.bench_of(n, tables.bench, 0)
+    place, velocity, before = rows.beam_of(n, tables.beam, 0)
+    dt, x, force = bench.step, rows.first_force(tables.bodies) + X, before
+    there, speed, local = zero(n), zero(n), bits(bench.local > 0.0) > 0
+    for b in range(len(tables.turning)):
+        share = load(n, tables.turning, b, 1)
+        there = there + share * rows.place_of(n, tables.bodies, b, X)
+        speed = speed + share * rows.velocity_of(n, tables.inertia, b, X)
+    change = (place - there) / dt - (1.0 - dt * load(n, tables.relaxation, 0, 0)) * speed
+    for _ in range(4 if local else 1):
+        rate, freedom = zero(n), zero(n)
+        for b in range(len(tables.turning)):
+            share, own = load(n, tables.turning, b, 1), load(n, tables.bodies, b, x)
+            power = (own + share * force) * rows.velocity_of(n, tables.inertia, b, X)
+            damped = either(power > 0.0, bench.local, either(power < 0.0, -bench.local, 0.0))
+            free = share * (1.0 - damped) * rows.inverse_mass_of(n, tables.inertia, b, X)
+            rate, freedom = rate + free * own, freedom + free * share
+        spreads = freedom > 0.0
+        force = (change / dt - rate) / either(spreads, freedom, 1.0)
+        force = either(spreads, force, 0.0)
+    add(n, tables.energy, 0, INPUT, 0.5 * dt * speed * (before + force))
+    rows.keep_beam(n, tables.beam, 0, True, Beam(place + dt * velocity, velocity, force))
+    for b in range(len(tables.turning)):
+        add(n, tables.bodies, b, x, load(n, tables.turning, b, 1) * force)
 
 
 @compiled

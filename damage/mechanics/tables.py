@@ -74,6 +74,15 @@ class Bearing(NamedTuple):
     force: float
 
 
+class Beam(NamedTuple):
+    """The row of `beam`, a spreader beam between a machine and bodies: place where the machine will
+    be after the next step, since the wall was built [m], its velocity [m/s] and force now [N]."""
+
+    place: float
+    velocity: float
+    force: float
+
+
 class Strengths(NamedTuple):
     """Strengths [N] and fracture energies [J] of a contact point: as of LawParameters, times its
     area."""
@@ -149,7 +158,7 @@ class System(
     namedtuple(
         "System",
         "place velocity force mass inverse_mass trig interfaces limits contacts strengths states"
-        " readings energy events values n_events relaxation last turning bearings radiation",
+        " readings energy events values n_events relaxation last turning beam bearings radiation",
     )
 ):
     """Tables of one wall.
@@ -168,8 +177,9 @@ class System(
     relaxation: (2,) adaptive mass-proportional damping [1/s], kinetic energy of the last step [J]
     last: (interfaces, LAST) for stiffness-proportional damping; a row for each contact where bricks
     deform
-    turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad],
-        and the rotation at which it has no moment [rad]
+    turning: (bodies, 3) rotational spring between a body and the machine that moves it [N m/rad],
+        share of that machine's force [-], and the rotation at which the spring has no moment [rad]
+    beam (Beam): (1,) what gives bodies these shares
     bearings (Bearing): (bodies,) what is between a restrained top and the ground, none without
     radiation: (rows of `last`, RADIATION) dashpots of the soil, none without soil
     """
@@ -182,8 +192,8 @@ class Tables(
     namedtuple(
         "Tables",
         "bodies inertia interfaces limits contacts strengths states readings energy events values"
-        " n_events relaxation last turning bearings radiation radiates bench sums others used lines"
-        " first second every",
+        " n_events relaxation last turning beam bearings radiation radiates bench sums others used"
+        " lines first second every",
     )
 ):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows,
@@ -246,7 +256,8 @@ def make_tables(
         n_events=np.zeros((width, 1), np.int64),
         relaxation=zeros(1, 2),
         last=by_columns(n_last, len(LAST)),
-        turning=zeros(n_bodies, 2),
+        turning=zeros(n_bodies, 3),
+        beam=zeros(1, len(Beam._fields)),
         bearings=zeros(n_bearings, len(Bearing._fields)),
         radiation=by_columns(max(n_dashpots, 1), len(RADIATION)),
         radiates=n_dashpots > 0,
@@ -334,6 +345,7 @@ def system_of(tables, w):
         relaxation=tables.relaxation[0, :, w],
         last=tables.last[:damped, :, w],
         turning=tables.turning[..., w],
+        beam=_records(tables.beam, Beam._fields, w),
         bearings=_records(tables.bearings, Bearing._fields, w),
         radiation=tables.radiation[: damped * tables.radiates, :, w],
     )

@@ -38,6 +38,8 @@ class Drive:
     that height [m];
     top_rotates: whether these may rotate while they are moved; top_stiffness: of a rotational
         spring between each of them and what moves it [N m/rad];
+    floor_shares: ((level [m], share [-]), ...) of the floors on which a spreader beam acts in place
+        of the top; `top` is then its displacement;
     first_mode_m_s: velocity of the top in the first mode at time zero [m/s];
     local_damping: Cundall's, of a quasi-static loading [-]; None of a dynamic one.
     """
@@ -47,6 +49,7 @@ class Drive:
     top: Callable | None = None
     top_rotates: bool = True
     top_stiffness: float = 0.0
+    floor_shares: tuple = ()
     first_mode_m_s: float = 0.0
     local_damping: float | None = None
 
@@ -476,6 +479,9 @@ class TopDisplacement(Loading):
         depends on both when they are not slow and high; top_rotation: stiffness of a rotational
         spring between the top and the machine that moves it [N m/rad], of each body that carries
         the top; 0: free.
+    floor_shares: ((level [m], share [-]), ...): push by a spreader beam on these floors instead,
+        with forces that keep their ratio; the drift is that of their resultant: the mean
+        displacement of the floors by their shares, over the mean of their heights.
     """
 
     amplitudes_pct: tuple[float, ...] = text(
@@ -489,6 +495,7 @@ class TopDisplacement(Loading):
     top_rotation: float = quantity(
         "N m/rad", 0, 1e12, default=0.0, called="--top-rotation [N m/rad]"
     )
+    floor_shares: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self):
         check_fields(self)
@@ -506,14 +513,33 @@ class TopDisplacement(Loading):
                 f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give"
                 " fewer"
             )
+        object.__setattr__(self, "floor_shares", tuple(tuple(one) for one in self.floor_shares))
+        self._check_shares()
+
+    def _check_shares(self):
+        if not self.floor_shares:
+            return
+        for level, share in self.floor_shares:
+            check_positive("level of --floor-share [m]", level)
+            check_positive(f"--floor-share at {level:g} m", share)
+        whole = math.fsum(share for _, share in self.floor_shares)
+        if abs(whole - 1) > 1e-3:
+            raise InputError(
+                f"--floor-share: shares whose sum is {whole:g}: expected 1; correct them"
+            )
+        if self.boundary == "fixed" or self.top_rotation:
+            raise InputError(
+                "--floor-share with --boundary fixed or --top-rotation: expected floors that may"
+                " rotate; leave one of them out"
+            )
 
     @property
     def name(self) -> str:
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
-        return f"{kind}_{self.boundary}" + (
-            f"_top-rotation-{self.top_rotation:g}" if self.top_rotation else ""
-        )
+        more = [f"_top-rotation-{self.top_rotation:g}"] if self.top_rotation else []
+        more += [f"_{share:g}-at-{level:g}m" for level, share in self.floor_shares]
+        return f"{kind}_{self.boundary}{''.join(more)}"
 
     @property
     def drive(self) -> Drive:
@@ -521,6 +547,7 @@ class TopDisplacement(Loading):
             top=self.top_displacement,
             top_rotates=self.boundary != "fixed",
             top_stiffness=self.top_rotation,
+            floor_shares=self.floor_shares,
             local_damping=self.local_damping,
         )
 
@@ -562,6 +589,7 @@ class TopDisplacement(Loading):
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
     def as_dict(self) -> dict:
+        shares = {"floor_shares": [[*one] for one in self.floor_shares]}
         return {
             "kind": "cyclic" if self.cycles else "pushover",
             "name": self.name,
@@ -572,6 +600,7 @@ class TopDisplacement(Loading):
             "ease_s": EASE_S,
             "local_damping": float(self.local_damping),
             "top_rotation": float(self.top_rotation),
+            **(shares if self.floor_shares else {}),
         }
 
 

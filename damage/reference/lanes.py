@@ -171,13 +171,13 @@ class Lanes:
     def find_forces(self, singly=True):
         """Forces of a single wall at the present displacements without damping; if singly, by
         contact points and with readings."""
-        turns = bool(self.tables.turning[:, 0].any())
+        holds = bool(self.tables.turning[:, 0].any())
         kernel.find_forces(
             self._n,
             self.tables,
             self._of_forces,
             kernel.Asked(
-                self._now()[0], 0, walls=1, ending=int(singly), damped=False, turns=turns, since=0.0
+                self._now()[0], 0, walls=1, ending=int(singly), damped=False, holds=holds, since=0.0
             ),
         )
 

@@ -149,7 +149,7 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _in_springs(self, displacement):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]:
         work of the push that did not enter the wall."""
-        stiffness, rest = self.system.turning[: displacement.shape[1]].T
+        stiffness, _, rest = self.system.turning[: displacement.shape[1]].T
         return (
             0.5 * np.sum((displacement[..., RIGID - 1] - rest) ** 2 * stiffness, axis=-1)
             if stiffness.any()

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from damage.elementary import sin
+from damage.elementary import sin, total
 from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.law.joint_law import material_of
@@ -54,7 +54,8 @@ class ReferenceWall:
         if new_contacts:
             self.loose = build_loose(layout, tables.system_of(built, 0), time_step, self.material)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
-        self._held, self._is_driven, self._active = None, False, (0, np.empty(0, int))
+        self._held, self._is_driven, self._spreads = None, False, False
+        self._active = (0, np.empty(0, int))
         self._passed = {
             kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)
         }
@@ -288,9 +289,8 @@ class ReferenceWall:
         """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation:
         prevent it, too; stiffness: of a rotational spring on each, from the present rotation on [N
         m/rad]."""
-        self.system.turning[bodies] = np.column_stack(
-            [np.full(len(bodies), stiffness), self.system.place[bodies, ROTATION]]
-        )
+        self.system.turning[bodies, 0] = stiffness
+        self.system.turning[bodies, 2] = self.system.place[bodies, ROTATION]
         self._held, self._is_driven = bodies, True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[
@@ -301,9 +301,22 @@ class ReferenceWall:
             self.mass = scaled_mass(self.layout, self.time_step, self.mass.beta, held.tolist())
             Lanes([self])
 
+    def spread(self, shares):
+        """Move bodies by a spreader beam from now on, first not at all: by forces in the ratio of
+        shares (n_bodies,), whose sum is 1, so that the mean displacement of the bodies by these
+        shares follows `push`."""
+        bodies = slice(len(self.layout.bodies))
+        self.system.turning[bodies, 1] = shares
+        place = float(total(shares * self.system.place[bodies, X]))
+        self.system.beam[:] = (place, 0.0, 0.0)
+        self._held, self._is_driven, self._spreads = np.flatnonzero(shares), True, True
+
     def push(self, velocity):
-        """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy
-        is input."""
+        """Prescribe the horizontal velocity of the held bodies, or of a spreader beam [m/s]; the
+        change of kinetic energy is input."""
+        if self._spreads:
+            self.system.beam["velocity"] = velocity
+            return
         old, mass = self.system.velocity[self._held, X], self.layout.bodies.mass[self._held]
         self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity * velocity - old * old))
         self._prescribe((self._held, X), velocity)
@@ -339,6 +352,8 @@ class ReferenceWall:
         held."""
         if self._held is None:
             return np.nan
+        if self._spreads:
+            return float(self.system.beam["force"][0])
         return -float(self.system.force[self._held, X].sum())
 
     # --- results --------------------------------------------------------------------------------

@@ -310,6 +310,17 @@ _GROUPS = {
             help="push the top cyclically to these drifts",
         ),
         arg(
+            "--floor-share",
+            nargs=2,
+            type=float,
+            action="append",
+            metavar=("LEVEL_M", "SHARE"),
+            help=(
+                "push the floor at this level with this share of the force, by a spreader beam;"
+                " repeatable, with a sum of 1; the drift is that of the resultant"
+            ),
+        ),
+        arg(
             "--boundary",
             choices=BOUNDARIES,
             help="the pushed top may rotate (cantilever, default), or not (fixed)",
@@ -719,7 +730,9 @@ def model_of(parsed):
 _LONGEST_STEM = 200  # bytes; a character has up to four
 _BELONGS = {
     "cycles": ("harmonic", "cyclic"),
-    **dict.fromkeys(("boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")),
+    **dict.fromkeys(
+        ("floor_share", "boundary", "top_rotation", "speed", "damping"), ("pushover", "cyclic")
+    ),
     "sequence": ("harmonic", "record"),
     **dict.fromkeys(
         (
@@ -833,6 +846,7 @@ def _pushed(parsed):
         speed_m_s=parsed.speed,
         local_damping=parsed.damping,
         top_rotation=parsed.top_rotation,
+        floor_shares=parsed.floor_share,
     )
     if parsed.pushover is not None:
         return TopDisplacement((parsed.pushover,), cycles=0, **more)

@@ -207,7 +207,9 @@ class Run:
             (velocities, move, first)
             for velocities, move, first in (
                 (
-                    mean_velocities(drive.top, *interval, self.layout.pushed_height),
+                    mean_velocities(
+                        drive.top, *interval, self.layout.height_of_push(drive.floor_shares)
+                    ),
                     solver.push,
                     zero,
                 ),
@@ -237,7 +239,9 @@ class Run:
 
     def _take_hold(self):
         drive = self.settings.loading.drive
-        if drive.top:
+        if drive.floor_shares:
+            self.solver.spread(self.layout.push_shares(drive.floor_shares))
+        elif drive.top:
             self.solver.hold(self.layout.pushed_bodies, not drive.top_rotates, drive.top_stiffness)
 
     def _set_in_motion(self):

@@ -75,6 +75,11 @@ def check_top(settings, layout, time_step):
             f"--boundary fixed: a restraint holds the top of wall {layout.wall.name}, so that the"
             " push moves the course at mid-height, which turns; leave --boundary out"
         )
+    if drive.floor_shares and settings.mass_scaling == SELECTIVE:
+        raise InputError(
+            "--floor-share with --mass-scaling selective: expected true masses; leave one of them"
+            " out"
+        )
     stiffness, inertia = drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
     most = 0.25 * float(inertia) / time_step**2
     if stiffness > most:
@@ -150,7 +155,8 @@ def stages(settings, layout, time_step, sample_steps):
         start = sample_steps * math.ceil(length_s / (sample_steps * time_step))
         found = [Stage(1, "settlement", 0, start)]
     if settings.loading.drive.quasi_static:
-        n = math.ceil(settings.loading.length_s(layout.pushed_height) / (sample_steps * time_step))
+        height = layout.height_of_push(settings.loading.drive.floor_shares)
+        n = math.ceil(settings.loading.length_s(height) / (sample_steps * time_step))
         return [*found, Stage(1, "motion", start, start + n * sample_steps)]
     if not settings.loading.moves:
         return found
@@ -186,7 +192,7 @@ def check_size(settings, layout, time_step):
     time_step [s]."""
     loading, interval = settings.loading, sample_steps(time_step, settings.mass_scaling)
     length_s = (
-        loading.length_s(layout.pushed_height)
+        loading.length_s(layout.height_of_push(loading.drive.floor_shares))
         if loading.drive.quasi_static
         else settings.duration_s
     )

@@ -93,8 +93,13 @@ class Solver(Protocol):
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`,
         or a rotational spring of this stiffness on each [N m/rad], whose work is input."""
 
+    def spread(self, shares):
+        """From now on move bodies by a spreader beam: by forces in the ratio of shares (n_bodies,),
+        whose sum is 1, so that the mean displacement of the bodies by these shares follows
+        `push`."""
+
     def push(self, velocity):
-        """Prescribe the horizontal velocity of the held bodies [m/s]."""
+        """Prescribe the horizontal velocity of the held bodies, or of the spreader beam [m/s]."""
 
     def move_supports(self, velocities):
         """Prescribe the velocities of the supports (n_supports, 3) [m/s, m/s, rad/s]."""

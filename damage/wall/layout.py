@@ -18,6 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from damage.elementary import total
 from damage.errors import InputError
 from damage.rounded import to_bits
 from damage.units import GRAVITY
@@ -161,6 +162,44 @@ class Layout:
     def pushed_height(self):
         """Height of their centres [m]."""
         return float(self.bodies.z[self.pushed_bodies].mean())
+
+    def push_shares(self, floor_shares):
+        """Share of a push that each body takes, (n_bodies,) [-]: that of its floor by mass.
+
+        floor_shares: ((level [m], share [-]), ...).  Raises InputError for a level that is neither
+        a floor's nor the wall's.
+        """
+        found, mass = np.zeros(len(self.bodies)), self.bodies.mass
+        for level, share in floor_shares:
+            on = self._carries(level)
+            found[on] += share * mass[on] / total(mass[on])
+        return to_bits(found / total(found))
+
+    def _carries(self, level):
+        """Indices of the bodies that carry the floors, or the top, at this level [m]."""
+        wall, bodies, course = self.wall, self.bodies, self.wall.brick.height
+        places = [place for place in self.plan.floors if place.above == round(level / course)]
+        if places:
+            of_course = np.abs(bodies.z - (places[0].above - 0.5) * course) < bodies.height / 2
+            over = [
+                (bodies.x - bodies.length / 2 < right - TINY)
+                & (bodies.x + bodies.length / 2 > left + TINY)
+                for _, left, right, _, _ in places
+            ]
+            return np.flatnonzero(of_course & np.any(over, axis=0))
+        if wall.courses == round(level / course):
+            return self.pushed_bodies
+        levels = sorted({wall.height, *(floor.level for floor in wall.floors)})
+        raise InputError(
+            f"--floor-share at {level:g} m: wall {wall.name} has no floor there, expected one of"
+            f" {', '.join(f'{one:g}' for one in levels)} m; correct it"
+        )
+
+    def height_of_push(self, floor_shares=()):
+        """Height of the resultant of a push [m]: of the pushed bodies, or of these floors."""
+        if not floor_shares:
+            return self.pushed_height
+        return float(total(self.push_shares(floor_shares) * self.bodies.z))
 
     @property
     def top_mass(self):

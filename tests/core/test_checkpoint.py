@@ -18,6 +18,7 @@ from damage.wall.layout import lay_out
 
 SMALL = "walls/variants/small.py"
 OFTEN = ("--checkpoint", "0.001")
+TOP_SHARE = (SMALL, "--pushover", "0.02", "--floor-share", "0.6", "1", "--no-pictures")
 SHAKE = (SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.1", "--no-pictures", "--quiet")
 LOOSE = 0.4e-3  # opening [m] from which bricks collide in YADE
 RUNS = {
@@ -29,6 +30,7 @@ RUNS = {
         "--stresses",
     ),
     "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
+    "spread": (*TOP_SHARE, "--relaxation", "local", "--quiet"),
     "falling": (
         SMALL,
         "--harmonic",
@@ -242,10 +244,12 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_com
 
 @pytest.mark.yade
 @pytest.mark.long
-def test_a_top_that_turns_against_a_spring_continues_in_yade(tmp_path, yade_command):
-    """What acts on a brick that is held is added between two steps, and is in the checkpoint,
-    too."""
-    words = (SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures")
+@pytest.mark.parametrize(
+    "words", [(SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures"), TOP_SHARE]
+)
+def test_what_acts_on_a_pushed_top_continues_in_yade(words, tmp_path, yade_command):
+    """What acts on a brick that is held, or of a spreader beam, is added between two steps, and is
+    in the checkpoint, too."""
     assert yade_command(*SHORT, *words, "--out", tmp_path / "whole.h5").returncode == 0
     cut = tmp_path / "cut.h5"
     assert (

@@ -14,6 +14,7 @@ from damage.applications.report.report import page
 from damage.history.info import info
 from damage.measure.evidence import describe, evidence_for, outside
 from damage.measure.tables import summary_row
+from damage.rounded import to_bits
 
 SHAKEN = {
     "loading": {"kind": "harmonic", "period_s": 0.2, "amplitude_g": 0.05},
@@ -103,6 +104,17 @@ def test_the_strongest_event_of_a_sequence_of_records_counts():
     events = [{"motion": 0, "rest_s": 1.0}, {"motion": 1, "rest_s": 0.5}]
     found = names_outside(loading=RECORD, motions=motions, events=events, sequence=[1.9, -1.6])
     assert found == ["scale of a record", "rest after the motion"]
+
+
+def test_what_rounding_of_inputs_adds_to_a_limit_is_inside():
+    """A push to the limit of 0.3 % ends as far beyond it as its amplitude was rounded up."""
+    end = to_bits(0.003)
+    assert end > 0.003 * (1 + 4e-9)
+    judged = [
+        evidence_for(WALL, {"loading": {"kind": "pushover"}}, {**RESULT, "max_drift_ratio": drift})
+        for drift in (end, 0.003 * (1 + 2**-24), 0.00300001)
+    ]
+    assert [one["drift"]["inside"] for one in judged] == [True, True, False]
 
 
 def test_limits_are_inside_and_what_does_not_apply_is_neither():

@@ -164,6 +164,7 @@ def test_a_wall_that_was_tested(clone):
     assert (
         "comp2_2 / pushover_0.1pct_fixed: 2 draws" in output and "beside the test COMP2_2" in output
     )
+    assert "cohesion = 2.3" in output and "normal_stiffness = 1.2e+12 " in output
     made = damage.load_wall(clone / "walls" / "comp2_2.toml")
     by_rule = after_peak.tested_wall("COMP2_2")
     for one, other in ((made, by_rule), (made.brick, by_rule.brick), (made.joint, by_rule.joint)):

@@ -229,3 +229,26 @@ def test_a_toe_crushes_alike(tmp_path, in_both):
     assert_allclose(
         found[0][3], load * (length - load / 1e6 / thickness) / 2 / (height + 0.1), rtol=0.05
     )
+
+
+def test_a_spreader_beam_keeps_the_ratio_of_its_forces(tmp_path, in_both):
+    """The column of tests/core/test_floor_push.py: its floors move as by hand in both."""
+    wall = wall_file(
+        tmp_path / "column.py",
+        "Wall('column', 0.3, 1.2, precompression=0, brick=Brick(length=0.6, height=0.1),"
+        " floors=(Floor(0.6, 400.0), Floor(1.2, 200.0)))",
+    )
+    words = ("--floor-share", 0.6, 0.3, "--floor-share", 1.2, 0.7, "--speed", 2e-4)
+    both = in_both(tmp_path, wall, "--pushover", 0.002, *words, yade=SHORT, reference=LOCAL)
+    for history in both.values():
+        assert_allclose(history.displacement[-1, [5, 11], 0], [7.588e-6, 2.4462e-5], rtol=2e-3)
+        assert_allclose(history.series["top_force_n"].iloc[-5:].mean(), 50.6, rtol=5e-3)
+
+
+def test_a_triplet_slides_at_cohesion_and_friction(tmp_path, in_both):
+    words = ("walls/triplet.toml", "--pushover", 0.05, "--speed", 4e-5)
+    for history in in_both(tmp_path, *words, reference=LOCAL).values():
+        wall, force = history.masonry_wall, history.series["top_force_n"]
+        stresses = np.array([force.max(), force.iloc[-20:].mean()]) / (2 * 0.21 * 0.1)
+        slides = np.tan(wall.joint.friction_angle) * wall.precompression
+        assert_allclose(stresses, [slides + wall.joint.cohesion, slides], rtol=0.01)

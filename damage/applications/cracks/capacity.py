@@ -13,6 +13,7 @@ from damage.measure.pushed import SECANT_SHARE, since_the_push
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE, CAP_HEIGHT
+from damage.wall.layout import lay_out
 from damage.wall.restraints import top_of
 
 CYCLE_COLUMNS = (
@@ -233,6 +234,9 @@ def cycle_edges(history):
     caps = bodies["z_m"][bodies["course"] == CAP_COURSE]
     free = len(caps) and top_of(history.masonry_wall) is None
     height = float(caps.mean()) if free else history.attributes["drift_height_m"]
+    if loading.floor_shares:
+        layout = lay_out(history.masonry_wall, history.model)
+        height = layout.height_of_push(loading.floor_shares)
     asked = loading.top_displacement(time_s, height)
     upwards = np.flatnonzero((asked[:-1] <= 0) & (asked[1:] > 0))
     whole = len(loading.amplitudes_pct) * loading.cycles

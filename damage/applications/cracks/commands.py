@@ -54,6 +54,28 @@ def _cycles(asked):
 
 
 @command(
+    "joint stiffnesses, cohesion and friction from tests of couplets and triplets",
+    file_arg("tests", "TEST.csv|RUN.h5", "rows of tests, or pushed walls of one course", nargs="+"),
+    JSON,
+    output(file_arg("--csv", "FILE.csv", "the rows of all of them, as one file of tests")),
+    examples=("triplets.csv couplets.csv", "triplet_*.h5 --csv tests.csv"),
+)
+def _calibrate(asked):
+    from damage.applications.cracks import calibrate
+    from damage.applications.cracks.calibrate import read_tests, rows_of
+
+    rows = calibrate.joined(
+        [
+            rows_of(read_history(path)) if path.suffix == ".h5" else read_tests(path)
+            for path in asked.tests
+        ]
+    )
+    if asked.csv:
+        rows.to_csv(asked.csv, index=False)
+    show(asked, calibrate.calibrated(rows), calibrate.describe)
+
+
+@command(
     "cracks, Psi and index of a history, of digitised cracks or of a DIC field",
     file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
     group(
@@ -177,6 +199,6 @@ MEASURES.append("applications/cracks/kept.py")  # patterns at rest
 
 @tables
 def _tables():
-    from damage.applications.cracks.crack_file import COLUMNS
+    from damage.applications.cracks import calibrate, crack_file
 
-    return {"crack files": COLUMNS}
+    return {"crack files": crack_file.COLUMNS, "tests of joints": calibrate.COLUMNS}

@@ -603,13 +603,31 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
         cwd=REPOSITORY,
     ) as page:
         pid, running = page.stdout.readline().split()
+        wait_until(lambda: len(group(pid)) > 2)  # processes of its runs, too
         page.kill()
     assert running == "True"
     try:
-        wait_until(lambda: not is_running(pid), at_most_s=30)
+        wait_until(lambda: not group(pid), at_most_s=2)
     finally:
-        if is_running(pid):
+        if group(pid):
             os.killpg(int(pid), signal.SIGKILL)
+
+
+def group(leader):
+    """Pids of the processes of a group that have not ended."""
+    members = subprocess.run(["pgrep", "-g", str(leader)], capture_output=True, text=True).stdout
+    return [pid for pid in members.split() if is_running(pid)]
+
+
+def test_a_computation_that_does_not_end_politely_is_killed_with_its_children(tmp_path):
+    desk = Desk(tmp_path / "out")
+    shell = "trap '' TERM; (trap '' TERM; sleep 600) & echo; wait"
+    desk.job = subprocess.Popen(["sh", "-c", shell], start_new_session=True, stdout=subprocess.PIPE)
+    desk.job.stdout.readline()
+    assert len(group(desk.job.pid)) >= 2
+    desk.stop(0.1)
+    wait_until(lambda: not group(desk.job.pid), at_most_s=2)
+    desk.job.stdout.close()
 
 
 # --- words ----------------------------------------------------------------------------------------

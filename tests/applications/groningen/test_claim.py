@@ -8,6 +8,7 @@ import shutil
 import string
 import subprocess
 import sys
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -521,6 +522,29 @@ class TestOneFolder:
             assert main(words(claimed.parent, "--seed", "7", "--settle", "hogging", draws=4)) == 2
         assert "another batch is at work" in capsys.readouterr().err
         assert before == {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}
+
+    @pytest.mark.long
+    def test_a_claim_beside_which_others_are_refused_is_that_of_one_left_alone(
+        self, claimed, tmp_path, damage_command
+    ):
+        def line(out, *more):
+            return [*words(claimed.parent, draws=12)[:-1], tmp_path / out, *more]
+
+        damage_command(*line("alone"), status=0)
+        first = subprocess.Popen([sys.executable, "-m", "damage", *line("both")], cwd=REPOSITORY)
+        records = tmp_path / "both/records.jsonl"
+        while not (records.exists() and '"row"' in records.read_text()):
+            assert first.poll() is None
+            time.sleep(0.02)
+        for more in (("--seed", "7"), ("--settle", "hogging", "--distortion", "1/2000")):
+            said = damage_command(*line("both", *more), status=2).stderr
+            assert "another batch is at work" in said
+        assert first.poll() is None and first.wait() == 0
+        files = [
+            {path.name: path.read_bytes() for path in (*one.glob("patterns/*"), one / "claim.json")}
+            for one in (tmp_path / "alone", tmp_path / "both")
+        ]
+        assert len(files[0]) > 24 and files[0] == files[1]
 
     def test_a_wall_that_was_edited_meanwhile_makes_no_sheet(
         self, claimed, tmp_path, capsys, monkeypatch

@@ -8,6 +8,7 @@ import io
 import os
 import signal
 import subprocess
+import sys
 import time
 from contextlib import redirect_stderr, redirect_stdout
 from types import SimpleNamespace
@@ -21,6 +22,7 @@ from conftest import (
     TINY,
     is_running,
     refused_with,
+    run_command,
     wait_until,
     wall_file,
     written,
@@ -37,6 +39,7 @@ from damage.applications.studies.outdated import Results
 from damage.applications.studies.pool import Pool
 from damage.applications.studies.records import NAME, read_records
 from damage.applications.studies.tasks import CHANGED, Task
+from damage.applications.studies.worker import changes
 from damage.errors import InputError
 from damage.history.reader import read_history
 
@@ -452,6 +455,33 @@ class TestInputsThatChange:
             CHANGED,
             ["wall.height 0.6 -> 0.45"],
         ) and sent == ["ran"]
+
+    def test_a_module_that_the_wall_imports_is_compared_as_the_solver_has_read_it(
+        self, tmp_path, monkeypatch
+    ):
+        """The process that compares has imported it before, and would find no difference."""
+        sizes = written(tmp_path / "sizes.py", "HEIGHT = 0.6\n")
+        wall = written(
+            tmp_path / "tiny.py",
+            f"import sys\n\nsys.path.insert(0, {str(tmp_path)!r})\nimport sizes\nfrom damage import"
+            " Wall\n\n\ndef wall():\n    return Wall('tiny', 0.45, sizes.HEIGHT)\n",
+        )
+        run = StudyRun("p", str(wall), (("harmonic", (0.1, 0.5)),), "yade")
+        task, words = Task(tmp_path, run, 1, True), ["--harmonic", "0.1", "0.01", "--cycles", "1"]
+        note = {run.id: as_json(inputs_of(run, REPOSITORY))}
+        task.part.parent.mkdir()
+
+        def solve(*_):
+            sizes.write_text("HEIGHT = 0.45\n")
+            words.extend(["--rest", "0", "--no-pictures", "--out", task.part])
+            return run_command(sys.executable, "-m", "damage", "reference", wall, *words).returncode
+
+        monkeypatch.setattr(worker, "_run_solver", solve)
+        monkeypatch.setattr(sys, "path", sys.path.copy())
+        found = worker._run_yade(task, SimpleNamespace(send=lambda _: None), -1, note)
+        assert found == (CHANGED, ["wall.height 0.6 -> 0.45"]) and not task.part.exists()
+        assert changes(task, note) == []
+        del sys.modules["sizes"]
 
 
 @pytest.mark.slow

@@ -259,7 +259,7 @@ class Desk:
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
                 env=environment(),
-                preexec_fn=partial(end_with_parent, os.getpid(), signal.SIGTERM),
+                preexec_fn=partial(end_with_parent, os.getpid()),
             ).result()
         return self.progress()
 
@@ -312,13 +312,14 @@ class Desk:
             "sheet": f"{RESULTS}/{SHEET}" if self.path(f"{RESULTS}/{SHEET}").exists() else None,
         }
 
-    def stop(self):
-        """Interrupt the runs; they continue from there when they are started again."""
+    def stop(self, patience_s=20.0):
+        """Interrupt the runs, and kill their processes after so long [s]; they continue from there
+        when they are started again."""
         if self.running:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self.job.pid, signal.SIGTERM)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                self.job.wait(20)
+            for name in (signal.SIGTERM, signal.SIGKILL):
+                with contextlib.suppress(ProcessLookupError, subprocess.TimeoutExpired):
+                    os.killpg(self.job.pid, name)
+                    self.job.wait(patience_s)
         return self.progress()
 
     def state(self):

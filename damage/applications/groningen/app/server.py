@@ -208,7 +208,7 @@ def serve(out, port=0, opened=True):
             server.serve_forever()
     finally:
         server.server_close()
-        app.desk.stop()
+        app.desk.stop(1.5)
 
 
 def _check_port(port):

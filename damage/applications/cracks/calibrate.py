@@ -1,0 +1,202 @@
+"""Joint properties from tests of two or three bricks: stiffnesses, and cohesion and friction by a
+Mohr-Coulomb line through the peaks of triplets (EN 1052-3:2002, 8.2).
+
+A couplet is tested across its joint, in compression, tension or by a bond wrench; a triplet is
+sheared under a precompression.
+"""
+
+import numpy as np
+import pandas as pd
+import scipy  # stats where it is used: it starts slowly
+
+from damage.applications.cracks.capacity import pushed_loading
+from damage.csv_table import read_csv
+from damage.draw.words import counted
+from damage.errors import InputError
+from damage.fields import Column
+from damage.units import MILLIMETRE
+from damage.wall.restraints import top_of
+
+MPA = 1e6
+COLUMNS = {
+    "specimen": Column("", "its name; its rows in the order of loading", "U"),
+    "normal_stress_mpa": Column(
+        "MPa",
+        "on the joint, tension positive, of a bond wrench at the edge; of a triplet minus the"
+        " precompression",
+        least=-1000,
+        most=1000,
+    ),
+    "opening_mm": Column("mm", "of a couplet: across the joint there", least=-100, most=100),
+    "shear_stress_mpa": Column(
+        "MPa", "of a triplet: half of the force over the area of a joint", least=-1000, most=1000
+    ),
+    "slip_mm": Column("mm", "of a triplet: of the brick in the middle", least=-100, most=100),
+}
+ELASTIC = 0.1, 0.5
+"""Shares of the largest stress between which a stiffness is taken, on first loading [-]."""
+LEAST_PER_LEVEL = LEAST_LEVELS = 3
+"""Specimens at each precompression, and precompressions, that EN 1052-3 asks for."""
+CHARACTERISTIC = 0.8
+"""Characteristic cohesion and friction over the mean ones (EN 1052-3)."""
+
+
+def read_tests(path):
+    """The rows of a CSV file of tests, a DataFrame with COLUMNS.  Raises InputError, with the line,
+    where the file does not fit."""
+    table = read_csv(path, COLUMNS, ("specimen", "normal_stress_mpa"))
+    table.refuse_empty("specimen", "normal_stress_mpa")
+    rows = table.rows
+    sheared, opened = rows["shear_stress_mpa"].notna(), rows["opening_mm"].notna()
+    table.refuse(
+        ~(sheared ^ opened), "expected opening_mm of a couplet, or shear_stress_mpa of a triplet"
+    )
+    table.refuse(
+        sheared & (rows["normal_stress_mpa"] > 0),
+        "normal_stress_mpa above zero of a triplet: expected minus its precompression; correct it",
+    )
+    return rows
+
+
+def rows_of(history):
+    """The same rows of a pushed History of one course of rigid bricks: a triplet where a restraint
+    holds its top, else a couplet.  What half a brick deforms is taken off, as a laboratory does.
+    Raises InputError for another wall."""
+    wall, series = history.masonry_wall, history.series
+    pushed_loading(history)
+    if wall.courses != 1 or wall.openings:
+        raise InputError(
+            f"{history.path} is of wall {wall.name}: expected a couplet or a triplet, a wall of one"
+            " course; copy walls/triplet.toml"
+        )
+    brick, area = wall.brick, wall.length * wall.brick.thickness
+    if top_of(wall):
+        shear = series["top_force_n"] / (2 * area)
+        slip = series["top_displacement_m"] - shear * brick.height / 2 / brick.shear_modulus
+        rows = {
+            "normal_stress_mpa": -wall.precompression / MPA,
+            "shear_stress_mpa": shear / MPA,
+            "slip_mm": slip / MILLIMETRE,
+        }
+    else:
+        sample = np.searchsorted(series["time_s"], history.snapshot_time_s[:-1])
+        edge = -history.support_force[sample, 0, 2] / (area * wall.length / 6)
+        opening = -history.displacement[:-1, 0, 2] * wall.length / 2
+        opening -= edge * brick.height / 2 / brick.young_modulus
+        rows = {"normal_stress_mpa": edge / MPA, "opening_mm": opening / MILLIMETRE}
+    return pd.DataFrame({"specimen": history.path.stem, **rows}).reindex(columns=list(COLUMNS))
+
+
+def joined(tables):
+    """Rows of several tables as one.  Raises InputError where two have a specimen of one name."""
+    names = pd.Series([name for one in tables for name in one["specimen"].unique()])
+    for name in names[names.duplicated()][:1]:
+        raise InputError(
+            f"specimen {name} is in two files: expected a name for each; rename one, or its file"
+        )
+    return pd.concat(tables, ignore_index=True)
+
+
+def calibrated(tests):
+    """Joint properties from rows with COLUMNS, a plain dictionary; what no specimen shows is left
+    out.
+
+    normal_stiffness, shear_stiffness [Pa/m], cohesion [Pa], friction [-]: {"value",
+    "standard_error": None of a single specimen, "scatter": coefficient of variation between
+    specimens, of cohesion and friction that of the peaks about the line, "specimens"}; of the last
+    two "characteristic", too.  notes: what the standard asks for and the tests lack.
+    """
+    triplets = tests[tests["shear_stress_mpa"].notna()]
+    couplets = tests[tests["shear_stress_mpa"].isna()]
+    found = {
+        "normal_stiffness": _stiffness(couplets, "normal_stress_mpa", "opening_mm"),
+        "shear_stiffness": _stiffness(triplets, "shear_stress_mpa", "slip_mm"),
+    }
+    found, notes = {name: one for name, one in found.items() if one}, []
+    if len(triplets):
+        line, notes = _mohr_coulomb(triplets)
+        found |= line
+    return {**found, "notes": notes}
+
+
+def _stiffness(rows, stress, displacement):
+    """Mean slope of stress over displacement of the specimens [Pa/m], a table as of `calibrated`;
+    None without any."""
+    slopes = []
+    for name, one in rows.dropna(subset=[stress, displacement]).groupby("specimen", sort=False):
+        load, way = (np.abs(one[of] - one[of].iloc[0]) for of in (stress, displacement))
+        rising = one.iloc[: int(load.argmax()) + 1].index
+        elastic = rising[load[rising].between(*(share * load.max() for share in ELASTIC))]
+        if len(elastic) < 2 and len(one) > 1:
+            raise InputError(
+                f"specimen {name}: {len(elastic)} rows between {ELASTIC[0]:g} and {ELASTIC[1]:g} of"
+                f" its largest {stress}; expected two or more, for a stiffness; add some, or leave"
+                f" {displacement} empty"
+            )
+        if len(elastic) > 1:
+            slope = scipy.stats.linregress(way[elastic], load[elastic]).slope
+            slopes.append(slope * MPA / MILLIMETRE)
+    if not slopes:
+        return None
+    mean, several = np.mean(slopes), len(slopes) > 1
+    deviation = np.std(slopes, ddof=1) if several else None
+    error = deviation / np.sqrt(len(slopes)) if several else None
+    return _value(mean, error, deviation / mean if several else None, len(slopes))
+
+
+def _mohr_coulomb(triplets):
+    """Cohesion and friction from the peaks of triplets, a line by least squares, and notes."""
+    peaks = triplets.assign(shear_stress_mpa=triplets["shear_stress_mpa"].abs()).groupby("specimen")
+    rows = triplets.loc[peaks["shear_stress_mpa"].idxmax()]
+    normal, shear = -rows["normal_stress_mpa"], rows["shear_stress_mpa"].abs()
+    levels = (normal / normal.max()).round(1).value_counts()
+    if len(levels) < 2 or len(rows) < 3:
+        raise InputError(
+            f"{len(rows)} triplets under {len(levels)} precompression(s): expected three or more"
+            " under two or more, for a line; test more"
+        )
+    notes = []
+    if len(levels) < LEAST_LEVELS or levels.min() < LEAST_PER_LEVEL:
+        notes.append(
+            f"{levels.min()} or more triplets under each of {len(levels)} precompressions; EN"
+            f" 1052-3 asks for {LEAST_PER_LEVEL} under each of {LEAST_LEVELS}"
+        )
+    line = scipy.stats.linregress(normal, shear)
+    if line.intercept < 0:
+        notes.append("the line has a negative cohesion: look at the tests, or take zero")
+    fitted = line.intercept + line.slope * normal
+    scatter = np.sqrt(np.sum((shear / fitted - 1) ** 2) / (len(rows) - 2))
+    values = {
+        "cohesion": (line.intercept * MPA, line.intercept_stderr * MPA),
+        "friction": (line.slope, line.stderr),
+    }
+    return {
+        name: {**_value(*one, scatter, len(rows)), "characteristic": CHARACTERISTIC * float(one[0])}
+        for name, one in values.items()
+    }, notes
+
+
+def _value(value, standard_error, scatter, specimens):
+    numbers = {"value": value, "standard_error": standard_error, "scatter": scatter}
+    return {name: None if one is None else float(one) for name, one in numbers.items()} | {
+        "specimens": specimens
+    }
+
+
+def describe(found):
+    """Text of what `calibrated` found: the table [joint] of a wall file."""
+    lines = ["[joint]"]
+    for name, one in found.items():
+        if name == "notes":
+            continue
+        error, scatter = one["standard_error"], one["scatter"]
+        said = [counted(one["specimens"], "specimen")]
+        said += [] if error is None else [f"standard error {error:.2g}"]
+        said += [] if scatter is None else [f"scatter {100 * scatter:.2g} %"]
+        if "characteristic" in one:
+            said.append(f"characteristic {one['characteristic']:.3g}")
+        lines.append(f"{name} = {one['value']:.4g}".ljust(34) + f"# {', '.join(said)}")
+    if "cohesion" in found:
+        scatter = found["cohesion"]["scatter"]
+        lines.append(f"# strengths of a wall's joints: --strength-cov {scatter:.2g}")
+    return "\n".join([*lines, *(f"# note: {note}" for note in found["notes"])])

@@ -1,0 +1,108 @@
+"""Joint properties from couplets and triplets: a made-up line by hand, and virtual tests whose
+inputs come back."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, refused_with, written
+from pytest import approx
+
+import damage
+from damage.applications.cracks.calibrate import calibrated, describe, read_tests, rows_of
+from damage.wall.file import load_wall
+
+TRIPLET, COUPLET = (
+    load_wall(REPOSITORY / "walls" / f"{name}.toml") for name in ("triplet", "couplet")
+)
+HEAD = "specimen,normal_stress_mpa,opening_mm,shear_stress_mpa,slip_mm\n"
+
+
+def test_virtual_tests_give_their_inputs_back(tmp_path, damage_command):
+    """Between two samples the shear stress grows by 2.3 kPa, by which a peak can be missed."""
+    for stress in (0.2e6, 0.6e6, 1e6):
+        damage.run(
+            replace(TRIPLET, precompression=stress),
+            pushover=0.06,
+            speed=2e-5,
+            out=tmp_path / f"t{stress:g}.h5",
+        )
+    damage.run(COUPLET, pushover=0.004, speed=2e-5, contacts="gauss", out=tmp_path / "c.h5")
+    histories, table = sorted(tmp_path.glob("*.h5")), tmp_path / "tests.csv"
+    said = damage_command("calibrate", *histories, "--csv", table, status=0).stdout
+    found = json.loads(damage_command("calibrate", table, "--json", status=0).stdout)
+    joint = TRIPLET.joint
+    for name, expected, rel in (
+        ("normal_stiffness", joint.normal_stiffness, 0.01),
+        ("shear_stiffness", joint.shear_stiffness, 0.01),
+        ("cohesion", joint.cohesion, 0.013),
+        ("friction", np.tan(joint.friction_angle), 0.01),
+    ):
+        assert found[name]["value"] == approx(expected, rel=rel), name
+        assert f"{name} = {found[name]['value']:.4g} " in said
+    assert found["shear_stiffness"]["specimens"] == found["cohesion"]["specimens"] == 3
+    assert "EN 1052-3 asks for 3 under each of 3" in found["notes"][0]
+    # what is printed is a wall file's
+    wall = f'name = "a"\nlength = 1.0\nheight = 1.0\n{said}'
+    read = load_wall(written(tmp_path / "a.toml", wall)).joint
+    assert read.cohesion == approx(joint.cohesion, rel=0.013)
+
+
+def test_a_line_by_hand(tmp_path):
+    """Nine peaks at 0.2 + 0.6 sigma, of a level 0.01 MPa off by turns: least squares by hand."""
+    stresses, off = np.repeat([0.2, 0.6, 1.0], 3), np.tile([-0.01, 0.0, 0.01], 3)
+    shear = 0.2 + 0.6 * stresses + off
+    rows = [
+        f"t{k},{-sigma},,{share * tau},{share * tau / 50}"
+        for k, (sigma, tau) in enumerate(zip(stresses, shear))
+        for share in (0, 0.2, 0.4, 1.0, 0.7)
+    ]
+    pressed = [
+        f"c{k},{-share},{-share / (90 + 10 * k)},," for k in (0, 1, 2) for share in (0, 1, 2, 5)
+    ]
+    tests = read_tests(written(tmp_path / "a.csv", HEAD + "\n".join(rows + pressed)))
+    found = calibrated(tests)
+    error = np.sqrt(6e-4 / 7)  # of one peak
+    spread = np.sum((stresses - 0.6) ** 2)
+    assert found["friction"] == approx(
+        {
+            "value": 0.6,
+            "standard_error": error / np.sqrt(spread),
+            "scatter": found["cohesion"]["scatter"],
+            "specimens": 9,
+            "characteristic": 0.48,
+        }
+    )
+    of_line = error * np.sqrt(1 / 9 + 0.36 / spread)
+    assert found["cohesion"]["standard_error"] == approx(1e6 * of_line)
+    assert found["cohesion"]["scatter"] == approx(np.sqrt(np.sum((off / (shear - off)) ** 2) / 7))
+    assert found["shear_stiffness"]["value"] == approx(50e9)
+    assert found["normal_stiffness"] == approx(
+        {"value": 100e9, "standard_error": 10e9 / np.sqrt(3), "scatter": 0.1, "specimens": 3}
+    )
+    assert found["notes"] == [] and "cohesion = 2e+05 " in describe(found)
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ("t1,-0.2,,0.3,\nt2,-0.2,,0.31,\nt3,-0.2,,0.31,", "3 triplets under 1 precompression"),
+        ("t1,0.2,,0.3,", "line 2: normal_stress_mpa above zero of a triplet"),
+        ("t1,-0.2,,,", "line 2: expected opening_mm of a couplet, or shear_stress_mpa"),
+        ("c1,-0.1,0,,\nc1,-0.9,-1,,", "specimen c1: 0 rows between 0.1 and 0.5 of its largest"),
+        (",-0.1,0,,", "line 2: no specimen"),
+    ],
+)
+def test_tests_that_say_too_little(tmp_path, rows, words):
+    path = written(tmp_path / "a.csv", HEAD + rows)
+    refused_with(words, lambda: calibrated(read_tests(path)))
+
+
+def test_a_specimen_of_two_files(tmp_path, error_of):
+    path = written(tmp_path / "a.csv", HEAD + "c1,-0.1,0,,")
+    assert "specimen c1 is in two files" in error_of("calibrate", path, path)
+
+
+def test_a_wall_is_no_specimen(still_history):
+    refused_with("give one of --pushover", rows_of, still_history)
