@@ -6,7 +6,6 @@ from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose
 
 import damage
-from damage.applications.cracks.capacity import cycle_edges, cycles_table
 from damage.measure.summary import summarise
 
 pytestmark = pytest.mark.yade
@@ -125,36 +124,6 @@ def test_joints_that_soften_do_so_alike(tmp_path, in_both):
     assert_allclose(yade.opening_m[-1], reference.opening_m[-1], atol=1e-6)
     assert_allclose(yade.offset_m[-1], reference.offset_m[-1], atol=1e-6)
     assert np.array_equal(yade.broken[-1], reference.broken[-1])
-
-
-@pytest.mark.long
-def test_a_cycle_dissipates_alike(tmp_path, in_both):
-    """The area of each loop, and friction with fracture in it, within 5 %; paper/laboratory.py
-    yade_cycles."""
-    wall, found = wall_file(tmp_path / "panel.py", SOFT), {}
-    histories = in_both(
-        tmp_path,
-        wall,
-        "--cyclic",
-        "0.1,0.2",
-        "--cycles",
-        1,
-        "--boundary",
-        "fixed",
-        "--speed",
-        5e-3,
-        "--fibres",
-        16,
-        reference=LOCAL,
-    )
-    for solver, history in histories.items():
-        joints = history.series[["friction_energy_j", "fracture_energy_j"]].sum(axis=1).to_numpy()
-        found[solver] = [
-            cycles_table(history)["dissipated_j"],
-            np.diff(joints[cycle_edges(history)]),
-        ]
-    assert np.min(found["reference"]) > 1.0
-    assert_allclose(found["yade"], found["reference"], rtol=0.05)
 
 
 @pytest.mark.long

@@ -3,12 +3,10 @@ changed records, and the folders of earlier versions.  One rule finds all of it
 (`damage.applications.studies.outdated`)."""
 
 import json
-import os
 import shutil
 
-import pandas as pd
 import pytest
-from conftest import BATCH, REPOSITORY, refused_with, run_command, written
+from conftest import REPOSITORY, refused_with, written
 from small_history import make_history
 
 from damage.applications.groningen import options
@@ -20,7 +18,6 @@ from damage.applications.studies.records import NAME, line_of, read_records, rec
 from damage.applications.studies.tables import summary_of
 from damage.applications.studies.tasks import Task
 from damage.applications.studies.worker import changes
-from damage.history.head import read_head
 from damage.motion.formats import shipped_records
 from damage.provenance import model_digest
 
@@ -330,61 +327,3 @@ class TestVersions:
         assert list(read_records(there.out).runs) == [run.first]
         (again,) = there.settle(remake=True)
         assert "are made again" in again and not list((there.out / "runs").iterdir())
-
-
-STUDY = """
-name = "s"
-pictures = "none"
-[[grid]]
-wall = "walls/variants/small.py"
-options = { harmonic = [0.06, "{g}"], rest = 0 }
-vary = { g = [0.1, 0.2, 0.3] }
-[[runs]]
-id = "drawn"
-wall = "walls/variants/small.py"
-options = { harmonic = [0.06, 0.5], rest = 0, strength-cov = 0.3 }
-samples = 2
-"""
-
-
-@pytest.mark.long
-def test_a_study_whose_model_changed_between_its_runs(tmp_path):
-    """It says which are of another version, in the terminal and in its tables."""
-    repository = tmp_path / "repository"  # to be changed
-    for name in ("damage", "walls", "yade_scripts", "studies"):
-        shutil.copytree(REPOSITORY / name, repository / name)
-    study, runs = repository / "study.toml", repository / "out" / "runs"
-
-    def batch():
-        """What a batch says to standard error."""
-        done = run_command(
-            *BATCH,
-            "study.toml",
-            "-j2",
-            "--out",
-            "out",
-            cwd=repository,
-            timeout=300,
-            env=os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"},
-            status=0,
-        )
-        return done.stderr, {path.stem: path.read_bytes() for path in runs.glob("*.h5")}
-
-    # as far as it came
-    study.write_text(STUDY.replace(", 0.3] }", "] }").replace("samples = 2", "samples = 1"))
-    _, old = batch()
-    assert len(old) == 3
-    study.write_text(STUDY)
-    changed = repository / "damage" / "run" / "schedule.py"  # nothing that has to be compiled again
-    changed.write_text(changed.read_text() + "\n\nSIGN = 1.0\n")
-    printed, kept = batch()
-    assert (
-        f"warning: {len(old)} runs were made by another version of the model (reference " in printed
-    )
-    assert "are kept; --remake makes them again" in printed and all(name in printed for name in old)
-    assert len(kept) == 5 and all(kept[name] == content for name, content in old.items())
-    summary = pd.read_csv(repository / "out" / "tables" / "summary.csv").set_index("run")
-    assert len(set(summary["model_digest"])) == 2
-    assert set(summary.loc[list(old), "model_digest"]) == {
-        read_head(runs / f"{next(iter(old))}.h5").model.split()[1]
-    }
