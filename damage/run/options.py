@@ -615,11 +615,13 @@ def words_of(options):
     """
     actions = options_of_a_run()
     return [
-        word for name, value in options.items() for word in _words(_action(actions, name), value)
+        word
+        for name, value in options.items()
+        for word in _words(_action(actions, name), name, value)
     ]
 
 
-def _words(action, value):
+def _words(action, name, value):
     """Words of one option on the command line; none where its value is None or the default of a
     flag."""
     option = action.option_strings[0]
@@ -627,6 +629,8 @@ def _words(action, value):
         return []
     if action.nargs == 0:
         return [option] if value is action.const else []
+    if isinstance(action, argparse._AppendAction):
+        return [word for one in _rows(action, name, value) for word in (option, *map(str, one))]
     words = [
         repr(float(one)) if isinstance(one, np.floating) else str(one) for one in _listed(value)
     ]
@@ -637,12 +641,27 @@ def _listed(value):
     return list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
 
 
+def _rows(action, name, value):
+    """Rows of numbers of an option that may be repeated."""
+    try:
+        return np.reshape(np.array(value, float), (-1, action.nargs)).tolist()
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these;"
+            " correct it"
+        ) from None
+
+
 def _value_of(parser, action, name, value):
     """The value of an option, checked and converted as that of a command line is."""
     if action.nargs == 0:
         if not isinstance(value, bool):
             raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return value if value is action.const else action.default
+    if isinstance(action, argparse._AppendAction):
+        return [
+            [_converted(parser, action, one) for one in row] for row in _rows(action, name, value)
+        ]
     values = _listed(value)
     if isinstance(action.nargs, int):
         if len(values) != action.nargs:
