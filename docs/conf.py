@@ -114,7 +114,7 @@ def as_plain_text(app, what, name, obj, options, lines):
             shown += [
                 (
                     f"  {_escaped(line.strip())}"
-                    if line.startswith(" ")
+                    if line.startswith(" ") or not _ARGUMENTS.match(line)
                     else _ARGUMENTS.sub(r"- **\1**\2", _escaped(line), 1)
                 )
                 for line in group

@@ -11,9 +11,9 @@ from matplotlib.image import imread
 from damage.applications.report.packing import as_png
 from damage.applications.report.tables import COLUMNS as MEANING
 from damage.applications.report.tables import cell, digits_of
-from damage.applications.studies.definition import load_study
 from damage.applications.studies.fragility import fit_all, fragility_table, load_runs
 from damage.applications.studies.fragility_picture import fragility_pictures
+from damage.applications.studies.plan import unfinished
 from damage.applications.studies.states import STUDY_FILE, leading
 from damage.errors import InputError
 from damage.measure.columns import read_table
@@ -78,7 +78,7 @@ def studies_below(folder):
     if not found:
         raise InputError(
             f"{folder}: no tables/summary.csv in it or below it; expected a history (.h5) or the"
-            " folder of a study, as ./run_all.sh makes it; give one of them"
+            f" folder of a study; {unfinished(folder) or 'give one, as ./run_all.sh makes it'}"
         )
     return found
 
@@ -133,10 +133,7 @@ def study_part(folder, letters):
 def said_first(folder, summary, points):
     """Notes on a study before its results: missing, growing and unfinished runs, collapses; a list
     of str."""
-    lines, there = [], len(points)
-    planned = _planned(folder, set(points["solver"]))
-    if planned is not None and planned > there:
-        lines.append(f"not whole: {there} of {planned} points are in its tables")
+    lines = [line for line in [unfinished(folder)] if line]
     growing = sorted(path.name for path in (folder / "runs").glob("*.part.h5"))
     if growing:
         lines.append(f"growing, or cut short: {', '.join(growing)}")
@@ -156,16 +153,6 @@ def said_first(folder, summary, points):
             "(docs/validation/step-and-damping.md)"
         )
     return lines
-
-
-def _planned(folder, solvers):
-    """Number of points of these solvers in the study's file, None where its walls are not
-    available."""
-    try:
-        study = load_study(folder / "study.toml", "both")
-    except (InputError, OSError):
-        return None
-    return len({(run.point, run.solver) for run in study.of_both if run.solver in solvers})
 
 
 def _point(row, content, summary, letters):

@@ -3,6 +3,7 @@ starts this, too."""
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import time
@@ -19,12 +20,14 @@ from damage.applications.studies.folder import (
     RESULTS,
     ROOT,
     claim,
+    command_of,
     environment,
     forecast,
     is_short,
     lock_as,
     open_records,
     shortage,
+    way_on,
 )
 from damage.applications.studies.outdated import Results
 from damage.applications.studies.plan import print_plan
@@ -35,6 +38,7 @@ from damage.applications.studies.tasks import KEEP, PICTURES, Point
 from damage.applications.studies.worker import work
 from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
+from damage.measure.columns import read_table
 from damage.measure.tables import describe_table
 from damage.run.options import OneLineParser, file_path, number_from
 from damage.start import EXIT_INTERRUPTED, EXIT_MISSING
@@ -224,7 +228,8 @@ def _one_study(asked, path, lock=None):
         if asked.slice
         else study.runs
     )
-    lock = claim(folder, study, asked.slice is not None, lock)
+    again = ["--solver", asked.solver, "--keep", asked.keep]
+    lock = claim(folder, study, asked.slice is not None, lock, again)
     try:
         with chdir(ROOT):
             return Batch(study, runs, folder, asked, lock).run()
@@ -333,14 +338,15 @@ class Batch:
             self._count()
             print(
                 "interrupted: runs that had ended are kept, those that were under way begin again:"
-                " the same command continues from here",
+                f" the same command continues from here\n  {self.again}",
                 file=sys.stderr,
             )
             return EXIT_INTERRUPTED
         if pool.short or (pool.failed and is_short(self.folder)):
             self._count()
             print(
-                f"error: {shortage(self.folder)}, and the same command continues from here",
+                f"error: {shortage(self.folder)}, and the same command continues from here\n"
+                f"  {self.again}",
                 file=sys.stderr,
             )
             return 1
@@ -381,6 +387,21 @@ class Batch:
             self._count()
             return status
         return max(self._sum_up(), self._report(failed), min(status, 1))
+
+    @property
+    def again(self):
+        """The command that continues it."""
+        return command_of(self.study.path, self.folder, way_on(self.folder)[1])
+
+    def _say_next(self, tables):
+        """Print the commands that follow a study with tables."""
+        where = shlex.quote(str(self.folder))
+        print(f"next, one HTML file:\n  python3 -m damage report {where}")
+        if read_table(tables / "summary.csv")["strength_cov"].astype(float).gt(0).any():
+            print(
+                f"and its fragility curves:\n  python3 -m damage fragility {where} --out"
+                f" {where}/fragility"
+            )
 
     @property
     def _done(self):
@@ -428,6 +449,7 @@ class Batch:
             print(f"tables:   {tables}")
             if self.study.pictures == "all":
                 print(f"pictures: {self.folder / 'pictures'}")
+            self._say_next(tables)
         sys.stdout.flush()
         named = {}
         for task in failed:

@@ -1,7 +1,7 @@
 """Commands about studies: run them, what they write, fragility."""
 
 from damage.commands.table import command, out, program, save, tables
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.files import json_text
 from damage.measure.columns import made_by_words
 from damage.measure.tables import write_table
@@ -46,6 +46,7 @@ def _study(words, quiet):
 )
 def _study_tables(asked):
     from damage.applications.studies.definition import load_study
+    from damage.applications.studies.plan import unfinished
     from damage.applications.studies.tables import write_study_tables
 
     print(
@@ -54,6 +55,7 @@ def _study_tables(asked):
         ),
         sep="\n",
     )
+    warn(*filter(None, [unfinished(asked.folder)]))
 
 
 @command(
@@ -121,6 +123,7 @@ def _study_schema(asked):
 )
 def _fragility(asked):
     from damage.applications.studies.fragility import STATES, load_runs
+    from damage.applications.studies.plan import unfinished
     from damage.applications.studies.states import leading, parse_state, study_choices
 
     clash = [
@@ -134,6 +137,7 @@ def _fragility(asked):
     chosen = study_choices(asked.study)
     states = tuple(map(parse_state, asked.states or chosen["states"])) or STATES
     runs = load_runs(asked.study)
+    warn(*filter(None, [unfinished(asked.study)]))
     intensity = asked.intensity or chosen["intensity"] or leading(runs)
     draw = _fragility_after_damage if asked.after_damage else _fragility_curves
     figures = draw(asked, runs, intensity, states)

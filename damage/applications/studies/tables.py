@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 import pandas as pd
 
+from damage.applications.studies.folder import command_of, way_on
 from damage.applications.studies.records import TABLES, is_of_today, read_records
 from damage.errors import InputError, some_of
 from damage.files import whole_or_nothing
@@ -44,11 +45,12 @@ def refuse_other_measures(rows, histories, folder):
     made, and whose histories are not there to make others: a table has one definition."""
     lost = [name for name, row in rows.items() if not is_of_today(row) and name not in histories]
     if lost:
+        file, options = way_on(folder) or ("STUDY.toml", [])
         raise InputError(
             f"{folder}: the index or measures of {len(lost)} runs are defined as in another"
             f" version, and their histories were not kept: {some_of(lost)}; expected one definition"
-            " in a table, give --remake to make these runs again, or continue with the version"
-            " that made them"
+            " in a table: continue with the version that made them, or make these runs again:"
+            f" {command_of(file, folder, [*options, '--remake'])}"
         )
 
 
@@ -67,7 +69,8 @@ def summary_of(study, folder, jobs=1, records=None):
     ]
     if not there:
         raise InputError(
-            f"{folder} holds no run of the study {study.name}; run it first with ./run_all.sh"
+            f"{folder} holds no run of the study {study.name}; run it first:"
+            f" {command_of(study.path, folder, ['--solver', 'reference'])}"
         )
     rows = {name: records.runs[name]["row"] for name, *_ in there if name in records.runs}
     refuse_other_measures(rows, histories, folder)
