@@ -108,7 +108,7 @@ def as_plain_text(app, what, name, obj, options, lines):
         group = list(some)
         if is_blank:
             shown.append("")
-        elif group[0].startswith((" ", ">>>")):
+        elif group[0].startswith((" ", ">>>")) or "----------" in group:  # a section
             shown += ["::", "", *(f"    {line}" for line in group)]
         elif any(line.startswith(" ") for line in group) or all(map(_ARGUMENTS.match, group)):
             shown += [

@@ -49,8 +49,8 @@ def refuse_other_measures(rows, histories, folder):
         raise InputError(
             f"{folder}: the index or measures of {len(lost)} runs are defined as in another"
             f" version, and their histories were not kept: {some_of(lost)}; expected one definition"
-            " in a table: continue with the version that made them, or make these runs again:"
-            f" {command_of(file, folder, [*options, '--remake'])}"
+            " in a table, give --remake to make these runs again, or continue with the version"
+            f" that made them: {command_of(file, folder, [*options, '--remake'])}"
         )
 
 

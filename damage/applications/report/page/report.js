@@ -227,7 +227,7 @@ function fitPage(runs, onPaper) {
   fitWidth("over-time", onPaper, 1, 0);
   for (const {letter} of runs) {
     fitWidth(`wall-${letter}`, onPaper, single ? 0.6 : 0.5, 1);
-    for (const kind of ["hysteresis", "energy"]) fitWidth(`${kind}-${letter}`, onPaper, single ? 0.4 : 0.5, 1);
+    for (const kind of ["hysteresis", "energy"]) fitWidth(`${kind}-${letter}`, onPaper, 0.5, 1);
   }
 }
 
