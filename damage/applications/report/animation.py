@@ -21,7 +21,7 @@ from damage.errors import InputError
 from damage.files import whole_or_nothing
 from damage.wall.geometry import body_corners
 
-WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
+WRITERS = {".gif": PillowWriter, ".webp": PillowWriter, ".mp4": FFMpegWriter}
 FRAMES_PER_S = 20
 MOST_FRAMES = 300
 """Largest number of frames, about six seconds of a run; a GIF keeps all of them in memory, a
@@ -30,7 +30,7 @@ DOTS_PER_INCH = 150
 
 
 def write_film(history, path, window_s=None, magnify=None):
-    """Write the animation of a History to `path`, GIF or MP4 by its suffix; returns the path.
+    """Write the animation of a History to `path`, GIF, WebP (a third of the size) or MP4 by its suffix; returns the path.
 
     window_s: (start, end) of the part of the run [s], None for all of it; magnify: factor on
     displacements, None for one that makes them visible and that all frames share.
