@@ -345,8 +345,8 @@ class Batch:
         if pool.short or (pool.failed and is_short(self.folder)):
             self._count()
             print(
-                f"error: {shortage(self.folder)}, and the same command continues from here\n"
-                f"  {self.again}",
+                f"error: {shortage(self.folder)}, and the same command continues from here:"
+                f" {self.again}",
                 file=sys.stderr,
             )
             return 1
