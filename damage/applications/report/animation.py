@@ -24,7 +24,6 @@ from damage.files import whole_or_nothing
 from damage.wall.geometry import body_corners
 
 
-
 class WebPWriter(PillowWriter):
     """Keeps frames of 64 colours without loss, in a third of a GIF's size."""
 
@@ -54,7 +53,7 @@ DOTS_PER_INCH = 150
 
 
 def write_film(history, path, window_s=None, magnify=None):
-    """Write the animation of a History to `path`, GIF, WebP (a third of the size) or MP4 by its suffix; returns the path.
+    """Write the animation of a History to `path`, GIF, WebP or MP4 by its suffix; returns it.
 
     window_s: (start, end) of the part of the run [s], None for all of it; magnify: factor on
     displacements, None for one that makes them visible and that all frames share.

@@ -1,4 +1,4 @@
-"""Part of the page on a study: what is missing, damage over intensity, each point with its wall, the
+"""Part of the page on a study: what is missing, damage over intensity, each point with its wall,
 table of points, figures, fragility, and documents made of its tables.
 
 It holds no moving wall: those of six runs made files of 4 MB.
@@ -32,8 +32,8 @@ from damage.draw.run import wall_picture
 from damage.draw.words import record_label, wall_words
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.measure.columns import PARAMETERS, read_table
 from damage.history.schema import each
+from damage.measure.columns import PARAMETERS, read_table
 from damage.measure.tables import repeated
 from damage.provenance import shown_path
 from damage.toml_file import read_toml
@@ -173,7 +173,7 @@ def study_part(folder):
 
 
 def labels(points):
-    """What points are called, (n,), without the names of files; and {"wall", "solver", "motion", and
+    """What points are called, (n,), without names of files; and {"wall", "solver", "motion", and
     what else differs between points: its words of each point}."""
     of = {
         "wall": [wall_words(str(name)) for name in points["wall"]],

@@ -56,8 +56,8 @@ def unfinished(folder):
         else f"; tables of those: {command_of(file, folder, name='study-tables')}"
     )
     return (
-        f"study {study.name}: {len(there)} of {len(study.runs)} points are done{before}; the others:"
-        f" {command_of(file, folder, options)}"
+        f"study {study.name}: {len(there)} of {len(study.runs)} points are done{before};"
+        f" the others: {command_of(file, folder, options)}"
     )
 
 
