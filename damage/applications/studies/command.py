@@ -228,7 +228,7 @@ def _one_study(asked, path, lock=None):
         if asked.slice
         else study.runs
     )
-    again = ["--solver", asked.solver, "--keep", asked.keep]
+    again = [] if lock is not None else ["--solver", asked.solver, "--keep", asked.keep]
     lock = claim(folder, study, asked.slice is not None, lock, again)
     try:
         with chdir(ROOT):
@@ -338,15 +338,14 @@ class Batch:
             self._count()
             print(
                 "interrupted: runs that had ended are kept, those that were under way begin again:"
-                f" the same command continues from here\n  {self.again}",
+                f" the same command continues from here{self.again}",
                 file=sys.stderr,
             )
             return EXIT_INTERRUPTED
         if pool.short or (pool.failed and is_short(self.folder)):
             self._count()
             print(
-                f"error: {shortage(self.folder)}, and the same command continues from here:"
-                f" {self.again}",
+                f"error: {shortage(self.folder)}, and the same command continues from here",
                 file=sys.stderr,
             )
             return 1
@@ -390,8 +389,9 @@ class Batch:
 
     @property
     def again(self):
-        """The command that continues it."""
-        return command_of(self.study.path, self.folder, way_on(self.folder)[1])
+        """The command that continues it, in a line below, unless that is another's."""
+        way = way_on(self.folder)
+        return f":\n  {command_of(way[0], self.folder, way[1])}" if way else ""
 
     def _say_next(self, tables):
         """Print the commands that follow a study with tables."""

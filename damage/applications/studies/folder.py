@@ -41,19 +41,20 @@ _LIBC = CDLL(None)
 _ALREADY = "another batch is at work in {}; wait for its end, or choose another --out"
 
 
-def claim(folder, study, shared=False, lock=None, options=("--solver", "both")):
+def claim(folder, study, shared=False, lock=None, options=()):
     """Lock the folder of a study, which keeps a copy of its file; arguments, result and errors as
     of `locked`.
 
-    lock: that its caller holds already, None for a new one; options: of the command that made it,
-    which the copy's last line keeps for `way_on`.
+    lock: that its caller holds already, None for a new one; options: of the command that continues
+    it, which the copy's last line keeps for `way_on`; () where another command does.
     """
     lock = locked(folder, study.name, shared) if lock is None else os.dup(lock)
     try:
         with whole_or_nothing(folder / KEPT) as unfinished:
             text = study.path.read_text("utf-8").partition(CONTINUED)[0]
             words = shlex.join([os.path.relpath(study.path, folder), *options])
-            unfinished.write_text(f"{text.rstrip()}\n{CONTINUED}{words}\n", "utf-8")
+            more = f"\n{CONTINUED}{words}\n" if options else "\n"
+            unfinished.write_text(text.rstrip() + more, "utf-8")
         for name in ("logs", "runs", "tables"):
             (folder / name).mkdir(exist_ok=True)
     except OSError as error:
