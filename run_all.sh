@@ -13,32 +13,45 @@ shipped() {
 
 usage() {
     cat <<END
-usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--keep all|summary]
-                          [--slice K/N] [--remake] [--dry-run]
+usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both]
+                          [--keep all|summary] [--slice K/N] [--remake]
+                          [--dry-run]
 
-STUDY is one of: $(shipped | paste -sd' '),
-the path of a study file of your own (.toml; copy studies/quick.toml), or all: every one that ships, each into
-DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days).
+STUDY is one of:
+$(shipped | paste -sd' ' | fold -s -w 80),
+the path of a study file of your own (.toml; copy studies/quick.toml), or all:
+every one that ships, each into DIR/STUDY, then the figures and the verdict on
+the paper (hours; with YADE days).
 
-  -j N           simulations at a time (default: one for each core, here $(nproc))
-  --out DIR      where everything goes (default: results/STUDY in the repository)
-  --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
-  --keep WHAT    histories: all (default), or summary: those of each point's first run, and what failed
-  --slice K/N    the K-th of N parts alone, without tables of the whole study: a job of a cluster
-  --remake       make runs again that another version of the model made (without it they are kept, and named), or
-                 whose index and measures another version made (without it refused where no history is left)
+  -j N           simulations at a time (default: one for each core, here
+                 $(nproc))
+  --out DIR      where everything goes (default: results/STUDY in the
+                 repository)
+  --solver WHAT  what simulates: yade (default), reference (the built-in
+                 solver), or both
+  --keep WHAT    histories: all (default), or summary: those of each point's
+                 first run, and what failed
+  --slice K/N    the K-th of N parts alone, without tables of the whole study: a
+                 job of a cluster
+  --remake       make runs again that another version of the model made (without
+                 it they are kept, and named), or whose index and measures
+                 another version made (without it refused where no history is
+                 left)
   --dry-run      make nothing: say which runs are there, which are to be made
   -h, --help     this help
 
-A wall file is Python and is executed: read a study's walls before you run what someone else sent.
+A wall file is Python and is executed: read a study's walls before you run what
+someone else sent.
 
-DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
-runs), pictures/ where the study asks for them, and logs/.  docs/reference/studies.md describes studies.
-What is done is not done again: the same command continues where an interrupted one stopped, and
-repeats only what a changed study file, wall or record touches.  To have tables or pictures made anew,
-delete their folder.
+DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row
+a point; tables of single runs), pictures/ where the study asks for them, and
+logs/.  docs/reference/studies.md describes studies. What is done is not done
+again: the same command continues where an interrupted one stopped, and repeats
+only what a changed study file, wall or record touches.  To have tables or
+pictures made anew, delete their folder.
 
-Exit status: 0 all done, 1 a run failed, 2 bad input, 3 software is missing, 130 interrupted.
+Exit status: 0 all done, 1 a run failed, 2 bad input, 3 software is missing, 130
+interrupted.
 END
 }
 

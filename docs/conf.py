@@ -47,15 +47,19 @@ add_module_names = False
 smartquotes = False  # they make a dash of two, as options have them
 nitpicky = False
 
-_BLOCK = re.compile(r"^```{(modules|menu)}(.*?)\n(.*?)```$", re.DOTALL | re.MULTILINE)
+_BLOCK = re.compile(r"^```{(modules|menu|readme)}(.*?)\n(.*?)```$", re.DOTALL | re.MULTILINE)
 
 
 def write_out(app, name, source):
-    """Replace two blocks of Markdown: `modules`, names of modules, by a section with the docstrings
-    of each; `menu README.md` by the toctrees of the pages that its table links, a part each, and
-    the reference of all modules."""
+    """Replace three blocks of Markdown: `readme FILE` by that file, with the picture that moves;
+    `modules`, names of modules, by a section with the docstrings of each; `menu README.md` by the
+    toctrees of the pages that its table links, a part each, and the reference of all modules."""
 
     def written(block):
+        if block[1] == "readme":
+            text = (Path(app.srcdir) / block[2].strip()).read_text(encoding="utf-8")
+            text = re.sub(r"\]\((?!https?:|#)", "](../", text).replace("](../docs/", "](")
+            return text.replace("pictures/readme.png", "pictures/cracking.webp")
         if block[1] == "menu":
             return _menu((Path(app.srcdir) / block[2].strip()).read_text(encoding="utf-8"))
         return "\n\n".join(
@@ -108,13 +112,13 @@ def as_plain_text(app, what, name, obj, options, lines):
         group = list(some)
         if is_blank:
             shown.append("")
-        elif group[0].startswith((" ", ">>>")):
+        elif group[0].startswith((" ", ">>>")) or "----------" in group:  # a section
             shown += ["::", "", *(f"    {line}" for line in group)]
         elif any(line.startswith(" ") for line in group) or all(map(_ARGUMENTS.match, group)):
             shown += [
                 (
                     f"  {_escaped(line.strip())}"
-                    if line.startswith(" ")
+                    if line.startswith(" ") or not _ARGUMENTS.match(line)
                     else _ARGUMENTS.sub(r"- **\1**\2", _escaped(line), 1)
                 )
                 for line in group

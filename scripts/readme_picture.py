@@ -1,8 +1,10 @@
-"""The picture at the top of README.md: a cracked wall beside its damage index over time.
+"""The picture at the top of README.md: a cracked wall beside its damage index over time; on the
+site's first page it moves.
 
 python3 -m damage reference walls/symmetric.py --harmonic 0.2 0.1 --lintel 2 --rest 1
     --out FILE.h5
 python3 scripts/readme_picture.py FILE.h5 docs/pictures/readme.png
+python3 -m damage animate FILE.h5 --window 0 0.8 --out docs/pictures/cracking.webp
 """
 
 import io

@@ -15,8 +15,10 @@ import hashlib
 import shutil
 import sys
 import tempfile
+import time
 from contextlib import suppress
 from pathlib import Path
+from threading import Event, Thread
 
 import numba
 from numba import njit, types
@@ -27,6 +29,8 @@ COMPILING = (
     "compiling the solver (once for each kind of run and version, about half a minute of processor"
     " time) ..."
 )
+LIFE_S = 5.0
+"""Between two lines while a function is compiled [s]."""
 SOURCES = [
     (Path(__file__).parent / f"{name}.py").resolve()
     for name in (
@@ -142,20 +146,40 @@ class _Internal(CPUDispatcher):
 
 
 class _Announcement(event.Listener):
-    """Prints a line when a function of this project is compiled for the first time in a process;
-    numba reports nothing of functions that it loads from its cache."""
+    """Prints a line when a function of this project is compiled for the first time in a process,
+    and others while that lasts; numba reports nothing of functions that it loads from its cache."""
 
-    printed = False
+    def __init__(self):
+        self.began, self.depth, self.ended = None, 0, Event()
 
     def on_start(self, event):
-        function = getattr(event.data["dispatcher"], "py_func", None)
-        if not self.printed and (getattr(function, "__module__", None) or "").startswith("damage."):
-            self.printed = True
+        if not _is_ours(event):
+            return
+        if self.began is None:
+            self.began = time.monotonic()
             delete_other_versions()
             print(COMPILING, flush=True)
+        self.depth += 1
+        if self.depth == 1:
+            self.ended.clear()
+            self.thread = Thread(target=self.show_life, daemon=True)
+            self.thread.start()
 
     def on_end(self, event):
-        """Print nothing."""
+        self.depth -= _is_ours(event)
+        if self.depth == 0 and not self.ended.is_set():
+            self.ended.set()
+            self.thread.join()  # processes are forked from this one
+
+    def show_life(self):
+        while not self.ended.wait(LIFE_S):
+            print(f"compiling for {time.monotonic() - self.began:.0f} s ...", flush=True)
+
+
+def _is_ours(event):
+    """Whether an event of numba is about a function of this project."""
+    function = getattr(event.data["dispatcher"], "py_func", None)
+    return (getattr(function, "__module__", None) or "").startswith("damage.")
 
 
 event.register("numba:compile", _Announcement())

@@ -1,5 +1,7 @@
 """Output of a finished run beside its history: a printed summary, tables and pictures."""
 
+from shlex import quote
+
 from damage.errors import InputError, one_line, warn
 from damage.measure.cycles import shocks_table
 from damage.measure.evidence import describe as describe_evidence
@@ -29,13 +31,14 @@ def report(history, pictures=True):
         try:
             from damage.draw.run import save_all
 
-            for picture in save_all(history, pictures_folder(path)):
-                print(f"picture: {picture}")
+            count = len(save_all(history, pictures_folder(path)))
+            print(f"pictures: {count} files in {pictures_folder(path)}")
         except Exception as error:
             warn(
                 f"the history is whole, its pictures failed ({one_line(error)}); "
                 f"try: python3 -m damage plot {path} --out {pictures_folder(path)}"
             )
+    print(f"history: {path}\nnext, one HTML file:\n  python3 -m damage report {quote(str(path))}")
 
 
 def check_pictures(path, overwrite=False):

@@ -1,6 +1,7 @@
 """One run from its command line to its pictures, whichever solver does it."""
 
 import io
+import shutil
 import signal
 import sys
 import threading
@@ -484,7 +485,8 @@ class Progress:
                 f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
                 f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left"
             )
-        self._write(f"\r{line}\033[K" if self.live else f"{line}\n")
+        room = shutil.get_terminal_size().columns - 1  # a line that is wider is not written over
+        self._write(f"\r{line[:room]}\033[K" if self.live else f"{line}\n")
 
     def _left(self, now, simulated_s, duration_s):
         """Time left for a run of this length [s], by what it has simulated so far."""

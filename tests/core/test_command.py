@@ -1,10 +1,14 @@
 """What every command has: its version, quiet, completion of a shell; and messages of a wall file's
 mistakes."""
 
+import os
 import re
 import shlex
+import subprocess
 import sys
+import time
 from contextlib import suppress
+from types import SimpleNamespace
 
 import pytest
 from conftest import run_command, wall_file, written
@@ -13,6 +17,7 @@ from damage.__main__ import command_parser, main
 from damage.applications import GROUPS
 from damage.commands.table import COMMANDS, PROGRAMS
 from damage.history.reader import read_history
+from damage.mechanics import compiled
 from damage.run.options import make_parser
 from damage.version import VERSION
 
@@ -21,6 +26,33 @@ SMALL = "Wall('w', 0.45, 0.15)"
 
 def test_the_version_has_the_package_s_name(output_of):
     assert output_of("--version").startswith(f"masonry-damage {VERSION}, commit ")
+
+
+def test_a_terminal_gets_lines_broken_at_words_and_a_file_whole_ones():
+    words = (sys.executable, "-m", "damage", "index", f"no{'_such' * 4}.h5")
+    (of_file,) = run_command(*words, status=2).stderr.splitlines()
+    ours, its = os.openpty()
+    done = subprocess.run(words, stderr=its, env={**os.environ, "COLUMNS": "40"}, check=False)
+    os.close(its)
+    lines = os.read(ours, 9999).decode().splitlines()
+    os.close(ours)
+    assert done.returncode == 2 and len(of_file) > 40 >= max(map(len, lines))
+    assert of_file.split() == " ".join(lines).split()
+
+
+def test_compiling_shows_that_it_goes_on(monkeypatch, capsys):
+    monkeypatch.setattr(compiled, "LIFE_S", 0.01)
+    monkeypatch.setattr(compiled, "delete_other_versions", lambda: None)
+    function = SimpleNamespace(py_func=SimpleNamespace(__module__="damage.mechanics.step"))
+    begun = SimpleNamespace(data={"dispatcher": function})
+    listener = compiled._Announcement()
+    for step in (listener.on_start, listener.on_start, listener.on_end):  # one within another
+        step(begun)
+    time.sleep(0.1)
+    listener.on_end(begun)
+    assert not listener.thread.is_alive()
+    first, *more = capsys.readouterr().out.splitlines()
+    assert first == compiled.COMPILING and more and set(more) == {"compiling for 0 s ..."}
 
 
 def test_quiet_leaves_files_and_no_word(tmp_path, capsys):

@@ -75,8 +75,9 @@ def moved(tmp_path_factory):
     )
 
 
-def test_a_gif_has_a_frame_a_snapshot_and_the_wall_moves_in_it(moved, tmp_path):
-    path = write_film(moved, tmp_path / "film.gif")
+@pytest.mark.parametrize("ending", ["gif", "webp"])
+def test_a_film_has_a_frame_a_snapshot_and_the_wall_moves_in_it(moved, tmp_path, ending):
+    path = write_film(moved, tmp_path / f"film.{ending}")
     with Image.open(path) as film:
         frames = [np.asarray(frame.convert("RGB"), int) for frame in ImageSequence.Iterator(film)]
         assert film.info["loop"] == 0

@@ -13,7 +13,9 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
+from PIL import Image
 
+from damage.applications.report.packing import fewer_colours
 from damage.draw import style
 from damage.draw.run import THIN, draw_wall, joint_handles, show_all
 from damage.draw.wall import DRAWN, check_magnify, magnification, shape_at, wall_shape
@@ -21,7 +23,28 @@ from damage.errors import InputError
 from damage.files import whole_or_nothing
 from damage.wall.geometry import body_corners
 
-WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
+
+class WebPWriter(PillowWriter):
+    """Keeps frames of 64 colours without loss, in a third of a GIF's size."""
+
+    def finish(self):
+        colours = fewer_colours(self._frames[0])  # the legend has all of them
+        first, *others = (
+            frame.convert("RGB").quantize(palette=colours, dither=Image.Dither.NONE).convert("RGB")
+            for frame in self._frames
+        )
+        duration = round(1000 / self.fps)
+        first.save(
+            self.outfile,
+            save_all=True,
+            append_images=others,
+            duration=duration,
+            loop=0,
+            lossless=True,
+        )
+
+
+WRITERS = {".gif": PillowWriter, ".webp": WebPWriter, ".mp4": FFMpegWriter}
 FRAMES_PER_S = 20
 MOST_FRAMES = 300
 """Largest number of frames, about six seconds of a run; a GIF keeps all of them in memory, a
@@ -30,7 +53,7 @@ DOTS_PER_INCH = 150
 
 
 def write_film(history, path, window_s=None, magnify=None):
-    """Write the animation of a History to `path`, GIF or MP4 by its suffix; returns the path.
+    """Write the animation of a History to `path`, GIF, WebP or MP4 by its suffix; returns it.
 
     window_s: (start, end) of the part of the run [s], None for all of it; magnify: factor on
     displacements, None for one that makes them visible and that all frames share.

@@ -68,9 +68,13 @@ def _demo(asked):
 
 
 @command(
-    "the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there",
+    "the moving wall and its cracks as GIF or WebP, as MP4 where ffmpeg is there",
     HISTORY,
-    out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
+    out(
+        "the film (default: beside the history, .gif)",
+        "FILE.gif|FILE.webp|FILE.mp4",
+        required=False,
+    ),
     arg(
         "--window",
         nargs=2,

@@ -7,12 +7,15 @@ from pathlib import Path
 
 from jinja2.utils import htmlsafe_json_dumps
 
-from damage.applications.report.charts import over_time, states_legend
+from damage.applications.report.charts import RUN_STYLES, over_time, states_legend
 from damage.applications.report.run_part import run_part
 from damage.applications.report.study_part import (
+    BELOW,
+    LEFT,
+    TALL,
+    WIDE,
     documents,
     figures,
-    runs_of,
     studies_below,
     study_part,
 )
@@ -45,6 +48,15 @@ def plotly_version():
     return re.search(r"plotly\.js \(basic - minified\) v([\d.]+)", plotly_code())[1]
 
 
+MARKS = (
+    "M-4,0a4,4 0 1,0 8,0a4,4 0 1,0 -8,0",
+    "M-3.6,-3.6h7.2v7.2h-7.2z",
+    "M0,-5L4.6,3.6H-4.6z",
+    "M0,-5.2L4.6,0L0,5.2L-4.6,0z",
+    "M0,5L4.6,-3.6H-4.6z",
+    "M-5,-1.6h3.4v-3.4h3.2v3.4h3.4v3.2h-3.4v3.4h-3.2v-3.4h-3.4z",
+)
+"""Paths of the marks of walls in charts, beside their colours."""
 LETTERS = "ABCDEF"
 """Letters of runs side by side, whose number is limited to these."""
 
@@ -99,21 +111,8 @@ def page(files, folders, words=Words()):
             " the folder of their study"
         )
     studies = [study for folder in folders for study in studies_below(folder)]
-    histories, unread = _worst(studies, len(LETTERS) - len(files))
-    histories = [*map(read_history, files), *histories]
-    runs = [run_part(*one, words.language) for one in zip(histories, LETTERS)]
-    letters = {history.path.resolve(): letter for history, letter in zip(histories, LETTERS)}
-    parts = [
-        study_part(
-            folder,
-            {
-                path.stem: letter
-                for path, letter in letters.items()
-                if path.parent == (folder / "runs").resolve()
-            },
-        )
-        for folder in studies
-    ]
+    runs = [run_part(*one, words.language) for one in zip(map(read_history, files), LETTERS)]
+    parts = [study_part(folder) for folder in studies]
     drawn = {
         "runs": [{"letter": run["letter"], **run["drawn"]} for run in runs],
         "charts": over_time(runs),
@@ -150,8 +149,7 @@ def page(files, folders, words=Words()):
                 for run in runs
                 if run["first"]
             ]
-            + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
-            + ([("Histories that cannot be read", unread)] if unread else []),
+            + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]],
             title=words.title or _title(runs, parts),
             subject=_title(runs, parts) if words.title else "",
             author=words.author,
@@ -162,6 +160,9 @@ def page(files, folders, words=Words()):
             versions=versions,
             threshold_mm=THRESHOLD / MILLIMETRE,
             data=htmlsafe_json_dumps(drawn, dumps=json_text),  # safe inside HTML
+            marks=MARKS,
+            colours=[colour for colour, _ in RUN_STYLES],
+            size={"wide": WIDE, "tall": TALL, "left": LEFT, "below": BELOW},
             style=(PAGE / "report.css").read_text(encoding="utf-8"),
             program=(PAGE / "report.js").read_text(encoding="utf-8"),
             library=plotly_code() if runs else "",
@@ -169,31 +170,6 @@ def page(files, folders, words=Words()):
             made_by=f"masonry-damage {VERSION}, commit {commit()}",
         )
     )
-
-
-def _worst(studies, most):
-    """(Histories of the runs of studies with the largest DI, up to so many, one of every point
-    first; what is said of those that cannot be read).  Runs without a file are passed over, those
-    that fell come first."""
-    found = []
-    for folder in studies:
-        summary, _ = runs_of(folder)
-        mine = summary.reindex(columns=["run", "point", "solver"]).assign(
-            path=[folder / "runs" / f"{run}.h5" for run in summary["run"]],
-            stood=summary.reindex(columns=["collapsed_at_s"]).isna().all(axis=1),
-            DI=-summary.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0),
-        )
-        mine = mine[[path.is_file() for path in mine["path"]]].sort_values(["stood", "DI", "run"])
-        others = mine.groupby(["point", "solver"], dropna=False).cumcount()
-        found += zip(others, mine["stood"], mine["DI"], mine["path"])
-    histories, unread = [], []
-    for *_, path in sorted(found):
-        if len(histories) < most:
-            try:
-                histories.append(read_history(path))
-            except InputError as error:
-                unread.append(str(error))
-    return histories, unread
 
 
 def _title(runs, studies):

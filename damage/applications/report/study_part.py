@@ -1,30 +1,46 @@
-"""Part of the page on a study: completeness, points and runs, figures, fragility, and documents
-made of its tables."""
+"""Part of the page on a study: what is missing, damage over intensity, each point with its wall,
+table of points, figures, fragility, and documents made of its tables.
+
+It holds no moving wall: those of six runs made files of 4 MB.
+"""
 
 import base64
 import math
+import re
 from itertools import starmap
 
 import numpy as np
+import pandas as pd
 from matplotlib.image import imread
+from matplotlib.ticker import MaxNLocator
 
 from damage.applications.report.packing import as_png
 from damage.applications.report.tables import COLUMNS as MEANING
 from damage.applications.report.tables import cell, digits_of
-from damage.applications.studies.definition import load_study
 from damage.applications.studies.fragility import fit_all, fragility_table, load_runs
 from damage.applications.studies.fragility_picture import fragility_pictures
+from damage.applications.studies.plan import unfinished
 from damage.applications.studies.read import read_table
 from damage.applications.studies.spread import repeated
-from damage.applications.studies.states import STUDY_FILE, leading
+from damage.applications.studies.states import (
+    INTENSITIES,
+    STUDY_FILE,
+    in_picture,
+    label,
+    leading,
+    there,
+)
+from damage.draw.run import wall_picture
+from damage.draw.words import record_label, wall_words
 from damage.errors import InputError
+from damage.history.reader import read_history
+from damage.history.schema import each
+from damage.measure.columns import PARAMETERS
 from damage.provenance import shown_path
 from damage.toml_file import read_toml
 
 COLUMNS = (
     "solver",
-    "wall",
-    "motion",
     "members",
     "status",
     "collapsed",
@@ -40,7 +56,7 @@ COLUMNS = (
     "energy_error_fraction",
 )
 """Columns of the table of points, shown where they have a value."""
-OFTEN_SHARED = ("solver", "wall", "motion", "members", "status", "collapsed")
+OFTEN_SHARED = ("solver", "members", "status", "collapsed")
 """Columns of which a value that all points share is shown once, above the table."""
 OF_POINTS = {
     "members": "how many runs the point has in its solver",
@@ -49,10 +65,23 @@ OF_POINTS = {
 }
 NEEDED = ("point", "solver", "wall", "members")
 """Columns that every table of points has."""
-MOST_DOCUMENT_MB = 1.0
+MOST_DOCUMENT_MB = 0.2
 """Largest size of a document that is shown."""
-MOST_FIGURES_MB = 3.0
+MOST_FIGURES_MB = 0.3
 """Largest size of all embedded figures; others are listed by name."""
+MOST_WALLS_MB = 0.3
+"""Largest size of all pictures of cracked walls; the points of the largest damage come first."""
+PLOTTED = ("max_DI", "residual_DI")
+"""Measures that are drawn over the intensity."""
+_FOLLOWS = {
+    *("point", "solver", "wall", "motion", "record", "record_unit", "scale", "amplitude_g"),
+    *("motion_period_s", "d5_75_s", "d5_95_s", "window_start_s", "window_end_s"),
+    *("motion_duration_s", "lost_by_lines", "time_step_s", "eigen_period_s", *INTENSITIES),
+    *("total_joint_length_m", "elastic_joint_share", "elastic_joint_share_above_openings"),
+}
+"""Parameters that a point's wall and motion say, or that follow from them."""
+WIDE, TALL, LEFT, BELOW = 420, 270, 56, 38
+"""Size of a chart, and room for its labels on the left and below, pixels of its own."""
 REPLICATES = 200
 """Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""
 FIGURE_WORDS = {
@@ -78,7 +107,7 @@ def studies_below(folder):
     if not found:
         raise InputError(
             f"{folder}: no tables/summary.csv in it or below it; expected a history (.h5) or the"
-            " folder of a study, as ./run_all.sh makes it; give one of them"
+            f" folder of a study; {unfinished(folder) or 'give one, as ./run_all.sh makes it'}"
         )
     return found
 
@@ -92,11 +121,8 @@ def runs_of(folder):
     )
 
 
-def study_part(folder, letters):
-    """Everything about the study in a folder, a dictionary for the page.
-
-    letters: {name of a run: letter of its own part of the page}, of those that have one.
-    """
+def study_part(folder):
+    """Everything about the study in a folder, a dictionary for the page."""
     summary, points = runs_of(folder)
     content = [name for name in COLUMNS if name in points and points[name].notna().any()]
     shared = [
@@ -108,6 +134,7 @@ def study_part(folder, letters):
             "name": name,
             "unit": MEANING.get(name, ("", ""))[0],
             "meaning": OF_POINTS.get(name) or MEANING[name][1],
+            "words": re.sub(r"[$\\]", "", "{} [{}]".format(*in_picture(name))).replace(" [-]", ""),
         }
         for name in content
     ]
@@ -115,28 +142,141 @@ def study_part(folder, letters):
         about = read_toml(folder / "study.toml", *STUDY_FILE)
     except InputError:
         about = {}
+    words, of = labels(points)
+    walls, unread = cracked_walls(folder, summary, points)
+    kinds = {name: list(dict.fromkeys(values)) for name, values in of.items()}
     return {
         "name": str(about.get("name") or folder.resolve().name),
         "title": str(about.get("title") or ""),
         "folder": shown_path(folder),
         "shared": [(name, _cell(points.iloc[0][name], name)[0]) for name in shared],
-        "first": said_first(folder, summary, points),
+        "first": said_first(folder, summary, points) + unread,
         "heads": heads,
-        "rows": [_point(row, content, summary, letters) for _, row in points.iterrows()],
+        "rows": [
+            _point(row, content, summary)
+            | {
+                "number": number,
+                "words": words[number],
+                "of": [str(kinds[name].index(values[number])) for name, values in of.items()],
+                "picture": walls.get(number),
+            }
+            for number, (_, row) in enumerate(points.iterrows())
+        ],
+        "filters": {name: values for name, values in kinds.items() if len(values) > 1},
+        "kinds": list(kinds),
+        "walls": kinds["wall"],
+        "charts": charts(points, list(zip(*of.values())), about.get("intensity")),
         "n_runs": len(summary),
         "figures": figures(folder),
-        "fragility": _fragility(folder),
+        "fragility": _fragility(folder, summary),
         "documents": documents(folder),
     }
+
+
+def labels(points):
+    """What points are called, (n,), without names of files; and {"wall", "solver", "motion", and
+    what else differs between points: its words of each point}."""
+    of = {
+        "wall": [wall_words(str(name)) for name in points["wall"]],
+        "solver": list(map(str, points["solver"])),
+        "motion": [_motion(row)[0] for _, row in points.iterrows()],
+    }
+    factors = [_motion(row)[1] for _, row in points.iterrows()]
+    for name in each(PARAMETERS):
+        if name in points and name not in _FOLLOWS and points[name].nunique(dropna=False) > 1:
+            of[name] = [_cell(value, name)[0] for value in points[name]]
+    more = [name for name in of if name not in ("wall", "solver", "motion")]
+    words = [
+        ", ".join([f"{of['motion'][k]}{factors[k]}", *(f"{name} {of[name][k]}" for name in more)])
+        for k in range(len(points))
+    ]
+    return words, of
+
+
+def _motion(row):
+    """Words for a point's motion, and the factor on it."""
+    scale, amplitude = row.get("scale"), row.get("amplitude_g")
+    if isinstance(row.get("record"), str):
+        return record_label(row["record"]), "" if pd.isna(scale) else f" × {scale:g}"
+    if not pd.isna(amplitude) and amplitude is not None:
+        return f"harmonic, {row['motion_period_s']:g} s", f" of {amplitude:g} g"
+    return str(row.get("motion", "")).replace("_", " "), ""
+
+
+def cracked_walls(folder, summary, points):
+    """({number of a point: its first run's wall at the largest DI, PNG in base64}, why histories
+    cannot be read), as many as MOST_WALLS_MB holds, the largest damage first."""
+    found, unread, left = {}, [], MOST_WALLS_MB * 1e6
+    damage = points.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0)
+    for number in np.argsort(-damage.to_numpy(), kind="stable"):
+        row = points.iloc[number]
+        mine = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
+        path = folder / "runs" / f"{summary.loc[mine, 'run'].iloc[0] if mine.any() else ''}.h5"
+        if left <= 0 or not path.is_file():
+            continue
+        try:
+            figure = wall_picture(read_history(path))
+        except InputError as error:
+            unread.append(f"cannot be read: {error}")
+            continue
+        figure.suptitle("")  # the page says what it is
+        found[int(number)] = as_png(figure, 80)
+        left -= len(found[int(number)])
+    return found, unread
+
+
+def charts(points, alike, chosen=None):
+    """Charts of PLOTTED over the intensity of points, the chosen one if they have it: labels, ticks
+    (place, words), of each point its place and its range over the members, and lines through those
+    that are alike but for the intensity; [] where points have none, as of pushed walls."""
+    known = there(points)
+    names = [name for name in (chosen, "pgv_m_s", *known) if name in known]
+    if not names:
+        return []
+    x = points[names[0]].astype(float).to_numpy()
+    return [
+        _chart(points, x, alike, names[0], name) for name in PLOTTED if points[name].notna().any()
+    ]
+
+
+def _chart(points, x, alike, intensity, measure):
+    y = points[measure].astype(float).to_numpy()
+    ends = [
+        points[f"{measure}_{end}"].astype(float).to_numpy() if f"{measure}_{end}" in points else y
+        for end in ("min", "max")
+    ]
+    (across, x_ticks), (up, y_ticks) = _scale(x, LEFT, WIDE - 20), _scale(ends[1], TALL - BELOW, 8)
+    places = np.round([across(x), up(y), *map(up, ends)], 1).T
+    lines = {}
+    for number in np.argsort(x, kind="stable").tolist():
+        if not np.isnan(places[number]).any():
+            lines.setdefault(alike[number], []).append(number)
+    return {
+        "x": re.sub(r"[$_{}\\]|mathrm", "", label(intensity)),
+        "y": {"max_DI": "maximum DI", "residual_DI": "residual DI"}[measure],
+        "x_ticks": x_ticks,
+        "y_ticks": y_ticks,
+        "dots": [None if np.isnan(place).any() else place.tolist() for place in places],
+        "lines": list(lines.values()),
+    }
+
+
+def _scale(values, first, last):
+    """A function from values to places between first and last, which begins at zero, and its ticks,
+    (place, words)."""
+    ticks = MaxNLocator(5).tick_values(0, np.nanmax(values, initial=1e-6))
+    ticks = ticks[ticks >= 0]
+
+    def place(value):
+        return first + (last - first) * value / ticks[-1]
+
+    return place, [(round(float(place(tick)), 1), f"{tick:g}") for tick in ticks]
 
 
 def said_first(folder, summary, points):
     """Notes on a study before its results: missing, growing and unfinished runs, collapses; a list
     of str."""
-    lines, there = [], len(points)
-    planned = _planned(folder, set(points["solver"]))
-    if planned is not None and planned > there:
-        lines.append(f"not whole: {there} of {planned} points are in its tables")
+    lines = [line for line in [unfinished(folder)] if line]
     growing = sorted(path.name for path in (folder / "runs").glob("*.part.h5"))
     if growing:
         lines.append(f"growing, or cut short: {', '.join(growing)}")
@@ -158,23 +298,11 @@ def said_first(folder, summary, points):
     return lines
 
 
-def _planned(folder, solvers):
-    """Number of points of these solvers in the study's file, None where its walls are not
-    available."""
-    try:
-        study = load_study(folder / "study.toml", "both")
-    except (InputError, OSError):
-        return None
-    return len({(run.point, run.solver) for run in study.of_both if run.solver in solvers})
-
-
-def _point(row, content, summary, letters):
-    """One row of the table: its point, its runs with the letters of their parts, its cells with
-    their range."""
+def _point(row, content, summary):
+    """One row of the table: names of its runs, its cells with their range."""
     same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
-    runs = [(str(name), letters.get(str(name))) for name in summary.loc[same, "run"]]
     cells = [(*_cell(row[name], name), _range(row, name)) for name in content]
-    return {"point": str(row["point"]), "runs": runs, "cells": cells}
+    return {"runs": list(map(str, summary.loc[same, "run"])), "cells": cells}
 
 
 def _cell(value, name=""):
@@ -246,14 +374,17 @@ def figure_words(name):
 # --- fragility, documents -------------------------------------------------------------------------
 
 
-def _fragility(folder):
-    """Curves, figures and bounds of a study with scattered strengths, None of another."""
+def _fragility(folder, summary):
+    """Curves, figures and bounds of a study with scattered strengths, or why it has none; None of
+    another."""
+    if not (summary.reindex(columns=["strength_cov"])["strength_cov"].astype(float) > 0).any():
+        return None
     try:
         runs = load_runs(folder)
         intensity = leading(runs)
         fits = fit_all(runs, intensity, REPLICATES)
-    except InputError:
-        return None
+    except InputError as error:
+        return {"why": str(error)}
     table = fragility_table(fits, intensity)
     return {
         "heads": list(table),

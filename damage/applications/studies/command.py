@@ -3,6 +3,7 @@ starts this, too."""
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import time
@@ -18,15 +19,17 @@ from damage.applications.studies.folder import (
     RESULTS,
     ROOT,
     claim,
+    command_of,
     environment,
     is_short,
     open_records,
     shortage,
+    way_on,
 )
 from damage.applications.studies.outdated import Results
 from damage.applications.studies.plan import print_plan
 from damage.applications.studies.pool import Pool
-from damage.applications.studies.read import describe_table
+from damage.applications.studies.read import describe_table, read_table
 from damage.applications.studies.records import NAME, line_of
 from damage.applications.studies.tables import write_study_tables
 from damage.applications.studies.tasks import KEEP, PICTURES, Point, slices
@@ -149,7 +152,8 @@ def run_one(asked, path, lock=None):
         print_plan(study, folder, asked.remake)
         return 0
     runs = slices(study.runs, asked.slice[1])[asked.slice[0] - 1] if asked.slice else study.runs
-    lock = claim(folder, study, asked.slice is not None, lock)
+    again = [] if lock is not None else ["--solver", asked.solver, "--keep", asked.keep]
+    lock = claim(folder, study, asked.slice is not None, lock, again)
     try:
         with chdir(ROOT):
             return Batch(study, runs, folder, asked, lock).run()
@@ -253,7 +257,7 @@ class Batch:
             self._count()
             print(
                 "interrupted: runs that had ended are kept, those that were under way begin again:"
-                " the same command continues from here",
+                f" the same command continues from here{self.again}",
                 file=sys.stderr,
             )
             return EXIT_INTERRUPTED
@@ -268,6 +272,22 @@ class Batch:
         status = self._report(pool.failed) or status
         _say_changed(pool.changed)
         return status or int(bool(pool.changed))
+
+    @property
+    def again(self):
+        """The command that continues it, in a line below, unless that is another's."""
+        way = way_on(self.folder)
+        return f":\n  {command_of(way[0], self.folder, way[1])}" if way else ""
+
+    def _say_next(self, tables):
+        """Print the commands that follow a study with tables."""
+        where = shlex.quote(str(self.folder))
+        print(f"next, one HTML file:\n  python3 -m damage report {where}")
+        if read_table(tables / "summary.csv")["strength_cov"].astype(float).gt(0).any():
+            print(
+                f"and its fragility curves:\n  python3 -m damage fragility {where} --out"
+                f" {where}/fragility"
+            )
 
     @property
     def _done(self):
@@ -315,6 +335,7 @@ class Batch:
             print(f"tables:   {tables}")
             if self.study.pictures == "all":
                 print(f"pictures: {self.folder / 'pictures'}")
+            self._say_next(tables)
         sys.stdout.flush()
         named = {}
         for task in failed:

@@ -2,6 +2,7 @@
 
 from damage.applications.studies.read import made_by_words
 from damage.commands.table import command, out, program, save, tables
+from damage.errors import warn
 from damage.files import json_text
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
@@ -37,10 +38,12 @@ def _study(words, quiet):
 )
 def _study_tables(asked):
     from damage.applications.studies.definition import load_study
+    from damage.applications.studies.plan import unfinished
     from damage.applications.studies.tables import write_study_tables
 
     study = load_study(asked.study, asked.solver, asked.root)
     print(*write_study_tables(study, asked.folder), sep="\n")
+    warn(*filter(None, [unfinished(asked.folder)]))
 
 
 @command(
@@ -109,8 +112,10 @@ def _fragility(asked):
         in_words,
     )
     from damage.applications.studies.fragility_picture import fragility_pictures
+    from damage.applications.studies.plan import unfinished
 
     runs, intensity, states = choices_of(asked.study, asked.intensity, asked.states)
+    warn(*filter(None, [unfinished(asked.study)]))
     fits = fit_all(runs, intensity, asked.replicates, states)
     for write in WRITERS:
         write(asked, runs, fits, intensity)

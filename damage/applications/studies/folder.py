@@ -5,6 +5,7 @@ import errno
 import fcntl
 import os
 import re
+import shlex
 import shutil
 import signal
 import stat
@@ -26,6 +27,8 @@ RESULTS = ROOT / "results" if (ROOT / "run_all.sh").is_file() else Path.cwd() / 
 working folder."""
 KEPT = "study.toml"
 """Copy of the study's file in its folder."""
+CONTINUED = "\n# In this folder, continued by: python3 -m damage study "
+"""What the copy ends with, before the path of the study's file from there, and options."""
 LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""
 LEAST_FREE = 20_000_000
@@ -39,16 +42,20 @@ _LIBC = CDLL(None)
 _ALREADY = "another batch is at work in {}; wait for its end, or choose another --out"
 
 
-def claim(folder, study, shared=False, lock=None):
+def claim(folder, study, shared=False, lock=None, options=()):
     """Lock the folder of a study, which keeps a copy of its file; arguments, result and errors as
     of `locked`.
 
-    lock: that its caller holds already, None for a new one.
+    lock: that its caller holds already, None for a new one; options: of the command that continues
+    it, which the copy's last line keeps for `way_on`; () where another command does.
     """
     lock = locked(folder, study.name, shared) if lock is None else os.dup(lock)
     with _writable(folder):
         with whole_or_nothing(folder / KEPT) as unfinished:
-            shutil.copyfile(study.path, unfinished)
+            text = study.path.read_text("utf-8").partition(CONTINUED)[0]
+            words = shlex.join([os.path.relpath(study.path, folder), *options])
+            more = f"\n{CONTINUED}{words}\n" if options else "\n"
+            unfinished.write_text(text.rstrip() + more, "utf-8")
         for name in ("logs", "runs", "tables"):
             (folder / name).mkdir(exist_ok=True)
     return lock
@@ -89,6 +96,23 @@ def locked(folder, name, shared=False):
         os.close(lock)
         raise
     return lock
+
+
+def way_on(folder):
+    """(Path of the file, options) of the study in a folder, None where its copy of the file does
+    not say these."""
+    path = Path(folder) / KEPT
+    words = path.read_text("utf-8", "replace").partition(CONTINUED)[2] if path.is_file() else ""
+    file, *options = shlex.split(words) or [None]
+    return file and (Path(os.path.normpath(path.parent.absolute() / file)), options)
+
+
+def command_of(file, folder, options=(), name="study"):
+    """The command that runs a study in a folder, or makes tables there, to be copied."""
+    return shlex.join(
+        ["python3", "-m", "damage", name, str(file)]
+        + (["--out", str(folder), *options] if name == "study" else [str(folder)])
+    )
 
 
 @contextmanager

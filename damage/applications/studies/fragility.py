@@ -30,6 +30,7 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.applications.studies.new_record import CONFIDENCE, new_record
+from damage.applications.studies.plan import unfinished
 from damage.applications.studies.read import check_names, read_table
 from damage.applications.studies.states import (
     LEVELS,
@@ -426,8 +427,8 @@ def load_runs(folder):
     path = Path(folder) / "tables" / "summary.csv"
     if not path.is_file():
         raise InputError(
-            f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
-            "./run_all.sh fragility --solver reference"
+            f"{folder} holds no tables/summary.csv; expected the folder of a study;"
+            f" {unfinished(Path(folder)) or 'run one: ./run_all.sh fragility --solver reference'}"
         )
     runs = read_table(
         path,

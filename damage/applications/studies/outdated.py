@@ -32,7 +32,7 @@ from damage.provenance import model_digest
 CODE = {"reference": Path(__file__).parents[2] / "reference", "yade": ROOT / "yade_scripts"}
 """Where each solver's own code lies; an installed package is without YADE's."""
 FIRST_TABLES = "index", "events", "joints", "cycles"
-"""Of the first run of a point; of sequences shocks, too."""
+"""Of the first run of a point where all histories are kept; of sequences shocks, too."""
 _DIFFERENCES = 3  # points, and differences of each, that a message names
 _NO_NOTE = "there is no note of them"
 _FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
@@ -187,7 +187,7 @@ class Results:
             )
         ):
             return False
-        return task.number > 1 or all(
+        return not task.tables or all(
             (self.folder / "tables" / f"{task.name}_{table}.csv").is_file()
             for table in FIRST_TABLES
         )

@@ -1,7 +1,12 @@
 """Dry run of a study: runs that are there and runs to make; nothing is written in the study's
 folder."""
 
+from dataclasses import replace
+
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.folder import KEPT, ROOT, command_of, way_on
 from damage.applications.studies.outdated import Results
+from damage.errors import InputError
 
 
 def print_plan(study, folder, remake=False):
@@ -26,6 +31,33 @@ def print_plan(study, folder, remake=False):
         f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; "
         f"runs to make: {'up to ' if most != fewest else ''}{most}, into {folder}",
         flush=True,
+    )
+
+
+def unfinished(folder):
+    """A line on the study of a folder, how many of its points are there and how to go on; None
+    where all are, or where no file of it can be read."""
+    file, options = way_on(folder) or (folder / KEPT, ["--solver", "both"])
+    try:
+        study = load_study(file, options[options.index("--solver") + 1], ROOT)
+    except (InputError, OSError):
+        return None
+    results = Results(folder)
+    there = [run for run in study.runs if results.names_of(run)]
+    if way_on(folder) is None:  # which solver was meant
+        solvers = {run.solver for run in there}
+        study = replace(study, runs=tuple(run for run in study.runs if run.solver in solvers))
+    if len(there) == len(study.runs):
+        return None
+    tables = folder / "tables" / "summary.csv"
+    before = (
+        ""
+        if tables.is_file() or not there
+        else f"; tables of those: {command_of(file, folder, name='study-tables')}"
+    )
+    return (
+        f"study {study.name}: {len(there)} of {len(study.runs)} points are done{before};"
+        f" the others: {command_of(file, folder, options)}"
     )
 
 

@@ -95,7 +95,8 @@ def check_names(table, path):
 
 
 def describe_table(table):
-    """The summary table as text for people: the index and its components for each run."""
+    """The summary table as text for people: the index and its components for each run, below its
+    name where both are wider than a terminal."""
     columns = {
         "max_DI": "DI",
         "max_DI_drift": "drift",
@@ -103,7 +104,9 @@ def describe_table(table):
         "max_DI_slip": "slip",
         "residual_DI": "residual",
     }
-    width = max(len("run"), *table["run"].str.len())
+    width, below = max(len("run"), *table["run"].str.len()), ""
+    if width > 80 - len("  complete") - 10 * len(columns):
+        width, below = 3, "\n   "
     lines = [
         f"{'run':{width}s}" + "".join(f"{name:>10s}" for name in columns.values()) + "  status"
     ]
@@ -114,7 +117,7 @@ def describe_table(table):
             else ""
         )
         lines.append(
-            f"{row['run']:{width}s}"
+            f"{row['run']:{width}s}{below}"
             + "".join(f"{row[key]:10.3f}" for key in columns)
             + f"  {status}"
         )

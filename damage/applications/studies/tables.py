@@ -9,6 +9,7 @@ Records (`damage.applications.studies.records`) are all that is asked of runs.
 import numpy as np
 import pandas as pd
 
+from damage.applications.studies.folder import command_of
 from damage.applications.studies.records import TABLES, is_of_today, read_records
 from damage.applications.studies.spread import repeated
 from damage.errors import InputError, some_of
@@ -41,7 +42,8 @@ def summary_of(study, folder, records=None):
     ]
     if not there:
         raise InputError(
-            f"{folder} holds no run of the study {study.name}; run it first with ./run_all.sh"
+            f"{folder} holds no run of the study {study.name}; run it first:"
+            f" {command_of(study.path, folder, ['--solver', 'reference'])}"
         )
     rows = {name: records.runs[name]["row"] for name, *_ in there}
     if other := [name for name, row in rows.items() if not is_of_today(row)]:

@@ -24,8 +24,8 @@ patterns at rest."""
 @dataclass(frozen=True)
 class Task:
     """The run with this number of a point, or its pictures; kept: whether its history stays;
-    patterns: whether those at rest do (`damage.applications.cracks.kept`); alone: whether its
-    process does nothing else meanwhile.
+    patterns: whether those at rest do (`damage.applications.cracks.kept`); tables: whether it has
+    tables of its own; alone: whether its process does nothing else meanwhile.
 
     Paths: history: where it is in the end; part: where it grows, as a file with the name of a
     history is a whole one; pattern: of its patterns at rest; pictures: their folder; log: what a
@@ -37,6 +37,7 @@ class Task:
     number: int
     kept: bool
     patterns: bool = False
+    tables: bool = False
     kind: str = RUN
     alone: bool = False
 
@@ -125,6 +126,7 @@ class Point:
             number,
             self._keep == "all" or number == 1,
             self._keep == "patterns",
+            self._keep == "all" and number == 1,
         )
 
     @property

@@ -191,7 +191,7 @@ def conclude(task, kept=None):
             if task.patterns
             else {}
         )
-        if task.number == 1:
+        if task.tables:
             write_run_tables(history, task.folder / "tables" / task.name)
         return EXIT_OK, record_of(history, task.name, task.point.point) | seals
     except (InputError, OSError) as error:

@@ -30,6 +30,7 @@ pytest.importorskip("jinja2")
 from damage.applications.report.plain import plain
 from damage.applications.report.report import Words, page, plotly_code, write_report
 from damage.applications.report.run_part import MOST_INSTANTS, preview, still
+from damage.applications.report.study_part import BELOW, LEFT, TALL, charts, labels
 
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
 RAMP = np.linspace(0, 1, 21)
@@ -59,10 +60,13 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag, attributes):
         self.elements.append((tag, dict(attributes)))
-        if tag not in VOID and tag not in ("line", "path"):
+        if tag not in VOID:
             self.open.append(tag)
         if tag == "script":
             self.scripts.append("")
+
+    def handle_startendtag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag, self.getpos()
@@ -331,26 +335,54 @@ class TestStudy:
             damaged(folder / "runs" / "b.h5", opening={2: 2e-4 * RAMP}),
         )
 
-    def test_points_are_in_a_table_that_sorts_by_their_numbers(self, study):
-        parsed = Page(page([], [study]))
-        (table,) = [one for one in parsed.all("table") if one.get("class") == "sortable"]
-        assert table and "point-a" in parsed.text and "a study" in parsed.text
+    def test_points_are_marks_over_intensity_and_rows_by_words_not_by_names_of_files(self, study):
+        text = page([], [study])
+        parsed, points = Page(text), read_table(study / "tables" / "points.csv")
         values = {float(cell["data-sort"]) for cell in parsed.all("td") if "data-sort" in cell}
-        assert set(read_table(study / "tables" / "points.csv")["max_DI"]) <= values
+        assert set(points["max_DI"]) <= values and "a study" in parsed.text
+        shown = {one.get("id") for one in parsed.all("article")}
+        links = [one["href"][1:] for one in parsed.all("a") if "#point" in one["href"]]
+        # a mark in both charts and a row; each opens its wall
+        assert sorted(links) == sorted(3 * ["point-1-0", "point-1-1"]) and set(links) <= shown
+        assert "point-a" not in parsed.text and "harmonic, 0.2 s" in parsed.text
+        assert text.index("<svg") < text.index("<table") and len(text.encode()) < 1e6
 
-    def test_the_worst_runs_have_parts_of_their_own_that_are_linked(self, study):
-        parsed = Page(page([], [study]))
-        assert [run["letter"] for run in parsed.data["runs"]] == ["A", "B"]
-        links = [one["href"] for one in parsed.all("a")]
-        assert links.count("#run-A") == 2  # of the contents and of the table
-        (study / "runs" / "a.h5").unlink()
-        assert "a.h5" in Page(page([], [study])).text
+    def test_places_are_to_scale_and_filters_name_what_differs(self):
+        table = pd.DataFrame(
+            {
+                "wall": ["one", "two", "one"],
+                "solver": "reference",
+                "record": ["BGAR_HGE", "BGAR_HGE", None],
+                "scale": [2.0, 2.0, np.nan],
+                "motion_period_s": [np.nan, np.nan, 0.2],
+                "amplitude_g": [np.nan, np.nan, 0.1],
+                "lintel": ["none", "none", "elastic"],
+                "pgv_m_s": [0.05, 0.1, 0.1],
+                "max_DI": [0.2, 0.4, 0.1],
+                "max_DI_max": [0.4, 0.4, 0.1],
+                "residual_DI": [0.0, 0.2, np.nan],
+            }
+        )
+        words, of = labels(table)
+        assert words[0] == "Zeerijp, BGAR east × 2, lintel none"
+        assert words[2] == "harmonic, 0.2 s of 0.1 g, lintel elastic"
+        first, second = charts(table, list(zip(*of.values())))
+        (x0, y0, _, high), (x1, y1, *_), _ = first["dots"]
+        assert x0 - LEFT == pytest.approx((x1 - LEFT) / 2, abs=0.1) and high == y1
+        assert TALL - BELOW - y0 == pytest.approx((TALL - BELOW - y1) / 2, abs=0.1)
+        assert second["dots"][2] is None
 
     def test_a_history_that_is_damaged_is_said_first_and_the_others_are_shown(self, study):
         (study / "runs" / "a.h5").write_bytes((study / "runs" / "a.h5").read_bytes()[:-99])
         parsed = Page(page([], [study]))
-        assert "Histories that cannot be read" in parsed.text and "a.h5" in parsed.text
-        assert [run["letter"] for run in parsed.data["runs"]] == ["A"]
+        assert "cannot be read" in parsed.text and "a.h5" in parsed.text
+        assert len([one for one in parsed.all("img") if one["src"].startswith("data:")]) == 1
+
+    def test_why_a_study_has_no_fragility_curves(self, study):
+        for name in ("points", "summary"):
+            path = study / "tables" / f"{name}.csv"
+            write_table(read_table(path).assign(strength_cov=0.3, status="failed"), path)
+        assert "No curves: " in Page(page([], [study])).text
 
 
 class TestEscaping:

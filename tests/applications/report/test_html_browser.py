@@ -79,7 +79,7 @@ def shown(driver):
     )
 
 
-@of("one", "two", "study")
+@of("one", "two")
 def test_it_is_drawn_without_an_error_and_asks_for_nothing(opened):
     assert opened.get_log("browser") == []
     asked = [json.loads(entry["message"])["message"] for entry in opened.get_log("performance")]
@@ -108,8 +108,13 @@ def test_the_slider_moves_wall_cursor_and_ring_by_keys(opened):
     assert "1 slipped, 1 opened" in by_id(opened, "shown-A").text
 
 
-@of("study")
-def test_the_table_of_points_sorts(opened):
+def test_a_mark_opens_its_wall_filters_and_the_table_sorts(driver, reports):
+    driver.get(reports["study"].resolve().as_uri())
+    opened = driver
+    opened.find_element("css selector", ".chart a").send_keys(Keys.ENTER)
+    assert by_id(opened, "point-1-0").is_displayed()
+    assert not by_id(opened, "point-1-1").is_displayed()
+
     def column(number):
         return [
             float(cell.get_attribute("data-sort"))

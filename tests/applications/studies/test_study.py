@@ -1,6 +1,7 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -314,6 +315,10 @@ class TestBatch:
         _, printed = process.communicate(timeout=300)
         assert process.returncode == 130 and "continues from here" in printed
         assert running(batches.folder) == []
+        again = re.search(r"^  python3 (-m damage study .*)$", printed, re.MULTILINE)[1]
+        for words in (["fragility", batches.out, "--out", "x"], ["report", batches.out]):
+            said = run_command(sys.executable, "-m", "damage", *words, status=2).stderr
+            assert "1 of 2 points are done" in said and said.endswith(f"{again}\n")
         done, calls = batches.run(batches.study(a=1.2, b=1))
         assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
 

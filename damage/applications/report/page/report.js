@@ -40,6 +40,20 @@ function makeSortable(table) {
   });
 }
 
+// Of a study: marks, lines and rows of the points that its filters leave.
+function filter(part) {
+  const chosen = Array.from(part.querySelectorAll(".choose select")), rows = part.querySelectorAll("tr[data-of]");
+  const show = () => {
+    for (const one of part.querySelectorAll("[data-of]")) {
+      const of = one.dataset.of.split(" ");
+      one.classList.toggle("out", chosen.some((select) => select.value && select.value !== of[select.dataset.place]));
+    }
+    part.querySelector(".choose output").textContent = `${rows.length - part.querySelectorAll("tr.out").length} of `
+      + `${rows.length} points`;
+  };
+  for (const select of chosen) select.addEventListener("change", show);
+}
+
 // --- the wall ---------------------------------------------------------------------------------------
 
 // Where bodies are at instant k, motion magnified: shift, cosine and sine of each; the ground is one more, at rest.
@@ -227,7 +241,7 @@ function fitPage(runs, onPaper) {
   fitWidth("over-time", onPaper, 1, 0);
   for (const {letter} of runs) {
     fitWidth(`wall-${letter}`, onPaper, single ? 0.6 : 0.5, 1);
-    for (const kind of ["hysteresis", "energy"]) fitWidth(`${kind}-${letter}`, onPaper, single ? 0.4 : 0.5, 1);
+    for (const kind of ["hysteresis", "energy"]) fitWidth(`${kind}-${letter}`, onPaper, 0.5, 1);
   }
 }
 
@@ -451,6 +465,7 @@ async function start() {
 }
 
 document.querySelectorAll("table.sortable").forEach(makeSortable);
+document.querySelectorAll("section:has(.choose)").forEach(filter);
 if (byId("report-data")) start().catch((error) => {
   byId("failed").hidden = false;
   byId("failed").textContent = `The drawings failed: ${error.message}. The tables below are whole.`;
