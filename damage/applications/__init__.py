@@ -29,6 +29,7 @@ GROUPS = {
         "compare",
         "export",
         "cracks",
+        "calibrate",
         "cycles",
     ),
     "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
