@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import string
 import subprocess
 import sys
@@ -536,10 +537,12 @@ class TestOneFolder:
         while not (records.exists() and '"row"' in records.read_text()):
             assert first.poll() is None
             time.sleep(0.02)
+        os.kill(first.pid, signal.SIGSTOP)  # it must not end before these come
         for more in (("--seed", "7"), ("--settle", "hogging", "--distortion", "1/2000")):
             said = damage_command(*line("both", *more), status=2).stderr
             assert "another batch is at work" in said
-        assert first.poll() is None and first.wait() == 0
+        os.kill(first.pid, signal.SIGCONT)
+        assert first.wait() == 0
         files = [
             {path.name: path.read_bytes() for path in (*one.glob("patterns/*"), one / "claim.json")}
             for one in (tmp_path / "alone", tmp_path / "both")
