@@ -102,6 +102,7 @@ def cycles(bench):
         "force [kN]",
         "dissipated [J]",
         "equivalent damping",
+        "residual drift [%]",
         "DI at both ends",
         "DI_open",
         "DI_slip",
@@ -123,6 +124,7 @@ def cycle_rows(label, history):
             f"{cycle['max_force_kn']:.1f}, {cycle['min_force_kn']:.1f}",
             f"{cycle['dissipated_j']:.0f}",
             f"{cycle['equivalent_damping']:.2f}",
+            f"{cycle['residual_max_pct']:.3f}, {cycle['residual_min_pct']:.3f}",
             *pairs,
         )
 

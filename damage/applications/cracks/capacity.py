@@ -9,6 +9,7 @@ import scipy  # integrate where it is used: it starts slowly
 
 from damage.errors import InputError
 from damage.index import COMPONENTS, THRESHOLD
+from damage.measure.loops import LOOP, loop_measures
 from damage.measure.pushed import SECANT_SHARE, since_the_push
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
@@ -19,12 +20,7 @@ from damage.wall.restraints import top_of
 CYCLE_COLUMNS = (
     "cycle",
     "amplitude_pct",
-    "max_drift_pct",
-    "min_drift_pct",
-    "max_force_kn",
-    "min_force_kn",
-    "dissipated_j",
-    "equivalent_damping",
+    *LOOP,
     *(f"{name}_at_max" for name in COMPONENTS),
     *(f"{name}_at_min" for name in COMPONENTS),
 )
@@ -247,30 +243,22 @@ def cycle_edges(history):
 def cycles_table(history):
     """Table of the cycles of a cyclic run, a DataFrame with CYCLE_COLUMNS, a row for each cycle.
 
-    The dissipated energy E_d is the area of the loop; equivalent viscous damping is E_d / (4 pi
-    E_s), where E_s is the mean of the elastic energies V u / 2 at both ends of the loop (Chopra,
-    Dynamics of Structures, section 3.9).  The index is that at the samples of largest drift in
-    either direction, not a running maximum.  Raises InputError for another loading.
+    A cycle is a loop of base shear and drift (`loop_measures`).  The index is that at the samples
+    of largest drift in either direction, not a running maximum.  Raises InputError for another
+    loading.
     """
     loading, index = pushed_loading(history), history.index()
-    force, drift, top = since_the_push(history)
+    force, drift, _ = since_the_push(history)
     edges, rows = cycle_edges(history), []
     for number, (start, end) in enumerate(zip(edges, edges[1:])):
         inside = slice(start, end + 1)
-        high, low = start + int(np.argmax(drift[inside])), start + int(np.argmin(drift[inside]))
-        lost = float(scipy.integrate.trapezoid(force[inside], top[inside]))
-        stored = (force[high] * top[high] + force[low] * top[low]) / 4
+        ends = start + int(np.argmax(drift[inside])), start + int(np.argmin(drift[inside]))
         rows.append(
             [
                 number + 1,
                 loading.amplitudes_pct[number // loading.cycles],
-                100 * drift[high],
-                100 * drift[low],
-                force[inside].max() / 1e3,
-                force[inside].min() / 1e3,
-                lost,
-                lost / (4 * np.pi * stored) if stored > 0 else np.nan,
-                *(index[name].iloc[at] for at in (high, low) for name in COMPONENTS),
+                *loop_measures(drift[inside], force[inside], history.attributes["drift_height_m"]),
+                *(index[name].iloc[at] for at in ends for name in COMPONENTS),
             ]
         )
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))

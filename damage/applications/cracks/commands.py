@@ -2,7 +2,6 @@
 
 from damage.commands.table import (
     DRIFT_LIMIT,
-    HISTORIES,
     JSON,
     PSI_FROM,
     command,
@@ -24,8 +23,10 @@ from damage.wall.layout import lay_out
 
 @command(
     "cycles, envelope, failure mode and figures of a pushed wall; of several draws of its strengths"
-    " median and quantiles",
-    HISTORIES,
+    " median and quantiles; of a test its loops",
+    file_arg(
+        "files", "FILE", "histories (.h5); loops of a test (.csv), with a run or alone", nargs="+"
+    ),
     JSON,
     arg(
         "--to",
@@ -36,21 +37,29 @@ from damage.wall.layout import lay_out
             "(default: ultimate drift of the test that the wall models, else of the run)"
         ),
     ),
-    examples=("pushed.h5", "pushed.h5 --json"),
+    examples=("pushed.h5", "pushed.h5 test.csv --json"),
 )
 def _cycles(asked):
-    from damage.applications.cracks.pushed import (
-        describe,
-        describe_draws,
-        draws_report,
-        pushed_report,
-    )
+    from damage.applications.cracks import pushed
+    from damage.applications.cracks.loops import read_loops
 
-    histories, to = [read_history(path) for path in asked.histories], asked.to and asked.to / 100
-    if len(histories) == 1:
-        show(asked, pushed_report(histories[0], to), describe)
+    tests = [path for path in asked.files if path.suffix.lower() == ".csv"]
+    runs, to = [path for path in asked.files if path not in tests], asked.to and asked.to / 100
+    if tests and len(runs) > 1:
+        raise InputError(
+            f"cycles with {tests[0]}: expected one history beside it, got {len(runs)}; leave out"
+            " the others"
+        )
+    loops, histories = (
+        [loop for path in tests for loop in read_loops(path)],
+        map(read_history, runs),
+    )
+    if not runs:
+        show(asked, loops, pushed.describe_loops)
+    elif len(runs) == 1:
+        show(asked, pushed.pushed_report(*histories, to, loops), pushed.describe)
     else:
-        show(asked, draws_report(histories, to), describe_draws)
+        show(asked, pushed.draws_report(list(histories), to), pushed.describe_draws)
 
 
 @command(
@@ -200,5 +209,12 @@ MEASURES.append("applications/cracks/kept.py")  # patterns at rest
 @tables
 def _tables():
     from damage.applications.cracks import calibrate, crack_file
+    from damage.applications.cracks.loops import LOOP_FILE
+    from damage.measure.loops import LOOP
 
-    return {"crack files": crack_file.COLUMNS, "tests of joints": calibrate.COLUMNS}
+    return {
+        "crack files": crack_file.COLUMNS,
+        "loops of a test": LOOP_FILE,
+        "damage cycles": LOOP,
+        "tests of joints": calibrate.COLUMNS,
+    }

@@ -12,6 +12,7 @@ import pandas as pd
 from damage.applications.cracks import capacity
 from damage.errors import InputError
 from damage.files import DATA
+from damage.measure.loops import LOOP, loops_at
 from damage.measure.pushed import first_loading
 
 TESTS = DATA / "eucentre" / "tests.csv"
@@ -206,10 +207,15 @@ def figures(history, to=None):
     ]
 
 
-def pushed_report(history, to=None):
-    """Everything about a pushed run as a plain dictionary: cycles, envelope, mode and `figures`."""
+def pushed_report(history, to=None, tested_loops=()):
+    """Everything about a pushed run as a plain dictionary: cycles, envelope, mode and `figures`;
+    tested_loops: of `read_loops`, beside which energy and damping of the cycles are put."""
     height = history.attributes["drift_height_m"]
-    cyclic, found = capacity.pushed_loading(history).cycles > 0, capacity.capacity(history, to)
+    table, found = capacity.cycles_table(history), capacity.capacity(history, to)
+    if tested_loops and table.empty:
+        raise InputError(
+            f"{history.path} has no whole cycle to put beside a test; expected a run of --cyclic"
+        )
     return {
         "wall": history.wall,
         "solver": history.solver,
@@ -217,7 +223,8 @@ def pushed_report(history, to=None):
         "status": history.status,
         "slip": "displacement",
         "test": SPECIMENS.get(history.wall),
-        "cycles": capacity.cycles_table(history).to_dict("records") if cyclic else [],
+        "cycles": table.to_dict("records"),
+        "tested_loops": [_beside(table, loop) for loop in tested_loops],
         "bilinear": {
             side: capacity.bilinear(curve, height)
             for side, curve in capacity.loaded_curves(history).items()
@@ -230,6 +237,13 @@ def pushed_report(history, to=None):
             for row in figures(history, to)
         ],
     }
+
+
+def _beside(table, loop):
+    """A tested loop with what the cycles of a run have at the same half of the range of drift."""
+    reach = (loop["max_drift_pct"] - loop["min_drift_pct"]) / 2
+    energy, damping = (float(value) for value in loops_at(table, reach))
+    return loop | {"run_dissipated_j": energy, "run_equivalent_damping": damping}
 
 
 def draws_report(histories, to=None):
@@ -328,27 +342,13 @@ def describe(found):
         f" {found['slip']}"
     ]
     if found["cycles"]:
-        columns = (
-            "amplitude_pct",
-            "max_drift_pct",
-            "min_drift_pct",
-            "max_force_kn",
-            "min_force_kn",
-            "dissipated_j",
-            "equivalent_damping",
-            "DI_at_max",
-            "DI_at_min",
-        )
-        lines.append(
-            "cycle  amplitude      drift [%]       force [kN]  lost [J]  damping [-]    DI at both"
-            " ends"
-        )
         lines += [
-            "{:5d}{:9g} %{:10.4f}{:9.4f}{:9.1f}{:8.1f}{:10.1f}{:12.3f}{:11.4f}{:8.4f}".format(
-                row["cycle"], *(row[name] for name in columns)
-            )
-            for row in found["cycles"]
+            "cycles",
+            *_loop_lines(found["cycles"], "amplitude_pct", "DI_at_max", "DI_at_min"),
         ]
+    if found["tested_loops"]:
+        more = "run_dissipated_j", "run_equivalent_damping"
+        lines += ["loops of the test", *_loop_lines(found["tested_loops"], "loop", *more)]
     for side, line in found["bilinear"].items():
         lines.append(
             f"bilinear, {side}: {line['stiffness_n_per_m'] / 1e6:.1f} kN/mm,"
@@ -376,6 +376,17 @@ def describe(found):
         for row in found["figures"]
     ]
     return "\n".join(lines)
+
+
+def _loop_lines(rows, label, *more):
+    """Lines of loops: label, the columns of LOOP with their units, and more columns."""
+    table = pd.DataFrame(rows)[[label, *LOOP, *more]]
+    return table.to_string(index=False, float_format="{:.4g}".format).splitlines()
+
+
+def describe_loops(found):
+    """Loops of `read_loops` as lines for people."""
+    return "\n".join(_loop_lines(found, "loop"))
 
 
 def _shown(value):

@@ -1,12 +1,13 @@
 """Envelope, cycles and failure mode of pushed walls, against closed forms; the tests' measured
 figures."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import one_line_error, refused_with, run_here
+from conftest import one_line_error, refused_with, run_here, written
 from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
@@ -24,6 +25,7 @@ from damage.applications.cracks.capacity import (
     mean_force,
     mode_shares,
 )
+from damage.applications.cracks.loops import read_loops
 from damage.applications.cracks.pushed import (
     SPECIMENS,
     draws_report,
@@ -32,6 +34,7 @@ from damage.applications.cracks.pushed import (
     read_test,
 )
 from damage.history.contacts import Contacts
+from damage.measure.loops import loops_at
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
 
@@ -71,6 +74,10 @@ class TestCycles:
         assert_allclose(steady.dissipated_j, 4 * YIELD * (amplitude - elastic), rtol=2e-3)
         assert_allclose(steady.equivalent_damping, 2 / np.pi * (1 - elastic / amplitude), rtol=2e-3)
         assert_allclose([steady.max_force_kn, steady.min_force_kn], [20, -20])
+        residual = 100 * (amplitude - elastic) / small_layout().drift_height
+        assert_allclose(
+            [steady.residual_max_pct, steady.residual_min_pct], [residual, -residual], rtol=2e-3
+        )
         assert_allclose(
             steady.max_drift_pct, 100 * amplitude / small_layout().drift_height, rtol=5e-4
         )
@@ -78,6 +85,60 @@ class TestCycles:
     def test_shaken_walls_have_none(self, still_history, error_of):
         refused_with("pushover", cycles_table, still_history)
         assert "pushover" in error_of("cycles", still_history.path)
+
+
+class TestLoops:
+    DRIFT = np.array([0.3, 0.1, -0.3, -0.1, 0.3])  # [%] of a wall 2 m high
+    SLIDER = np.array([10, -10, -10, 10, 10])  # [kN]
+
+    def loops(self, path, force, drift=DRIFT, extra=""):
+        rows = "".join(f"a,2,{x},{y}\n" for x, y in zip(drift, force))
+        return written(path, f"loop,height_m,drift_pct,force_kn\n{rows}{extra}")
+
+    def test_closed_forms(self, tmp_path):
+        """Friction and spring: 4 F (u - F / k) = 4 x 10 kN x 4 mm, wherever zero is; rigid and
+        plastic: 2 / pi; elastic: nothing."""
+        path = self.loops(tmp_path / "a.csv", self.SLIDER)
+        (loop,) = read_loops(path)
+        assert_allclose([loop["dissipated_j"], loop["residual_max_pct"]], [160, 0.2])
+        assert_allclose(loop["equivalent_damping"], 2 / np.pi * (1 - 2 / 6))
+        (moved,) = read_loops(self.loops(path, self.SLIDER + 20, self.DRIFT + 1))
+        assert_allclose(moved["equivalent_damping"], loop["equivalent_damping"])
+        assert np.isnan(moved["residual_max_pct"])
+        (plastic,) = read_loops(self.loops(path, self.SLIDER, np.array([3, 3, -3, -3, 3])))
+        assert_allclose(plastic["equivalent_damping"], 2 / np.pi)
+        (elastic,) = read_loops(self.loops(path, 50 * self.DRIFT))
+        assert_allclose([elastic["dissipated_j"], elastic["equivalent_damping"]], 0, atol=1e-9)
+
+    def test_a_test_beside_a_run(self, tmp_path, plastic, output_of, error_of):
+        path = self.loops(tmp_path / "a.csv", self.SLIDER)
+        found = json.loads(output_of("cycles", plastic.path, path, "--json"))
+        assert_allclose(found["tested_loops"][0]["dissipated_j"], 160)
+        assert found["tested_loops"][0]["run_dissipated_j"] is None  # cycles of 0.2 %
+        between = pd.DataFrame(
+            {
+                "max_drift_pct": [0.3, 0.1],
+                "min_drift_pct": [-0.1, -0.1],
+                "dissipated_j": [40.0, 20.0],
+                "equivalent_damping": [0.3, 0.1],
+            }
+        )
+        assert_allclose(loops_at(between, 0.15), [30, 0.2])
+        assert "loops of the test" in output_of("cycles", plastic.path, path)
+        assert "dissipated_j" in output_of("cycles", path)
+        assert "one history" in error_of("cycles", plastic.path, plastic.path, path)
+
+    @pytest.mark.parametrize(
+        "words, force, drift, extra",
+        [
+            ("turn them round", -SLIDER, DRIFT, ""),
+            ("closed loop", [10, -10], [0.3, -0.3], ""),
+            ("two heights", SLIDER, DRIFT, "a,3,0.3,10\n"),
+        ],
+    )
+    def test_bad_loops_are_refused(self, tmp_path, words, force, drift, extra):
+        path = self.loops(tmp_path / "a.csv", force, drift, extra)
+        assert words in one_line_error(read_loops, path)
 
 
 class TestEnvelope:

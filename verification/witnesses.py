@@ -1,0 +1,121 @@
+"""Two programs of others on dry walls: a script for an interpreter that has them.
+
+    python -m pip install compas-lmgc90==0.1.11 compas_cra==0.8.0      # not needed by anything else
+    python verification/witnesses.py < WALL.json
+
+WALL.json: friction [-], thickness [m], blocks: [x, z of the centre, length, height] [m],
+bound [-].  Prints {"lmgc90": [stands, falls], "compas_cra": multiplier}, multipliers of horizontal
+body load.
+
+LMGC90 is contact dynamics (Jean 1999, doi:10.1016/S0045-7825(98)00383-1): rigid blocks and Coulomb
+friction without dilatancy.  The load is raised from rest to each level and held there.  compas_cra
+(Kao et al. 2022, doi:10.1016/j.cad.2022.103216) finds contacts, and the matrices of equilibrium and
+friction, of which the largest multiplier is taken here.
+"""
+
+import contextlib
+import json
+import sys
+
+import numpy as np
+
+GRAVITY, DENSITY = 9.81, 2000.0  # the multiplier depends on neither
+STEP_S, RAMP_S, HOLD_S = 2e-3, 0.4, 0.4
+"""At 1e-2 s blocks of LMGC90 creep by millimetres under loads that they carry."""
+WINDOW_S, MOVES_M, FALLEN_M = 0.1, 2e-5, 0.02
+"""A wall falls where it has moved by FALLEN_M, or in the last window by more than MOVES_M and more
+than in the one before."""
+LOWEST, HIGHEST, TOLERANCE = 0.88, 1.01, 4e-3  # parts of the bound
+CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
+FACES = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+
+
+def boxes(wall):
+    """Vertices (8, 3) of the ground and of every block [m]."""
+    blocks = np.array(wall["blocks"])
+    length = (blocks[:, 0] + blocks[:, 2] / 2).max()
+    found = []
+    for x, z, wide, high in [(length / 2, -0.1, length, 0.2), *blocks]:
+        found.append(
+            [
+                [x + wide * across, wall["thickness"] * through, z + high * up]
+                for up in (-0.5, 0.5)
+                for across, through in CORNERS
+            ]
+        )
+    return found
+
+
+def falls(wall, multiplier):
+    """Whether a wall falls in LMGC90 under this multiplier."""
+    from compas_lmgc90.solver import Solver
+
+    solver = Solver(dt=STEP_S, density=DENSITY)
+    solver.geometry_from_v_f([{"vertices": box, "faces": FACES} for box in boxes(wall)])
+    solver.set_supports(z_threshold=0.0)
+    solver.contact_law("IQS_CLB", wall["friction"])
+    for block, (_, _, wide, high) in enumerate(wall["blocks"], start=1):
+        force = multiplier * GRAVITY * DENSITY * wide * high * wall["thickness"]
+        solver.apply_force(block, "Fx", np.array([[0.0, RAMP_S, 1e3], [0.0, force, force]]))
+    solver.preprocess()
+    window, places = round(WINDOW_S / STEP_S), []
+    for step in range(round((RAMP_S + HOLD_S) / STEP_S) + 1):
+        state = solver.lmgc90.compute_one_step()
+        if step % window == 0:
+            places.append(np.array(state.bodies))
+            if np.abs(places[-1] - places[0]).max() > FALLEN_M:
+                return True
+    before, last = (np.abs(late - early).max() for early, late in zip(places[-3:], places[-2:]))
+    return bool(last > max(MOVES_M, before))
+
+
+def collapse(wall):
+    """Multipliers at which a wall stands and falls in LMGC90."""
+    stands, fallen = LOWEST * wall["bound"], HIGHEST * wall["bound"]
+    while fallen - stands > TOLERANCE * wall["bound"]:
+        middle = (stands + fallen) / 2
+        stands, fallen = (stands, middle) if falls(wall, middle) else (middle, fallen)
+    return stands, fallen
+
+
+def bound(wall):
+    """Largest multiplier in equilibrium, of the contacts, equilibrium and friction of
+    compas_cra."""
+    from compas_assembly.datastructures import Block
+    from compas_cra.algorithms import assembly_interfaces_numpy
+    from compas_cra.datastructures import CRA_Assembly
+    from compas_cra.equilibrium import equilibrium_setup, friction_setup
+    from scipy.optimize import linprog
+    from scipy.sparse import csr_matrix, hstack
+
+    assembly = CRA_Assembly()
+    for box in boxes(wall):
+        assembly.add_block(Block.from_vertices_and_faces(box, FACES))
+    assembly.set_boundary_conditions([0])
+    assembly_interfaces_numpy(assembly, nmax=len(wall["blocks"]) + 1, amin=1e-4)
+    equal = csr_matrix(equilibrium_setup(assembly))
+    friction = csr_matrix(friction_setup(assembly, wall["friction"]))
+    weight = np.prod(np.array(wall["blocks"])[:, 2:], axis=1)
+    live, dead = np.zeros((2, len(weight), 6))
+    live[:, 0] = dead[:, 2] = weight
+    forces = equal.shape[1]  # normal and two of friction at each vertex of a contact
+    solution = linprog(
+        np.append(np.zeros(forces), -1.0),
+        A_ub=hstack([friction, csr_matrix((friction.shape[0], 1))]),
+        b_ub=np.zeros(friction.shape[0]),
+        A_eq=hstack([equal, csr_matrix(live.reshape(-1, 1))]),
+        b_eq=dead.ravel(),
+        bounds=[*[(0, None), (None, None), (None, None)] * (forces // 3), (0, None)],
+    )
+    return float(solution.x[-1])
+
+
+def main():
+    wall = json.load(sys.stdin)
+    with contextlib.redirect_stdout(sys.stderr):  # both programs print
+        found = {"lmgc90": collapse(wall), "compas_cra": bound(wall)}
+    print("\n" + json.dumps(found))
+
+
+if __name__ == "__main__":
+    main()
