@@ -10,13 +10,33 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.elementary import exp
 from damage.law import joint_law
 from damage.law.joint_law import INTACT, LawParameters
 from damage.mechanics import rows
-from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import add, bits, either, load, store, store_where, zero
+from damage.mechanics.compiled import compiled, entry, inlined
+from damage.mechanics.eight import (
+    add,
+    bits,
+    either,
+    lanes,
+    load,
+    store,
+    store_where,
+    wall_of,
+    zero,
+)
 from damage.mechanics.interfaces import Resultant
-from damage.mechanics.tables import FRACTURE, FRICTION, OPENED, SLIPPED, STATES, Reading
+from damage.mechanics.tables import (
+    FRACTURE,
+    FRICTION,
+    LARGEST_SLIDE,
+    OPENED,
+    SLIPPED,
+    STATES,
+    STRENGTHS,
+    Reading,
+)
 
 NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(
     STATES.index,
@@ -33,10 +53,10 @@ NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDL
         "passed",
     ),
 )
-TENSION_STIFFNESS, LEFT = (
-    STATES.index("elastic_tension_stiffness"),
-    STATES.index("elastic_tensile_strength"),
+TENSION_STIFFNESS, LEFT, COHESION_LEFT = (
+    STATES.index(f"elastic_{name}") for name in ("tension_stiffness", "tensile_strength", "cohesion")
 )
+COHESION = STRENGTHS.index("cohesion")
 
 
 class Trial(NamedTuple):
@@ -235,6 +255,34 @@ def ask_law(n, tables, material, i, trial, shear):
     else:  # the shear force of an intact bond is measured from the undeformed wall
         store(n, states, i, SHEAR_STRESS, old.shear_stress)
     return new, event
+
+
+@entry
+def confine(n, tables, cuts, which):
+    """Give the Cuts through bricks in the walls `which` (bits) what they bear in shear under the
+    vertical stresses that were read last."""
+    for k in range(len(cuts.interface)):
+        p = cuts.interface[k]
+        for w in range(lanes(n)):
+            if which >> w & 1:
+                one, sigma = wall_of(n, w), 0.0
+                for m in range(cuts.start[k], cuts.start[k + 1]):
+                    stress = rows.reading_of(one, tables.readings, cuts.contact[m]).sigma
+                    sigma += cuts.share[m] * stress
+                strengthen(one, tables, p, joint_law.diagonal_tension(cuts.strength[k], sigma))
+
+
+@inlined
+def strengthen(n, tables, p, strength):
+    """Set the cohesion of interface p of one wall [Pa]."""
+    for i in range(tables.interfaces[p].start, tables.interfaces[p].stop):
+        contact, states = tables.contacts[i], tables.states
+        cohesion = strength * contact.area
+        store(n, tables.strengths, i, COHESION, cohesion)
+        if load(n, states, i, BROKEN) == 0.0:
+            left = cohesion * exp(-load(n, states, i, KAPPA))
+            store(n, states, i, COHESION_LEFT, left)
+        store(n, tables.limits, p, LARGEST_SLIDE, cohesion / contact.ks)
 
 
 @inlined

@@ -23,7 +23,7 @@ from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import collisions, contacts, interfaces, rows
 from damage.mechanics.bodies import SMALL, adapt, move_all, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
-from damage.mechanics.contacts import Points
+from damage.mechanics.contacts import Points, confine
 from damage.mechanics.eight import (
     add,
     add_part,
@@ -124,6 +124,7 @@ def advance(n, tables, model, controls, field, clock, stops, sampling):
         )
         if ending:
             look(n, tables, model, controls, field, step, ending, sampling)
+            confine(n, tables, model.cuts, ending)
             if damped:
                 remember_last(n, tables, model.strain, ending)
             k += 1

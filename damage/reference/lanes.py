@@ -68,7 +68,11 @@ class Lanes:
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
         matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
         self._model = tables.Model(
-            tables.Law(walls[0].material, THRESHOLD), walls[0].strain, walls[0].loose, matrix
+            tables.Law(walls[0].material, THRESHOLD),
+            walls[0].strain,
+            walls[0].loose,
+            matrix,
+            walls[0].cuts,
         )
         self._sampling = self.room(0)
 
@@ -165,6 +169,10 @@ class Lanes:
         kernel.look(self._n, self.tables, self._model, self._now()[1], field, 0, 1 << w, sampling)
         return sampling.samples.of(w, 1)
 
+    def confine(self, wall):
+        """Bring what the cuts through a wall's bricks bear up to date with its last readings."""
+        kernel.confine(self._n, self.tables, self._model.cuts, 1 << self.lane_of(wall))
+
     def find_forces(self, singly=True):
         """Forces of a single wall at the present displacements without damping; if singly, by
         contact points and with readings."""
@@ -192,6 +200,7 @@ def kind_of(wall):
             for name in table.dtype.names
         ),
         *of_modes,
+        *wall.cuts,
         np.array(len(system.radiation)),
         np.frombuffer(wall.mass.key if wall.mass else b"", "u1"),
     ]
