@@ -54,7 +54,8 @@ NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDL
     ),
 )
 TENSION_STIFFNESS, LEFT, COHESION_LEFT = (
-    STATES.index(f"elastic_{name}") for name in ("tension_stiffness", "tensile_strength", "cohesion")
+    STATES.index(f"elastic_{name}")
+    for name in ("tension_stiffness", "tensile_strength", "cohesion")
 )
 COHESION = STRENGTHS.index("cohesion")
 
@@ -262,19 +263,18 @@ def confine(n, tables, cuts, which):
     """Give the Cuts through bricks in the walls `which` (bits) what they bear in shear under the
     vertical stresses that were read last."""
     for k in range(len(cuts.interface)):
-        p = cuts.interface[k]
         for w in range(lanes(n)):
             if which >> w & 1:
-                one, sigma = wall_of(n, w), 0.0
-                for m in range(cuts.start[k], cuts.start[k + 1]):
-                    stress = rows.reading_of(one, tables.readings, cuts.contact[m]).sigma
-                    sigma += cuts.share[m] * stress
-                strengthen(one, tables, p, joint_law.diagonal_tension(cuts.strength[k], sigma))
+                confine_one(wall_of(n, w), tables, cuts, k)
 
 
 @inlined
-def strengthen(n, tables, p, strength):
-    """Set the cohesion of interface p of one wall [Pa]."""
+def confine_one(n, tables, cuts, k):
+    """`confine` of cut k of one wall."""
+    p, sigma = cuts.interface[k], 0.0
+    for m in range(cuts.start[k], cuts.start[k + 1]):
+        sigma += cuts.share[m] * rows.reading_of(n, tables.readings, cuts.contact[m]).sigma
+    strength = joint_law.diagonal_tension(cuts.strength[k], sigma)
     for i in range(tables.interfaces[p].start, tables.interfaces[p].stop):
         contact, states = tables.contacts[i], tables.states
         cohesion = strength * contact.area

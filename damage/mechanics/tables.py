@@ -429,6 +429,7 @@ class Cuts(NamedTuple):
 class Model(namedtuple("Model", "law strain loose matrix cuts")):
     """What walls that step together share besides their tables.
 
-    law: Law; cuts: Cuts, of none where bricks stay whole; strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find
-    no new contacts; matrix: Matrix of these walls, None without mass scaling.
+    law: Law; cuts: Cuts, of none where bricks stay whole; strain: Strain, None of rigid bricks;
+    loose: Loose of one wall, None where bricks find no new contacts; matrix: Matrix of these walls,
+    None without mass scaling.
     """

@@ -13,7 +13,7 @@ bending, at n / (n + 1) of its strength.  As in Lourenço and Rots (1997, J. Eng
 660-668) tension along the wall splits bricks.
 
 **Diagonal tension** splits them, too.  In the middle of the cut the principal tension reaches f_t
-under the shear stress tau, and the stress sigma_v across the bed joints, compression positive, where
+under the shear stress tau and the stress sigma_v across the bed joints, compression positive, at
 
     tau = f_t sqrt(1 + sigma_v / f_t),    tau = 1.15 V / (t h)
 
