@@ -128,8 +128,8 @@ def problems():
     area = SHEARED.thickness * SHEARED.height
     return [
         of_both(
-            "splitting brick",
-            f"diagonal tension under {stress / 1e6:g} MPa, {quantity}",
+            f"brick sheared under {stress / 1e6:g} MPa, {quantity}",
+            quantity,
             unit,
             exact,
             source,
@@ -142,7 +142,7 @@ def problems():
         for stress in (0.0, 2e6)
         for what, (quantity, unit, exact, source) in enumerate(
             (
-                ("largest shear force", "N", largest_shear(stress), "Mann and Müller"),
+                ("largest force", "N", largest_shear(stress), "Mann and Müller"),
                 ("energy", "J", SHEARED.fracture_energy * area, "G t h"),
             )
         )

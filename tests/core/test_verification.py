@@ -24,6 +24,7 @@ QUICK_IN_YADE = (
     "stack of ten bricks",
     "crushed column",
     "splitting brick",
+    "brick sheared under 2 MPa, energy",
 )
 
 
