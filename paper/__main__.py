@@ -47,6 +47,7 @@ PROGRAMS = (
     "settled_walls",
     "shaken_wall",
     "softening",
+    "shear_walls",
     "split_and_crush",
     "stepped_cracks",
     "two_solvers",

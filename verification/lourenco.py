@@ -2,7 +2,7 @@
 deviation.
 
     python3 -m verification.lourenco [--markdown FILE] [--picture FILE.png]
-    python3 -m verification.lourenco --strengths MPA ... [--tension-alone]
+    python3 -m verification.lourenco --strengths MPA ...
 
 Walls SW.30 and SW.200 of P. B. Lourenço, D. V. Oliveira, P. Roca, A. Orduña (2005), J. Struct. Eng.
 131(11), 1665-1673, doi:10.1061/(ASCE)0733-9445(2005)131:11(1665): 1.0 x 1.0 x 0.2 m, sawn stones
@@ -113,11 +113,10 @@ def lay(name, *, friction=FRICTION, stiffness=STIFFNESS, base_course="half", cel
     return lay_out(wall, ModelOptions(lintel="none", contacts="corners", top="beam", cells=cells))
 
 
-def lay_splitting(name, strength=SPLITTING, shear=True, **options):
-    """A wall whose stones split in the middle when beam theory reaches their tensile strength [Pa],
-    in bending by the edge stress 6 M / (t h^2), and if `shear` by 1.5 V / A."""
-    stone = replace(STONE, tensile_strength=strength, cohesion=strength if shear else None)
-    return lay(name, stone=stone, **options)
+def lay_splitting(name, strength=SPLITTING, **options):
+    """A wall whose stones split in the middle at their tensile strength [Pa], in bending and in
+    diagonal tension."""
+    return lay(name, stone=replace(STONE, tensile_strength=strength), **options)
 
 
 # --- by hand and by limit analysis ----------------------------------------------------------------
@@ -327,7 +326,7 @@ def draw(pushes):
     return figure
 
 
-def vary(strengths, tension_alone):
+def vary(strengths):
     """Print the peaks of both walls whose stones split at these tensile strengths [MPa]; the exit
     status."""
     print(
@@ -336,9 +335,7 @@ def vary(strengths, tension_alone):
     print("| --- " * 5 + "|")
     for strength in strengths:
         for name in LOADS_N:
-            done = push(
-                lay_splitting(name, 1e6 * strength, not tension_alone), speed=SPLITTING_PUSH_M_S
-            )
+            done = push(lay_splitting(name, 1e6 * strength), speed=SPLITTING_PUSH_M_S)
             later = [
                 done.force[np.abs(done.displacement - far) < 1e-3].mean() / 1e3
                 for far in (0.01, 0.02)
@@ -395,9 +392,6 @@ def main(arguments=None):
         help="print the peaks of walls whose stones split at these tensile strengths instead",
     )
     parser.add_argument(
-        "--tension-alone", action="store_true", help="... in bending alone, not in shear"
-    )
-    parser.add_argument(
         "--top-rotations",
         nargs="+",
         type=float,
@@ -411,7 +405,7 @@ def main(arguments=None):
     if parsed.top_rotations:
         return vary_top(parsed.top_rotations)
     if parsed.strengths:
-        return vary(parsed.strengths, parsed.tension_alone)
+        return vary(parsed.strengths)
     pushes = {}
     for name in LOADS_N:
         pushes[name] = examine(name)

@@ -7,20 +7,33 @@ the moment
     M = Q L / 8 + W L / 16 = f_t t h^2 / 6
 
 and no shear force when it splits.
+
+Diagonal tension: a brick on the ground is pressed down, so that half of the stress below it, sigma,
+is that of its middle; then its halves move up and down against each other. The cut bears
+
+    V = t h f_t sqrt(1 + sigma / f_t) / 1.15
+
+at most, and has dissipated its fracture energy times t h when it bears nothing.
 """
 
 from dataclasses import fields, replace
+from functools import partial
 
 import numpy as np
 
-from damage.wall.kinds import CAP, CUT
+from damage.mechanics.tables import FRACTURE, Z
+from damage.reference.wall import ReferenceWall
+from damage.wall.kinds import BED, CAP, CUT
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Wall
+from damage.wall.parameters import Brick, Joint, Wall
+from damage.wall.split import PEAK
 from verification.block import solver_of
 from verification.problem import of_both
 
 BRICK = Brick(tensile_strength=1e6)
+SHEARED, APART_M, STEPS = Brick(tensile_strength=1e6, fracture_energy=60.0), 5e-4, 4000
+"""Brick in diagonal tension, how far its halves move, and in how many steps."""
 RAMP_S = 0.1
 """In which the load grows to twice what the brick bears."""
 
@@ -74,9 +87,66 @@ def load():
     return float(field[wall.step - 1] * layout.total_mass)
 
 
+def on_ground():
+    """A brick that stays on the ground."""
+    sticks = Joint(tensile_strength=1e12, cohesion=1e12)
+    return lay_out(
+        Wall("one", BRICK.length, BRICK.height, brick=SHEARED, joint=sticks, precompression=0.0)
+    )
+
+
+def halves_moved(layout, stress):
+    """Displacements (n, 2) along z [m] of the halves by which a brick on_ground is sheared under a
+    vertical stress [Pa]."""
+    sunk = 2 * stress / layout.contacts.normal_stiffness[layout.contacts.kind == BED][0]
+    apart = np.linspace(0.0, APART_M, STEPS)
+    return np.column_stack([-sunk - apart / 2, -sunk + apart / 2])
+
+
+def largest_shear(stress):
+    """V [N] under a vertical stress [Pa]."""
+    strength = SHEARED.tensile_strength
+    return SHEARED.thickness * SHEARED.height * np.sqrt(strength * (strength + stress)) / PEAK
+
+
+def sheared(stress, what):
+    """Of a brick sheared under a vertical stress [Pa] in the reference solver: 0 the largest shear
+    force [N], 1 the energy dissipated [J]."""
+    layout = on_ground()
+    wall, cut = ReferenceWall(layout, 1e-6), layout.contacts.kind == CUT
+    forces = []
+    for places in halves_moved(layout, stress):
+        wall.system.place[:2, Z] = places
+        wall.lanes.find_forces(singly=True)
+        wall.lanes.confine(wall)
+        forces.append(np.sum(wall.stresses[1, cut] * layout.contacts.area[cut]))
+    return (max(forces), float(wall.energy[FRACTURE]))[what]
+
+
 def problems():
-    """The load at which a brick splits."""
+    """The loads at which a brick splits, and what that takes."""
+    area = SHEARED.thickness * SHEARED.height
     return [
+        of_both(
+            f"brick sheared under {stress / 1e6:g} MPa, {quantity}",
+            quantity,
+            unit,
+            exact,
+            source,
+            1e-2,
+            partial(sheared, stress, what),
+            "diagonal_tension",
+            stress,
+            what,
+        )
+        for stress in (0.0, 2e6)
+        for what, (quantity, unit, exact, source) in enumerate(
+            (
+                ("largest force", "N", largest_shear(stress), "Mann and Müller"),
+                ("energy", "J", SHEARED.fracture_energy * area, "G t h"),
+            )
+        )
+    ] + [
         of_both(
             "splitting brick",
             "load on two supports",

@@ -17,7 +17,9 @@ from yade import O, PyRunner, Quaternion, Vector3
 
 from damage.law.modes import natural_modes
 from damage.measure.cycles import natural_period
+from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
+from damage.wall.kinds import CUT
 from damage.wall.layout import lay_out
 from verification import crushing, elastic, falling, rocking, sliding, splitting
 from verification.block import one_block
@@ -25,6 +27,7 @@ from yade_scripts.crushing import Crushing
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import TIP, build
 from yade_scripts.scene import SceneReader
+from yade_scripts.solver import YadeSolver
 
 
 class Case:
@@ -232,19 +235,29 @@ def column():
 def splitting_load():
     """As splitting.load, in YADE."""
     layout = splitting.beam()
-    case = Case(layout, 0.5)
-    case.newton.damping = 0.7
-    n = round(splitting.RAMP_S / O.dt)
-    field, broke = splitting.ramp(layout, n), []
+    solver = YadeSolver(layout, 0.5 * natural_modes(layout, 1).critical_time_step_s)
+    solver.damp(local=0.7)
+    n = round(splitting.RAMP_S / solver.time_step)
+    field = splitting.ramp(layout, n)
+    solver.start(NO_MOTION, field)
+    solver.advance(n)
+    return field[solver.drain_events()[0][0]] * layout.total_mass
 
-    def each(k):
-        case.field(0.0, field[min(k, n - 1)])
-        if case.scene.model.law.nbTensCracks + case.scene.model.law.nbShearCracks:
-            broke.append(k)
-            O.pause()
 
-    case.run(n, each)
-    return field[broke[0]] * layout.total_mass
+def diagonal_tension(stress, what):
+    """As splitting.sheared, in YADE."""
+    layout, step = splitting.on_ground(), 1e-6
+    solver, forces, here = YadeSolver(layout, step), [], np.zeros(2)
+    for state in solver.scene.states:
+        state.blockedDOFs = "xyzXYZ"
+    for there in splitting.halves_moved(layout, stress):
+        for state, speed in zip(solver.scene.states, (there - here) / step):
+            state.vel = Vector3(0, 0, speed)
+        here = there
+        O.step()
+        cuts = np.flatnonzero(layout.contacts.kind == CUT)
+        forces.append(sum(solver.scene.force_of(cut)[1] for cut in cuts))
+    return (max(forces), solver.tracker.fracture_energy)[int(what)]
 
 
 def _mover(case):
@@ -281,6 +294,7 @@ CASES = {
         toe,
         column,
         splitting_load,
+        diagonal_tension,
     )
 }
 

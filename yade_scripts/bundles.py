@@ -15,7 +15,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from yade import O, Vector3
+from yade import O
 
 from damage.law.joint_law import stays_elastic
 
@@ -60,10 +60,10 @@ class Bundles:
         failed, area, last = sum(one.share for one in broken), self._area[joint], broken[-1].last
         pressed = min(sigma, 0.0)
         rubs = math.copysign(min(abs(tau), -pressed * bond.phys.tanFrictionAngle), tau)
-        bears = self._force(joint, bond.geom, failed * area * pressed, failed * area * rubs)
+        bears = self.model.force_on(joint, bond.geom, failed * area * pressed, failed * area * rubs)
         held = 0.0 if last else self.held(joint)
-        bears += self._force(joint, bond.geom, held * area * sigma, held * area * tau)
-        _push(bond, bears - let_go)
+        bears += self.model.force_on(joint, bond.geom, held * area * sigma, held * area * tau)
+        push(bond, bears - let_go)
         self._rub(joint, failed, rubs)
         if last:
             self.model.part(joint)
@@ -98,8 +98,8 @@ class Bundles:
         phys.kn, phys.ks = float(area * self._normal[joint]), float(area * self._shear[joint])
         phys.FnMax = float(area * self.fibres.tensile_strength[row])
         phys.FsMax = float(area * self.fibres.cohesion[row])
-        phys.normalForce = self._force(joint, bond.geom, area * sigma, 0.0)
-        phys.shearForce = self._force(joint, bond.geom, 0.0, area * tau)
+        phys.normalForce = self.model.force_on(joint, bond.geom, area * sigma, 0.0)
+        phys.shearForce = self.model.force_on(joint, bond.geom, 0.0, area * tau)
 
     def _rub(self, joint, share, stress):
         """Add failed elements, a share of the area, with their shear stress [Pa] to the dry contact
@@ -109,17 +109,11 @@ class Bundles:
         dry, area = self.model.frayed[joint], share * self._area[joint]
         dry.phys.kn += float(area * self._normal[joint])
         dry.phys.ks += float(area * self._shear[joint])
-        dry.phys.shearForce += self._force(joint, dry.geom, 0.0, area * stress)
+        dry.phys.shearForce += self.model.force_on(joint, dry.geom, 0.0, area * stress)
         self.model.work.renew(dry)
 
-    def _force(self, joint, geom, normal, shear):
-        """Force vector of an interaction on its second member in YADE's order; normal (tension
-        positive), shear [N]."""
-        n, along = geom.normal, -float(self.model.handed[joint] * shear)
-        return -float(normal) * n + along * Vector3(n[2], 0, -n[0])
 
-
-def _push(bond, force):
+def push(bond, force):
     """Add a force [N] at the contact point to a bond's second member, and its opposite to the
     first."""
     geom = bond.geom

@@ -129,6 +129,13 @@ class JointTracker:
         self._stress[joint], self._plastic[joint] = mean, (tau - mean) / ks
         self.offset[joint] = self.dry[joint] * self._plastic[joint]
 
+    def softens(self, joint, fracture, friction, opening, slip, slid):
+        """Record the energies [J] of a bond that softens in a step, and where it is [m]."""
+        self.fracture_energy += fracture
+        self._take(friction)
+        self.opening[joint] = opening
+        self.slip[joint], self.offset[joint], self._plastic[joint] = slip, slid, slid
+
     def _take(self, energy):
         self.friction_energy += energy
         self.breaking_energy += energy

@@ -27,7 +27,7 @@ from yade import O, Vector3, utils
 
 from damage.law.joint_law import friction_left, material_of
 from damage.units import GRAVITY
-from damage.wall.kinds import GROUND, rows
+from damage.wall.kinds import CUT, GROUND, rows
 from yade_scripts.friction_work import FrictionWork
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
@@ -181,6 +181,12 @@ class YadeWall:
         failed in part both."""
         dry = self.frayed.get(joint)
         return [self.bonds[joint]] if dry is None else [self.bonds[joint], dry]
+
+    def force_on(self, joint, geom, normal, shear):
+        """Force vector of an interaction on its second member in YADE's order; normal (tension
+        positive), shear [N]."""
+        n, along = geom.normal, -float(self.handed[joint] * shear)
+        return -float(normal) * n + along * Vector3(n[2], 0, -n[0])
 
     def _exchange(self, joint):
         """Replace a tip that crushing has made too small by one farther inside its brick."""
@@ -408,6 +414,8 @@ def _set_bond(phys, layout, index):
         UNBREAKABLE, max(LEAST_STRENGTH, float(contacts.tensile_strength[index]) * area)
     )
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
+    if contacts.kind[index] == CUT:
+        phys.FnMax = phys.FsMax = UNBREAKABLE  # it fails by `splitting`
     phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
 
 

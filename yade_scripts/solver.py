@@ -13,6 +13,7 @@ from yade import O, PyRunner, Vector3
 from damage.elementary import total
 from damage.errors import RunError
 from damage.index import THRESHOLD
+from damage.law.joint_law import SHEAR, TENSION
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
 from damage.units import GRAVITY
@@ -24,6 +25,7 @@ from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
+from yade_scripts.splitting import Splitting
 
 FOLLOW_STEPS = JOINT_STEPS // 2
 """Steps between two updates of the failed joints; slip that reverses in between is not recorded."""
@@ -41,6 +43,7 @@ else:
 """
 """Command of the engine at the end of each step; of a scene that O.load brought into another
 process."""
+_KINDS = {TENSION: "tension", SHEAR: "shear"}
 ON_FACE = 1e-2
 """Shear displacement of a joint [m] up to which all its tips are on their faces."""
 
@@ -60,6 +63,7 @@ class YadeSolver(Solver):
             JointTracker(layout, THRESHOLD, new_contacts),
             Crushing(self.scene),
         )
+        self.splitting = Splitting(self.scene, self.tracker)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         # bodies whose horizontal velocity is prescribed [m/s]
         self._held, self._velocity = None, 0.0
@@ -260,6 +264,7 @@ class YadeSolver(Solver):
             self._log_breaks(self.scene.newly_broken())
             for joint, _, work in self.crushing.step(self.clock % FOLLOW_STEPS == 0):
                 self.tracker.crushes(joint, work)
+            self._split_bricks()
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
             if self._on_samples:
@@ -308,6 +313,17 @@ class YadeSolver(Solver):
             tracker.breaks(joint, kind, sigma, tau)
             self.model.loosen(joint)
             self._events.append((self.clock, int(joint), kind, sigma, tau))
+
+    def _split_bricks(self):
+        """Apply the joint law to the cuts through bricks, and log those that failed."""
+        for joint, event, state in self.splitting.step(self.clock % FOLLOW_STEPS == 0):
+            kind, sigma, tau = _KINDS[event], state.normal_stress, state.shear_stress
+            self.tracker.breaks(joint, kind, sigma, tau)
+            self.model.loosen(joint)
+            self.scene.holding.remove(joint)
+            self._events.append((self.clock, joint, kind, sigma, tau))
+        if self.clock % JOINT_STEPS == 0:
+            self.splitting.confine()
 
     def _fray(self, joint, opening, slip, sigma, tau):
         """Fail parallel elements of a bond at these displacements [m] and stresses [Pa], after an

@@ -45,6 +45,7 @@ from numba.extending import register_jitable
 
 from damage.elementary import exp, tan
 from damage.rounded import to_bits
+from damage.wall.split import PEAK
 
 INTACT, TENSION, SHEAR = 0, 1, 2
 """Results of `advance`: no failure in the step, failure of the bond in tension, or in shear."""
@@ -168,6 +169,13 @@ def strength_left(broken, parameters, kappa=0.0):
 def friction_left(broken, material):
     """Coefficient of friction [-] of an intact or, if broken, failed contact point."""
     return material.friction
+
+
+@register_jitable
+def diagonal_tension(strength, sigma):
+    """Mean shear stress [Pa] that the middle of a brick bears under a vertical stress, tension
+    positive [Pa], by its tensile strength [Pa] (`damage.wall.split`)."""
+    return math.sqrt(max(strength * (strength - sigma), 0.0)) / PEAK
 
 
 @register_jitable

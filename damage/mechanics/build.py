@@ -12,6 +12,7 @@ from damage.mechanics.tables import (
     LARGEST_SLIDE,
     RIGID,
     ROTATION,
+    Cuts,
     Strain,
     make_tables,
     system_of,
@@ -23,6 +24,7 @@ from damage.wall.kinds import CAP_COURSE, CUT, rows
 from damage.wall.kinematics import slide_limits
 from damage.wall.restraints import top_of
 from damage.wall.soil import radiation_times
+from damage.wall.split import beside_cuts
 
 CAPACITY = 100_000
 """Largest number of events between two calls that empty the log."""
@@ -108,6 +110,21 @@ def strain_tables(layout):
     )
 
 
+def cut_tables(layout, interfaces):
+    """The Cuts of a damage.wall.layout.Layout; interfaces: table INTERFACE."""
+    row, share = contact_rows(layout)
+    cuts, beside = beside_cuts(layout.contacts)
+    contact = [np.flatnonzero(np.isin(row, of_cut[of_cut >= 0])) for of_cut in beside]
+    every = np.concatenate([np.zeros(0, int), *contact])
+    return Cuts(
+        np.searchsorted(interfaces["start"], np.searchsorted(row, cuts)),
+        np.cumsum([0, *map(len, contact)]),
+        every,
+        0.25 * np.broadcast_to(share, len(row))[every],
+        np.full(len(cuts), layout.wall.brick.tensile_strength or 0.0),
+    )
+
+
 def contact_rows(layout):
     """For each contact of the tables the row of the contact point in the layout, (contacts,), and
     its share of the area [-], (contacts,) or 1."""
@@ -137,16 +154,12 @@ def _contacts(layout, row, share, middle):
 def _set_strengths(strengths, layout, row, share):
     """Fill the table STRENGTHS; row, share: of `contact_rows`."""
     contacts, joint, bonds = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
-    area = contacts.area[row] * share
+    area, none = contacts.area[row] * share, layout.fibres or not joint.softens
+    of_cuts = to_bits(layout.wall.brick.fracture_energy or 0.0)
+    of_joints = np.where(contacts.tensile_strength == 0, 0.0, 1.0)
     mode_i, mode_ii = (
-        (0.0, 0.0)
-        if layout.fibres or not joint.softens
-        else (
-            np.where(
-                (contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, to_bits(energy)
-            )
-            for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
-        )
+        np.where(contacts.kind == CUT, of_cuts, of_joints * to_bits(0.0 if none else energy))[row]
+        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
     )
     for name, values in (
         ("tensile_strength", bonds.tensile_strength),

@@ -51,6 +51,7 @@ SOURCES = [
         "../law/states",
         "../wall/kinds",
         "../wall/kinematics",
+        "../wall/split",
     )
 ]
 """All files whose code or constants are compiled."""

@@ -10,13 +10,33 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.elementary import exp
 from damage.law import joint_law
 from damage.law.joint_law import INTACT, LawParameters
 from damage.mechanics import rows
-from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.interfaces import Resultant
-from damage.mechanics.simd import add, bits, either, load, store, store_where, zero
-from damage.mechanics.tables import CONTACT_FIELDS, FRACTURE, FRICTION, OPENED, SLIPPED, Reading
+from damage.mechanics.simd import (
+    add,
+    bits,
+    either,
+    lanes,
+    load,
+    store,
+    store_where,
+    wall_of,
+    zero,
+)
+from damage.mechanics.tables import (
+    CONTACT_FIELDS,
+    FRACTURE,
+    FRICTION,
+    LARGEST_SLIDE,
+    OPENED,
+    SLIPPED,
+    STRENGTHS,
+    Reading,
+)
 
 NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(
     CONTACT_FIELDS.index,
@@ -33,10 +53,11 @@ NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDL
         "passed",
     ),
 )
-TENSION_STIFFNESS, LEFT = (
-    CONTACT_FIELDS.index("elastic_tension_stiffness"),
-    CONTACT_FIELDS.index("elastic_tensile_strength"),
+TENSION_STIFFNESS, LEFT, COHESION_LEFT = (
+    CONTACT_FIELDS.index(f"elastic_{name}")
+    for name in ("tension_stiffness", "tensile_strength", "cohesion")
 )
+COHESION = STRENGTHS.index("cohesion")
 
 
 class Trial(NamedTuple):
@@ -235,6 +256,33 @@ def ask_law(n, tables, material, i, trial, shear):
     else:  # the shear force of an intact bond is measured from the undeformed wall
         store(n, states, i, SHEAR_STRESS, old.shear_stress)
     return new, event
+
+
+@entry
+def confine(n, tables, cuts, which):
+    """Give the Cuts through bricks in the walls `which` (bits) what they bear in shear under the
+    vertical stresses that were read last."""
+    for k in range(len(cuts.interface)):
+        for w in range(lanes(n)):
+            if which >> w & 1:
+                confine_one(wall_of(n, w), tables, cuts, k)
+
+
+@inlined
+def confine_one(n, tables, cuts, k):
+    """`confine` of cut k of one wall."""
+    p, sigma = cuts.interface[k], 0.0
+    for m in range(cuts.start[k], cuts.start[k + 1]):
+        sigma += cuts.share[m] * rows.reading_of(n, tables.readings, cuts.contact[m]).sigma
+    strength = joint_law.diagonal_tension(cuts.strength[k], sigma)
+    for i in range(tables.interfaces[p].start, tables.interfaces[p].stop):
+        contact, states = tables.contacts[i], tables.states
+        cohesion = strength * contact.area
+        store(n, tables.strengths, i, COHESION, cohesion)
+        if load(n, states, i, BROKEN) == 0.0:
+            left = cohesion * exp(-load(n, states, i, KAPPA))
+            store(n, states, i, COHESION_LEFT, left)
+        store(n, tables.limits, p, LARGEST_SLIDE, cohesion / contact.ks)
 
 
 @inlined

@@ -23,7 +23,7 @@ from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import collisions, contacts, interfaces, rows
 from damage.mechanics.bodies import SMALL, adapt, move_all, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
-from damage.mechanics.contacts import Points
+from damage.mechanics.contacts import Points, confine
 from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
 from damage.mechanics.samples import observe
 from damage.mechanics.scaling import move_scaled
@@ -126,6 +126,7 @@ def advance(n, tables, model, controls, field, clock, stops, sampling):
         )
         if ending:
             look(n, tables, model, controls, field, step, ending, sampling)
+            confine(n, tables, model.cuts, ending)
             if damped:
                 remember_last(n, tables, model.strain, ending)
             k += 1
@@ -138,7 +139,7 @@ def step_once(n, tables, model, controls, field, asked):
     if controls[:, ADAPTIVE].any():
         adapt(n, tables, model.strain, controls)
     # without the matrix, so that the code of forces is the same with mass scaling and without
-    of_forces = Model(model.law, model.strain, model.loose, None)
+    of_forces = Model(model.law, model.strain, model.loose, None, model.cuts)
     find_forces(n, tables, of_forces, asked)
 
 

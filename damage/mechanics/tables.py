@@ -419,9 +419,23 @@ class Law(NamedTuple):
 
 
 @argument
-class Model(namedtuple("Model", "law strain loose matrix")):
+class Cuts(NamedTuple):
+    """Cuts through bricks that can split: interface: (cuts,) row of each; start: (cuts + 1,) first
+    of its rows in contact, (n,) contacts of the bed joints above and below it, and share, (n,) of
+    their normal stress in its vertical stress [-]; strength: (cuts,) of the brick [Pa]."""
+
+    interface: np.ndarray
+    start: np.ndarray
+    contact: np.ndarray
+    share: np.ndarray
+    strength: np.ndarray
+
+
+@argument
+class Model(namedtuple("Model", "law strain loose matrix cuts")):
     """What walls that step together share besides their tables.
 
-    law: Law; strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find
-    no new contacts; matrix: Matrix of these walls, None without mass scaling.
+    law: Law; cuts: Cuts, of none where bricks stay whole; strain: Strain, None of rigid bricks;
+    loose: Loose of one wall, None where bricks find no new contacts; matrix: Matrix of these walls,
+    None without mass scaling.
     """

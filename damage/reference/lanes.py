@@ -72,7 +72,9 @@ class Lanes:
             walls[0].strain,
             walls[0].loose,
         )
-        self._model, self._of_forces = (tables.Model(*of_forces, one) for one in (matrix, None))
+        self._model, self._of_forces = (
+            tables.Model(*of_forces, one, walls[0].cuts) for one in (matrix, None)
+        )
         self._sampling = self.room(0)
 
     @property
@@ -168,6 +170,10 @@ class Lanes:
         kernel.look(self._n, self.tables, self._model, self._now()[1], field, 0, 1 << w, sampling)
         return sampling.samples.of(w, 1)
 
+    def confine(self, wall):
+        """Bring what the cuts through a wall's bricks bear up to date with its last readings."""
+        kernel.confine(self._n, self.tables, self._model.cuts, 1 << self.lane_of(wall))
+
     def find_forces(self, singly=True):
         """Forces of a single wall at the present displacements without damping; if singly, by
         contact points and with readings."""
@@ -195,6 +201,7 @@ def kind_of(wall):
             for name in table.dtype.names
         ),
         *of_modes,
+        *wall.cuts,
         np.array(len(system.radiation)),
         np.frombuffer(wall.mass.key if wall.mass else b"", "u1"),
     ]

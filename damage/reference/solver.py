@@ -184,6 +184,7 @@ class ReferenceSolver(ReferenceWall, Solver):
             getattr(self.system, name)[:] = state[name]
         for kind, passed in self._passed.items():
             passed[:] = state[f"passed_{kind}"]
+        self.lanes.confine(self)
 
     def _whole(self):
         """Views of all tables of this wall that outlast a step, {name: array}."""

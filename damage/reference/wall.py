@@ -15,7 +15,14 @@ from damage.index import THRESHOLD
 from damage.law.joint_law import material_of
 from damage.law.modes import static_displacement
 from damage.mechanics import tables
-from damage.mechanics.build import CAPACITY, build, contact_rows, strain_tables, sum_springs
+from damage.mechanics.build import (
+    CAPACITY,
+    build,
+    contact_rows,
+    cut_tables,
+    strain_tables,
+    sum_springs,
+)
 from damage.mechanics.collisions import FULL, INSIDE, build_loose
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Stiffness
@@ -45,6 +52,7 @@ class ReferenceWall:
         self.first_step = 0  # step at which `base` and `gravity` begin
         built, row = build(layout, self.material), contact_rows(layout)[0]
         self.strain, self.loose = strain_tables(layout), None
+        self.cuts = cut_tables(layout, built.interfaces)
         self.mass = scaled_mass(layout, time_step, beta) if scaled else None
         self.stiffness = Stiffness(
             built.contacts["area"].copy(),

@@ -163,5 +163,5 @@ def describe_brick(brick, options=None):
         line += f", {options.brick_cells} rigid cells glued elastically"
     if not brick.splits:
         return f"{line}, never splitting"
-    shear = "" if brick.cohesion is None else f" and {brick.cohesion / MEGA:.4g} MPa in shear"
-    return f"{line}, splitting at {brick.tensile_strength / MEGA:.4g} MPa in tension{shear}"
+    energy = f", fracture energy {brick.fracture_energy:.4g} J/m2" if brick.fracture_energy else ""
+    return f"{line}, splitting at {brick.tensile_strength / MEGA:.4g} MPa in tension{energy}"

@@ -39,7 +39,14 @@ from damage.toml_file import DRAFT, read_toml
 from damage.wall.floors import Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
-from damage.wall.parameters import Brick, Joint, Opening, Wall, brick_of_masonry
+from damage.wall.parameters import (
+    NO_COHESION,
+    Brick,
+    Joint,
+    Opening,
+    Wall,
+    brick_of_masonry,
+)
 from damage.wall.restraints import Restraint
 
 MOST_MB = 1
@@ -129,6 +136,8 @@ def _message_of(error):
         return message
     names = [one.name for one in fields(kind)]
     near = get_close_matches(found[2], names, n=1)
+    if found[2] == "cohesion" and kind is Brick:
+        return f"Brick(cohesion=...): {NO_COHESION}"
     return (
         f"{kind.__name__}({found[2]}=...): expected "
         + (f"{near[0]}; it has " if near else "one of ")
@@ -252,6 +261,8 @@ def _record(what, kind, table):
 
 
 def _refuse_unknown(what, table, known):
+    if what == "[brick]" and "cohesion" in table:
+        raise InputError(f"{what} has a cohesion: {NO_COHESION}")
     for name in table:
         if name not in known:
             raise InputError(

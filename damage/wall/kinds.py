@@ -46,7 +46,8 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
     A joint is in series with the bricks on both sides: 1/k = 1/k_joint + d/E, with G in shear; d is
     the distance of the brick centres across the joint, half a brick at the base and at restraints.
     Rigid top masses are glued with the stiffness of a bed joint between bricks.  A cut through a
-    brick has the stiffness of the brick between the centres of its halves.
+    brick has the stiffness of the brick between the centres of its parts; in shear that of halves
+    is six times stiffer (`damage.wall.split`).
 
     Under a uniform shear stress cells slide along their horizontal and their upright boundaries,
     bricks in a bond along the horizontal ones above all: each kind of boundary gets its part of the
@@ -65,9 +66,9 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
     reach = np.where(bodies.course == SIDE_COURSE, bodies.length / 2, 0.0)
     distance[upright] = (bodies.x - reach)[second[upright]] - (bodies.x + reach)[first[upright]]
     return tuple(
-        np.where(kind == CUT, modulus / distance, 1 / (1 / stiffness + distance / modulus))
-        for stiffness, modulus in (
-            (joint.normal_stiffness, brick.young_modulus),
-            (joint.shear_stiffness, sheared * brick.shear_modulus),
+        np.where(kind == CUT, of_cut * modulus / distance, 1 / (1 / stiffness + distance / modulus))
+        for stiffness, modulus, of_cut in (
+            (joint.normal_stiffness, brick.young_modulus, 1),
+            (joint.shear_stiffness, sheared * brick.shear_modulus, 6 if sheared == 1 else 1),
         )
     )

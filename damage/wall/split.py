@@ -10,11 +10,28 @@ for their second moment of area is that of the section times 1 - 1 / n^2.  Each 
 the brick's tensile strength: a brick that is bent splits at the moment of beam theory, exactly,
 since what is left of the section then bears less than that; one that is pulled apart without
 bending, at n / (n + 1) of its strength.  As in Lourenço and Rots (1997, J. Eng. Mech. 123(7),
-660-668), where it is not said otherwise, tension alone splits bricks.  With a cohesion c they split
-in shear, too: the points bear the mean V / (t h), and have 2/3 c, so that the cut fails where 1.5 V
-/ (t h), a beam's shear stress in its middle, reaches c, or less where it is pulled: c = f_t is the
-diagonal tension of a brick without vertical compression, which helps and is not seen here.  Such
-cuts are brittle, have the friction of the joints once they are open, and do not crush.
+660-668) tension along the wall splits bricks.
+
+**Diagonal tension** splits them, too.  In the middle of the cut the principal tension reaches f_t
+under the shear stress tau and the stress sigma_v across the bed joints, compression positive, at
+
+    tau = f_t sqrt(1 + sigma_v / f_t),    tau = 1.15 V / (t h)
+
+(`damage.law.joint_law.diagonal_tension`).  W. Mann and H. Müller (1982, Proc. Br. Ceram. Soc. 30,
+223-235) have 2.3 times the mean shear stress of a wall there, whose head joints bear none, so that
+V / (t h) is twice that mean: 2.3 / 2 = 1.15.  Plane elasticity of such a brick gives 1.16 at a
+height of 0.28 of the length, 1.08 at 0.5, 1.02 at 0.65, and 1.16 to 1.12 where the stress on it
+varies linearly. The points bear the mean V / (t h).  Under horizontal stress sigma_x, tension
+positive, the principal stress has tau falling by 1/2 sqrt(1 + sigma_v / f_t) / 1.15 of it at first,
+0.43 to 0.75 for sigma_v up to 2 f_t; the points fall by tan(phi).  sigma_v is the mean of the four
+bed joints' contact points next to the cut, above and below on both sides: the stress at mid-height
+comes from half a brick's height to either side of it.  It changes at samples.
+
+**After that** a cut softens as a joint does, of fracture energy G in either mode: a diagonal crack
+opens.  Without G it is brittle.  It has the friction of the joints, and does not crush.  The shear
+of a brick is uniform in the bed joints' compliance, but rises linearly from zero at its ends to
+twice the mean in its middle: the rest, a third of the energy, is that of a cut of stiffness 6 G / d
+in place of the G / d of a bar of length d between the centres of the halves.
 
 **Cells** (`ModelOptions.brick_cells`).  A whole brick of length L is N rigid cells, glued by cuts
 that stay elastic, on a grid of L / N along the wall.  Of two cells whose centres lie d apart, two
@@ -34,18 +51,46 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from damage.wall.kinds import CAP, CUT, GROUND, TINY, lumped_stiffness
+from damage.wall.kinds import BED, CAP, CUT, GROUND, TINY, lumped_stiffness
 
 CUT_POINTS = 4
 """Contact points of a cut that splits: bending stiffness 15/16 of the section's, 4/5 of its
 strength in tension."""
+PEAK = 1.15
+"""Shear stress in the middle of a cut over its mean."""
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(12)  # of the height, from its middle
 
 
 def cut_strengths(brick):
-    """Tensile strength and cohesion [Pa] of the contact points of a Brick's cut."""
-    cohesion = np.inf if brick.cohesion is None else brick.cohesion / 1.5
-    return brick.tensile_strength * CUT_POINTS / (CUT_POINTS + 1), cohesion
+    """Tensile strength and cohesion [Pa] of the contact points of a Brick's cut without vertical
+    stress."""
+    strength = brick.tensile_strength
+    return strength * CUT_POINTS / (CUT_POINTS + 1), strength / PEAK
+
+
+def beside_cuts(contacts):
+    """Rows of Contacts: of the first point of each cut that can split, (cuts,), and of the points
+    above and below it on either side, (cuts, 4), -1 where a face is free."""
+    splits = np.flatnonzero((contacts.kind == CUT) & ~contacts.elastic)[::CUT_POINTS]
+    lies = (contacts.kind == BED) | (contacts.kind == CAP)
+    rows = {
+        side: {
+            body: np.flatnonzero(lies & (getattr(contacts, side) == body))
+            for body in (*contacts.first[splits], *contacts.second[splits])
+        }
+        for side in ("first", "second")
+    }
+    found = np.full((len(splits), 4), -1)
+    for k, cut in enumerate(splits):
+        faces = (
+            rows[side][body]
+            for body in (contacts.first[cut], contacts.second[cut])
+            for side in rows
+        )
+        for face, points in enumerate(faces):
+            if len(points):
+                found[k, face] = points[np.argmin(np.abs(contacts.x[points] - contacts.x[cut]))]
+    return splits, found
 
 
 def cuts_of(unit, brick_cells, left, right):

@@ -16,6 +16,7 @@ from damage.law.joint_law import (
     LawParameters,
     Material,
     advance,
+    diagonal_tension,
     elastic_energy,
     range_left,
 )
@@ -23,6 +24,7 @@ from damage.law.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.reference.wall import ReferenceWall
+from damage.wall.file import wall_from
 from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Brick, Joint, Wall, crushing_energy
@@ -148,7 +150,7 @@ class TestParameters:
             lambda: Joint(compressive_fracture_energy=1e4),
             lambda: Joint(compressive_strength=1e6, compressive_fracture_energy=-1.0),
             lambda: Brick(tensile_strength=-1.0),
-            lambda: Brick(cohesion=1e6),
+            lambda: Brick(fracture_energy=30.0),
         ],
     )
     def test_what_cannot_be_is_refused_in_one_line(self, make):
@@ -204,6 +206,27 @@ class TestCuts:
         half = SPLITTING.length / 2 / SPLITTING.young_modulus / (0.075 * 0.1025)
         # four cuts, and three joints less a half each
         assert stiffness[1] == approx(stiffness[0] + half, rel=1e-9)
+
+
+class TestDiagonalTension:
+    def test_a_cut_bears_what_the_stress_above_and_below_it_allows(self):
+        """In the middle of a wall at rest: its load and half of its weight, within 2 %."""
+        layout = lay_out(Wall("small", 0.9, 0.375, brick=SPLITTING))
+        wall = ReferenceWall(layout, 0.3 * natural_modes(layout, 1).critical_time_step_s)
+        wall.adaptive_damping = 1.0
+        wall.start(np.zeros((0, 2)))
+        wall.run(round(0.1 / wall.time_step))
+        contacts, weight = layout.contacts, SPLITTING.density * 9.81 * layout.wall.height / 2
+        course = layout.bodies.course[contacts.first]
+        cuts = (contacts.kind == CUT) & (course == 2) & (abs(contacts.x - 0.45) < 0.2)
+        found = wall.system.strengths["cohesion"][cuts] / contacts.area[cuts]
+        assert found.mean() == approx(diagonal_tension(1e6, -0.3e6 - weight), rel=0.02)
+
+    def test_a_wall_of_an_older_version_is_told_what_to_write(self):
+        table = {"name": "old", "length": 0.9, "height": 0.45, "brick": {"cohesion": 1e6}}
+        for read in (wall_from, Wall.from_dict):
+            assert "tensile strength f_t alone" in one_line_error(read, table)
+        assert Wall.from_dict(table | {"brick": {"cohesion": None}}).brick == Brick()
 
 
 class TestHistory:

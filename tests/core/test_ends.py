@@ -157,7 +157,7 @@ def test_the_cut_of_a_split_brick_ends_over_its_height():
         HEIGHT,
         precompression=0.0,
         joint=Joint(**DRY),
-        brick=Brick(tensile_strength=1e4, cohesion=1e4),
+        brick=Brick(tensile_strength=1e4),
     )
     split = ReferenceSolver(lay_out(wall), 1e-6)
     cut = int(np.flatnonzero(split.system.interfaces["head"])[0])

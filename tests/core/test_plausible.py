@@ -20,7 +20,7 @@ from damage.wall.plausible import PER_LENGTH, RANGES, implausible
 SOFTENING = Joint(
     mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6
 )
-SPLITTING = Brick(tensile_strength=1e6, cohesion=2e6)
+SPLITTING = Brick(tensile_strength=1e6, fracture_energy="rule")
 WALL = Wall(
     "w",
     2.0,

@@ -24,6 +24,7 @@ QUICK_IN_YADE = (
     "stack of ten bricks",
     "crushed column",
     "splitting brick",
+    "brick sheared under 2 MPa, energy",
 )
 LARGE = ("solid wall under its load", "asymmetric wall under its load")
 """Problems beside which a smaller one is, or another of their kind."""

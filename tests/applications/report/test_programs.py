@@ -103,7 +103,7 @@ def assembled(ops):
         (DOOR, ModelOptions(top="uniform", supports="bricks")),
         (DOOR, ModelOptions(bricks="deformable", brick_cells=4, soil="1e8")),
         (
-            Wall("split", 0.9, 0.6, brick=Brick(tensile_strength=1e6, cohesion=2e6)),
+            Wall("split", 0.9, 0.6, brick=Brick(tensile_strength=1e6)),
             ModelOptions(lintel="concrete"),
         ),
     ],
