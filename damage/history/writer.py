@@ -316,7 +316,15 @@ def layout_tables(layout):
         ),
         "supports": (supports.left, supports.right),
     }
+    house = layout.space and {
+        "body_wall": layout.space.wall,
+        "joint_wall": layout.space.joint_wall[:n],
+        "joint_y_m": layout.space.y[:n],
+    }
     return {
+        f"placing/{name}": np.asarray(values, schema.PLACING[name].dtype)
+        for name, values in (house or {}).items()
+    } | {
         f"{group}/{name}": np.asarray(data, column.dtype)
         for group, values in tables.items()
         for (name, column), data in zip(schema.TABLES[group].items(), values, strict=True)
@@ -330,6 +338,9 @@ def growing_columns(layout, parameters):
         "snapshots/stress_pa": layout.strain is not None,
         "stresses/joint_stress_pa": parameters.get("stresses"),
         "points/displacement": parameters.get("points"),
+        "snapshots/out_of_plane": layout.space,
+        **{f"house/{name}": layout.space for name in schema.HOUSE},
+        **{f"placing/{name}": False for name in schema.PLACING},
     }
     sizes = {
         "joints": layout.n_joints,
@@ -337,6 +348,7 @@ def growing_columns(layout, parameters):
         "supports": len(layout.supports),
         "active": 0,
         "points": len(parameters.get("points", ())),
+        "walls": layout.space and len(layout.space.left),
     }
     found = {}
     for path, column in schema.COLUMNS.items():

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.motion.samples import at_times
 from damage.rounded import ACCELERATION, to_grid
 from damage.run.settings import (
     LOCAL_DAMPING,
@@ -209,9 +210,10 @@ def check_size(settings, layout, time_step):
         )
 
 
-def base_acceleration(settings, schedule, time_step):
+def base_acceleration(settings, schedule, time_step, heading=None):
     """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2)
-    [m/s2], up to the last motion's end; none where the base is not accelerated.
+    [m/s2], up to the last motion's end; none where the base is not accelerated.  Of a house, by its
+    heading in plan [deg], along x, z and y, (n_steps, 3).
 
     Each event is its motion times its factor, rounded (`damage.rounded`).
     """
@@ -223,4 +225,15 @@ def base_acceleration(settings, schedule, time_step):
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
         factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
         base[start : start + n_steps] = to_grid(factor * once, ACCELERATION)
-    return base
+    if heading is None:
+        return base
+    other = np.zeros(len(base))
+    for event, start, n_steps in zip(settings.all_events, starts, lengths):
+        if (record := event.loading.applied_across()) is not None:
+            time_s, samples = np.arange(n_steps) * time_step, record.acceleration_m_s2
+            found = event.factor * at_times(time_s, record.time_step_s, samples)
+            other[start : start + n_steps] = to_grid(found, ACCELERATION)
+    turn = np.radians(heading)
+    cos, sin = np.round([np.cos(turn), np.sin(turn)], 15)
+    x, z = base.T
+    return np.column_stack([cos * x - sin * other, z, sin * x + cos * other])
