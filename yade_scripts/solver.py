@@ -253,7 +253,11 @@ class YadeSolver(Solver):
 
     def _base_now(self):
         """Acceleration of the base along x and z now, and in a house along y [m/s2]."""
-        return (*self._base[self.clock], 0.0)[:3] if self.clock < len(self._base) else (0.0,) * 3
+        if self.clock >= len(self._base):
+            return 0.0, 0.0, 0.0
+        if self.layout.space:
+            return self.scene.turned_by_heading(*self._base[self.clock])
+        return (*self._base[self.clock], 0.0)
 
     def _observe(self):
         """Update the failed joints and the input energy, and take a sample where one is due."""

@@ -23,8 +23,28 @@ class SpaceReader(SceneReader):
         self._ends = [rows(end, len(bodies)) for end in (contacts.first, contacts.second)]
         centres = np.vstack([self.start, np.zeros(3)])  # the ground last
         self._arms = [space.place - centres[end] for end in self._ends]
+        turn = np.radians(space.house.heading)
+        self._heading = np.round([np.cos(turn), np.sin(turn)], 15)
         # about the axes of a body: along, across and upwards
         self._inertia = np.insert(space.across_inertia, 1, bodies.inertia, axis=1)
+
+    def turned_by_heading(self, along, up, across):
+        """Along x, z and y of the house what is along its heading, upwards and across."""
+        cos, sin = self._heading
+        return cos * along - sin * across, up, sin * along + cos * across
+
+    def support_forces(self, displacement):
+        """As of SceneReader: along the heading and upwards, and the moment from the one towards the
+        other about the origin of the plan."""
+        cos, sin = self._heading
+        force, moment = Vector3.Zero, Vector3.Zero
+        for member in self.model.ground[0]:
+            on_it = O.forces.f(member, True)
+            force += on_it
+            moment += O.bodies[member].state.pos.cross(on_it) + O.forces.t(member, True)
+        return np.array(
+            [[cos * force[0] + sin * force[1], force[2], sin * moment[0] - cos * moment[1]]]
+        )
 
     def _turned(self):
         """Rotations of all bodies since the wall was built."""

@@ -253,7 +253,9 @@ HOUSE = {
         "m", "only of a house: of each wall, largest displacement of a body across it"
     ),
     "base_acceleration_m_s2": Column(
-        "m/s2", "only of a house: of the ground along y; those of the series are along x and z"
+        "m/s2",
+        "only of a house: of the ground across its heading; those of the series are along it and"
+        " upwards",
     ),
 }
 STRESSES = {

@@ -185,9 +185,8 @@ class Run:
             self.settings.loading.drive,
             self.settings.settlement,
         )
-        heading = self.layout.space.house.heading if self.layout.space else None
         self.base = schedule.base_acceleration(
-            self.settings, self.stages, solver.time_step, heading
+            self.settings, self.stages, solver.time_step, self.layout.space is not None
         )
         speed = drive.first_mode_m_s
         self._modal_velocity = (

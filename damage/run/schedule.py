@@ -210,10 +210,10 @@ def check_size(settings, layout, time_step):
         )
 
 
-def base_acceleration(settings, schedule, time_step, heading=None):
+def base_acceleration(settings, schedule, time_step, with_across=False):
     """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2)
-    [m/s2], up to the last motion's end; none where the base is not accelerated.  Of a house, by its
-    heading in plan [deg], along x, z and y, (n_steps, 3).
+    [m/s2], up to the last motion's end; none where the base is not accelerated.  With across,
+    along x, z and the other horizontal direction, (n_steps, 3).
 
     Each event is its motion times its factor, rounded (`damage.rounded`).
     """
@@ -225,7 +225,7 @@ def base_acceleration(settings, schedule, time_step, heading=None):
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
         factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
         base[start : start + n_steps] = to_grid(factor * once, ACCELERATION)
-    if heading is None:
+    if not with_across:
         return base
     other = np.zeros(len(base))
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
@@ -233,7 +233,4 @@ def base_acceleration(settings, schedule, time_step, heading=None):
             time_s, samples = np.arange(n_steps) * time_step, record.acceleration_m_s2
             found = event.factor * at_times(time_s, record.time_step_s, samples)
             other[start : start + n_steps] = to_grid(found, ACCELERATION)
-    turn = np.radians(heading)
-    cos, sin = np.round([np.cos(turn), np.sin(turn)], 15)
-    x, z = base.T
-    return np.column_stack([cos * x - sin * other, z, sin * x + cos * other])
+    return np.column_stack([base, other])
