@@ -253,7 +253,7 @@ def first_mode(layout):
     products alone."""
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
     factor, shape = factorised(_stiffness(layout, mass > 0, massless=1.0)), np.zeros(mass.shape)
-    shape[:, 0] = 1.0
+    shape[:, [0, 3] if layout.space else 0] = 1.0
     for _ in range(_MOST_ITERATIONS):
         before, shape = shape, _scaled(factor.solve(mass * shape), layout)
         if np.abs(shape - before).max() <= _CONVERGED * np.abs(shape).max():
