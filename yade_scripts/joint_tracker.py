@@ -185,7 +185,9 @@ class JointTracker:
         # The elastic shear energy of a joint dissipates by friction as it opens, since its limit
         # falls to zero.
         opens = is_open & ~self._open[joints]
-        held = np.where(opens, np.abs(self._stress[joints]) ** 2 / (2 * self.shear_stiffness[joints]), 0.0)
+        held = np.where(
+            opens, np.abs(self._stress[joints]) ** 2 / (2 * self.shear_stiffness[joints]), 0.0
+        )
         self.friction_energy += float(np.sum(held * area))
         limit = -opening * self.normal_stiffness[joints] * self.friction[joints]
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)

@@ -243,7 +243,7 @@ class YadeWall:
         for members, corners in zip(self.members, self._corners_waiting):
             for corner in corners:
                 O.bodies[corner].bounded, O.bodies[corner].mask = True, _SEEN
-            members += corners
+            members.extend(corners)
             self.corners.update(corners)
         inset = _CORNER + self._corner_depth
         for body in range(0 if self.layout.space else len(self.layout.bodies)):
@@ -508,7 +508,8 @@ class _Parts:
         )
 
     def _plan_points(self):
-        """Bond members of each body, the supports last: {(x, y, z, number): [(contact, side), ...]}.
+        """Bond members of each body, the supports last: {(x, y, z, number): [(contact, side),
+        ...]}.
 
         A bond has two members on the normal of the joint, at equal distances from it; bonds share
         coincident members.

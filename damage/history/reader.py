@@ -28,8 +28,9 @@ class HouseRows(NamedTuple):
     """What the history of a house has beside that of a plane wall: number of the wall of each body
     and of each contact point, -1 between two, and place of that from the wall's middle plane [m];
     of each sample and wall displacement of the top along it, and the largest across it (n_times,
-    n_walls) [m]; acceleration of the ground across the heading (n_times,) [m/s2]; (n_snapshots, n_bodies, 3)
-    displacement across and rotations about the axes along the wall and upwards [m, rad, rad]."""
+    n_walls) [m]; acceleration of the ground across the heading (n_times,) [m/s2]; displacement
+    across and rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m,
+    rad, rad]."""
 
     body_wall: np.ndarray
     joint_wall: np.ndarray

@@ -311,7 +311,14 @@ GROWING = {
     "static_stage": STATIC_STAGE,
 }
 """Groups whose datasets grow during a run."""
-TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
+TABLES = {
+    "static": STATIC,
+    "joints": JOINTS,
+    "bodies": BODIES,
+    "supports": SUPPORTS,
+    "placing": PLACING,
+    **GROWING,
+}
 RUN = {
     "status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
     "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did"),
@@ -320,7 +327,7 @@ COLUMNS = {
     f"{group}/{name}": column
     for group, columns in {"run": RUN, **TABLES}.items()
     for name, column in columns.items()
-} | {f"placing/{name}": column for name, column in PLACING.items()}
+}
 SHAPES = {
     "run": (),
     "static": (),

@@ -316,15 +316,10 @@ def layout_tables(layout):
         ),
         "supports": (supports.left, supports.right),
     }
-    house = layout.space and {
-        "body_wall": layout.space.wall,
-        "joint_wall": layout.space.joint_wall[:n],
-        "joint_y_m": layout.space.y[:n],
-    }
+    if layout.space:
+        space = layout.space
+        tables["placing"] = space.wall, space.joint_wall[:n], space.y[:n]
     return {
-        f"placing/{name}": np.asarray(values, schema.PLACING[name].dtype)
-        for name, values in (house or {}).items()
-    } | {
         f"{group}/{name}": np.asarray(data, column.dtype)
         for group, values in tables.items()
         for (name, column), data in zip(schema.TABLES[group].items(), values, strict=True)
@@ -340,7 +335,6 @@ def growing_columns(layout, parameters):
         "points/displacement": parameters.get("points"),
         "snapshots/out_of_plane": layout.space,
         **{f"house/{name}": layout.space for name in schema.HOUSE},
-        **{f"placing/{name}": False for name in schema.PLACING},
     }
     sizes = {
         "joints": layout.n_joints,

@@ -1,8 +1,9 @@
 """Natural modes of a wall with intact joints, and the critical time step of central differences.
 
 Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z, and
-behind them the strain modes where bricks deform, or those out of the plane (`Space.rows`).  A contact at the offset r from a body's centre
-moves by (u_x - rotation r_z, u_z + rotation r_x), and by the strain modes' displacements there.
+behind them the strain modes where bricks deform, or those out of the plane (`Space.rows`).  A
+contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z + rotation r_x), and
+by the strain modes' displacements there.
 """
 
 from copy import deepcopy
@@ -238,10 +239,7 @@ def _natural_modes(layout, n_modes):
     return Modes(
         to_bits(2 * np.pi / np.sqrt(values[order])),
         np.stack(
-            [
-                _scaled(shape, layout)
-                for shape in shapes.reshape(n_modes, len(layout.bodies), -1)
-            ]
+            [_scaled(shape, layout) for shape in shapes.reshape(n_modes, len(layout.bodies), -1)]
         ),
         down_to_three_digits(2 / np.sqrt(highest)),
     )

@@ -77,8 +77,8 @@ class Solver(Protocol):
     """Samples for which a run asks at once; none: up to its next look."""
 
     def start(self, base, gravity):
-        """From this step on move the base by `base` (k, 2), of a house (k, 3) along x, z and y, under `gravity` (k,) [m/s2], whose last
-        value stays."""
+        """From this step on move the base by `base` (k, 2), of a house (k, 3) along its heading, up
+        and across, under `gravity` (k,) [m/s2], whose last value stays."""
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
         """From now on damp so, and in no other way: Cundall's local damping, the share that

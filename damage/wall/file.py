@@ -218,7 +218,10 @@ def _masonry(given):
 def _of_modulus(modulus, brick, joint):
     """{"brick", "joint"} of the tables [brick] and [joint] whose masonry has a modulus across its
     bed joints [Pa]."""
-    made = {"brick": user_record("[brick]", Brick, brick), "joint": user_record("[joint]", Joint, joint)}
+    made = {
+        "brick": user_record("[brick]", Brick, brick),
+        "joint": user_record("[joint]", Joint, joint),
+    }
     if given := {"young_modulus", "shear_modulus"} & set(brick):
         raise InputError(
             f"[brick] {min(given)} beside masonry of young_modulus: expected one of them; leave"

@@ -52,8 +52,8 @@ class Placed:
             x = y = np.inf
         if not max(abs(x), abs(y)) <= LONGEST_M:
             raise InputError(
-                f"wall {self.wall.name}: origin = {self.origin!r}: expected [x, y] in m, of its left"
-                " end in plan; correct it"
+                f"wall {self.wall.name}: origin = {self.origin!r}: expected [x, y] in m, of its"
+                " left end in plan; correct it"
             )
         object.__setattr__(self, "origin", (x, y))
         check_fields(self)

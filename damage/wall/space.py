@@ -200,9 +200,7 @@ def _together(house, parts):
     )
     local = np.column_stack([table.x, y, table.z])
     ends = np.stack([np.maximum(table.first, 0), table.second])
-    half = np.where(
-        table.upright, body.length[ends].min(axis=0), house.masonry.brick.height
-    ) / 2
+    half = np.where(table.upright, body.length[ends].min(axis=0), house.masonry.brick.height) / 2
     space = Space(
         house,
         left,
@@ -285,7 +283,7 @@ def _making_room(layout, one, other, kind):
         )
     halves = layout.bodies.course >= 0
     halves &= np.abs(layout.bodies.length - layout.wall.brick.thickness) < TINY
-    if kind == "butted" and overlap.any() or kind == "toothed" and not overlap.any():
+    if (kind == "butted" and overlap.any()) or (kind == "toothed" and not overlap.any()):
         raise InputError(
             f"{where} {'overlap' if overlap.any() else 'touch'} {at}: expected"
             f" {'an end at a face' if overlap.any() else 'ends in one another'} of a {kind} corner;"

@@ -95,5 +95,7 @@ def test_a_house_that_cannot_be_is_refused_with_its_place(tmp_path, old, new, sa
 def test_walls_of_other_masonry_or_of_the_plane_alone_are_refused():
     one, other = Wall("one", 0.9, 0.6), Wall("other", 0.9, 0.6, joint=Joint(cohesion=1e5))
     assert "one masonry" in one_line_error(House, "h", [Placed(one), Placed(other, (0, 3))])
-    soft = Wall("soft", 0.9, 0.6, joint=Joint(mode_i_fracture_energy=10, mode_ii_fracture_energy=50))
+    soft = Wall(
+        "soft", 0.9, 0.6, joint=Joint(mode_i_fracture_energy=10, mode_ii_fracture_energy=50)
+    )
     assert "fracture energies" in one_line_error(House, "h", [Placed(soft)])

@@ -1,9 +1,9 @@
 """Houses in YADE beside what is known by hand; the last line printed is JSON.
 
-    yade tests/yade/checks/space.py block              a dry block rocks about an edge of its face
-    yade tests/yade/checks/space.py box                four walls stay symmetric
-    yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
-                                                       these horizontal accelerations [g] in turn
+yade tests/yade/checks/space.py block              a dry block rocks about an edge of its face
+yade tests/yade/checks/space.py box                four walls stay symmetric
+yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
+                                                   these horizontal accelerations [g] in turn
 """
 
 import json
@@ -36,9 +36,7 @@ def block():
     """Quarter period [s] of 0.1 x 1 m, released from 0.3 of the angle at which it would fall, by
     YADE, and by its equation of motion."""
     thick, high = 0.1, 1.0
-    brick = Brick(
-        length=0.4, height=high, thickness=thick, young_modulus=1e14, shear_modulus=1e14
-    )
+    brick = Brick(length=0.4, height=high, thickness=thick, young_modulus=1e14, shear_modulus=1e14)
     joint = Joint(1e11, 4e10, tensile_strength=0, cohesion=0)
     wall = Wall("block", 0.4, high, precompression=0, brick=brick, joint=joint)
     solver = solver_of(House("block", [Placed(wall, direction=37)]))
@@ -144,6 +142,10 @@ def corner(*multipliers):
     return found
 
 
-print(json.dumps({"block": block, "box": box, "corner": corner}[sys.argv[1]](*map(float, sys.argv[2:]))))
+print(
+    json.dumps(
+        {"block": block, "box": box, "corner": corner}[sys.argv[1]](*map(float, sys.argv[2:]))
+    )
+)
 sys.stdout.flush()
 os._exit(0)
