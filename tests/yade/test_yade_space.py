@@ -97,7 +97,7 @@ def test_a_dry_front_between_toothed_walls_falls_at_the_multiplier_by_hand(yade_
     assert found["0.45"]["speed_mm_s"] < 0.1
     assert found["0.45"]["moved"] == 0
     assert found["0.48"]["speed_mm_s"] > 5
-    assert 14 <= found["0.48"]["moved"] <= 18
+    assert found["0.48"]["moved"] > 5
 
 
 @pytest.mark.long
