@@ -6,6 +6,8 @@ the part of it that accumulates while the contact is closed; it is constant whil
 open, and over a sample in which it opens or closes.  A joint ends where its faces cease to overlap
 or, with new contacts, gape by twice the radius of a brick's corners at all of its contact points;
 it then keeps its state.
+
+Shear in a house is complex: that of the wall's plane, and i times that across it.
 """
 
 from dataclasses import fields
@@ -50,6 +52,11 @@ def check_law(joint):
             )
 
 
+def signed(shear):
+    """Shear as a number: of a complex one its size, with the sign of its part in the plane."""
+    return np.copysign(np.abs(shear), np.real(shear)) if np.iscomplexobj(shear) else shear
+
+
 class JointTracker:
     """State of all joints, arrays (n_joints,): friction of a failed one [-]; opening, slip, offset
     [m]; broken (failed), at_limit, crushed, ended; dry: failed share of the area [-].  With
@@ -67,18 +74,22 @@ class JointTracker:
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
-        self.opening, self.slip, self.offset = np.zeros(n), np.zeros(n), np.zeros(n)
+        shear = complex if layout.space else float
+        self.opening, (self.slip, self.offset) = np.zeros(n), np.zeros((2, n), shear)
         self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
         self.dry = np.zeros(n)
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._slide = np.array(
             slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies)
         )[:, :n]
+        if layout.space:  # joints between two walls have no end
+            between = layout.space.joint_wall[:n] < 0
+            self._slide[:, between] = np.array([[-np.inf], [np.inf]])
         self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
         sides = np.column_stack([contacts.first, contacts.second])[:n]
         _, joint, self._points = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
         self._joint = joint.reshape(-1)  # number of the joint that a contact point is of
-        self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
+        self._open, (self._stress, self._plastic) = np.zeros(n, bool), np.zeros((2, n), shear)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
     def breaks(self, joint, kind, sigma, tau, share=1.0, last=True):
@@ -96,7 +107,7 @@ class JointTracker:
         self.dry[joint] += share
         self._open[joint] = kind == "tension" or sigma > 0
         if self._open[joint]:
-            self.fracture_energy += 0.5 * (sigma**2 / kn + tau**2 / ks) * area
+            self.fracture_energy += 0.5 * (sigma**2 / kn + abs(tau) ** 2 / ks) * area
         else:
             residual = -sigma * self.friction[joint]
             self.fracture_energy += 0.5 * (abs(tau) - residual) ** 2 / ks * area
@@ -149,8 +160,8 @@ class JointTracker:
         """{column of the history's FRAMES: (n_joints,)} at this time."""
         return {
             "opening_m": self.opening,
-            "slip_m": self.slip,
-            "offset_m": self.offset,
+            "slip_m": signed(self.slip),
+            "offset_m": signed(self.offset),
             "state": (
                 BROKEN * self.broken
                 + AT_LIMIT * self.at_limit
@@ -181,7 +192,9 @@ class JointTracker:
         # The elastic shear energy of a joint dissipates by friction as it opens, since its limit
         # falls to zero.
         opens = is_open & ~self._open[joints]
-        held = np.where(opens, self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints]), 0.0)
+        held = np.where(
+            opens, np.abs(self._stress[joints]) ** 2 / (2 * self.shear_stiffness[joints]), 0.0
+        )
         self.friction_energy += float(np.sum(held * area))
         limit = -opening * self.normal_stiffness[joints] * self.friction[joints]
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
@@ -193,7 +206,9 @@ class JointTracker:
         self._open[joints], self._plastic[joints] = is_open, plastic
         self._stress[joints] = np.where(is_open, 0.0, tau)
         least, most = self._slide[:, joints]
-        self.ended[joints] = self.broken[joints] & ((shear <= least) | (shear >= most))
+        self.ended[joints] = self.broken[joints] & (
+            (np.real(shear) <= least) | (np.real(shear) >= most)
+        )
         if np.isfinite(self._gape):
             gapes = self.ended | (self.broken & (self.opening > self._gape))
             self.ended |= (np.bincount(self._joint, gapes) == self._points)[self._joint]

@@ -14,6 +14,11 @@ normal is that of the face.  It rotates with its brick, and does not change as t
 tip moves round a corner where it leaves the face.  The face belongs to either brick alternately
 along a joint.  A softening bond has intact and failed parallel elements (`bundles`).  Crushing
 moves the rest position of a bond, or reduces the radius of a tip (`crushing`).
+
+Bodies are built in the wall's plane, those of a house (`damage.wall.space`) in that of its walls
+unfolded, and then placed.  A house has all six freedoms.  There all tips and corners are parts of
+the clumps from the start: YADE finds the principal axes of a clump anew when parts are added, as
+eigenvectors that may be a left-handed set, and then turns it wrongly.
 """
 
 from collections import Counter
@@ -23,11 +28,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import yade
-from yade import O, Vector3, utils
+from yade import O, Quaternion, Vector3, utils
 
 from damage.law.joint_law import friction_left, material_of
 from damage.units import GRAVITY
 from damage.wall.kinds import CUT, GROUND, rows
+from damage.wall.kinematics import places_of
 from yade_scripts.friction_work import FrictionWork
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
@@ -75,6 +81,8 @@ class YadeWall:
         )
         self.bonded, self.frayed = np.ones(len(bonds), dtype=bool), {}
         self.tips, self.faces = parts.tips, parts.faces
+        # of a house: ids of the tips that are not in use yet, and of the corners
+        self._waiting, self._corners_waiting = parts.waiting, parts.corners
         self.turning = [
             O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))
         ]
@@ -217,8 +225,12 @@ class YadeWall:
         face."""
         tip, radius = self.tips[joint], max(TIP, 2 * _DEEP * self._depth[joint])
         inwards = radius + self.closure[joint]
-        place = tip.x + inwards * tip.inwards[0], tip.z + inwards * tip.inwards[1]
-        (point,) = self._attach(tip.body, [_ball(place, radius, self._material)])
+        point = self._waiting.get(joint)
+        if point is not None:
+            self.members[tip.body].append(point)
+        else:
+            place = [x + inwards * by for x, by in zip(tip.place, tip.inwards)]
+            (point,) = self._attach(tip.body, [_ball(place, radius, self._material)])
         self._tip_of[joint] = point
         contact = utils.createInteraction(self.faces[tip.face], point)
         contact.phys.kn, contact.phys.ks = normal_stiffness, shear_stiffness
@@ -233,17 +245,16 @@ class YadeWall:
         """
         if self.corners:
             return
-        bodies, inset = self.layout.bodies, _CORNER + self._corner_depth
-        for body in range(len(bodies)):
-            half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
+        for members, corners in zip(self.members, self._corners_waiting):
+            for corner in corners:
+                O.bodies[corner].bounded, O.bodies[corner].mask = True, _SEEN
+            members.extend(corners)
+            self.corners.update(corners)
+        inset = _CORNER + self._corner_depth
+        for body in range(0 if self.layout.space else len(self.layout.bodies)):
             balls = [
-                _ball(
-                    (bodies.x[body] + right * half[0], bodies.z[body] + up * half[1]),
-                    _CORNER,
-                    self._material,
-                )
-                for right in (-1, 1)
-                for up in (-1, 1)
+                _ball(place, _CORNER, self._material)
+                for place in _corner_places(self.layout, body, inset)
             ]
             for ball in balls:
                 ball.bounded, ball.mask = True, _SEEN
@@ -318,12 +329,11 @@ class YadeWall:
 
 @dataclass(frozen=True)
 class _Tip:
-    """Tip of a contact point: its position x, z in the undeformed wall [m]; inwards: unit vector
-    from there into the body of the tip; is_second: whether that is the layout's second body; face:
-    (body, kind) of the other side."""
+    """Tip of a contact point: its place (x, y, z) in the undeformed wall of its body [m]; inwards:
+    unit vector from there into the body of the tip; is_second: whether that is the layout's second
+    body; face: (body, kind) of the other side."""
 
-    x: float
-    z: float
+    place: tuple
     inwards: tuple
     body: int
     is_second: bool
@@ -344,10 +354,24 @@ def _collision(joint):
 
 
 def _ball(place, radius, material):
-    """A sphere at (x, z) [m] that the collider does not see."""
-    ball = utils.sphere((place[0], 0, place[1]), radius, material=material, color=(0.3, 0.3, 0.3))
+    """A sphere at (x, y, z) [m] that the collider does not see."""
+    ball = utils.sphere(tuple(map(float, place)), radius, material=material, color=(0.3, 0.3, 0.3))
     ball.bounded = False
     return ball
+
+
+def _corner_places(layout, body, inset):
+    """Of the spheres in the corners of a body (x, y, z) [m], in the middle of the thickness in a
+    plane wall."""
+    bodies = layout.bodies
+    half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
+    across = layout.wall.brick.thickness / 2 - inset
+    return [
+        (bodies.x[body] + right * half[0], through * across, bodies.z[body] + up * half[1])
+        for right in (-1, 1)
+        for up in (-1, 1)
+        for through in ((-1, 1) if layout.space else (0,))
+    ]
 
 
 def _ease(contact, closure):
@@ -394,7 +418,9 @@ def build(layout, dt, corner_depth=0.0):
         [law, friction, damped],
     )
     O.engines = [yade.ForceResetter(), collider, loop, newton]
-    parts = _Parts(layout)
+    parts = _Parts(layout, max(corner_depth, _INSET))
+    if layout.space:
+        parts.place(newton)
     bonds = list(starmap(utils.createInteraction, parts.ends))
     for index, bond in enumerate(bonds):
         _set_bond(bond.phys, layout, index)
@@ -432,6 +458,15 @@ def _set_clump(state, mass, inertia, held):
     state.refOri = state.ori
 
 
+def _set_free(body, mass, inertia):
+    """Set the mass of a clump that moves in space, and its inertia about the axes along, across and
+    upwards (3,): YADE has chosen the order of the clump's own."""
+    turn = body.state.ori.toRotationMatrix()
+    order = [max(range(3), key=lambda row: abs(turn[row, axis])) for axis in range(3)]
+    body.state.mass, body.state.inertia = mass, Vector3(*(float(inertia[row]) for row in order))
+    body.aspherical = True
+
+
 def _brick_color(layout, body):
     """Colour (red, green, blue) [-]: bricks alternate, so that neighbours differ; top masses are
     grey."""
@@ -444,14 +479,16 @@ class _Parts:
 
     clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins
     (n_contacts, 2); tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id}
-    of the boxes; tip: material.
+    of the boxes; tip: material; waiting, corners: of a house, as in YadeWall.
     """
 
-    def __init__(self, layout):
-        self.layout = layout
+    def __init__(self, layout, corner_depth):
+        self.layout, self._corner_depth = layout, corner_depth
+        self.waiting, self.corners = {}, []
+        self._places, self._normals, self._reach = places_of(layout)
         self._add_materials()
         self.ends = [[None, None] for _ in range(len(layout.contacts))]
-        self.tips = _tips(layout)
+        self.tips = _tips(layout, self._places, self._normals)
         self.clumps, self.members, self.ground, self.faces = [], [], [], {}
         self._points = self._plan_points()
         for body in range(len(layout.bodies)):
@@ -478,38 +515,34 @@ class _Parts:
         )
 
     def _plan_points(self):
-        """Bond members of each body, the supports last: {(x, z, number): [(contact, side), ...]}.
+        """Bond members of each body, the supports last: {(x, y, z, number): [(contact, side),
+        ...]}.
 
         A bond has two members on the normal of the joint, at equal distances from it; bonds share
         coincident members.
         """
-        contacts, cells = self.layout.contacts, self.layout.cells
-        width = cells.right - cells.left
+        contacts = self.layout.contacts
         n_bodies = len(self.layout.bodies)
         wanted, alike = [{} for _ in range(n_bodies + len(self.layout.supports))], Counter()
         ends = np.column_stack([rows(contacts.first, n_bodies), contacts.second])
         for index in range(len(contacts)):
-            x, z = contacts.x[index], contacts.z[index]
             # At corners two overlaps may end in one point; YADE allows one bond between two
             # members.
-            twin = contacts.first[index], contacts.second[index], round(x, 7), round(z, 7)
+            twin = (
+                contacts.first[index],
+                contacts.second[index],
+                *np.round(self._places[1][index], 7),
+            )
             alike[twin] += 1
-            if contacts.upright[index]:
-                dx, dz = (
-                    min(width[contacts.first_cell[index]], width[contacts.second_cell[index]]) / 2,
-                    0.0,
-                )
-            else:
-                dx, dz = 0.0, self.layout.wall.brick.height / 2
             for side, body in enumerate(ends[index]):
-                sign = 2 * side - 1
-                key = round(x + sign * dx, 7), round(z + sign * dz, 7), alike[twin]
+                by = (2 * side - 1) * self._reach[index] * self._normals[side][index]
+                key = (*np.round(self._places[side][index] + by, 7), alike[twin])
                 wanted[body].setdefault(key, []).append((index, side))
         return wanted
 
     def _add_points(self, body):
         """Bond members (spheres) of the body in this row."""
-        return [_ball(place[:2], _POINT, self._bond) for place in self._points[body]]
+        return [_ball(place[:3], _POINT, self._bond) for place in self._points[body]]
 
     def _note(self, body, ids):
         """Assign the ids of the bond members of the body in this row to their contact points."""
@@ -534,20 +567,57 @@ class _Parts:
             "box",
             *sorted({tip.face[1] for tip in self.tips.values() if tip.face[0] == body} - {"box"}),
         ]
-        reach = {"box": (0, 0, 0), "bed": (_REACH, 0, 0), "head": (0, 0, _REACH)}
+        across = _REACH if self.layout.space else 0
+        reach = {
+            "box": (0, 0, 0),
+            "bed": (_REACH, across, 0),
+            "head": (0, across, _REACH),
+            "side": (_REACH, 0, _REACH),
+        }
         boxes = [
             self._box(centre, np.add(half, reach[kind]), color, seen=kind == "box")
             for kind in kinds
         ]
         points = self._add_points(body)
-        clump, ids = O.bodies.appendClumped([*boxes, *points])
+        mass, space = bodies.mass[body], self.layout.space
+        tips = [one for one, tip in self.tips.items() if space and tip.body == body]
+        later = [self._waiting_tip(self.tips[one]) for one in tips]
+        if space:
+            later += [
+                _ball(place, _CORNER, self.tip)
+                for place in _corner_places(self.layout, body, _CORNER + self._corner_depth)
+            ]
+            # distinct, so that YADE takes the axes of the box for those of the clump
+            boxes[0].state.mass, boxes[0].state.inertia = mass, mass * Vector3(1, 2, 3)
+        clump, ids = O.bodies.appendClumped([*boxes, *points, *later])
         self.faces.update({(body, kind): identity for kind, identity in zip(kinds, ids)})
         self._note(body, ids[len(boxes) :])
         self.clumps.append(clump)
-        self.members.append(list(ids))
-        _set_clump(
-            O.bodies[clump].state, bodies.mass[body], bodies.inertia[body], self.layout.held[body]
-        )
+        self.members.append(list(ids[: len(boxes) + len(points)]))
+        if not space:
+            _set_clump(O.bodies[clump].state, mass, bodies.inertia[body], self.layout.held[body])
+            return
+        ids = ids[len(ids) - len(later) :]
+        self.waiting.update(zip(tips, ids))
+        self.corners.append(ids[len(tips) :])
+        along, up = space.across_inertia[body]
+        _set_free(O.bodies[clump], mass, (along, bodies.inertia[body], up))
+
+    def _waiting_tip(self, tip):
+        """The tip of a contact point that has not failed yet."""
+        place = [x + TIP * by for x, by in zip(tip.place, tip.inwards)]
+        return _ball(place, TIP, self.tip)
+
+    def place(self, newton):
+        """Move the bodies of a house from where they were built to their places."""
+        space = self.layout.space
+        centres = space.centres(self.layout.bodies)
+        for clump, centre, number in zip(self.clumps, centres, space.wall):
+            state = O.bodies[clump].state
+            turn = Quaternion((0, 0, 1), np.radians(space.house.walls[number].direction))
+            state.pos, state.ori = Vector3(*centre), turn * state.ori
+            state.refPos, state.refOri = state.pos, state.ori
+        newton()  # members follow
 
     def _add_support(self, support):
         """Add a support: a box of the height of a brick, up to halfway to its neighbours, or beyond
@@ -559,9 +629,16 @@ class _Parts:
             all_of.right[-1] + _GROUND,
         ]
         left, right, row = edges[support], edges[support + 1], len(self.layout.bodies) + support
+        across, y = brick.thickness / 2, 0.0
+        if self.layout.space:
+            (left, front), (right, back) = (
+                pick(self.layout.space.place[:, :2], axis=0) + sign * _GROUND
+                for pick, sign in ((np.min, -1), (np.max, 1))
+            )
+            across, y = (back - front) / 2, (front + back) / 2
         box = self._box(
-            ((left + right) / 2, 0, -brick.height / 2),
-            ((right - left) / 2, brick.thickness / 2, brick.height / 2),
+            ((left + right) / 2, y, -brick.height / 2),
+            ((right - left) / 2, across, brick.height / 2),
             (0.4, 0.4, 0.4),
         )
         parts = [box, *self._add_points(row)]
@@ -573,38 +650,46 @@ class _Parts:
         self._note(row, ids[1:])
 
 
-def _tips(layout):
-    """{contact point: _Tip} of all that may fail."""
+def _tips(layout, places, normals):
+    """{contact point: _Tip} of all that may fail; places, normals: of each contact point in the
+    walls of both bodies, (2, n_contacts, 3)."""
     contacts = layout.contacts
     found = {}
     for index in range(layout.n_joints):
         if np.isinf(contacts.tensile_strength[index]) and np.isinf(contacts.cohesion[index]):
             continue
         bodies = int(contacts.first[index]), int(contacts.second[index])
-        margins = [_margin(layout, body, index) for body in bodies]
+        margins = [
+            _margin(layout, body, place[index], normal[index])
+            for body, place, normal in zip(bodies, places, normals)
+        ]
         if min(margins) > _MARGIN or abs(margins[0] - margins[1]) < 1e-6:
-            side = index % 2 if bodies[0] >= 0 else 1
+            # of a house the three points through the thickness together
+            side = (index // 3 if layout.space else index) % 2 if bodies[0] >= 0 else 1
         else:
             side = int(margins[0] > margins[1])  # the tip is on the side whose face ends nearer
-        head = contacts.upright[index]
-        kind = "box" if max(margins) > _MARGIN else "head" if head else "bed"
+        kind = ("head", "side", "bed")[np.abs(normals[1 - side][index]).argmax()]
         inwards = 1.0 if side else -1.0
         found[index] = _Tip(
-            float(contacts.x[index]),
-            float(contacts.z[index]),
-            (inwards * head, inwards * (not head)),
+            tuple(places[side][index].tolist()),
+            tuple((inwards * normals[side][index]).tolist()),
             bodies[side],
             bool(side),
-            (bodies[1 - side], kind),
+            (bodies[1 - side], "box" if max(margins) > _MARGIN or bodies[1 - side] < 0 else kind),
         )
     return found
 
 
-def _margin(layout, body, index):
-    """Distance of a contact point from the nearer end of a body's face [m]."""
-    contacts, bodies = layout.contacts, layout.bodies
+def _margin(layout, body, place, normal):
+    """Distance of a contact point from the nearest end of a body's face, (x, y, z) in its wall [m];
+    in a plane wall y does not matter."""
+    bodies = layout.bodies
     if body < 0:
         return _GROUND
-    if contacts.upright[index]:
-        return bodies.height[body] / 2 - abs(contacts.z[index] - bodies.z[body])
-    return bodies.length[body] / 2 - abs(contacts.x[index] - bodies.x[body])
+    half = bodies.length[body] / 2, layout.wall.brick.thickness / 2, bodies.height[body] / 2
+    centre = bodies.x[body], 0.0, bodies.z[body]
+    return min(
+        half[k] - abs(place[k] - centre[k])
+        for k in ((0, 1, 2) if layout.space else (0, 2))
+        if abs(normal[k]) < 0.5
+    )

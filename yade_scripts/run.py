@@ -50,6 +50,8 @@ def _run(make_wall, path, engines):
         from damage.provenance import shown_path
         from damage.run.session import run_session
         from damage.wall.file import wall_of
+        from damage.wall.house import House
+        from damage.wall.parameters import Wall
         from yade_scripts.opened import Scene, engines_beside, name_of, prompt
     except ImportError as error:
         if not missing_library(error):
@@ -66,7 +68,7 @@ def _run(make_wall, path, engines):
         return run_session(
             _backend(beside),
             path,
-            lambda: wall_of(make_wall, path),
+            lambda: wall_of(make_wall, path, (Wall, House)),
             sys.argv[1:],
             prog=f"yade {shown_path(path)}",
         )

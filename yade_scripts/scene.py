@@ -110,6 +110,11 @@ class SceneReader:
             + field
         )
 
+    def kinetic_energy(self, half_step, base_acceleration):
+        """At the time of the positions [J]; arguments as of `synchronous_velocities`."""
+        speed = self.synchronous_velocities(half_step, base_acceleration)
+        return 0.5 * float(np.sum(self.mass * speed**2))
+
     def resultants(self):
         """Forces and moments of the contacts on each body, and of what is on a restrained top,
         (n_bodies, 3) [N, N, N m]."""
@@ -233,9 +238,9 @@ class SceneReader:
             ]
         )
 
-    def base_shear(self):
-        """Horizontal force of the wall on all supports [N]."""
-        return self._on_supports(0)
+    def base_shear(self, axis=0):
+        """Horizontal force of the wall on all supports along x (0) or y (1) [N]."""
+        return self._on_supports(axis)
 
     def base_reaction(self):
         """Vertical force of the wall on all supports, downwards positive [N]."""

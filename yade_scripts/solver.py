@@ -22,9 +22,10 @@ from damage.wall.kinematics import CORNER_RADIUS, ContactKinematics
 from damage.wall.restraints import top_of
 from yade_scripts import checkpoint
 from yade_scripts.crushing import Crushing
-from yade_scripts.joint_tracker import JointTracker
+from yade_scripts.joint_tracker import JointTracker, signed
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
+from yade_scripts.space import SpaceReader
 from yade_scripts.splitting import Splitting
 
 FOLLOW_STEPS = JOINT_STEPS // 2
@@ -57,7 +58,7 @@ class YadeSolver(Solver):
         self.model = build(
             layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0
         )
-        self.scene = SceneReader(self.model)
+        self.scene = (SpaceReader if layout.space else SceneReader)(self.model)
         self.kinematics = ContactKinematics(layout)
         self.tracker, self.crushing = (
             JointTracker(layout, THRESHOLD, new_contacts),
@@ -113,6 +114,9 @@ class YadeSolver(Solver):
         self.model.damp_impacts()
 
     def set_velocities(self, velocities):
+        if self.layout.space:
+            self.scene.set_velocities(velocities)
+            return
         for state, (vx, vz, rotating) in zip(self.scene.states, velocities):
             state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -rotating, 0)
 
@@ -277,13 +281,17 @@ class YadeSolver(Solver):
 
     def _set_field(self):
         """Set the acceleration of all masses in the next step, in the frame of the base."""
-        ax, az = self._base_now()
+        ax, az, ay = self._base_now()
         gravity = self._gravity[min(self.clock, len(self._gravity) - 1)]
-        self.model.newton.gravity = (-float(ax), 0.0, -float(gravity) - float(az))
+        self.model.newton.gravity = (-float(ax), -float(ay), -float(gravity) - float(az))
 
     def _base_now(self):
-        """Acceleration of the base along x and z now [m/s2]."""
-        return self._base[self.clock] if self.clock < len(self._base) else (0.0, 0.0)
+        """Acceleration of the base along x and z now, and in a house along y [m/s2]."""
+        if self.clock >= len(self._base):
+            return 0.0, 0.0, 0.0
+        if self.layout.space:
+            return self.scene.turned_by_heading(*self._base[self.clock])
+        return (*self._base[self.clock], 0.0)
 
     def _observe(self):
         """Update the failed joints and the input energy, and take a sample where one is due."""
@@ -298,7 +306,7 @@ class YadeSolver(Solver):
         if len(new) == 0:
             return
         tracker = self.tracker
-        _, shear = self.kinematics.displacements(self.scene.motion(), new, self._supports)
+        _, shear = self._displacements(new)
         for joint, slip in zip(new, shear):
             opening = self.scene.opening_of(joint)
             sigma, tau = (
@@ -312,7 +320,16 @@ class YadeSolver(Solver):
             tracker.friction[joint] = self.model.friction_of(joint)
             tracker.breaks(joint, kind, sigma, tau)
             self.model.loosen(joint)
-            self._events.append((self.clock, int(joint), kind, sigma, tau))
+            self._events.append((self.clock, int(joint), kind, sigma, signed(tau)))
+
+    def _displacements(self, joints):
+        """Opening and shear displacement of contact points, by the motion of their bodies (m,)
+        [m]."""
+        if self.layout.space:
+            return self.scene.displacements(joints)
+        sides = np.concatenate([side[joints] for side in self.kinematics.ends])
+        motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
+        return self.kinematics.displacements(motion, joints, self._supports)
 
     def _split_bricks(self):
         """Apply the joint law to the cuts through bricks, and log those that failed."""
@@ -347,9 +364,7 @@ class YadeSolver(Solver):
         broken = self.tracker.followed
         if len(broken) == 0:
             return
-        sides = np.concatenate([side[broken] for side in self.kinematics.ends])
-        motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
-        across, shear = self.kinematics.displacements(motion, broken, self._supports)
+        across, shear = self._displacements(broken)
         opening = np.array([self.scene.opening_of(i) for i in broken])
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
@@ -376,7 +391,7 @@ class YadeSolver(Solver):
                     0.0,
                     0.0,
                     self.tracker.opening[joint],
-                    self.tracker.slip[joint],
+                    signed(self.tracker.slip[joint]),
                 )
             )
 
@@ -391,7 +406,9 @@ class YadeSolver(Solver):
         """Power of the pushed top, of the supports, and of the inertia forces in the frame of the
         base [W]."""
         base = self._base_now()
-        power = -sum(float(base[axis]) * self._momentum(axis) for axis in (0, 1) if base[axis] != 0)
+        power = -sum(
+            float(base[axis]) * self._momentum(axis) for axis in range(3) if base[axis] != 0
+        )
         if self._held is not None:
             power += self._push_force() * self._velocity
         if self._support_velocity.any():
@@ -401,16 +418,17 @@ class YadeSolver(Solver):
         return power
 
     def _momentum(self, axis):
-        """Momentum of all bodies at the time of the positions along x (0) or z (1) [kg m/s]."""
-        scene, coordinate = self.scene, 2 * axis
+        """Momentum of all bodies at the time of the positions along x (0), z (1) or y (2)
+        [kg m/s]."""
+        scene, coordinate = self.scene, (0, 2, 1)[axis]
         mass, gravity = (
-            scene.mass[:, 0] * scene.follows[:, axis],
+            scene.mass[:, 0] * scene.follows[:, axis % 2],
             self.model.newton.gravity[coordinate],
         )
         if self.layout.wall.restraints:
             force = total(scene.follows[:, axis] * scene.resultants()[:, axis])
         else:
-            force = scene.base_reaction() if axis else -scene.base_shear()
+            force = scene.base_reaction() if axis == 1 else -scene.base_shear(coordinate)
         velocities = np.array([state.vel[coordinate] for state in scene.states])
         return float(total(mass * velocities) + self.time_step / 2 * (force + mass.sum() * gravity))
 
@@ -433,16 +451,18 @@ class YadeSolver(Solver):
         """
         tracker = self.tracker
         friction = self.model.work.total + tracker.breaking_energy + self._slip_work
-        speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
+        kinetic = self.scene.kinetic_energy(self.time_step / 2, self._base_now())
+        motion = self.scene.motion()
         return Instants.one(
             clock=self.clock,
-            displacement=self.scene.motion(),
+            displacement=motion[:, :3],
+            out_of_plane=motion[:, 3:] if self.layout.space else None,
             support_displacement=self._supports.copy(),
             support_force=self.scene.support_forces(self._supports),
             joints=slice(None),
             contacts=tracker.contact_data(),
             top_force_n=np.nan if self._held is None else self._push_force(),
-            kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
+            kinetic_j=kinetic,
             elastic_j=self.scene.elastic_energy(tracker.broken) + self._in_bearing(),
             input_j=self._input_energy - self._in_springs(),
             friction_j=friction,
@@ -454,7 +474,9 @@ class YadeSolver(Solver):
         )
 
     def forces(self):
-        return self.scene.resultants(), self.scene.contact_forces()
+        scene = self.scene
+        on_bodies = scene.plane_resultants() if self.layout.space else scene.resultants()
+        return on_bodies, scene.contact_forces()
 
     def base_reaction(self):
         return self.scene.base_reaction()

@@ -45,19 +45,23 @@ def _index(asked):
     from damage.measure.summary import summarise
     from damage.run.report import describe, with_added
 
-    history = read_history(asked.history)
-    summary = with_added(
-        summarise(
+    summaries = {}
+    for history in read_history(asked.history).parts:
+        summaries[history.wall] = summary = with_added(
+            summarise(
+                history,
+                asked.threshold_mm * MILLIMETRE,
+                asked.drift_limit_pct / 100,
+                asked.slip,
+                asked.psi_from_mm * MILLIMETRE,
+            ),
             history,
-            asked.threshold_mm * MILLIMETRE,
-            asked.drift_limit_pct / 100,
-            asked.slip,
-            asked.psi_from_mm * MILLIMETRE,
-        ),
-        history,
-    )
-    warn(*summary["warnings"])
-    show(asked, summary, describe)
+        )
+        warn(*summary["warnings"])
+    if len(summaries) == 1:
+        show(asked, summary, describe)
+    else:
+        show(asked, summaries, lambda found: "\n\n".join(map(describe, found.values())))
 
 
 @command(

@@ -27,6 +27,9 @@ class Buffer:
     def __init__(self, layout, *sinks, active=()):
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
+        # a house has no stresses of deformable bricks, a plane wall nothing out of its plane
+        left_out = {"stress_pa" if layout.space else "out_of_plane"}
+        self._snapshots = [name for name in schema.SNAPSHOTS if name not in left_out]
         self._rows = {"active": [], "events": [], "snapshots": [], "static_stage": []}
         self._blocks = defaultdict(list)  # {"GROUP/NAME": arrays of several rows}
         self._frames = {
@@ -85,15 +88,12 @@ class Buffer:
             (time_s, joint, code, normal_stress, shear_stress, opening, slip)
         )
 
-    def snapshot(self, time_s, displacement, stress_pa=None):
+    def snapshot(self, time_s, displacement, *more):
         """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage,
-        and stresses (n_bodies, 5, 3) [Pa] of deformable bricks."""
+        and stresses (n_bodies, 5, 3) [Pa] of deformable bricks, or what of the displacement is out
+        of the plane (n_bodies, 3) [m, rad, rad] of a house."""
         self._rows["snapshots"].append(
-            (
-                time_s,
-                np.array(displacement, "f4"),
-                *([] if stress_pa is None else [np.array(stress_pa, "f4")]),
-            )
+            (time_s, *(np.array(one, "f4") for one in (displacement, *more)))
         )
 
     def look(self, time_s, unbalanced_force):
@@ -145,7 +145,10 @@ class Buffer:
         columns = {
             f"{group}/{name}": np.asarray(values, column.dtype)
             for group, rows in self._rows.items()
-            for (name, column), values in zip(schema.GROWING[group].items(), zip(*rows))
+            for name, values in zip(
+                self._snapshots if group == "snapshots" else schema.GROWING[group], zip(*rows)
+            )
+            for column in [schema.GROWING[group][name]]
         }
         columns |= {path: np.concatenate(blocks) for path, blocks in self._blocks.items() if blocks}
         if self._count > 0:

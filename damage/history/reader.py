@@ -1,11 +1,11 @@
 """Read a history file into pandas frames."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import h5py
 import numpy as np
@@ -22,6 +22,35 @@ from damage.units import rounded
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from damage.wall.plan import plan_of
+
+
+class HouseRows(NamedTuple):
+    """What the history of a house has beside that of a plane wall: number of the wall of each body
+    and of each contact point, -1 between two, and place of that from the wall's middle plane [m];
+    of each sample and wall displacement of the top along it, and the largest across it (n_times,
+    n_walls) [m]; acceleration of the ground across the heading (n_times,) [m/s2]; displacement
+    across and rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m,
+    rad, rad]."""
+
+    body_wall: np.ndarray
+    joint_wall: np.ndarray
+    joint_y_m: np.ndarray
+    top_displacement_m: np.ndarray
+    across_m: np.ndarray
+    base_acceleration_m_s2: np.ndarray
+    out_of_plane: np.ndarray
+
+    def of(self, number, body, joint):
+        """Those of a wall, by flags of its bodies and contact points."""
+        return HouseRows(
+            0 * self.body_wall[body],
+            0 * self.joint_wall[joint],
+            self.joint_y_m[joint],
+            self.top_displacement_m[:, [number]],
+            self.across_m[:, [number]],
+            self.base_acceleration_m_s2,
+            self.out_of_plane[:, body],
+        )
 
 
 def _at_all_joints(name):
@@ -54,6 +83,8 @@ class History:
     parameters: everything that defined the run, as stored in the file; `loading`, `model` and
     `masonry_wall` return most of it as records; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
+    house: HouseRows of the history of a house, whose walls are unfolded side by side, None of a
+    plane wall; `parts` has those of its walls.
     heard: what `damage.run` gave as warnings while it ran, texts with codes; none of a file.
     """
 
@@ -80,6 +111,7 @@ class History:
     displacement: np.ndarray
     stress_pa: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
+    house: HouseRows | None = None
     heard: tuple = ()
 
     opening_m: ClassVar = _at_all_joints("opening_m")
@@ -189,6 +221,62 @@ class History:
         """The series without the settling stages."""
         return schema.moving(self.series)
 
+    @cached_property
+    def parts(self):
+        """Histories of the walls of a house, FILE:WALL.h5, each in its plane; of a plane wall this
+        one."""
+        if self.house is None:
+            return [self]
+        return [self.of_wall(one["wall"]["name"]) for one in self.parameters["house"]["walls"]]
+
+    def of_wall(self, name):
+        """The History of a wall of a house, in its plane and without the joints to other walls;
+        energies and forces of supports are those of the house."""
+        walls = self.parameters["house"]["walls"] if self.house else []
+        names = [one["wall"]["name"] for one in walls]
+        if name not in names:
+            raise InputError(
+                f"{self.path} has no wall {name}: expected"
+                f" {'one of ' + ', '.join(names) if names else 'a plain name, as of no house'};"
+                " correct it"
+            )
+        number, house = names.index(name), self.house
+        wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
+        body, joint = house.body_wall == number, house.joint_wall == number
+        new_body, new_joint = (np.cumsum(kept) - 1 for kept in (body, joint))
+        joints, events = self.joints[joint].reset_index(drop=True), self.events
+        joints["x_m"] -= left
+        for end in ("first_body", "second_body"):
+            joints[end] = np.where(joints[end] < 0, joints[end], new_body[joints[end]])
+        events = events[joint[events["joint"]]].reset_index(drop=True)
+        active = joint[self.contacts.joints]
+        contacts = Contacts(*(values[..., active] for values in self.contacts))
+        top = house.top_displacement_m[:, number]
+        return replace(
+            self,
+            path=self.path.with_name(f"{self.path.stem}:{name}{self.path.suffix}"),
+            wall=name,
+            parameters=self.parameters
+            | {"wall": wall, "house": self.parameters["house"] | {"walls": [walls[number]]}},
+            attributes=self.attributes
+            | {
+                "wall": name,
+                "total_joint_length_m": float(joints["length_m"].sum()),
+                "drift_height_m": height,
+                "length_m": wall["length"],
+            },
+            joints=joints,
+            bodies=self.bodies[body].assign(x_m=self.bodies["x_m"] - left).reset_index(drop=True),
+            series=self.series.assign(top_displacement_m=top, drift_ratio=top / height),
+            events=events.assign(joint=new_joint[events["joint"]]),
+            contacts=contacts._replace(joints=new_joint[contacts.joints]),
+            displacement=self.displacement[:, body],
+            joint_stress_pa=(
+                None if self.joint_stress_pa is None else self.joint_stress_pa[:, joint]
+            ),
+            house=house.of(number, body, joint),
+        )
+
     def slip_by(self, slip):
         """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that
         by `displacement`."""
@@ -197,6 +285,11 @@ class History:
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
         """The damage index over time: `damage.index.damage_index` of this run, by this criterion of
         slip."""
+        if self.house and len(self.parameters["house"]["walls"]) > 1:
+            raise InputError(
+                f"{self.path} is of a house, which has an index of each wall: expected one of them,"
+                f" as {self.parts[0].path}; give that, or python3 -m damage index {self.path}"
+            )
         asked = threshold, drift_limit, slip
         if asked not in self._indices:
             active = self.active
@@ -241,8 +334,12 @@ def read_history(path):
     """Read the history at `path`, also while a run writes it, or after a run was killed.
 
     Raises InputError where the file is missing, is not a history, has another schema, or was
-    changed after its run closed it.
+    changed after its run closed it.  FILE:WALL.h5 is of a wall of the house in FILE.h5.
     """
+    given = Path(path)
+    house, _, wall = given.stem.rpartition(":")
+    if house and not given.exists():
+        return read_history(given.with_name(house + given.suffix)).of_wall(wall)
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
     if head.sealed:
@@ -273,7 +370,7 @@ def opened(path):
 def history_of(path, attributes, values, ended=True):
     """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or
     dataset}."""
-    n_times = _whole_rows(values, "series", "frames", "ground", "stresses")
+    n_times = _whole_rows(values, "series", "frames", "ground", "stresses", "house")
     n_snapshots = _whole_rows(values, "snapshots")
     optional = {
         "stress_pa": ("snapshots/stress_pa", n_snapshots),
@@ -311,6 +408,18 @@ def history_of(path, attributes, values, ended=True):
         support_force=values["ground/force"][:n_times],
         static_stage=_columns(values, "static_stage", _whole_rows(values, "static_stage")),
         contacts=_contacts(values, n_times),
+        house=_house(values, n_times, n_snapshots),
+    )
+
+
+def _house(values, n_times, n_snapshots):
+    """The HouseRows of the history of a house, None of a plane wall."""
+    if "placing/body_wall" not in values:
+        return None
+    return HouseRows(
+        *(values[f"placing/{name}"][:] for name in schema.PLACING),
+        *(values[f"house/{name}"][:n_times] for name in schema.HOUSE),
+        values["snapshots/out_of_plane"][:n_snapshots],
     )
 
 

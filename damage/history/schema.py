@@ -229,6 +229,34 @@ SNAPSHOTS = {
         " zero of caps",
         "f4",
     ),
+    "out_of_plane": Column(
+        "m, rad, rad",
+        "only of a house: of the centres across their wall, and rotations about the axes along it"
+        " and upwards, since the end of the static stage",
+        "f4",
+    ),
+}
+PLACING = {
+    "body_wall": Column("index", "only of a house: number of the wall of each body", "i4"),
+    "joint_wall": Column(
+        "index", "only of a house: number of the wall of each contact point, -1 between two", "i4"
+    ),
+    "joint_y_m": Column(
+        "m", "only of a house: place of each contact point from the middle plane of its wall"
+    ),
+}
+HOUSE = {
+    "top_displacement_m": Column(
+        "m", "only of a house: of each wall along it, as that of the series"
+    ),
+    "across_m": Column(
+        "m", "only of a house: of each wall, largest displacement of a body across it"
+    ),
+    "base_acceleration_m_s2": Column(
+        "m/s2",
+        "only of a house: of the ground across its heading; those of the series are along it and"
+        " upwards",
+    ),
 }
 STRESSES = {
     "joint_stress_pa": Column(
@@ -254,7 +282,13 @@ STATE_COLUMN = Column(
     "model's code",
     "u1",
 )
-OPTIONAL = {"snapshots/stress_pa", "stresses/joint_stress_pa"}
+OPTIONAL = {
+    "snapshots/stress_pa",
+    "snapshots/out_of_plane",
+    "stresses/joint_stress_pa",
+    *(f"placing/{name}" for name in PLACING),
+    *(f"house/{name}" for name in HOUSE),
+}
 """Datasets that only some runs have."""
 GROWING = {
     "series": SERIES,
@@ -264,10 +298,18 @@ GROWING = {
     "events": EVENT_COLUMNS,
     "snapshots": SNAPSHOTS,
     "stresses": STRESSES,
+    "house": HOUSE,
     "static_stage": STATIC_STAGE,
 }
 """Groups whose datasets grow during a run."""
-TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
+TABLES = {
+    "static": STATIC,
+    "joints": JOINTS,
+    "bodies": BODIES,
+    "supports": SUPPORTS,
+    "placing": PLACING,
+    **GROWING,
+}
 RUN = {
     "status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
     "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did"),
@@ -291,7 +333,13 @@ SHAPES = {
     "snapshots": ("snapshots",),
     "snapshots/displacement": ("snapshots", "bodies", 3),
     "snapshots/stress_pa": ("snapshots", "bodies", 5, 3),
+    "snapshots/out_of_plane": ("snapshots", "bodies", 3),
     "stresses": ("samples", "joints", 2),
+    "house": ("samples", "walls"),
+    "house/base_acceleration_m_s2": ("samples",),
+    "placing/body_wall": ("bodies",),
+    "placing/joint_wall": ("joints",),
+    "placing/joint_y_m": ("joints",),
     "static_stage": ("looks",),
 }
 """Of the datasets of a group, or of one: what they have as many of."""

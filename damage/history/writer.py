@@ -316,6 +316,9 @@ def layout_tables(layout):
         ),
         "supports": (supports.left, supports.right),
     }
+    if layout.space:
+        space = layout.space
+        tables["placing"] = space.wall, space.joint_wall[:n], space.y[:n]
     return {
         f"{group}/{name}": np.asarray(data, column.dtype)
         for group, values in tables.items()
@@ -329,12 +332,15 @@ def growing_columns(layout, parameters):
     kept = {
         "snapshots/stress_pa": layout.strain is not None,
         "stresses/joint_stress_pa": parameters.get("stresses"),
+        "snapshots/out_of_plane": layout.space,
+        **{f"house/{name}": layout.space for name in schema.HOUSE},
     }
     sizes = {
         "joints": layout.n_joints,
         "bodies": len(layout.bodies),
         "supports": len(layout.supports),
         "active": 0,
+        "walls": layout.space and len(layout.space.left),
     }
     found = {}
     for path, column in schema.COLUMNS.items():

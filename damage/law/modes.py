@@ -1,8 +1,9 @@
 """Natural modes of a wall with intact joints, and the critical time step of central differences.
 
 Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z, and
-behind them the strain modes where bricks deform.  A contact at the offset r from a body's centre
-moves by (u_x - rotation r_z, u_z + rotation r_x), and by the strain modes' displacements there.
+behind them the strain modes where bricks deform, or those out of the plane (`Space.rows`).  A
+contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z + rotation r_x), and
+by the strain modes' displacements there.
 """
 
 import hashlib
@@ -84,13 +85,17 @@ def joint_stiffness(layout, factors=(1.0, 1.0)):
     Blocks."""
     contacts = layout.contacts
     normals, ends = contact_normals(contacts), np.stack([contacts.first, contacts.second])
-    rows = [kinematic_rows(layout, directions) for directions in (normals, normals[:, ::-1])]
+    if layout.space:
+        rows = [layout.space.rows(contacts, layout.bodies, axis) for axis in range(3)]
+    else:
+        rows = [kinematic_rows(layout, directions) for directions in (normals, normals[:, ::-1])]
+    across, along = contacts.normal_stiffness, contacts.shear_stiffness
     weights = [
         factor * (stiffness * contacts.area)
-        for factor, stiffness in zip(factors, (contacts.normal_stiffness, contacts.shear_stiffness))
-    ]
+        for factor, stiffness in zip((*factors, factors[-1]), (across, along, along))
+    ][: len(rows)]
     return sum_of_products(
-        len(layout.bodies), np.hstack([ends, ends]), np.hstack(rows), np.hstack(weights)
+        len(layout.bodies), np.hstack([ends] * len(rows)), np.hstack(rows), np.hstack(weights)
     )
 
 
@@ -102,7 +107,8 @@ def stiffness_matrix(layout):
 def _stiffness(layout, free, massless=0.0):
     """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on
     the diagonal."""
-    joints, own = joint_stiffness(layout), np.zeros((len(layout.bodies), 3))
+    joints = joint_stiffness(layout)
+    own = np.zeros((len(layout.bodies), 6 if layout.space else 3))
     free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
     if layout.wall.restraints:
         top = top_of(layout.wall)
@@ -123,6 +129,8 @@ def mass_vector(layout):
     strain modes that a body does not have, and of coordinates that restraints hold."""
     bodies, strain = layout.bodies, layout.strain
     rigid = np.where(layout.held, 0.0, np.column_stack([bodies.mass, bodies.mass, bodies.inertia]))
+    if layout.space:
+        rigid = np.column_stack([rigid, bodies.mass, layout.space.across_inertia])
     return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
 
 
@@ -161,6 +169,7 @@ def elastic_key(layout):
         contacts.shear_stiffness,
         layout.drift_bodies,
         *strain,
+        *((layout.space.place, layout.space.axes) if layout.space else ()),
     )
     return hashlib.sha256(b"|".join(values.tobytes() for values in arrays)).digest()
 
@@ -220,10 +229,7 @@ def _natural_modes(layout, n_modes):
     return Modes(
         to_bits(2 * np.pi / np.sqrt(values[order])),
         np.stack(
-            [
-                _scaled(shape, layout.drift_bodies)
-                for shape in shapes.reshape(n_modes, len(layout.bodies), -1)
-            ]
+            [_scaled(shape, layout) for shape in shapes.reshape(n_modes, len(layout.bodies), -1)]
         ),
         down_to_three_digits(2 / np.sqrt(highest)),
     )
@@ -235,19 +241,20 @@ def first_mode(layout):
     products alone."""
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
     factor, shape = factorised(_stiffness(layout, mass > 0, massless=1.0)), np.zeros(mass.shape)
-    shape[:, 0] = 1.0
+    shape[:, [0, 3] if layout.space else 0] = 1.0
     for _ in range(_MOST_ITERATIONS):
-        before, shape = shape, _scaled(factor.solve(mass * shape), layout.drift_bodies)
+        before, shape = shape, _scaled(factor.solve(mass * shape), layout)
         if np.abs(shape - before).max() <= _CONVERGED * np.abs(shape).max():
             break
     return shape
 
 
-def _scaled(shape, drift_bodies):
+def _scaled(shape, layout):
     """The shape (n_bodies, coordinates) of a mode as of Modes."""
-    sizes, top = np.abs(shape[:, :2]), shape[drift_bodies, 0].mean()
+    moves = shape[:, [0, 1, 3]] if layout.space else shape[:, :2]
+    sizes, top = np.abs(moves), shape[layout.drift_bodies, 0].mean()
     # the sign is that of the first one, so that no tie decides
-    large = shape[:, :2][sizes >= sizes.max() / 2]
+    large = moves[sizes >= sizes.max() / 2]
     return shape / (top if np.abs(top) > 1e-6 * sizes.max() else np.copysign(sizes.max(), large[0]))
 
 

@@ -17,6 +17,10 @@ def report(history, pictures=True):
 
     The history is complete by then: whatever fails here is reported and loses nothing.
     """
+    if len(history.parts) > 1:
+        for part in history.parts:
+            report(part, pictures)
+        return
     path = history.path
     if len(history.series) == 0:
         warn(*warnings_of(history))

@@ -184,7 +184,9 @@ class Run:
             self.settings.loading.drive,
             self.settings.settlement,
         )
-        self.base = schedule.base_acceleration(self.settings, self.stages, solver.time_step)
+        self.base = schedule.base_acceleration(
+            self.settings, self.stages, solver.time_step, self.layout.space is not None
+        )
         speed = drive.first_mode_m_s
         self._modal_velocity = (
             speed * first_mode(self.layout)
@@ -554,6 +556,11 @@ class Run:
             "ground/displacement": now.support_displacement - self._zero.support_displacement,
             "ground/force": now.support_force,
         }
+        if now.out_of_plane is not None:
+            found["house/top_displacement_m"] = self.layout.space.tops(self._motion(now))
+            across = now.out_of_plane - self._zero.out_of_plane
+            found["house/across_m"] = self.layout.space.across(across)
+            found["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
         if now.joint_stress_pa is not None:
             found["stresses/joint_stress_pa"] = now.joint_stress_pa
         return found
@@ -566,6 +573,8 @@ class Run:
             if self._stress is None
             else (np.sum(self._stress * now.strain[k][:, np.newaxis, np.newaxis], axis=-1),)
         )
+        if now.out_of_plane is not None:
+            stress = (now.out_of_plane[k] - (self._zero or now).out_of_plane[0],)
         return time_s, motion[k], *stress
 
     def _energies(self, now, motion):
@@ -597,7 +606,13 @@ class Run:
         return now.displacement - self._zero.displacement
 
     def _top(self, motion):
-        """Mean displacement of the top course over the piers (n,) [m]; motion: `_motion`."""
+        """Mean displacement of the top course over the piers (n,) [m], in a house of the wall whose
+        drift is the largest; motion: `_motion`."""
+        if self.layout.space:
+            tops, heights = self.layout.space.tops(motion), self.layout.space.drift_height
+            largest = np.abs(tops / heights).argmax(axis=1)
+            # of a height that all drifts are over
+            return (tops / heights)[np.arange(len(tops)), largest] * self.layout.drift_height
         top = motion[:, :, 0].take(self.layout.drift_bodies, axis=1)
         return np.add.reduce(top, axis=1) / top.shape[1]
 
@@ -621,7 +636,7 @@ class Run:
 
     def _base_at(self, clock):
         """Acceleration of the base in these steps, (n, 2) [m/s2]."""
-        found = np.zeros((len(clock), 2))
+        found = np.zeros((len(clock), self.base.shape[1]))
         moves = clock < len(self.base)
         found[moves] = self.base[clock[moves]]
         return found

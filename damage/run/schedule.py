@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.motion.samples import at_times
 from damage.rounded import ACCELERATION, to_grid
 from damage.run.settings import (
     LOCAL_DAMPING,
@@ -217,9 +218,10 @@ def check_size(settings, layout, time_step):
         )
 
 
-def base_acceleration(settings, schedule, time_step):
+def base_acceleration(settings, schedule, time_step, with_across=False):
     """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2)
-    [m/s2], up to the last motion's end; none where the base is not accelerated.
+    [m/s2], up to the last motion's end; none where the base is not accelerated.  With across,
+    along x, z and the other horizontal direction, (n_steps, 3).
 
     Each event is its motion times its factor, rounded (`damage.rounded`).
     """
@@ -231,4 +233,12 @@ def base_acceleration(settings, schedule, time_step):
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
         factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
         base[start : start + n_steps] = to_grid(factor * once, ACCELERATION)
-    return base
+    if not with_across:
+        return base
+    other = np.zeros(len(base))
+    for event, start, n_steps in zip(settings.all_events, starts, lengths):
+        if (record := event.loading.applied_across()) is not None:
+            time_s, samples = np.arange(n_steps) * time_step, record.acceleration_m_s2
+            found = event.factor * at_times(time_s, record.time_step_s, samples)
+            other[start : start + n_steps] = to_grid(found, ACCELERATION)
+    return np.column_stack([base, other])

@@ -34,10 +34,12 @@ from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
 from damage.run.scheme import check_energy, scaling_warnings, schemes
-from damage.run.settings import RunSettings, Softening
+from damage.run.settings import SELECTIVE, RunSettings, Softening
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
+from damage.wall.house import House, masonry_of
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
+from damage.wall.space import lay_out_house
 
 
 @dataclass(frozen=True)
@@ -176,6 +178,8 @@ class RunPlan:
             "pier_stress_pa": self.layout.pier_stress,
             **applied_measures(loading.applied(), period_s, loading.applied_across()),
         }
+        if self.layout.space:
+            found["house"] = self.layout.space.as_dict()
         return found | {"outside_validity": "; ".join(outside(evidence_for(wall, found))) or None}
 
     def past(self):
@@ -255,6 +259,9 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
 def check(backend, wall, settings):
     """RunSettings with what this solver adds to them for this wall; raises InputError where they do
     not go together."""
+    if isinstance(wall, House):
+        check_house(settings, wall)
+    wall = masonry_of(wall)
     settings.check_plausible(wall)
     if wall.joint.softens and not backend.softening:
         raise InputError(
@@ -269,9 +276,31 @@ def check(backend, wall, settings):
     return settings
 
 
+def check_house(settings, house):
+    """Raise InputError where a run of a House is asked for what runs in the plane of a wall
+    alone."""
+    for placed in house.walls[1:]:
+        settings.check_plausible(placed.wall)
+    drive = settings.loading.drive
+    for what, given in (
+        ("a push or displacements of supports", drive.top or drive.supports),
+        ("--settlement", settings.settlement),
+        ("a run that continues", settings.continued or settings.resumed),
+        ("joints without bond", settings.joints_without_bond),
+        ("--after-fall", settings.after_fall),
+        ("--new-contacts", settings.new_contacts),
+        ("--mass-scaling selective", settings.mass_scaling == SELECTIVE),
+    ):
+        if given:
+            raise InputError(
+                f"house {house.name} with {what}: expected a motion of the base, or free vibration,"
+                " alone; leave it out"
+            )
+
+
 def output_of(backend, wall, settings):
     """Path of the history; raises InputError where it, or its pictures, cannot be written."""
-    out = settings.out or free_name(wall, settings, backend.name)
+    out = settings.out or free_name(masonry_of(wall), settings, backend.name)
     if not settings.resumed:
         check_output(out, settings.overwrite)
         if settings.pictures:
@@ -285,7 +314,7 @@ def plan_of(backend, wall, settings):
     modes = natural_modes(layout)
     period_s, critical_s = float(modes.period_s[0]), modes.critical_time_step_s
     settings = settings.for_period(period_s)
-    options = schemes(settings, wall, critical_s, period_s, fastest_decay(layout))
+    options = schemes(settings, masonry_of(wall), critical_s, period_s, fastest_decay(layout))
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
@@ -305,7 +334,7 @@ def _opened(plan, state, parameters, out, write):
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
-    if isinstance(writer, HistoryWriter):
+    if isinstance(writer, HistoryWriter) and not layout.space:
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces
@@ -324,7 +353,8 @@ def _opened(plan, state, parameters, out, write):
 def _laid_out(wall, settings):
     """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit
     it are refused."""
-    layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    lay = lay_out_house if isinstance(wall, House) else lay_out
+    layout = lay(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     if settings.joints_without_bond:
         layout = without_bond(layout, settings.joints_without_bond.joints(layout))
     if settings.settlement:

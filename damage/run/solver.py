@@ -27,7 +27,9 @@ class Instants(NamedTuple):
     damping_j: None where the solver does not compute it: the run then infers it from the balance;
     strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)],
     None of rigid ones; joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear
-    stress of all contact points, signed as their slip, None of a solver without `with_stresses`.
+    stress of all contact points, signed as their slip, None of a solver without `with_stresses`;
+    out_of_plane: (n, n_bodies, 3) of a house, displacement across its wall and rotations about the
+    axes along it and upwards [m, rad, rad], None of a plane wall.
     """
 
     clock: np.ndarray
@@ -45,6 +47,7 @@ class Instants(NamedTuple):
     damping_j: np.ndarray | None
     strain: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
+    out_of_plane: np.ndarray | None = None
 
     @classmethod
     def one(cls, **values):
@@ -74,8 +77,8 @@ class Solver(Protocol):
     """Samples for which a run asks at once; none: up to its next look."""
 
     def start(self, base, gravity):
-        """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last
-        value stays."""
+        """From this step on move the base by `base` (k, 2), of a house (k, 3) along its heading, up
+        and across, under `gravity` (k,) [m/s2], whose last value stays."""
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
         """From now on damp so, and in no other way: Cundall's local damping, the share that

@@ -106,9 +106,9 @@ def load_wall(path):
     return wall_of(make, path)
 
 
-def wall_of(make_wall, path):
+def wall_of(make_wall, path, kinds=Wall):
     """The wall that `make_wall()` returns, a function of the file at `path`; InputError, with the
-    line, where it fails or returns none."""
+    line, where it fails or returns none of these kinds."""
     try:
         wall = make_wall()
     except (Exception, SystemExit) as error:
@@ -119,7 +119,7 @@ def wall_of(make_wall, path):
         )
         where = "" if message.startswith(str(path)) else f"{path}{_line(error, path)}: "
         raise InputError(f"{where}{message}") from error
-    if not isinstance(wall, Wall):
+    if not isinstance(wall, kinds):
         raise InputError(
             f"{path} has no function wall() that returns a damage.Wall; start from the copy that"
             " the command new-wall writes"
@@ -176,7 +176,7 @@ def wall_from(table):
     made = _masonry(given) if "masonry" in given else {}
     for name, kind in _TABLES.items():
         if name in given:
-            made[name] = _record(f"[{name}]", kind, given.pop(name))
+            made[name] = user_record(f"[{name}]", kind, given.pop(name))
     for name, kind in _LISTS.items():
         if name in given:
             if not isinstance(given[name], list):
@@ -184,10 +184,10 @@ def wall_from(table):
                     f"{name} is no list: expected tables [[{name}]]; double the brackets"
                 )
             made[name] = [
-                _record(f"[[{name}]] {number}", kind, one)
+                user_record(f"[[{name}]] {number}", kind, one)
                 for number, one in enumerate(given.pop(name), 1)
             ]
-    return _record("the wall", Wall, given | made)
+    return user_record("the wall", Wall, given | made)
 
 
 def _joint(table):
@@ -232,7 +232,10 @@ def _masonry(given):
 def _of_modulus(modulus, brick, joint):
     """{"brick", "joint"} of the tables [brick] and [joint] whose masonry has a modulus across its
     bed joints [Pa]."""
-    made = {"brick": _record("[brick]", Brick, brick), "joint": _record("[joint]", Joint, joint)}
+    made = {
+        "brick": user_record("[brick]", Brick, brick),
+        "joint": user_record("[joint]", Joint, joint),
+    }
     if given := {"young_modulus", "shear_modulus"} & set(brick):
         raise InputError(
             f"[brick] {min(given)} beside masonry of young_modulus: expected one of them; leave"
@@ -241,7 +244,7 @@ def _of_modulus(modulus, brick, joint):
     return made | {"brick": brick_of_masonry(modulus, made["joint"], **brick)}
 
 
-def _record(what, kind, table):
+def user_record(what, kind, table):
     """A record of a table; InputError for keys that it does not have, and for those that are
     missing."""
     if not isinstance(table, dict):
@@ -249,7 +252,7 @@ def _record(what, kind, table):
     names = [one.name for one in fields(kind)]
     _refuse_unknown(what, table, [*names, *(["masonry"] if kind is Wall else [])])
     if isinstance(table.get("lintel"), dict):
-        table = table | {"lintel": _record(f"lintel of {what}", Lintel, table["lintel"])}
+        table = table | {"lintel": user_record(f"lintel of {what}", Lintel, table["lintel"])}
     missing = [
         one.name
         for one in fields(kind)

@@ -116,7 +116,7 @@ class Layout:
     of them.
     supports: below the base.
     fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where
-    they deform, else None.
+    they deform, else None; space: `damage.wall.space.Space` of a house, None of a plane wall.
     """
 
     wall: Wall
@@ -132,6 +132,7 @@ class Layout:
     supports: Supports
     fibres: Fibres | None = None
     strain: Strain | None = None
+    space: object = None
 
     @property
     def n_below_caps(self):

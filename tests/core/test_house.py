@@ -1,0 +1,101 @@
+"""Houses as data, and their layouts, beside plane walls, beam theory and what must be refused."""
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, one_line_error, written
+from numpy.testing import assert_allclose
+
+from damage.law.modes import natural_modes
+from damage.wall.house import Corner, House, Placed, read_house
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Brick, Joint, Wall
+from damage.wall.space import lay_out_house
+
+BOX = REPOSITORY / "houses/box.toml"
+ASHLAR = {"height": 0.4, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
+
+
+def test_a_house_of_one_wall_has_the_wall_s_periods_wherever_it_stands():
+    wall = Wall("small", 0.675, 0.6)
+    plane = lay_out(wall)
+    house = lay_out_house(House("one", [Placed(wall, (3, 1), 37)]))
+    assert_allclose(house.total_joint_length, plane.total_joint_length, rtol=1e-12)
+    found, expected = natural_modes(house, 8), natural_modes(plane, 2)
+    apart = np.abs(found.period_s[:, np.newaxis] / expected.period_s - 1).min(axis=0)
+    assert apart.max() < 1e-6
+    assert found.critical_time_step_s <= expected.critical_time_step_s
+
+
+def test_a_cantilever_vibrates_out_of_plane_as_a_beam():
+    """Timoshenko's beam by Dunkerley's formula: bending, and shear on the whole section."""
+    young, shear, wide, thick, high = 1e9, 4e8, 0.4, 0.2, 2.0
+    brick = Brick(wide, 0.1, thick, young_modulus=young, shear_modulus=shear)
+    wall = Wall("beam", wide, high, precompression=0, brick=brick, joint=Joint(1e13, 4e12))
+    found = natural_modes(lay_out_house(House("beam", [Placed(wall, direction=20)])), 1)
+    line = brick.density * wide * thick
+    bending = 2 * np.pi * high**2 / 3.5160 * np.sqrt(line / (young * wide * thick**3 / 12))
+    sliding = 4 * high * np.sqrt(line / (shear * wide * thick))
+    assert_allclose(found.period_s[0], np.hypot(bending, sliding), rtol=0.01)
+
+
+def test_toothed_walls_share_their_corners_and_are_joined():
+    """Two walls of two courses: each gives up one half brick at the corner, whose square a whole
+    one of the other fills; in between they lie on each other, t x t, and meet end to face."""
+    one, other = (Wall(name, 0.8, base_course=base, **ASHLAR) for name, base in _BASES)
+    house = House(
+        "two", [Placed(one), Placed(other, (0.1, -0.1), 90)], [Corner(("one", "other"), "toothed")]
+    )
+    layout = lay_out_house(house)
+    alone = [len(lay_out(wall).bodies) for wall in (one, other)]
+    assert len(layout.bodies) == sum(alone) - 2
+    between = layout.space.joint_wall == -1
+    flat, area = layout.contacts.kind[between] == 0, layout.contacts.area[between]
+    assert_allclose([area[flat].sum(), area[~flat].sum()], [0.2 * 0.2, 2 * 0.2 * 0.2])
+    weight = 1900 * 0.2 * (0.8 + 0.8 - 0.2) * 0.4
+    assert_allclose(layout.total_mass, weight)
+    assert natural_modes(layout, 1).period_s[0] > 0
+
+
+_BASES = (("one", "whole"), ("other", "half"))
+
+
+def _box(tmp_path, old, new):
+    for name in ("front.toml", "side.toml"):
+        written(tmp_path / name, (BOX.parent / name).read_text())
+    text = BOX.read_text()
+    assert old in text
+    return written(tmp_path / "house.toml", text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    "old, new, says",
+    [
+        ("[0.1, -0.1]", "[0.1, 0.3]", "front and left do not meet: expected their corner at (0.1"),
+        ("[0.1, -0.1]", "[0.15, -0.1]", "front and left overlap at (0.150, 0.000"),
+        ("[0, 1.8]", "[0, 1.5]", "a half brick of one in the place of a whole one"),
+        ('["front", "left"]', '["front", "lift"]', "expected two of its walls, front, left"),
+        ('"toothed"', '"butted"', "expected an end at a face of a butted corner"),
+        ("direction = 90", "direction = 80", "another than a right angle"),
+        ('name = "right"', 'name = "left"', "two walls named left"),
+        ('name = "box"', 'name = "box"\nfloors = 1', "has the key floors: expected one of name"),
+        ("[0.1, -0.1]", "[0.1]", "expected [x, y] in m"),
+        ('"side.toml"', '"sode.toml"', "no such wall file"),
+        (
+            '[[corners]]\nwalls = ["front", "left"]\nkind = "toothed"\n',
+            "",
+            "expected a corner of theirs in [[corners]]",
+        ),
+    ],
+)
+def test_a_house_that_cannot_be_is_refused_with_its_place(tmp_path, old, new, says):
+    path = _box(tmp_path, old, new)
+    assert says in one_line_error(lambda: lay_out_house(read_house(path)))
+
+
+def test_walls_of_other_masonry_or_of_the_plane_alone_are_refused():
+    one, other = Wall("one", 0.9, 0.6), Wall("other", 0.9, 0.6, joint=Joint(cohesion=1e5))
+    assert "one masonry" in one_line_error(House, "h", [Placed(one), Placed(other, (0, 3))])
+    soft = Wall(
+        "soft", 0.9, 0.6, joint=Joint(mode_i_fracture_energy=10, mode_ii_fracture_energy=50)
+    )
+    assert "fracture energies" in one_line_error(House, "h", [Placed(soft)])

@@ -1,0 +1,151 @@
+"""Houses in YADE beside what is known by hand; the last line printed is JSON.
+
+yade tests/yade/checks/space.py block              a dry block rocks about an edge of its face
+yade tests/yade/checks/space.py box                four walls stay symmetric
+yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
+                                                   these horizontal accelerations [g] in turn
+"""
+
+import json
+import math
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))  # YADE does not look here by itself
+
+import numpy as np
+from yade import O, Quaternion, Vector3
+
+from damage.law.modes import natural_modes
+from damage.run.solver import NO_MOTION
+from damage.units import GRAVITY
+from damage.wall.house import Corner, House, Placed
+from damage.wall.parameters import Brick, Joint, Wall
+from damage.wall.space import lay_out_house
+from yade_scripts.solver import YadeSolver
+
+
+def solver_of(house):
+    """Its YadeSolver, at rest, with a step of a third of the critical one."""
+    layout = lay_out_house(house)
+    return YadeSolver(layout, natural_modes(layout, 1).critical_time_step_s / 3)
+
+
+def block():
+    """Quarter period [s] of 0.1 x 1 m, released from 0.3 of the angle at which it would fall, by
+    YADE, and by its equation of motion."""
+    thick, high = 0.1, 1.0
+    brick = Brick(length=0.4, height=high, thickness=thick, young_modulus=1e14, shear_modulus=1e14)
+    joint = Joint(1e11, 4e10, tensile_strength=0, cohesion=0)
+    wall = Wall("block", 0.4, high, precompression=0, brick=brick, joint=joint)
+    solver = solver_of(House("block", [Placed(wall, direction=37)]))
+    alpha = math.atan(thick / high)
+    angle, axes = 0.3 * alpha, solver.layout.space.of_body[0]
+    state, foot = solver.scene.states[0], Vector3(*axes[1]) * -thick / 2
+    foot += Vector3(*(axes[0] * 0.2))
+    turn = Quaternion(Vector3(*axes[0]), angle)
+    state.pos, state.ori = foot + turn * (state.pos - foot), turn * state.ori
+    for joint in range(solver.layout.n_joints):  # dry from the start
+        solver.model.loosen(joint)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    times, angles = [], []
+
+    def look(now):
+        times.append(float(now.clock[0]) * O.dt)
+        angles.append(float(now.out_of_plane[0, 0, 1]))
+        return angles[-1] > 0 or len(times) < 3
+
+    solver.advance(int(0.25 / O.dt), 10, look)
+    quarter = np.interp(0.0, angles[:-3:-1], times[:-3:-1])
+    radius = math.hypot(thick, high) / 2
+    rate = 3 * GRAVITY / (4 * radius)  # m g R / I about the edge
+    exact, speed, step = 0.0, 0.0, 1e-6
+    while angle > 0:
+        speed -= step * rate * math.sin(alpha - angle)
+        angle += step * speed
+        exact += step
+    return {"quarter_s": float(quarter), "exact_s": exact}
+
+
+def box():
+    """A box of four walls, toothed, without weight, 400 steps after its base began to move along x:
+    largest displacement [m], what mirrored bricks differ by over it, and kinetic and elastic energy
+    over the work that came in."""
+    brick = Brick(length=0.4, height=0.2, thickness=0.2)
+    joint = Joint(tensile_strength=1e6, cohesion=1e6)
+    common = {"length": 1.2, "height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
+    fronts = [Placed(Wall(name, **common), (0, y)) for name, y in (("front", 0), ("back", 1.0))]
+    sides = [
+        Placed(Wall(name, base_course="half", **common), (x, -0.1), 90)
+        for name, x in (("left", 0.1), ("right", 1.1))
+    ]
+    corners = [
+        Corner((one.wall.name, other.wall.name), "toothed") for one in fronts for other in sides
+    ]
+    solver, seen = solver_of(House("box", fronts + sides, corners)), []
+    base = np.zeros((401, 3))
+    base[:, 0] = GRAVITY * np.sin(2 * np.pi * np.arange(401) / 200)
+    solver.start(base, np.zeros(1))
+    solver.advance(400, 10, lambda now: seen.append(now) or True)
+    now, layout = seen[-1], solver.layout
+    moved = np.column_stack([now.displacement[0], now.out_of_plane[0]])
+    moved = np.einsum("ni,nij->nj", moved[:, [0, 3, 1]], layout.space.of_body)
+    place = layout.space.centres(layout.bodies)
+    mirrored = place * [1, -1, 1] + [0, 1.0, 0]
+    twin = [np.abs(place - one).sum(axis=1).argmin() for one in mirrored]
+    size = np.abs(moved).max()
+    return {
+        "largest_m": float(size),
+        "asymmetry": float(np.abs(moved[twin] * [1, -1, 1] - moved).max() / size),
+        "balance": float((now.kinetic_j + now.elastic_j)[0] / now.input_j[0]),
+    }
+
+
+def corner(*multipliers):
+    """Whether a front of 1.2 x 0.8 m between side walls of 1.0 m falls, and how far its top has
+    moved [mm] after 0.8 s, under each acceleration, which comes in 0.3 s."""
+    brick = Brick(length=0.4, height=0.2, thickness=0.2, density=2000)
+    joint = Joint(5e9, 2e9, math.atan(0.7), tensile_strength=0, cohesion=0)
+    common = {"height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
+    front = Wall("front", 1.2, **common)
+    sides = [Wall(name, 1.0, base_course="half", **common) for name in ("left", "right")]
+    house = House(
+        "corner",
+        [Placed(front)] + [Placed(one, (x, -0.1), 90) for one, x in zip(sides, (0.1, 1.1))],
+        [Corner(("front", one.name), "toothed") for one in sides],
+        heading=90,
+    )
+    found = {}
+    for multiplier in multipliers:
+        solver = solver_of(house)
+        solver.damp(local=0.7)
+        solver.start(NO_MOTION, np.array([GRAVITY]))
+        solver.advance(int(0.05 / O.dt))
+        steps = int(0.8 / O.dt)
+        share = np.minimum(np.arange(steps) * O.dt / 0.3, 1.0)
+        base = np.zeros((steps, 3))
+        base[:, 0] = multiplier * GRAVITY * share**2 * (3 - 2 * share)
+        solver.start(base, np.array([GRAVITY]))
+        for _ in range(8):
+            solver.advance(steps // 8)
+            moved = solver.scene.motion()[:, 3]
+            if np.abs(moved).max() > 0.03:
+                break
+        front_top = solver.layout.space.drift_bodies[0]
+        speed = max(abs(solver.scene.states[body].vel[1]) for body in front_top)
+        found[multiplier] = {
+            "top_mm": 1e3 * float(np.abs(moved[front_top]).max()),
+            "speed_mm_s": 1e3 * speed,
+            "moved": int(np.sum(np.abs(moved) > 2e-3)),
+        }
+    return found
+
+
+print(
+    json.dumps(
+        {"block": block, "box": box, "corner": corner}[sys.argv[1]](*map(float, sys.argv[2:]))
+    )
+)
+sys.stdout.flush()
+os._exit(0)

@@ -1,0 +1,120 @@
+"""Houses in YADE: a wall by itself wherever it stands, rocking, symmetry, corners, and what reads
+their histories."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, SHORT, TINY, wall_file, written
+from numpy.testing import assert_allclose
+
+from damage.history.reader import read_history
+from damage.measure.energy import energy_error
+
+pytestmark = pytest.mark.yade
+
+MOTION = ("--harmonic", 0.05, 0.5, "--cycles", 1, "--rest", 0.02, "--no-pictures", "--out")
+DATA = REPOSITORY / "yade_scripts/wall_data.py"
+
+
+def _check(yade_command, *words):
+    script = REPOSITORY / "tests/yade/checks/space.py"
+    done = yade_command("-n", "-x", "-j1", script, *words, status=0)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def turned(yade_command, tmp_path_factory):
+    """Histories of a wall that cracks, and of its house, turned by 37 degrees with the motion."""
+    folder = tmp_path_factory.mktemp("space")
+    wall = wall_file(folder / "tiny.py", TINY)
+    house = written(
+        folder / "house.toml",
+        'name = "house"\nheading = 37\n'
+        '[[walls]]\nfile = "tiny.py"\norigin = [3, 1]\ndirection = 37\n',
+    )
+    for words, name in (((wall,), "wall"), ((DATA, house), "house")):
+        yade_command(*SHORT, *words, *MOTION, folder / f"{name}.h5", status=0)
+    return {name: read_history(folder / f"{name}.h5") for name in ("wall", "house")}
+
+
+def test_a_house_of_one_wall_moves_as_the_wall(turned):
+    wall, house = turned["wall"], turned["house"]
+    drift = [one.series["drift_ratio"].abs().max() for one in (wall, house)]
+    shear = [one.series["base_shear_n"].abs().max() for one in (wall, house)]
+    assert_allclose(drift[1], drift[0], rtol=0.02)
+    assert_allclose(shear[1], shear[0], rtol=0.02)
+    failed = [one.broken[-1].mean() for one in (wall, house)]
+    assert failed[0] > 0.02
+    assert abs(failed[1] - failed[0]) < 0.1
+    assert abs(house.index()["DI"].max() - wall.index()["DI"].max()) < 0.03
+    assert energy_error(house.series) < 0.01
+    assert (
+        np.abs(house.house.across_m).max() < 0.01 * house.series["top_displacement_m"].abs().max()
+    )
+
+
+def test_a_wall_of_a_house_is_read_in_its_plane(turned, damage_command):
+    house = turned["house"]
+    part = read_history(house.path.with_name("house:tiny.h5"))
+    assert part.wall == "tiny"
+    assert part.masonry_wall.name == "tiny"
+    for name in ("DI", "DI_drift"):
+        assert_allclose(part.index()[name], house.index()[name], atol=1e-12)
+    assert part.plan.n_bricks == len(part.bodies[part.bodies["course"] >= 0])
+    said = damage_command("index", part.path, status=0).stdout
+    assert "tiny / harmonic" in said
+    assert (
+        "no wall roof: expected one of tiny"
+        in damage_command("index", house.path.with_name("house:roof.h5"), status=2).stderr
+    )
+
+
+def test_a_dry_block_rocks_out_of_plane_in_housner_s_quarter_period(yade_command):
+    found = _check(yade_command, "block")
+    assert_allclose(found["quarter_s"], found["exact_s"], rtol=0.01)
+
+
+def test_a_box_of_four_walls_stays_symmetric_and_keeps_its_energy(yade_command):
+    found = _check(yade_command, "box")
+    assert found["largest_m"] > 1e-6
+    assert found["asymmetry"] < 1e-6
+    assert_allclose(found["balance"], 1, atol=0.01)
+
+
+def test_what_runs_in_a_plane_alone_is_refused(yade_command, tmp_path):
+    said = yade_command(
+        REPOSITORY / "houses/box.toml", "--pushover", 0.001, "--out", tmp_path / "a.h5", status=2
+    ).stderr
+    assert "house box with a push" in said
+
+
+@pytest.mark.long
+def test_a_dry_front_between_toothed_walls_falls_at_the_multiplier_by_hand(yade_command):
+    """The front of 10 bricks and the 8 of both wedges at 45 degrees turn about its outer edge and
+    open all joints to the rest: no friction; sum m y / sum m z = 0.463."""
+    found = _check(yade_command, "corner", 0.45, 0.48)
+    assert found["0.45"]["speed_mm_s"] < 0.1
+    assert found["0.45"]["moved"] == 0
+    assert found["0.48"]["speed_mm_s"] > 5
+    assert found["0.48"]["moved"] > 5
+
+
+@pytest.mark.long
+def test_each_wall_of_a_box_with_windows_has_its_index_and_pictures(
+    yade_command, damage_command, tmp_path
+):
+    out = tmp_path / "box.h5"
+    words = ("--harmonic", 0.1, 0.5, "--cycles", 1, "--rest", 0.02, "--out", out)
+    yade_command(*SHORT, DATA, REPOSITORY / "houses/box.toml", *words, status=0)
+    history = read_history(out)
+    assert [part.wall for part in history.parts] == ["front", "left", "right", "back"]
+    assert energy_error(history.series) < 0.01
+    assert sum(len(part.joints) for part in history.parts) < len(history.joints)
+    assert (tmp_path / "box:front").is_dir()
+    found = json.loads(damage_command("index", out, "--json", status=0).stdout)
+    assert set(found) == {"front", "left", "right", "back"}
+    assert (
+        "has an index of each wall"
+        in damage_command("plot", out, "--out", tmp_path, status=2).stderr
+    )
