@@ -222,7 +222,7 @@ class TestDiagonalTension:
         found = wall.system.strengths["cohesion"][cuts] / contacts.area[cuts]
         assert found.mean() == approx(diagonal_tension(1e6, -0.3e6 - weight), rel=0.02)
 
-    def test_a_wall_of_an_older_version_is_told_what_to_write(self):
+    def test_a_wall_of_an_older_version_is_refused_with_what_to_write(self):
         table = {"name": "old", "length": 0.9, "height": 0.45, "brick": {"cohesion": 1e6}}
         for read in (wall_from, Wall.from_dict):
             assert "tensile strength f_t alone" in one_line_error(read, table)
