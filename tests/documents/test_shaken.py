@@ -73,10 +73,10 @@ def test_the_kept_share_is_that_of_housner_for_his_peaks():
     assert impacts.kept_share(0.2 * (1 - np.sqrt(1 - energy)), 0.2) == pytest.approx(0.5)
 
 
-def test_the_prediction_is_the_one_that_was_committed():
-    path = TABLES / "us2_prediction.csv"
-    digest, name = path.with_suffix(".sha256").read_text().split()
-    assert name == path.name and digest == hashlib.sha256(path.read_bytes()).hexdigest()
+def test_predictions_are_those_that_were_committed():
+    for path in (TABLES / f"{name}_prediction.csv" for name in ("shear_walls", "us2")):
+        digest, name = path.with_suffix(".sha256").read_text().split()
+        assert name == path.name and digest == hashlib.sha256(path.read_bytes()).hexdigest()
     table = pd.read_csv(path)
     assert list(table["run"]) == list(range(1, 26)) and table[
         table["run"].isin([3, 6, 8, 11])
