@@ -171,6 +171,10 @@ def read_wall(path):
 def wall_from(table):
     """The damage.Wall of a table {key: value} as a TOML file has it."""
     given = dict(table)
+    if "walls" in given:
+        raise InputError(
+            "[[walls]] are of a house: expected one wall; houses run by ./yade FILE.toml"
+        )
     if "joint" in given:
         given["joint"] = _joint(given["joint"])
     made = _masonry(given) if "masonry" in given else {}

@@ -6,6 +6,7 @@ from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
+from damage.wall.file import load_wall
 from damage.wall.house import Corner, House, Placed, read_house
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Brick, Joint, Wall
@@ -90,6 +91,10 @@ def _box(tmp_path, old, new):
 def test_a_house_that_cannot_be_is_refused_with_its_place(tmp_path, old, new, says):
     path = _box(tmp_path, old, new)
     assert says in one_line_error(lambda: lay_out_house(read_house(path)))
+
+
+def test_what_takes_a_wall_says_that_this_is_a_house():
+    assert "houses run by ./yade" in one_line_error(load_wall, BOX)
 
 
 def test_walls_of_other_masonry_or_of_the_plane_alone_are_refused():
