@@ -96,11 +96,8 @@ def make_history(
     if snapshots is None:
         snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
     for time, displacement in snapshots.items():
-        writer.snapshot(
-            time,
-            displacement,
-            None if layout.strain is None else np.zeros((len(layout.bodies), 5, 3)),
-        )
+        stress = () if layout.strain is None else (np.zeros((len(layout.bodies), 5, 3)),)
+        writer.snapshot(time, displacement, *stress)
     writer.finish(status, collapsed_at_s)
     return read_history(path) if write is HistoryWriter else writer.history()
 
