@@ -182,6 +182,7 @@ RUN = {
     "--pushover ?": "0.5",
     "--cyclic 0.1,?": "0.5",
     "--pushover 0.1 --speed ?": "0.5",
+    "--pushover 0.1 --floor-share ? 1": "",
     "--pushover 0.1 --damping ?": "0 1e-300 0.5",
     "--cells ?": "",
     "--strength-cov ?": "0 1e-300 0.5",
@@ -217,7 +218,6 @@ COMMANDS = {
     "cracks C --wall W --tolerance-mm ?": "0.5",
     "modes W --cells ?": "",
     "fragility F --out O --replicates ?": "",
-    "study-tables S O -j ?": "",
 }
 """The same of commands, with files that are there, or are looked for after the options (F, O,
 S)."""

@@ -49,7 +49,7 @@ from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 WEAK = {"tensile_strength": 3e4, "cohesion": 8e4}
 SOFT = WEAK | {"mode_i_fracture_energy": 1.0, "mode_ii_fracture_energy": 10.0}
-SPLITTING = {"tensile_strength": 1e5, "cohesion": 1.5e5}
+SPLITTING = {"tensile_strength": 1e5, "fracture_energy": 3.0}
 KINDS = {
     "brittle": (WEAK, {}, {}),
     "on damped soil": (WEAK, {}, {"soil": 1e9, "soil_velocity": 100.0}),
