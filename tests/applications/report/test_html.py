@@ -454,7 +454,6 @@ def test_a_history_s_numbers_are_equal_in_json_table_point_report_and_verdict(
         "residual_shear_limit_DI",
         "max_drift_ratio",
         "residual_drift_ratio",
-        "pgv_m_s",
         "max_crack_width_mm",
         "residual_psi",
         "elastic_joint_share",
