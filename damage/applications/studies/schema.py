@@ -7,6 +7,8 @@ together; whether files are there and values make sense is for `load_study` to s
 command calls.
 """
 
+import argparse
+
 from damage.applications.studies import definition
 from damage.run.options import file_path, options_of_a_run
 from damage.toml_file import DRAFT
@@ -143,6 +145,9 @@ def _option(action):
     if action.nargs == 0:
         return {"type": "boolean"}
     one = _word(action)
+    if isinstance(action, argparse._AppendAction):  # one row of numbers, or a list of rows
+        row = {"type": "array", "items": one}
+        return {"type": "array", "items": {"anyOf": [one, row]}, "minItems": 1}
     if isinstance(action.nargs, int):
         return {
             "type": "array",
