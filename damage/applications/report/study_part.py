@@ -80,7 +80,7 @@ _FOLLOWS = {
     *("total_joint_length_m", "elastic_joint_share", "elastic_joint_share_above_openings"),
 }
 """Parameters that a point's wall and motion say, or that follow from them."""
-WIDE, TALL, LEFT, BELOW = 420, 270, 56, 38
+WIDE, TALL, LEFT, BELOW = 420, 270, 68, 38
 """Size of a chart, and room for its labels on the left and below, pixels of its own."""
 REPLICATES = 200
 """Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""
