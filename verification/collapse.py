@@ -1,13 +1,11 @@
 """Collapse multiplier of a dry-joint wall in the reference solver: horizontal body load, raised and
 held.
 
-Gravity settles; then the base is accelerated, which is a horizontal body load of `multiplier` times
-each
-weight in the frame of the base.  The load goes up to a level and is held there until the wall is at
-rest, or runs away; bisection between a stable and an unstable level gives the multiplier.
-At rest all accelerations are nil, so that it depends neither on the speed of loading nor on the
-damping, except through
-the path that slips take on their way.
+The wall comes to rest under its weight.  Then the base is accelerated, which is a horizontal body
+load of `multiplier` times each weight in the frame of the base.  The load rises to a level and is
+held there until the wall is at rest or goes on accelerating.  Bisection between a stable and an
+unstable level gives the multiplier.  At rest all accelerations are nil, so that it depends neither
+on the speed of loading nor on the damping, except through the path of the slips.
 """
 
 from dataclasses import dataclass
