@@ -246,15 +246,23 @@ def _beside(table, loop):
     return loop | {"run_dissipated_j": energy, "run_equivalent_damping": damping}
 
 
+def _as_given(history):
+    """What draws of a wall share of it: all where its inputs are given, else its shape."""
+    wall = history.masonry_wall
+    if history.model.inputs == "given":
+        return wall
+    return wall.name, wall.length, wall.height, wall.openings, wall.outline
+
+
 def draws_report(histories, to=None):
-    """Medians and quantiles of the `figures` of several draws of the joints' strengths, a plain
+    """Medians and quantiles of the `figures` of several draws of a wall, a plain
     dictionary.
 
     Raises InputError where runs are not of one wall and one push, or a draw is there twice."""
     first, drawn = histories[0], {}
     alike = [
         (
-            history.masonry_wall,
+            _as_given(history),
             capacity.pushed_loading(history),
             replace(history.model, strength_seed=0),
             history.solver,
@@ -269,13 +277,13 @@ def draws_report(histories, to=None):
             )
         model, seeds = history.model, history.parameters
         draw = (
-            model.strength_cov and model.strength_seed,
+            model.draws and model.strength_seed,
             seeds.get("scatter") and seeds.get("seed"),
         )
         if draw in drawn:
             raise InputError(
-                f"{history.path}: the same draw of the strengths as {drawn[draw]}; expected "
-                "--strength-cov and another --strength-seed; leave one out"
+                f"{history.path}: the same draw of the wall as {drawn[draw]}; expected "
+                "--strength-cov or --inputs, and another --strength-seed; leave one out"
             )
         drawn[draw] = history.path
     test, measured, to = _measured(first, to)
