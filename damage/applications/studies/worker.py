@@ -223,16 +223,10 @@ def _run_yade_on(task, connection, lock, inputs):
         lock,
         lambda text: connection.send((None, f"{task.name}: {text}", None)),
     )
-    if status == EXIT_OK and (found := changes(task, inputs, _read_by(task))):
+    if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
         task.part.unlink()
         return CHANGED, found
     return conclude(task) if status == EXIT_OK else (status, None)
-
-
-def _read_by(task):
-    """The wall of a task's history; None where it was drawn, and the file is read again."""
-    history = read_history(task.part)
-    return history.masonry_wall if history.model.inputs == "given" else None
 
 
 def _run_solver(command, folder, lock, announce):
