@@ -36,6 +36,7 @@ from damage.run.schedule import check_size, check_top, deformable_warnings, soft
 from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import SELECTIVE, RunSettings, Softening
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
+from damage.wall.coarser import in_units
 from damage.wall.drawn import drawn, ranges
 from damage.wall.house import House, masonry_of
 from damage.wall.layout import Layout, lay_out
@@ -248,7 +249,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to
     be no file.
     """
-    wall = make_wall()
+    wall = in_units(make_wall(), settings.units)
     settings = check(backend, wall, settings)
     out = output_of(backend, wall, settings)
     plan = plan_of(backend, wall, settings)

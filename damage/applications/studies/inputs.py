@@ -18,6 +18,7 @@ from damage.checks import check_file
 from damage.motion.record import Record
 from damage.run.options import SOURCES
 from damage.run.settings import RunSettings
+from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
 
@@ -67,7 +68,8 @@ def inputs_of(run, root, wall=None):
             ).read_bytes()
         ).hexdigest()
     )
-    return Inputs(as_read or load_wall(root / run.wall), settings, continued, _drawn_from(run, root))
+    as_read = as_read or in_units(load_wall(root / run.wall), settings.units)
+    return Inputs(as_read, settings, continued, _drawn_from(run, root))
 
 
 def _drawn_from(run, root):
