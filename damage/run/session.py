@@ -337,7 +337,7 @@ def _opened(plan, state, parameters, out, write):
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
-    if isinstance(writer, HistoryWriter) and not layout.space:
+    if writer.path and not layout.space:
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from damage.applications.cracks import capacity
+from damage.applications.cracks.loops import LOOP, loops_at
 from damage.errors import InputError
 from damage.files import DATA
-from damage.measure.loops import LOOP, loops_at
 from damage.measure.pushed import first_loading
 
 TESTS = DATA / "eucentre" / "tests.csv"

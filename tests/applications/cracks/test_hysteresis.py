@@ -25,7 +25,7 @@ from damage.applications.cracks.capacity import (
     mean_force,
     mode_shares,
 )
-from damage.applications.cracks.loops import read_loops
+from damage.applications.cracks.loops import loops_at, read_loops
 from damage.applications.cracks.pushed import (
     SPECIMENS,
     draws_report,
@@ -34,7 +34,6 @@ from damage.applications.cracks.pushed import (
     read_test,
 )
 from damage.history.contacts import Contacts
-from damage.measure.loops import loops_at
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
 
