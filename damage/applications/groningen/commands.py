@@ -16,7 +16,7 @@ from damage.commands.table import JSON, WALL, command, out, output, save, show, 
 from damage.errors import InputError, warn
 from damage.files import is_there, write_text
 from damage.provenance import MODEL
-from damage.run.options import arg, file_arg, flag, group, number_from
+from damage.run.options import UNITS, arg, file_arg, flag, group, number_from
 from damage.wall.file import wall_path
 
 
@@ -345,6 +345,7 @@ def _life(asked):
     ),
     group(
         "runs",
+        UNITS,
         file_arg(
             "--levels",
             "LEVELS.csv",
@@ -396,6 +397,7 @@ def _claim(asked):
             settlement,
             asked.draws,
             asked.language,
+            tuple(asked.units),
         ),
         asked.out,
         asked.jobs or os.cpu_count(),

@@ -32,6 +32,7 @@ from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for
 from damage.measure.summary import summarise
 from damage.run.options import fraction, settings_of
+from damage.wall.coarser import coarser
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -47,7 +48,7 @@ class Claim:
     `damage.applications.groningen.exposure.lives.KEYS`: value}; survey: the file
     of cracks; options: of each run; settlement: options of a settlement of known shape and size, {}
     for none that is known; draws: their number, None for as many as the intervals or an answer
-    need; language: of the sheet."""
+    need; language: of the sheet; units: bricks and courses of a unit (`damage.wall.coarser`)."""
 
     wall: str
     address: dict
@@ -56,6 +57,7 @@ class Claim:
     settlement: dict = field(default_factory=dict)
     draws: int | None = None
     language: str = "en"
+    units: tuple[int, int] = (1, 1)
 
 
 def make_claim(claim, out, jobs, remake=False):
@@ -67,7 +69,7 @@ def make_claim(claim, out, jobs, remake=False):
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
     drawn_from = draws_of(claim.address)
     drawn_from.life(1)  # says what is wrong before anything is written
-    layout = layout_of(claim.wall)
+    layout = layout_of(claim.wall, claim.units)
     settled = settings_of(claim.settlement, "", "reference").settlement
     if settled is not None:
         settled.check_length(layout.wall.length)
@@ -87,7 +89,7 @@ def make_claim(claim, out, jobs, remake=False):
                     " cracks were put on; give the same command again"
                 )
             twins = read_twins(out, layout)
-            given = claim.address | claim.options
+            given = claim.address | claim.options | {"units": claim.units}
             exposure = read_address(out / f"{SHAKEN}.address.toml").exposure  # that the runs have
             numbers = numbers_of(
                 twins, survey, layout, exposure, given, _ground(claim), _evidence(first)
@@ -133,9 +135,10 @@ def _draw(study, out, jobs, remake, lock):
     )
 
 
-def layout_of(wall):
-    """Layout of a claim's wall: its file, or the name of one that ships."""
-    return lay_out(load_wall(wall_path(wall)), ModelOptions(supports="bricks"))
+def layout_of(wall, units=(1, 1)):
+    """Layout of a claim's wall: its file, or the name of one that ships; in units of so many bricks
+    and courses."""
+    return lay_out(coarser(load_wall(wall_path(wall)), *units), ModelOptions(supports="bricks"))
 
 
 def _no_answer_foreseen(survey, most):
@@ -170,7 +173,8 @@ def _state_runs(jobs, steps):
 
 def _study(claim, out, draws):
     """The Study of so many draws, whose file is written into a folder."""
-    path = write_twins(out, claim.wall, claim.address, claim.options, claim.settlement, draws)
+    options = claim.options | ({"units": list(claim.units)} if claim.units != (1, 1) else {})
+    path = write_twins(out, claim.wall, claim.address, options, claim.settlement, draws)
     return load_study(path, "reference", ROOT)
 
 
