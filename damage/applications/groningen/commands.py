@@ -363,6 +363,13 @@ def _life(asked):
     ),
 )
 def _claim(asked):
+    from damage.applications.groningen.claim.dutch import said_in
+
+    with said_in(asked.language):
+        return _make_claim(asked)
+
+
+def _make_claim(asked):
     import os
 
     from damage.applications.groningen.claim.make import Claim, make_claim

@@ -1,6 +1,5 @@
 """How large a claim is, and about how long its draws take."""
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +13,8 @@ from damage.wall.file import load_wall
 RATE = 4e7, 1.5e8
 """Contact points times steps that a process takes in a second, eight runs together: of walls that
 crack much, or on a busy machine; of walls that crack little."""
+STATIC_S = 1.0
+"""What a run takes to come to rest before time zero, about [s]."""
 LIVES = 8
 """Whose motions say how long a draw is."""
 
@@ -28,7 +29,7 @@ class Size:
     def describe(self, draws, jobs):
         """So many draws in words, in so many processes."""
         work = self.contact_points * self.steps * draws / jobs / 60
-        low, high = (two_digits(work / rate) for rate in reversed(RATE))
+        low, high = (two_digits(max(1.0, work / rate)) for rate in reversed(RATE))
         return (
             f"{self.contact_points} contact points x {two_digits(self.steps)} steps x {draws}"
             f" draws: {low} to {high} minutes"
@@ -42,7 +43,7 @@ def size_of(study):
         settings = [run.settings(ROOT, number) for number in range(1, LIVES + 1)]
         wall = in_units(load_wall(run.wall), settings[0].units)
         plan = plan_of(BACKEND, wall, check(BACKEND, wall, settings[0]))
-        steps += np.mean([one.duration_s for one in settings]) / plan.time_step
+        steps += (STATIC_S + np.mean([one.duration_s for one in settings])) / plan.time_step
     return Size(plan.layout.n_joints, float(steps))
 
 
@@ -53,18 +54,3 @@ def two_digits(value):
     ('120', '0.3', '1.3')
     """
     return f"{float(f'{value:.2g}'):.10g}"
-
-
-class Pace:
-    """What the draws so far took."""
-
-    def __init__(self):
-        self._began, self._made = time.monotonic(), 0
-
-    def after(self, before, draws):
-        """Take note that these draws are there, and how many were before this command."""
-        self._made = draws - before
-
-    def left_s(self, draws):
-        """Time for so many more [s]; None where none was made."""
-        return (time.monotonic() - self._began) / self._made * draws if self._made > 0 else None
