@@ -37,6 +37,7 @@ from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import SELECTIVE, RunSettings, Softening
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.coarser import in_units
+from damage.wall.drawn import drawn, ranges
 from damage.wall.house import House, masonry_of
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
@@ -311,6 +312,7 @@ def output_of(backend, wall, settings):
 
 def plan_of(backend, wall, settings):
     """The RunPlan of a run of settings that were checked; raises InputError."""
+    wall = drawn(wall, ranges(settings.model.inputs), settings.model.strength_seed)
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     period_s, critical_s = float(modes.period_s[0]), modes.critical_time_step_s

@@ -197,7 +197,7 @@ class RunSettings:
         if self.settlement and self.model.supports == "one":
             object.__setattr__(self, "model", replace(self.model, supports="bricks"))
         number = self.life["number"] if self.life else self.event and self.event["life"]
-        if number is not None and self.model.strength_cov:
+        if number is not None and self.model.draws:
             object.__setattr__(self, "model", replace(self.model, strength_seed=number))
         self._check_past()
         if not self.sequence:
