@@ -30,9 +30,8 @@ TWINS = "COMP2_4", "COMP2_5"
 
 def cases(folder):
     """{wall: (Wall, {test: {of MEASURES: mean over both directions}})}."""
-    found = {TWINS[0]: (tested_wall(TWINS[0]), {name: read_test(name).figures for name in TWINS})}
     inputs = {row.wall: row for row in pd.read_csv(folder / "inputs.csv").itertuples()}
-    results = pd.read_csv(folder / "results_sw_lw.csv").set_index("wall")
+    found, results = {}, pd.read_csv(folder / "results_sw_lw.csv").set_index("wall")
     for name, row in results.iterrows():
         peak, force, elastic, ultimate = (
             (row[f"{what}_plus"] + row[f"{what}_minus"]) / 2
@@ -45,7 +44,8 @@ def cases(folder):
             "ultimate_drift": ultimate / 100,
         }
         found[name] = wall_of(inputs[name]), {name: test}
-    return found
+    twins = {name: read_test(name).figures for name in TWINS}
+    return found | {TWINS[0]: (tested_wall(TWINS[0]), twins)}
 
 
 def figures(history):
@@ -58,15 +58,14 @@ def main():
     parsed = arguments(
         __doc__,
         option("folder", type=Path),
+        option("--drawn", nargs="+", choices=DRAWN, default=list(DRAWN)),
         option("--out", type=Path, default=Path("results/coverage")),
     )
     bench, rows = Bench(parsed.out), []
-    for (drawn, words), (name, (wall, tests)) in product(
-        DRAWN.items(), cases(parsed.folder).items()
-    ):
+    for drawn, (name, (wall, tests)) in product(parsed.drawn, cases(parsed.folder).items()):
         file = wall_file(bench.path(name, ending=".toml"), wall)
         runs = {
-            f"{name}_{drawn}_{seed}": [file, *PUSH, *words, "--strength-seed", seed]
+            f"{name}_{drawn}_{seed}": [file, *PUSH, *DRAWN[drawn], "--strength-seed", seed]
             for seed in DRAWS
         }
         found = [figures(history) for history in bench.together(runs).values()]

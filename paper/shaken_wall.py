@@ -4,9 +4,9 @@ docs/validation/shaken-walls.md.
     python3 -m paper shaken_wall FOLDER bearings    # which bearing six runs choose at three heights
     python3 -m paper shaken_wall FOLDER prediction  # draws beside the test, and the second wall's
                                                     # later prediction
-    python3 -m paper shaken_wall FOLDER heights     # of the kept draws with the first bearing and
-                                                    # with the later one: peaks at three heights,
-                                                    # errors, coverage
+    python3 -m paper shaken_wall FOLDER heights     # peaks at three heights by both bearings, and
+                                                    # errors
+    python3 -m paper shaken_wall FOLDER coverage    # what lies inside the ranges of the kept draws
     python3 -m paper shaken_wall FOLDER choices     # what load, bearing, stiffness and law change
     python3 -m paper shaken_wall FOLDER period      # what would have to be lost for the periods of
                                                     # the test
@@ -70,8 +70,6 @@ DRAWS, COV = 19, 0.35
 """Of 19 draws the least and the largest hold a twentieth in 90 of 100 cases."""
 CHOSEN_ON = 5, 10, 14, 17, 19, 21
 """Runs that the bearing may be chosen on, all of HU12; the others judge."""
-INPUTS = ranges("tested") | {"load": Range(None, 1.0, 2.6)}
-"""Of the draws; the load from one reading of it to the other, 27 kN."""
 RIGID_PA = 1e15
 """Modulus of the bricks: all compliance is the joints', by the measured period."""
 
@@ -328,6 +326,7 @@ STIFFNESSES, FRICTIONS, PLAYS_M = (
     (3e-3, 10e-3, 20e-3, 40e-3),
 )
 LOADS_N = 10.35e3, 27e3
+"""The two readings of the load."""
 PEAKS = ["peak_disp_bot_mm", "peak_disp_mid_mm", "peak_disp_top_mm"]
 """Columns of measured peaks at SENSORS_M."""
 MOVED = [f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]
@@ -401,13 +400,16 @@ def prediction(folder):
     events, numbers = events_of(folder, runs)
     strongest = events[numbers.index(22)]
     events, numbers = [*events, replace(strongest, factor=2 * strongest.factor)], [*numbers, LAST]
-    draws = draws_of({"later": chosen()}, events, range(1, DRAWS + 1), numbers, INPUTS)
+    case = chosen()
+    load = Range(None, *(one / case.load_n for one in LOADS_N))
+    inputs = ranges("tested") | {"load": load}
+    draws = draws_of({"later": case}, events, range(1, DRAWS + 1), numbers, inputs)
     keep(draws, "us1_draws")
     of_runs = quantiles(draws)
     table = runs[["rec", "sf", "pga", "pgv"]].set_axis(
         ["record", "scale", "pga_g", "pgv_m_s"], axis=1
     )
-    keep(table.join([tested_of(folder), of_runs]).reset_index(), "us1_prediction")
+    keep(table.join([tested_of(folder), of_runs]).reset_index(), "us1_later_prediction")
     second = of_runs.reindex(range(1, LAST + 1)).reset_index(names="run")
     path = keep(second, "us2_later_prediction", TABLES)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -440,51 +442,68 @@ def quantiles(draws):
     """Quantiles over draws by run of MEASURES, by Weibull's plotting position."""
     return pd.DataFrame.from_dict(
         {
-            run: {
-                f"{name}_{q}": np.percentile(of_run[name], q, method="weibull")
-                for name in MEASURES
-                for q in QUANTILES
-            }
+            run: {f"{name}_{q}": _at(of_run[name], q) for name in MEASURES for q in QUANTILES}
             for run, of_run in measures_of(draws).groupby("run")
         },
         orient="index",
     )
 
 
+def _at(values, share):
+    """The value nearest to a quantile [%] by Weibull's plotting position, k / (n + 1); values may
+    be infinite."""
+    place = share / 100 * (len(values) + 1) - 1
+    return np.sort(values)[int(np.clip(np.rint(place), 0, len(values) - 1))]
+
+
 def heights(folder):
-    """Of both bearings: median peaks at the three sensors beside the test, errors of runs chosen on
-    and of others, and how many tested values lie inside the draws' ranges."""
+    """By the first bearing and by the later one, the first draw: peaks at the three sensors and
+    periods beside the test, and errors of the runs chosen on and of the others."""
     tested = tested_of(folder)
-    kept = {
-        name: pd.read_csv(TABLES / "benchmarks" / f"us1_{file}.csv")
-        for name, file in (("first", "first_draws"), ("later", "draws"))
+    events, numbers = events_of(folder, read_runs(folder))
+    draws = draws_of({"first": Case(), "later": chosen()}, events, [1], numbers)
+    found = {
+        bearing: measures_of(of).set_index("run")[[*MOVED, "period_s"]]
+        for bearing, of in draws.groupby("case")
     }
-    found = {name: quantiles(draws).loc[: tested.index[-1]] for name, draws in kept.items()}
-    peaks = [
-        of[[f"{name}_50" for name in MOVED]].set_axis([f"{what}_{name}" for name in MOVED], axis=1)
-        for what, of in found.items()
-    ]
-    table = tested[[f"tested_{name}" for name in MOVED]].join(peaks, how="inner")
+    table = pd.concat(
+        [tested.loc[numbers], *(of.add_prefix(f"{b}_") for b, of in found.items())], axis=1
+    )
     table.insert(0, "chosen_on", table.index.isin(CHOSEN_ON).astype(int))
     keep(table.rename_axis("run").reset_index(), "us1_heights")
     rows = []
-    for what, of in found.items():
-        for name, judges in product(MEASURES, (False, True)):
-            runs = [run for run in of.index if (run not in CHOSEN_ON) == judges]
-            test, (low, middle, high) = (
-                tested.loc[runs, f"tested_{name}"],
-                (of.loc[runs, f"{name}_{q}"] for q in QUANTILES),
+    for (bearing, of), judges in product(found.items(), (False, True)):
+        chosen_on = [run for run in numbers if (run not in CHOSEN_ON) == judges]
+        for name in of:
+            apart = np.log(of[name] / tested[f"tested_{name}"]).loc[chosen_on].dropna()
+            rows.append(
+                {
+                    "bearing": bearing,
+                    "measure": name,
+                    "runs": "others" if judges else "chosen on",
+                    "n": len(apart),
+                    "within_1.5": int((apart.abs() <= math.log(1.5)).sum()),
+                    "factor": np.exp(np.sqrt((apart**2).mean())),
+                    "bias": np.exp(apart.mean()),
+                }
             )
-            apart = np.log(middle / test) if name != "residual_mm" else np.nan * test
+    keep(pd.DataFrame(rows), "us1_errors")
+
+
+def coverage(folder):
+    """How many tested values lie inside the ranges of the kept draws, by bearing and measure."""
+    tested, rows = tested_of(folder), []
+    for bearing, file in (("first", "first_draws"), ("later", "draws")):
+        found = quantiles(pd.read_csv(TABLES / "benchmarks" / f"us1_{file}.csv"))
+        for name in MEASURES:
+            test = tested[f"tested_{name}"].reindex(found.index)
+            low, high = (found[f"{name}_{q}"] for q in (QUANTILES[0], QUANTILES[-1]))
             known = low.notna() & test.notna()
             rows.append(
                 {
-                    "bearing": what,
+                    "bearing": bearing,
                     "measure": name,
-                    "runs": "others" if judges else "chosen on",
                     "n": int(known.sum()),
-                    "within_1.5": int((apart.abs() <= math.log(1.5)).sum()),
-                    "error": np.sqrt((apart**2).mean()),
                     "inside": int(((low <= test) & (test <= high)).sum()),
                 }
             )
@@ -495,7 +514,6 @@ def heights(folder):
 
 CHOICES = {
     "as predicted": {},
-    "first bearing": dict(zip(Case._fields[:4], Case())),
     "play 10 mm": {"play": 10e-3},
     "top driven": {"stiffness": None},
     "load 27 kN": {"load_n": 27e3},
@@ -519,7 +537,7 @@ def choices(folder):
     events, numbers = events_of(folder, runs.loc[list(CHOICE_RUNS)])
     seeds, rows = [1], []
     for name, change in CHOICES.items():
-        of_runs = quantiles(draws_of({name: chosen()._replace(**change)}, events, seeds, numbers))
+        of_runs = quantiles(draws_of({name: Case()._replace(**change)}, events, seeds, numbers))
         rows.append(
             {
                 "choice": name,
@@ -541,7 +559,7 @@ def choices(folder):
             "us1_choices",
         )
     tables = {
-        with_them: quantiles(draws_of({"prediction": chosen()}, found[0], seeds, found[1]))[
+        with_them: quantiles(draws_of({"prediction": Case()}, found[0], seeds, found[1]))[
             "peak_mm_2060_50"
         ]
         for with_them in (False, True)
@@ -587,7 +605,7 @@ def weakened(layout, points, n_joints):
 def periods(_):
     """How much longer the first period of the strip is by a loss of stiffness; the test's grew by
     13 and 22 %."""
-    case, options = chosen(), ModelOptions(contacts="gauss", cells=Case().cells)
+    case, options = Case(), ModelOptions(contacts="gauss", cells=Case().cells)
     wall = fitted(case)
     stiffness, rows = wall.joint.normal_stiffness, []
 
@@ -662,6 +680,7 @@ PROGRAMS = {
     "bearings": bearings,
     "prediction": prediction,
     "heights": heights,
+    "coverage": coverage,
     "choices": choices,
     "period": periods,
     "solvers": solvers,
