@@ -328,7 +328,7 @@ by("add-opening").addEventListener("click", () => {
   sent();
 });
 by("add-floor").addEventListener("click", () => {
-  table.floors = [...(table.floors || []), { level: nearest(Math.min(2.7, table.height), course()), mass: 3000 }];
+  table.floors = [...(table.floors || []), { level: nearest(Math.min(2.7, isGable() ? table.outline[0][1] : table.height), course()), mass: 3000 }];
   choose(table.floors.at(-1));
   sent();
 });
