@@ -1,0 +1,499 @@
+"""Pictures of a house: its walls unfolded with the cracks of both faces, the house in perspective,
+walls and corners over time, and the house before it is run.
+
+Each function returns a matplotlib Figure; `save_all` writes those of a History, of a plane wall,
+too.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+
+from damage.draw import run, style
+from damage.draw.panels import PAGE_WIDTH, from_zero, grid, letter
+from damage.draw.wall import (
+    LARGEST_MAGNIFICATION,
+    line_width,
+    round_125,
+    shape_at,
+    widest_line,
+)
+from damage.history.info import origin
+from damage.history.moments import (
+    JOINT_STATES,
+    check_samples,
+    joint_states,
+    nearest_snapshot,
+    state_codes,
+)
+from damage.history.reader import History
+from damage.index import THRESHOLD
+from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
+from damage.units import MILLIMETRE
+from damage.wall.geometry import displaced, kinds_of_bodies, tributary_ends
+from damage.wall.kinds import TINY
+from damage.wall.placing import FACES, box_corners, moved
+
+COLOURS = style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.BLACK, style.ORANGE
+LINES = [(colour, line) for line in ("-", "--", ":", "-.") for colour in COLOURS]
+"""Colour and line of the walls, then of the corners, in their order."""
+SIDES = np.array(
+    [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [3, 2, 6, 7], [0, 3, 7, 4], [1, 2, 6, 5]]
+)
+"""Corners of the sides of a box, as of `damage.wall.placing.BOX`."""
+ABOVE_DEG, BESIDE_DEG = 24.0, 35.0
+"""Where one looks from: above the horizon, and beside the normal of the first wall."""
+AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house
+OTHER_COLOUR = "0.85"
+DARKEST = 0.8  # share of its colour that a side has which the light does not reach
+BEFORE_M = 0.001  # cracks before the bricks beside them
+VISIBLE_SHARE = 0.05  # largest drawn displacement over the height of the house
+
+
+def moment_of(history, sample):
+    """Sample of "max" (of the largest index of a wall), "end" or a number, with that index, and the
+    nearest snapshot or None."""
+    check_samples(history)
+    damage = largest_index(history)
+    named = {"max": int(damage.argmax()), "end": len(damage) - 1}
+    sample = int(named.get(sample, sample))
+    time_s = history.series["time_s"].iloc[sample]
+    return sample, float(damage[sample]), nearest_snapshot(history, time_s)
+
+
+@dataclass(frozen=True)
+class HouseShape:
+    """Bodies and cracks of a house in space, at any of its samples."""
+
+    history: History
+
+    @cached_property
+    def faces(self):
+        """(number of the wall, sign of y, History of the face) of all faces."""
+        signs = {face: self.history.placing.sign_of(face) for face in FACES}
+        return [
+            (number, int(signs[face][number]), part.of_face(face))
+            for number, part in enumerate(self.history.parts)
+            for face in FACES
+        ]
+
+    @cached_property
+    def rest(self):
+        """Corners of the bodies in their walls, (n_bodies, 8, 3) [m]."""
+        thick = self.history.placing.thickness[self.history.house.body_wall]
+        return box_corners(self.history.bodies, thick)
+
+    def motion(self, snapshot):
+        """Of the bodies in a snapshot, None for at rest: (n_bodies, 3) in the planes of their
+        walls, and across them."""
+        if snapshot is None:
+            return np.zeros((2, len(self.rest), 3))
+        history = self.history
+        return history.displacement[snapshot].astype(float), history.house.out_of_plane[snapshot]
+
+    def corners(self, snapshot, magnify=1.0):
+        """Corners of the bodies in the house, (n_bodies, 8, 3) [m]."""
+        of = np.arange(len(self.rest))
+        places = moved(self.history.bodies, *self.motion(snapshot), of, self.rest, magnify)
+        return self.history.placing.in_house(self.history.house.body_wall, places)
+
+    def cracks(self, sample, snapshot, magnify=1.0):
+        """Cracks of all faces at a sample: ends (n, 2, 3) [m], code of JOINT_STATES (n,), width
+        (n,) [m], the face's normal (n, 3), and the bodies of the joint, -1 the ground (n, 2)."""
+        history, found = self.history, []
+        for number, sign, face in self.faces:
+            codes = joint_states(face, sample)
+            chosen = np.flatnonzero(codes > JOINT_STATES.index("broken"))
+            ends = tributary_ends(face.joints)[chosen]
+            y = np.full(ends.shape[:2], sign * history.placing.thickness[number] / 2)
+            places = np.stack([ends[..., 0] + history.placing.left[number], y, ends[..., 1]], -1)
+            of_wall = np.append(np.flatnonzero(history.house.body_wall == number), -1)
+            ends = face.joints[["first_body", "second_body"]].to_numpy()[chosen]
+            bodies = of_wall[np.maximum(ends, -1)]
+            both = [
+                moved(history.bodies, *self.motion(snapshot), body, places, magnify)
+                for body in bodies.T
+            ]
+            wall = np.full(len(chosen), number)
+            found.append(
+                (
+                    history.placing.in_house(wall, sum(both) / 2),
+                    codes[chosen],
+                    np.hypot(
+                        face.opening_m[sample, chosen],
+                        face.slip_by("displacement")[sample, chosen],
+                        dtype=float,
+                    ),
+                    sign * history.placing.axes[wall, 1],
+                    bodies,
+                )
+            )
+        return [np.concatenate(values) for values in zip(*found)]
+
+    def magnification(self, snapshots):
+        """Factor that makes the largest displacement in these snapshots visible, as
+        `damage.draw.wall.magnification` does."""
+        at_rest = self.corners(None)
+        largest = max(
+            (
+                float(np.abs(self.corners(one) - at_rest).max())
+                for one in snapshots
+                if one is not None
+            ),
+            default=0.0,
+        )
+        if largest == 0:
+            return 1.0
+        wanted = VISIBLE_SHARE * at_rest[..., 2].max() / largest
+        return round_125(min(max(wanted, 1.0), LARGEST_MAGNIFICATION))
+
+
+# --- unfolded ------------------------------------------------------------------------------------
+
+
+@style.styled
+def elevation_picture(history, sample="max", magnify=None):
+    """Figure of the walls of a house side by side, each from the side of its negative y, with the
+    cracks of its face outside, and below of that inside; joints to other walls with both.
+
+    sample: "max" (of the largest index of a wall), "end" or an index into the series; magnify:
+    factor on displacements and rotations, None for one that makes them visible.
+    """
+    shape = HouseShape(history)
+    sample, damage, snapshot = moment_of(history, sample)
+    magnify = shape.magnification([snapshot]) if magnify is None else magnify
+    parts = history.parts
+    widths = [part.attributes["length_m"] for part in parts]
+    height = max(part.attributes["height_m"] for part in parts)
+    figure, axes = grid(2, len(parts), 1.0, sharey=True, width_ratios=widths)
+    page_m = sum(widths) + 0.3 * len(widths)
+    panel = (PAGE_WIDTH - 0.6) * height / page_m + 0.25
+    figure.set_size_inches(PAGE_WIDTH, 2 * min(panel, 3.5) + 0.35)
+    points = 72 * (PAGE_WIDTH - 0.6) / page_m * np.array([page_m, height])
+    drawn = []
+    for row, face in zip(axes, FACES):
+        for number, (ax, part) in enumerate(zip(row, parts)):
+            seen = part.of_face(face)
+            one = shape_at(seen, sample, damage, magnify=magnify, snapshot=snapshot)
+            one = _with_corners(one, history, number, sample, snapshot)
+            drawn.append(one.on_page(points, (page_m, height)))
+            style.add_bodies(
+                ax,
+                _of_other_walls(shape, number, face, snapshot, magnify),
+                OTHER_COLOUR,
+                "0.75",
+                0.2,
+                zorder=0.5,
+            )
+            run.draw_wall(ax, drawn[-1])
+            ax.label_outer()
+            side = "+y" if history.placing.sign_of(face)[number] > 0 else "-y"
+            ax.set_title(f"{part.wall}, {face} ({side})", loc="left", fontsize=7)
+    every = replace(
+        drawn[0],
+        **{
+            name: np.concatenate([getattr(one, name) for one in drawn])
+            for name in ("kinds", "elastic", "crack_width_m")
+        },
+    )
+    style.add_title(
+        figure,
+        history,
+        _moment(history, sample, damage, snapshot, magnify),
+        "all faces as seen from the wall's negative y",
+    )
+    handles = run.joint_handles(every)
+    handles.append(style.area_handle(OTHER_COLOUR, "brick of the other wall", "0.75"))
+    style.legend_below(figure, handles, 6)
+    style.settle_layout(figure)
+    return figure
+
+
+def _moment(history, sample, damage, snapshot, magnify):
+    time_s = history.series["time_s"].iloc[sample]
+    shown = (
+        "undeformed, no snapshot near"
+        if snapshot is None
+        else f"shape at {history.snapshot_time_s[snapshot]:.3f} s, displacements × {magnify:g}"
+    )
+    return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}; {shown}"
+
+
+def _of_other_walls(shape, number, face, snapshot, magnify):
+    """Ends of bricks of other walls in the corners of a wall, by its number, as its face shows
+    them: (n, 4, 2) [m]."""
+    history, placing = shape.history, shape.history.placing
+    sign, half = placing.sign_of(face)[number], placing.thickness[number] / 2
+    where = [
+        placing.in_wall(number, shape.corners(*how).reshape(-1, 3)).reshape(-1, 8, 3)
+        for how in ((None,), (snapshot, magnify))
+    ]
+    low, high = where[0].min(axis=1), where[0].max(axis=1)
+    start = placing.left[number]
+    least, most = np.array([start, -half]), np.array([start + placing.length[number], half])
+    within = np.minimum(high[:, :2], most) - np.maximum(low[:, :2], least) > TINY
+    chosen = within.all(axis=1) & (history.house.body_wall != number)
+    sides = where[1][chosen][:, SIDES]
+    seen = sides[np.arange(len(sides)), (sign * sides[..., 1]).mean(axis=2).argmax(axis=1)]
+    return seen[..., [0, 2]] - [start, 0.0]
+
+
+def _with_corners(shape, history, number, sample, snapshot):
+    """A WallShape of a wall, by its number, with its joints to other walls."""
+    house, placing, found = history.house, history.placing, []
+    opening, offset = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
+    for walls, joints in corner_joints(history).items():
+        if placing.names[number] not in walls:
+            continue
+        table = history.joints.iloc[joints]
+        local = table[["x_m", "y_m", "z_m"]].to_numpy()
+        of = np.full(len(local), placing.names.index(walls[0]))
+        places = placing.in_wall(number, placing.in_house(of, local[:, None])[:, 0])
+        for (first, second, _), rows in table.groupby(
+            ["first_body", "second_body", "kind"], observed=True
+        ).indices.items():
+            low, high = places[rows].min(axis=0), places[rows].max(axis=0)
+            if high[2] - low[2] > TINY:  # upright: seen from its edge, or in the middle of its face
+                low[0] = high[0] = (low[0] + high[0]) / 2
+            points = joints[rows]
+            found.append(
+                (
+                    [low[[0, 2]], high[[0, 2]]],
+                    first if house.body_wall[first] == number else second,
+                    (opening[points] > THRESHOLD).any(),
+                    (offset[points] > THRESHOLD).any(),
+                    history.broken[sample, points].any(),
+                    np.hypot(opening[points], offset[points]).max(),
+                )
+            )
+    if not found:
+        return shape
+    ends, body, opened, slipped, broken, width = map(np.array, zip(*found))
+    motion = (
+        np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot]
+    )
+    ends = displaced(history.bodies, motion, body.astype(int), ends, shape.magnification)
+    return replace(
+        shape,
+        segments=np.concatenate([shape.segments, ends - [placing.left[number], 0.0]]),
+        state=np.append(shape.state, state_codes(opened, slipped, broken)),
+        elastic=np.append(shape.elastic, np.zeros(len(ends), bool)),
+        crack_width_m=np.append(shape.crack_width_m, width),
+    )
+
+
+# --- in perspective ------------------------------------------------------------------------------
+
+
+class Eye:
+    """Perspective of a house from an azimuth in plan [deg]; middle [m] and radius [m] of what is
+    seen."""
+
+    def __init__(self, azimuth, middle, radius):
+        turn, above = np.radians([azimuth, ABOVE_DEG])
+        towards = [np.cos(above) * np.cos(turn), np.cos(above) * np.sin(turn), np.sin(above)]
+        self.towards, self.right = np.array(towards), np.array([-np.sin(turn), np.cos(turn), 0.0])
+        self.up = np.cross(self.towards, self.right)
+        self.middle, self.distance = middle, AWAY * radius
+        self.place = middle + self.distance * self.towards
+
+    def project(self, places):
+        """Places (..., 3) [m] on the picture, (..., 2) [m], in scale at the middle."""
+        away = places - self.middle
+        scale = self.distance / (self.distance - away @ self.towards)
+        return np.stack([away @ self.right, away @ self.up], -1) * scale[..., None]
+
+    def sees(self, places, normals):
+        """Whether planes at places with normals (..., 3) show their fronts, (...,) bool."""
+        return np.sum((self.place - places) * normals, axis=-1) > 0
+
+
+def polygons(shape, eye, sample, snapshot, magnify, widest_pt):
+    """What a PolyCollection of a HouseShape needs, from back to front: places [m], colours of faces
+    and edges, widths [pt].
+
+    Course by course upwards: as the eye is above all of them, a lower one hides nothing of a higher
+    one; in a course from far to near.
+    """
+    bodies, corners = shape.history.bodies, shape.corners(snapshot, magnify)
+    sides = corners[:, SIDES]  # (n_bodies, 6, 4, 3)
+    outwards = sides.mean(axis=2) - corners.mean(axis=1, keepdims=True)
+    seen = eye.sees(sides.mean(axis=2), outwards)
+    of = np.nonzero(seen)[0]
+    level = np.append(bodies["z_m"].round(3), -np.inf)
+    near = np.append((corners.mean(axis=1) - eye.middle) @ eye.towards, -np.inf)
+    normal = outwards[seen] / np.linalg.norm(outwards[seen], axis=1, keepdims=True)
+    light = DARKEST + (1 - DARKEST) * np.clip(normal @ (eye.right / 2 + [0, 0, 0.9]), 0, 1)
+    kinds = kinds_of_bodies(bodies["course"])[of]
+    paint = np.array([to_rgb(style.BODY_COLOURS[kind]) for kind in kinds]) * light[:, None]
+    ends, codes, width, normals, joined = shape.cracks(sample, snapshot, magnify)
+    visible = eye.sees(ends.mean(axis=1), normals)
+    joined, codes, width = joined[visible], codes[visible], width[visible]
+    colours = np.array([to_rgb(run.JOINT_COLOURS[state]) for state in JOINT_STATES])[codes]
+    order = np.lexsort(
+        (
+            np.append(near[of], near[joined].max(axis=1) + BEFORE_M),
+            np.append(level[of], level[joined].max(axis=1)),
+        )
+    )
+    places = [*eye.project(sides[seen]), *eye.project(ends[visible])]
+    return (
+        [places[k] for k in order],
+        np.concatenate([paint, colours])[order],
+        np.concatenate([np.full_like(paint, 0.5), colours])[order],
+        np.append(np.full(len(of), 0.15), line_width(width, widest_pt))[order],
+    )
+
+
+class Perspective:
+    """Axes with a house in perspective: `show` draws a moment from an azimuth [deg]."""
+
+    def __init__(self, ax, history, page_pt):
+        self.shape, placing = HouseShape(history), history.placing
+        places = self.shape.corners(None).reshape(-1, 3)
+        self.low, self.high = places.min(axis=0), places.max(axis=0)
+        self.middle = (self.low + self.high) / 2
+        self.radius = float(np.linalg.norm(self.high - self.low) / 2)
+        outside = placing.sign_of("outside")[0] * placing.axes[0, 1]
+        self.azimuth = float(np.degrees(np.arctan2(outside[1], outside[0]))) + BESIDE_DEG
+        span = 2 * self.radius
+        brick_m = history.bodies["height_m"][history.bodies["course"] >= 0].min()
+        self.widest_pt = widest_line(brick_m, (span, span), page_pt)
+        self.ground, self.drawn = (ax.add_collection(PolyCollection([])) for _ in range(2))
+        self.ground.set(facecolor=style.GROUND_COLOUR, edgecolor="none")
+        self.drawn.set(joinstyle="round")
+        self.ax = ax
+        ax.set(aspect="equal")
+        ax.axis("off")
+
+    def show(self, sample, snapshot, magnify, azimuth=None):
+        """Draw a sample and snapshot, with displacements by a factor."""
+        azimuth = self.azimuth if azimuth is None else azimuth
+        eye = Eye(azimuth, self.middle, self.radius)
+        places, face, edge, width = polygons(
+            self.shape, eye, sample, snapshot, magnify, self.widest_pt
+        )
+        self.drawn.set_verts(places)
+        self.drawn.set(facecolor=face, edgecolor=edge, linewidth=width)
+        margin = 0.12 * self.radius
+        (x0, y0), (x1, y1) = self.low[:2] - margin, self.high[:2] + margin
+        ground = np.array([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)])
+        self.ground.set_verts([eye.project(ground)])
+
+    def fit(self, azimuths):
+        """Set the limits of the axes to what is seen from these azimuths [deg]; returns height over
+        width."""
+        margin = 0.15 * self.radius
+        low, high = self.low - margin, self.high + margin
+        corners = np.array(np.meshgrid(*zip(low, high))).reshape(3, -1).T
+        seen = np.concatenate(
+            [Eye(one, self.middle, self.radius).project(corners) for one in azimuths]
+        )
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        self.ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        return (high[1] - low[1]) / (high[0] - low[0])
+
+
+def legend_of(history, sample, widest_pt):
+    """Handles of the states and widths of cracks, and of the kinds of bodies, of a house."""
+    part = history.parts[0]
+    one = shape_at(part, sample, 0.0, magnify=0.0)
+    width = np.hypot(
+        history.opening_m[sample], history.slip_by("displacement")[sample], dtype=float
+    )
+    shape = replace(
+        one,
+        elastic=np.zeros(1, bool),
+        kinds=kinds_of_bodies(history.bodies["course"]),
+        crack_width_m=width,
+        widest_pt=widest_pt,
+    )
+    unseen = {"intact", f"failed, ≤ {THRESHOLD / MILLIMETRE:g} mm"}
+    return [one for one in run.joint_handles(shape) if one.get_label() not in unseen]
+
+
+@style.styled
+def space_picture(history, sample="max", magnify=None, azimuth=None):
+    """Figure of a house in perspective, deformed and exaggerated, with the cracks of the faces that
+    are seen.
+
+    sample, magnify: as of `elevation_picture`; azimuth: in plan of the eye from x towards y [deg],
+    None for one beside the normal of the first wall.
+    """
+    sample, damage, snapshot = moment_of(history, sample)
+    figure, ax = style.new_figure(1.0)
+    seen = Perspective(ax, history, (72 * style.COLUMN_WIDTH,) * 2)
+    magnify = seen.shape.magnification([snapshot]) if magnify is None else magnify
+    seen.show(sample, snapshot, magnify, azimuth)
+    ratio = seen.fit([seen.azimuth if azimuth is None else azimuth])
+    figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5))
+    style.add_title(figure, history, _moment(history, sample, damage, snapshot, magnify))
+    style.legend_below(figure, legend_of(history, sample, seen.widest_pt), columns=3)
+    style.settle_layout(figure)
+    return figure
+
+
+# --- over time -----------------------------------------------------------------------------------
+
+
+@style.styled
+def walls_picture(history):
+    """Figure over time: damage index, drift along and across each wall, opening of the corners."""
+    check_samples(history)
+    walls, corners = walls_table(history), corners_table(history)
+    names, pairs = history.placing.names, list(dict.fromkeys(corners["corner"]))
+    n_panels = 3 + bool(pairs)
+    figure, axes = style.new_figure(1.15 * n_panels, rows=n_panels, sharex=True)
+    columns = (
+        ("DI", 1.0, "DI [-]", "damage index"),
+        ("drift_ratio", 100.0, "drift [%]", "drift along the wall"),
+        ("drift_across_ratio", 100.0, "drift [%]", "drift across the wall"),
+    )
+    for number, (ax, (name, factor, label, words)) in enumerate(zip(axes, columns)):
+        for wall, (colour, line) in zip(names, LINES):
+            one = walls[walls["wall"] == wall]
+            ax.plot(one["time_s"], factor * one[name], color=colour, ls=line, label=wall)
+        ax.set_ylabel(label)
+        letter(ax, number, words)
+    handles = axes[0].get_lines()[:]
+    if pairs:
+        for pair, (colour, line) in zip(pairs, LINES[len(names) :]):
+            one = corners[corners["corner"] == pair]
+            axes[3].plot(
+                one["time_s"], one["opening_m"] / MILLIMETRE, color=colour, ls=line, label=pair
+            )
+        axes[3].set_ylabel("opening [mm]")
+        letter(axes[3], 3, "corners, widest opening")
+        from_zero(axes[3])
+        handles += axes[3].get_lines()[:]
+    from_zero(axes[0])
+    figure.align_ylabels()
+    style.add_title(figure, history)
+    marks = style.mark_times(history, axes)
+    style.legend_below(figure, [*handles, *marks], columns=3)
+    return figure
+
+
+# --- files ---------------------------------------------------------------------------------------
+
+PICTURES = {
+    "elevation_max": partial(elevation_picture, sample="max"),
+    "elevation_end": partial(elevation_picture, sample="end"),
+    "space_max": partial(space_picture, sample="max"),
+    "walls": walls_picture,
+    "energy": run.energy_picture,
+}
+"""{file name without suffix: function that draws it} of a house."""
+
+
+def save_all(history, folder):
+    """Write all pictures of a History as PNG and PDF into `folder`, those of a house or of a wall;
+    returns their paths."""
+    if not history.is_house:
+        return run.save_all(history, folder)
+    return style.save_figures(
+        ((name, draw(history)) for name, draw in PICTURES.items()), folder, origin(history)
+    )
